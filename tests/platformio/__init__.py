@@ -1,0 +1,1 @@
+"""Builds and tests PlatformIO projects, unchanged, without PlatformIO's package registry."""
