@@ -1,0 +1,140 @@
+"""Finds the external programs, headers and sources that verification needs.
+
+Everything comes from Debian packages. What is missing is reported with the package that holds it; nothing is
+skipped for want of it.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+from gen.errors import InputError
+
+ARDUINO_ENVIRONMENT = "GEN_ARDUINO_AVR"
+"""Environment variable that names another Arduino AVR core: a folder with ``cores`` and ``variants``."""
+
+ARDUINO_DEFAULT = Path("/usr/share/arduino/hardware/arduino/avr")
+"""Where Debian's ``arduino-core-avr`` puts the core."""
+
+MCU = "atmega2560"
+
+PACKAGES = {
+    "avr-gcc": "gcc-avr",
+    "avr-g++": "gcc-avr",
+    "avr-ar": "binutils-avr",
+    "avr-nm": "binutils-avr",
+    "avr-size": "binutils-avr",
+    "avr-objdump": "binutils-avr",
+    "avr-objcopy": "binutils-avr",
+    "gcc": "gcc",
+    "g++": "g++",
+    "clang++": "clang",
+}
+"""The Debian package that holds each program."""
+
+
+class ToolMissing(InputError):  # noqa: N818
+    """A program, header or source tree that a command needs is not installed.
+
+    Parameters
+    ----------
+    tool
+        What is missing, by the name that its users know.
+    package
+        The Debian package that holds it.
+    hint
+        A further remedy, such as an environment variable.
+    """
+
+    def __init__(self, tool: str, package: str, *, hint: str = "") -> None:
+        self.tool = tool
+        self.package = package
+        self.command = f"apt-get install -y {package}"
+        message = f"{tool} is missing: it is in the Debian package {package}; install it with: {self.command}"
+        super().__init__(f"{message} ({hint})" if hint else message)
+
+
+def program(name: str) -> Path:
+    """Find a program on the ``PATH``.
+
+    Parameters
+    ----------
+    name
+        One of the keys of `PACKAGES`.
+
+    Raises
+    ------
+    ToolMissing
+        When the program is not on the ``PATH``.
+    """
+    found = shutil.which(name)
+    if found is None:
+        raise ToolMissing(name, PACKAGES[name])
+    return Path(found)
+
+
+def avr_compiler() -> Path:
+    """Find ``avr-g++`` and check that avr-libc for the ATmega2560 and the AVR binutils stand beside it.
+
+    Raises
+    ------
+    ToolMissing
+        When the compiler, the binutils or avr-libc are not installed.
+    """
+    compiler = program("avr-g++")
+    program("avr-ar")
+    start_file = f"crt{MCU}.o"
+    answer = _output([str(compiler), f"-mmcu={MCU}", f"-print-file-name={start_file}"])
+    if not Path(answer).is_absolute():
+        raise ToolMissing(f"avr-libc ({start_file})", "avr-libc")
+    return compiler
+
+
+def arduino_core() -> Path:
+    """Find the Arduino AVR core: the folder with ``cores/arduino`` and ``variants/mega``.
+
+    Raises
+    ------
+    ToolMissing
+        When neither the environment variable `ARDUINO_ENVIRONMENT` nor Debian's place leads to it.
+    """
+    named = os.environ.get(ARDUINO_ENVIRONMENT)
+    root = Path(named) if named else ARDUINO_DEFAULT
+    for part in ("cores/arduino/Arduino.h", "variants/mega/pins_arduino.h"):
+        if not (root / part).is_file():
+            raise ToolMissing(
+                f"the Arduino AVR core ({root / part})",
+                "arduino-core-avr",
+                hint=f"or let {ARDUINO_ENVIRONMENT} name a folder with cores/ and variants/",
+            )
+    return root
+
+
+def simavr_flags() -> list[str]:
+    """Check that libsimavr can be compiled against; give the linker flags that it needs.
+
+    Raises
+    ------
+    ToolMissing
+        When gcc, the simavr headers or its library are not installed.
+    """
+    compiler = str(program("gcc"))
+    probe = subprocess.run(
+        [compiler, "-E", "-x", "c", "-o", os.devnull, "-"],
+        input="#include <simavr/sim_elf.h>\n",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if probe.returncode != 0:
+        raise ToolMissing("simavr's header simavr/sim_elf.h", "libsimavr-dev")
+    if not Path(_output([compiler, "-print-file-name=libsimavr.so"])).is_absolute():
+        raise ToolMissing("simavr's library libsimavr.so", "libsimavr-dev")
+    return ["-lsimavr"]
+
+
+def _output(command: list[str]) -> str:
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()

@@ -1,0 +1,38 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from gen.verify.avr.compile import ArduinoCore, build_elf
+from gen.verify.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+
+SOURCES = Path(__file__).parent / "firmware"
+
+Emulate = Callable[..., EmulatedMega]
+
+
+@pytest.fixture(scope="session")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("avr-cache")
+
+
+@pytest.fixture(scope="session")
+def core(cache: Path) -> ArduinoCore:
+    return ArduinoCore(cache)
+
+
+@pytest.fixture
+def emulate(cache: Path, tmp_path: Path) -> Emulate:
+    """Build one file of firmware/ (or a text of its own) and open it on the emulator."""
+
+    def build(name: str, *, text: str | None = None, core: ArduinoCore | None = None) -> EmulatedMega:
+        source = SOURCES / name
+        if text is not None:
+            source = tmp_path / name
+            source.write_text(text, encoding="utf-8")
+        elf = build_elf([source], [MAILBOX_FOLDER], tmp_path / f"{name}.elf", core=core)
+        return EmulatedMega(elf, cache)
+
+    return build

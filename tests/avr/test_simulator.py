@@ -1,0 +1,295 @@
+from __future__ import annotations
+
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gen.verify.avr import simulator
+from gen.verify.avr.compile import ArduinoCore
+from gen.verify.avr.simulator import MARKER_OVERHEAD, EmulatedMega, EmulationFailed, Stop
+
+from .conftest import Emulate
+
+# Cycles by the datasheet of the ATmega2560 (22-bit program counter), in the order of instructions.cpp.
+DATASHEET = {
+    "nop": 1,
+    "add": 1,
+    "adiw": 2,
+    "mul": 2,
+    "muls": 2,
+    "mulsu": 2,
+    "movw": 1,
+    "ld": 2,
+    "ldd": 2,
+    "st": 2,
+    "lds": 2,
+    "push, pop": 2 + 2,
+    "lpm": 3,
+    "elpm": 3,
+    "rjmp": 2,
+    "call, ret, rjmp": 5 + 5 + 2,
+    "rcall, ret, rjmp": 4 + 5 + 2,
+    "sec, brcs taken": 1 + 2,
+    "clc, brcs not taken": 1 + 1,
+}
+CLR = 1  # each probe ends with a clr r1
+
+
+def records(
+    mega: EmulatedMega, inputs: NDArray[np.generic], out_size: int, *, max_cycles: int = 100_000_000
+) -> tuple[NDArray[np.uint8], NDArray[np.uint32]]:
+    """Run one record for each element of ``inputs`` (a structured or plain array)."""
+    return mega.run_records(
+        inputs,
+        mega.sram_address("gen_input"),
+        inputs.dtype.itemsize,
+        mega.sram_address("gen_output"),
+        out_size,
+        len(inputs),
+        max_cycles,
+    )
+
+
+def float_pairs() -> NDArray[np.float32]:
+    """Corner cases against each other, then random bit patterns that are no NaN, then pairs of like size."""
+    tiny, smallest = float(np.finfo(np.float32).tiny), 1e-45
+    corners: list[float] = [
+        0.0,
+        1.0,
+        1.5,
+        2.0,
+        3.0,
+        1e-30,
+        1e30,
+        16777216.0,
+        16777217.0,
+        0.1,
+        tiny,
+        smallest,
+        tiny * 0.75,
+    ]
+    corners += [float(np.finfo(np.float32).max), float("inf")]
+    signed = np.array([sign * value for value in corners for sign in (1.0, -1.0)], dtype=np.float32)
+    crossed = np.stack(np.meshgrid(signed, signed), axis=-1).reshape(-1, 2)
+    generator = np.random.default_rng(20240607)
+    bits = generator.integers(0, 2**32, size=(20_000, 2), dtype=np.uint32).view(np.float32)
+    near = generator.normal(size=(5_000, 2)).astype(np.float32)
+    pairs = np.concatenate([crossed, bits[~np.isnan(bits).any(axis=1)], near])
+    return np.ascontiguousarray(pairs)
+
+
+def test_float_sums_and_products_equal_numpys_bit_for_bit(emulate: Emulate) -> None:
+    pairs = float_pairs()
+    inputs = pairs.view([("a", "<f4"), ("b", "<f4")]).reshape(-1)
+    with emulate("floats.cpp") as mega:
+        outputs, _ = records(mega, inputs, 12)
+    got = outputs.view("<f4")
+    a, b = pairs[:, 0], pairs[:, 1]
+    with np.errstate(all="ignore"):
+        expected = np.stack([a + b, a - b, a * b], axis=1)
+    numbers = ~np.isnan(expected)
+    np.testing.assert_array_equal(np.isnan(got), ~numbers)
+    np.testing.assert_array_equal(got.view("<u4")[numbers], expected.view("<u4")[numbers])
+    assert numbers.sum() > 60_000
+
+
+def test_instruction_cycles_match_the_datasheet(emulate: Emulate) -> None:
+    with emulate("instructions.cpp") as mega:
+        _, cycles = records(mega, np.zeros(len(DATASHEET), dtype=np.uint8), 1)
+    measured = dict(zip(DATASHEET, (cycles - MARKER_OVERHEAD - CLR).tolist(), strict=True))
+    assert measured == DATASHEET
+
+
+def test_marker_overhead_is_that_of_an_empty_step(emulate: Emulate) -> None:
+    with emulate("instructions.cpp") as mega:
+        _, cycles = records(mega, np.zeros(len(DATASHEET) + 100, dtype=np.uint8), 1)
+    assert set(cycles[len(DATASHEET) :].tolist()) == {MARKER_OVERHEAD}
+    header = (simulator.MAILBOX_FOLDER / "mailbox.h").read_text(encoding="utf-8")
+    assert f"#define GEN_MAILBOX_OVERHEAD {MARKER_OVERHEAD}\n" in header
+
+
+def test_records_make_the_round_trip_and_calls_continue(emulate: Emulate) -> None:
+    generator = np.random.default_rng(5)
+    inputs = np.zeros(1000, dtype=[("weight", "u1"), ("value", "<i4")])
+    inputs["weight"] = generator.integers(0, 256, 1000)
+    inputs["value"] = generator.integers(-(2**12), 2**12, 1000)
+    with emulate("accumulate.cpp") as mega:
+        first, cycles = records(mega, inputs[:400], 4)
+        nothing, _ = records(mega, inputs[:0], 4)
+        second, _ = records(mega, inputs[400:], 4)
+        assert mega.peek(mega.sram_address("gen_output"), 4) == second[-1].tobytes()
+    assert nothing.shape == (0, 4)
+    assert cycles.dtype == np.uint32
+    assert cycles.shape == (400,)
+    got = np.concatenate([first, second]).view("<i4").reshape(-1)
+    expected = np.cumsum(inputs["weight"].astype(np.int64) * inputs["value"])
+    np.testing.assert_array_equal(got, expected)
+
+
+def test_records_of_the_wrong_size_are_refused(emulate: Emulate) -> None:
+    with (
+        emulate("accumulate.cpp") as mega,
+        pytest.raises(ValueError, match="3 records of 5 bytes need 15 bytes"),
+    ):
+        mega.run_records(b"12345", 0x200, 5, 0x210, 4, 3, 1000)
+
+
+def test_mailbox_outside_the_sram_is_refused(emulate: Emulate) -> None:
+    with emulate("accumulate.cpp") as mega, pytest.raises(EmulationFailed, match="outside the SRAM"):
+        mega.run_records(b"12345", 0x21FE, 5, 0x210, 4, 1, 1000)
+
+
+def test_cycle_limit_ends_a_run_of_records(emulate: Emulate) -> None:
+    inputs = np.zeros(1000, dtype=[("weight", "u1"), ("value", "<i4")])
+    with (
+        emulate("accumulate.cpp") as mega,
+        pytest.raises(EmulationFailed, match=r"10000 cycles .* of 1000 record"),
+    ):
+        records(mega, inputs, 4, max_cycles=10_000)
+
+
+def test_broken_mailbox_protocol_is_an_error(emulate: Emulate) -> None:
+    text = '#include "mailbox.h"\nint main() { GEN_MAILBOX_NEXT(); GEN_MAILBOX_NEXT(); }\n'
+    with (
+        emulate("twice.cpp", text=text) as mega,
+        pytest.raises(EmulationFailed, match="before it finished record 0"),
+    ):
+        mega.run_records(b"1234", 0x200, 2, 0x210, 2, 2, 1000)
+
+
+def test_early_end_is_an_error(emulate: Emulate) -> None:
+    end = '__asm__("cli\\n sleep");'
+    text = f'#include "mailbox.h"\nint main() {{ GEN_MAILBOX_NEXT(); GEN_MAILBOX_DONE(); {end} }}\n'
+    with (
+        emulate("once.cpp", text=text) as mega,
+        pytest.raises(EmulationFailed, match=r"ended.*1 of 2 records"),
+    ):
+        mega.run_records(b"1234", 0x200, 2, 0x210, 2, 2, 1000)
+
+
+@pytest.mark.parametrize("levels", [1, 10, 100, 255])
+def test_stack_watermark_equals_a_known_recursion(emulate: Emulate, levels: int) -> None:
+    with emulate("recursion.cpp") as mega:
+        records(mega, np.array([200], dtype=np.uint8), 1)
+        mega.paint_stack()
+        base = 0x21FF - mega.stack_pointer
+        records(mega, np.array([levels], dtype=np.uint8), 1)
+        use = mega.stack_use()
+        static_end = mega.sram_address("_end")
+    assert use.below_paint == pytest.approx(4 * levels, abs=2)
+    assert use.deepest - use.below_paint == base
+    assert use.deepest + use.free == 0x2200 - static_end
+
+
+def test_stack_is_painted_when_the_emulator_opens(emulate: Emulate) -> None:
+    with emulate("recursion.cpp") as mega:
+        assert mega.stack_use().deepest == 0
+        records(mega, np.array([50], dtype=np.uint8), 1)
+        assert mega.stack_use().deepest == pytest.approx(3 + 4 * 50, abs=2)  # 3 for the call of main
+
+
+def test_uart_echo_through_the_arduino_core(emulate: Emulate, core: ArduinoCore) -> None:
+    message = bytes(range(200))
+    with emulate("echo.ino", core=core) as mega:
+        assert mega.run_until_bytes(b"ready\r\n", 16_000_000) == b"ready\r\n"
+        mega.uart_send(message[:120])
+        mega.uart_send(message[120:])
+        echoed = mega.run_until_bytes(bytes([200]), 16_000_000)
+        assert echoed == bytes(byte + 1 for byte in message)
+        with pytest.raises(EmulationFailed, match="without sending b'never'; it sent b'Y'"):
+            mega.uart_send(b"X")
+            mega.run_until_bytes(b"never", 1_000_000)
+        mega.run_seconds(0.001)
+        assert mega.uart_take() == b""
+
+
+def test_millis_advance_in_idle_sleep_without_host_time(emulate: Emulate, core: ArduinoCore) -> None:
+    with emulate("idle.ino", core=core) as mega:
+        mega.run_until_bytes(b"start\r\n", 16_000_000)
+        began = time.monotonic()
+        assert mega.run_seconds(30.0) is Stop.LIMIT
+        assert mega.seconds == pytest.approx(30.0, abs=0.05)
+        mega.run_to_end(40 * 16_000_000)
+        assert time.monotonic() - began < 10.0
+        sent = mega.uart_take()
+        assert mega.seconds == pytest.approx(60.0, abs=0.01)
+        assert mega.run_cycles(1000) is Stop.ENDED
+    assert int(sent) == pytest.approx(60_000, abs=2)
+
+
+@pytest.mark.parametrize(
+    ("name", "body"),
+    [
+        ("opcode.cpp", '__asm__ __volatile__(".word 0x0001");'),
+        (
+            "jump.cpp",
+            '__asm__ __volatile__("ldi r30, 0xff\\n ldi r31, 0xff\\n ldi r24, 1\\n out 0x3c, r24\\n eijmp");',
+        ),
+        ("write.cpp", "*reinterpret_cast<volatile unsigned char *>(0x2300) = 1;"),
+    ],
+)
+def test_crash_is_an_error_with_its_place(emulate: Emulate, name: str, body: str) -> None:
+    text = f"int main() {{ {body} for (;;) {{ }} }}\n"
+    with emulate(name, text=text) as mega:
+        for _ in range(2):
+            with pytest.raises(EmulationFailed, match=r"the firmware crashed: .*\(pc 0x.*cycle \d+\)"):
+                mega.run_cycles(100_000)
+
+
+def test_endless_firmware_meets_its_limit(emulate: Emulate) -> None:
+    with emulate("endless.cpp", text="int main() { for (;;) { } }\n") as mega:
+        assert mega.run_cycles(12_345) is Stop.LIMIT
+        assert 12_345 <= mega.cycle < 12_345 + 10
+        with pytest.raises(EmulationFailed, match=r"did not end within 1000 cycles \(pc 0x[0-9a-f]+ in main"):
+            mega.run_to_end(1000)
+
+
+def test_watchdog_reset_is_counted_and_the_limit_survives_it(emulate: Emulate) -> None:
+    text = "#include <avr/wdt.h>\nint main() { wdt_enable(WDTO_15MS); for (;;) { } }\n"
+    with emulate("watchdog.cpp", text=text) as mega:
+        assert mega.run_seconds(0.1) is Stop.LIMIT
+        assert mega.resets >= 2
+        assert mega.seconds == pytest.approx(0.1, abs=1e-5)
+
+
+def test_memory_can_be_read_and_written(emulate: Emulate) -> None:
+    with emulate("accumulate.cpp") as mega:
+        address = mega.sram_address("gen_input")
+        mega.poke(address, b"\x01\x02\x03")
+        assert mega.peek(address, 3) == b"\x01\x02\x03"
+        assert mega.peek(address, 0) == b""
+        for place, size in ((0x21FF, 2), (-1, 1), (0, -1), (0xFFFFFF, 1)):
+            with pytest.raises(ValueError, match="outside the data memory"):
+                mega.peek(place, size)
+        with pytest.raises(ValueError, match="outside the data memory"):
+            mega.poke(0x21FF, b"\0\0")
+        with pytest.raises(KeyError, match="no symbol absent"):
+            mega.sram_address("absent")
+        with pytest.raises(KeyError, match="does not lie in SRAM"):
+            mega.sram_address("main")
+
+
+def test_closed_emulator_refuses_work(emulate: Emulate) -> None:
+    mega = emulate("accumulate.cpp")
+    mega.close()
+    mega.close()
+    with pytest.raises(ValueError, match="closed"):
+        mega.run_cycles(1)
+
+
+def test_unreadable_firmware_is_an_error(cache: Path, tmp_path: Path) -> None:
+    with pytest.raises(EmulationFailed, match="no such firmware"):
+        EmulatedMega(tmp_path / "absent.elf", cache)
+
+
+def test_shim_compiles_without_warnings(tmp_path: Path) -> None:
+    source = simulator.MAILBOX_FOLDER / "shim.c"
+    command = ["gcc", "-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-c", str(source)]
+    done = subprocess.run(
+        [*command, "-o", str(tmp_path / "shim.o")], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")

@@ -1,0 +1,77 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from gen import toolchain
+from gen.errors import InputError
+from gen.toolchain import ToolMissing
+
+
+def fake(folder: Path, name: str, script: str) -> None:
+    path = folder / name
+    path.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+    path.chmod(0o755)
+
+
+@pytest.fixture
+def bare_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    monkeypatch.setenv("PATH", str(folder))
+    return folder
+
+
+@pytest.mark.parametrize("name", sorted(toolchain.PACKAGES))
+def test_every_program_is_found(name: str) -> None:
+    assert toolchain.program(name).is_file()
+
+
+@pytest.mark.parametrize(("name", "package"), sorted(toolchain.PACKAGES.items()))
+def test_missing_program_is_named_with_its_package(bare_path: Path, name: str, package: str) -> None:
+    with pytest.raises(ToolMissing) as caught:
+        toolchain.program(name)
+    assert isinstance(caught.value, InputError)
+    assert str(caught.value) == (
+        f"{name} is missing: it is in the Debian package {package}; "
+        f"install it with: apt-get install -y {package}"
+    )
+
+
+def test_compiler_without_avr_libc(bare_path: Path) -> None:
+    fake(bare_path, "avr-g++", "echo crtatmega2560.o")
+    with pytest.raises(ToolMissing, match=r"apt-get install -y binutils-avr$"):
+        toolchain.avr_compiler()
+    fake(bare_path, "avr-ar", "")
+    with pytest.raises(ToolMissing, match=r"apt-get install -y avr-libc$"):
+        toolchain.avr_compiler()
+
+
+def test_missing_simavr_headers_and_library(bare_path: Path) -> None:
+    fake(bare_path, "gcc", "exit 1")
+    with pytest.raises(ToolMissing, match=r"header simavr/sim_elf\.h.*apt-get install -y libsimavr-dev$"):
+        toolchain.simavr_flags()
+    fake(bare_path, "gcc", "[ $1 = -E ] || echo libsimavr.so")
+    with pytest.raises(ToolMissing, match=r"library libsimavr\.so.*apt-get install -y libsimavr-dev$"):
+        toolchain.simavr_flags()
+
+
+def test_everything_is_installed() -> None:
+    assert toolchain.avr_compiler().name == "avr-g++"
+    assert toolchain.simavr_flags() == ["-lsimavr"]
+    assert (toolchain.arduino_core() / "cores/arduino/main.cpp").is_file()
+
+
+def test_arduino_core_is_looked_for_where_the_environment_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(toolchain.ARDUINO_ENVIRONMENT, str(tmp_path))
+    with pytest.raises(
+        ToolMissing, match=r"apt-get install -y arduino-core-avr \(or let GEN_ARDUINO_AVR name"
+    ):
+        toolchain.arduino_core()
+    for name in ("cores/arduino/Arduino.h", "variants/mega/pins_arduino.h"):
+        (tmp_path / name).parent.mkdir(parents=True)
+        (tmp_path / name).touch()
+    assert toolchain.arduino_core() == tmp_path
