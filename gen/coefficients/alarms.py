@@ -1,0 +1,78 @@
+"""Alarm rules: what the firmware compares, where in speed, and for how long."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, Tag
+
+from gen.coefficients.base import Celsius, Name, NotNegative, Part, Positive
+
+Percent = Annotated[float, Field(allow_inf_nan=False, ge=0, le=100)]
+
+
+class Rule(Part):
+    """What all rules share."""
+
+    name: Name
+    description: str = ""
+    component: Annotated[str, Field(description="The component whose temperature is watched.")]
+    speed_percent: Annotated[
+        tuple[Percent, Percent],
+        Field(description="The rule is evaluated while |PWM| is in this range, in % of full scale."),
+    ] = (0.0, 100.0)
+    persistence_s: Annotated[
+        NotNegative, Field(description="The condition must hold this long before the alarm is raised, in s.")
+    ] = 0.0
+    settle_s: Annotated[
+        NotNegative, Field(description="The rule sleeps this long after PWM entered the speed range, in s.")
+    ] = 0.0
+    requires: Annotated[
+        str | None, Field(description="The rule is evaluated only while this earlier rule's alarm is raised.")
+    ] = None
+
+
+class Deviation(Rule):
+    """Measured minus model beyond a threshold, upwards (above_model) or downwards (below_model)."""
+
+    kind: Literal["above_model", "below_model"]
+    threshold_K: NotNegative  # noqa: N815
+    hysteresis_K: Annotated[  # noqa: N815
+        NotNegative,
+        Field(description="The alarm ends once the deviation is this much inside the threshold, in K."),
+    ] = 0.0
+
+
+class OverTemperature(Rule):
+    """Measured temperature over a limit."""
+
+    kind: Literal["over_temperature"]
+    limit_degC: Celsius  # noqa: N815
+    hysteresis_K: NotNegative = 0.0  # noqa: N815
+
+
+class Cusum(Rule):
+    """The one-sided cumulated sum of (measured minus model minus slack), in K s, over a threshold."""
+
+    kind: Literal["cusum"]
+    direction: Literal["above", "below"] = "above"
+    slack_K: NotNegative  # noqa: N815
+    threshold_K_s: Positive  # noqa: N815
+
+
+KINDS = ("above_model", "below_model", "over_temperature", "cusum")
+
+
+def _kind(data: Any) -> str | None:  # noqa: ANN401
+    kind = data.get("kind") if isinstance(data, dict) else getattr(data, "kind", None)
+    if kind in ("above_model", "below_model"):
+        return "tag:deviation"
+    return f"tag:{kind}" if isinstance(kind, str) and kind in KINDS else None
+
+
+AlarmRule = Annotated[
+    Annotated[Deviation, Tag("tag:deviation")]
+    | Annotated[OverTemperature, Tag("tag:over_temperature")]
+    | Annotated[Cusum, Tag("tag:cusum")],
+    Discriminator(_kind, custom_error_type="alarm", custom_error_message="not an alarm rule"),
+]

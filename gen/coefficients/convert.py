@@ -1,0 +1,44 @@
+"""From the document to the model."""
+
+from __future__ import annotations
+
+from gen.coefficients.document import ComponentEntry, Document
+from gen.model.dynamics import Component, Pole, ThermalModel
+
+
+def to_model(document: Document) -> ThermalModel:
+    """Build the thermal model that a document describes.
+
+    Parameters
+    ----------
+    document
+        A validated document.
+    """
+    return ThermalModel(
+        name=document.name,
+        sample_time=document.sample_time_s,
+        full_scale=document.input.full_scale,
+        validity=document.validity.pwm,
+        outside=document.validity.outside,
+        domain_pwm=document.domain.pwm,
+        domain_ambient=document.domain.ambient_degC,
+        domain_temperature=document.domain.temperature_degC,
+        ambient_fixed=document.ambient.fixed_degC,
+        ambient_channel=document.ambient.channel,
+        components=tuple(_component(entry, document) for entry in document.components),
+    )
+
+
+def _component(entry: ComponentEntry, document: Document) -> Component:
+    return Component(
+        name=entry.name,
+        order=entry.order,
+        gain=entry.gain.schedule(),
+        poles=tuple(
+            Pole(pole.real.schedule(), pole.imag.schedule() if pole.imag else None) for pole in entry.poles
+        ),
+        validity=document.validity.pwm,
+        outside=document.validity.outside,
+        negative_gain=entry.negative_gain,
+        description=entry.description,
+    )

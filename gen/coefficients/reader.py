@@ -1,0 +1,132 @@
+"""Reading a coefficient file."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from gen.coefficients import jsontext
+from gen.coefficients.checks import check_model
+from gen.coefficients.convert import to_model
+from gen.coefficients.document import Accuracy, Document
+from gen.coefficients.messages import described, first_fault
+from gen.errors import InputError
+from gen.model.dynamics import ThermalModel
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """A coefficient file that has passed every check.
+
+    Parameters
+    ----------
+    document
+        The file's content, typed.
+    model
+        The thermal model that it describes.
+    warnings
+        What is allowed and yet worth a look, one sentence each.
+    sha256
+        Hash of the file's bytes, hexadecimal.
+    """
+
+    document: Document
+    model: ThermalModel
+    warnings: tuple[str, ...]
+    sha256: str
+
+    @property
+    def name(self) -> str:
+        """The model's name."""
+        return self.document.name
+
+    @property
+    def accuracy(self) -> Accuracy:
+        """The accepted errors in K."""
+        return self.document.accuracy
+
+
+def load(path: Path | str) -> Coefficients:
+    """Read and check a coefficient file.
+
+    Parameters
+    ----------
+    path
+        The JSON file.
+
+    Raises
+    ------
+    InputError
+        With the file, the JSON path (or line and column), what was found and what was expected.
+    """
+    try:
+        raw = _read(Path(path))
+        return parse(raw)
+    except InputError as error:
+        raise InputError(error.message, file=str(path), place=error.place) from error
+
+
+def parse(raw: bytes) -> Coefficients:
+    """Check the bytes of a coefficient file, as :func:`load` does.
+
+    Raises
+    ------
+    InputError
+        Without a file name.
+    """
+    document = parse_document(raw)
+    model = to_model(document)
+    return Coefficients(document, model, check_model(model), hashlib.sha256(raw).hexdigest())
+
+
+def parse_document(raw: bytes) -> Document:
+    """Check form and references only, not the model's physics.
+
+    Raises
+    ------
+    InputError
+        Without a file name.
+    """
+    try:
+        text = raw.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            f"byte 0x{raw[error.start]:02x} is not UTF-8; expected a UTF-8 text", place=f"line {line}"
+        ) from error
+    if not text.strip():
+        raise InputError("the file is empty; expected a coefficient file")
+    tree = jsontext.parse(text)
+    if not isinstance(tree, dict):
+        raise InputError(f"found {described(tree)}, expected an object {{...}}", place="$")
+    _check_format(tree)
+    try:
+        return Document.model_validate(tree)
+    except ValidationError as error:
+        raise first_fault(error) from error
+
+
+def _check_format(tree: dict[str, object]) -> None:
+    """Say first that this is another format or version: every other message would mislead."""
+    if tree.get("format", "gen-coefficients") != "gen-coefficients":
+        raise InputError(f'found {described(tree["format"])}, expected "gen-coefficients"', place="$.format")
+    version = tree.get("version", 1)
+    if version != 1 or isinstance(version, bool):
+        raise InputError(
+            f"found {described(version)}, expected 1, the only version that this tool reads",
+            place="$.version",
+        )
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise InputError("there is no such file; expected a coefficient file") from None
+    except IsADirectoryError:
+        raise InputError("this is a directory; expected a coefficient file") from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror or error}") from None

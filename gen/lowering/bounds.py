@@ -1,0 +1,155 @@
+"""Ranges and worst errors of one component's recursion, for any PWM sequence in the domain.
+
+Let z be the true state (T, Ts T', Ts^2 T'', ..), which obeys z -> E(p) (z - s) + s with E = exp(A Ts), and x the
+board's state, which obeys x -> F (x - s) + s + (rounding).  With x - s = M(p) (y - s) (:mod:`gen.lowering.increments`)
+the board's state is a disturbed copy y of the true one,
+
+    y -> E (y - s) + s + M^-1 [ (F M - M E) (y - s) + dF (x - s) + rounding ],
+
+dF being the change of F by rounded coefficients, and nothing happens to y at a change of PWM but the carry's
+rounding.  The error y - z therefore obeys z's own recursion, disturbed by the bracket, and one invariant polytope
+(:mod:`gen.lowering.reach`) bounds it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering import increments
+from gen.lowering.dynamics import Dynamics
+from gen.lowering.reach import SwitchedRecursion
+
+Array = NDArray[np.float64]
+
+#: The error itself may widen the ranges by this share; checked when the error is known.
+_WIDENING = 1e-3
+#: By how much ranges are widened for a component whose ranges cannot be proven.
+_UNPROVEN_HEADROOM = 4.0
+
+
+@dataclass(frozen=True)
+class StateRanges:
+    """What the board's state can reach.
+
+    Attributes
+    ----------
+    rise
+        Lowest and highest x1, in K.
+    magnitude
+        Largest |x| of every coordinate, shape (n,), in K per sample^k.
+    distance
+        Largest |x - s| of every coordinate at every PWM, shape (rows, n).
+    true_distance
+        The same of the disturbed copy y of the true state.
+    """
+
+    rise: tuple[float, float]
+    magnitude: Array
+    distance: Array
+    true_distance: Array
+
+
+def state_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> StateRanges:
+    """Ranges of the state for starts and steady rises of the domain.
+
+    Raises
+    ------
+    NoProofError
+        If the recursion has no invariant polytope.
+    """
+    n = exact.order
+    towards = (np.eye(n) - exact.exact)[:, :, 0] * (exact.steady - exact.centre)[:, None]
+    start = np.zeros((1, n))
+    start[0, 0] = max(exact.start[1] - exact.centre, exact.centre - exact.start[0])
+    reach = recursion.bound(towards[:, None, :], start)
+    extents = np.array([reach.extent(axis) for axis in np.eye(n)]) * (1.0 + _WIDENING)
+    return _ranges(exact, extents)
+
+
+def unproven_ranges(exact: Dynamics) -> StateRanges:
+    """Ranges with room, from what each PWM alone can do, for a component that has to saturate."""
+    largest = np.zeros(exact.order)
+    for matrix, steady in zip(exact.exact, exact.steady, strict=True):
+        spread = max(abs(start - steady) for start in exact.start) + np.ptp(exact.steady)
+        largest = np.maximum(largest, _peak_response(matrix) * spread)
+    return _ranges(exact, largest * _UNPROVEN_HEADROOM)
+
+
+def worst_error(
+    recursion: SwitchedRecursion,
+    exact: Dynamics,
+    ranges: StateRanges,
+    *,
+    changed_c: Array,
+    q_error: Array,
+    chain_error: Array,
+    start_error: float,
+) -> float | None:
+    """Largest |x1 - T| for any PWM sequence, in K.
+
+    Parameters
+    ----------
+    recursion, exact, ranges
+        The component.
+    changed_c
+        Rounded minus exact C0..C[n-1], shape (rows, n).
+    q_error, chain_error
+        Bounds on one sample's rounding of q, shape (rows,), and of each x[i] by additions, shape (rows, n).
+    start_error
+        Bound on the rounding of the start value, in K.
+
+    Returns
+    -------
+    float or None
+        None if the error would be too large for the ranges that it rests on.
+
+    Raises
+    ------
+    NoProofError
+        If the recursion has no invariant polytope.
+    """
+    n, rows = exact.order, len(exact.steady)
+    state_maps = increments.state_map(exact.c)
+    from_board = np.linalg.inv(state_maps)
+    disturbance = np.zeros((rows, 2 * n + 1, n))
+    q_total = q_error + np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
+    disturbance[:, 0, :] = q_total[:, None] * increments.injection(n)
+    form_error = np.abs(increments.mismatch(exact.form, exact.exact, state_maps))
+    form_rows = np.einsum("pij,pj->pi", form_error, ranges.true_distance)
+    for i in range(n):
+        disturbance[:, 1 + i, i] = chain_error[:, i]
+        disturbance[:, 1 + n + i, i] = form_rows[:, i]
+    start = np.zeros((1, n))
+    start[0, 0] = start_error
+    error = recursion.bound(np.einsum("pij,pkj->pki", from_board, disturbance), start)
+    extents = np.array([error.extent(axis) for axis in np.eye(n)])
+    if np.any(extents > ranges.true_distance.min(axis=0) * _WIDENING / (1.0 + _WIDENING)):
+        return None
+    output = np.einsum("pj,pj->p", np.abs(state_maps[:, 0, :] - np.eye(n)[0]), ranges.true_distance).max()
+    return float(extents[0] + output)
+
+
+def _ranges(exact: Dynamics, extents: Array) -> StateRanges:
+    true_distance = np.tile(extents, (len(exact.steady), 1))
+    true_distance[:, 0] = extents[0] + np.abs(exact.steady - exact.centre)
+    distance = np.einsum("pij,pj->pi", np.abs(increments.state_map(exact.c)), true_distance)
+    excess = float((distance[:, 0] - true_distance[:, 0]).max())  # x1 is T plus a little of the increments
+    rise = (exact.centre - float(extents[0]) - excess, exact.centre + float(extents[0]) + excess)
+    magnitude = distance.max(axis=0)
+    magnitude[0] = max(abs(rise[0]), abs(rise[1]))
+    return StateRanges(rise, magnitude, distance, true_distance)
+
+
+def _peak_response(matrix: Array) -> Array:
+    """Largest magnitude of each coordinate on the way from (1, 0, ..) to 0."""
+    slowest = float(-np.log(np.abs(np.linalg.eigvals(matrix))).min())
+    stride = np.linalg.matrix_power(matrix, max(1, int(0.002 / slowest)))
+    state = np.eye(matrix.shape[0])[:, 0]
+    peak = np.abs(state)
+    for _ in range(4000):
+        state = stride @ state
+        peak = np.maximum(peak, np.abs(state))
+    return peak

@@ -1,0 +1,110 @@
+"""Lower a component to fixed point: formats, integers, and the proof of ranges and error."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gen.lowering import bounds, formats, increments
+from gen.lowering.bounds import StateRanges
+from gen.lowering.dynamics import Dynamics, dynamics
+from gen.lowering.formats import RESIDUE_BITS, Format
+from gen.lowering.program import FixedComponent, Integers, Proof
+from gen.lowering.reach import NoProofError, SwitchedRecursion
+from gen.model import Component, ThermalModel
+
+#: Runs of the recursion within one sample that are tried until the error bound holds.
+_SUBSTEPS = (1, 2, 4, 8)
+#: Share of the error limit that the choice of formats may spend on rounding.
+_ROUNDING_SHARE = 0.3
+
+
+def tabulate(exact: Dynamics, layout: Format) -> tuple[Integers, Integers]:
+    """The integers of rates (to nearest) and steady rises (down) in a layout."""
+    scale = 2.0 ** np.array(layout.rate_fraction_bits)
+    rates = np.rint(exact.rates * scale).astype(np.int64)
+    steady = np.floor(exact.steady * 2.0 ** (layout.fraction_bits[0] - RESIDUE_BITS)).astype(np.int64)
+    return rates, steady
+
+
+def lower_component(model: ThermalModel, component: Component, limit_K: float) -> FixedComponent:
+    """Find formats, integers and proof for one component.
+
+    Parameters
+    ----------
+    model, component
+        What to lower.
+    limit_K
+        The error bound to aim for; more substeps are tried until it holds.
+
+    Raises
+    ------
+    LoweringError
+        If the poles do not fit the sample time or no formats can hold the ranges.
+    """
+    best: FixedComponent | None = None
+    for substeps in _SUBSTEPS:
+        tried = _lower(component, dynamics(model, component, substeps), substeps, limit_K)
+        if tried.proof is None:
+            return best or tried
+        if best is None or best.proof is None or tried.proof.bound_K < best.proof.bound_K:
+            best = tried
+        if tried.proof.bound_K <= limit_K or component.order == 1:  # order 1 is exact at any step
+            break
+    assert best is not None
+    return best
+
+
+def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float) -> FixedComponent:
+    try:
+        recursion: SwitchedRecursion | None = SwitchedRecursion(exact.exact)
+        ranges = bounds.state_ranges(recursion, exact)
+    except NoProofError:
+        recursion, ranges = None, bounds.unproven_ranges(exact)
+    layout = formats.choose(
+        formats.nested_ranges(ranges, exact.rates),
+        exact.rates.max(axis=0),
+        formats.feedback_sensitivity(exact.c),
+        limit_K * _ROUNDING_SHARE,
+    )
+    if layout is None:
+        raise LoweringError(f"component {component.name}: no fixed-point formats hold its ranges")
+    rates, steady = tabulate(exact, layout)
+    proof = prove(recursion, exact, ranges, layout, rates) if recursion is not None else None
+    scale = 2.0 ** (layout.fraction_bits[0] - RESIDUE_BITS)
+    return FixedComponent(
+        name=component.name,
+        order=component.order,
+        substeps=substeps,
+        layout=layout,
+        rates=rates,
+        steady=steady,
+        start_range=(int(np.ceil(exact.start[0] * scale)), int(np.floor(exact.start[1] * scale))),
+        proof=proof,
+    )
+
+
+def prove(
+    recursion: SwitchedRecursion, exact: Dynamics, ranges: StateRanges, layout: Format, rates: Integers
+) -> Proof | None:
+    """Worst error of the integer recursion, for any PWM sequence of any length, or None if a word could overflow."""
+    integer_rates = rates * 2.0 ** -np.array(layout.rate_fraction_bits)
+    needed = formats.nested_ranges(ranges, np.maximum(integer_rates, exact.rates))
+    if np.any(needed > (2.0**31 - 4.0) * np.array(layout.high_lsb)):
+        return None
+    q_error, chain_error = formats.rounding(layout, exact.rates)
+    error = bounds.worst_error(
+        recursion,
+        exact,
+        ranges,
+        changed_c=increments.from_rates(integer_rates) - exact.c,
+        q_error=q_error,
+        chain_error=np.tile(chain_error, (len(q_error), 1)),
+        start_error=layout.high_lsb[0],
+    )
+    if error is None:
+        return None
+    return Proof(
+        rise_range_K=ranges.rise,
+        increment_range_K=tuple(float(v) for v in ranges.magnitude[1:]),
+        bound_K=error + layout.high_lsb[0],
+    )

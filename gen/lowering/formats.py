@@ -1,0 +1,191 @@
+"""The fixed-point formats of one component and the rounding error that each operation makes with them.
+
+A state word has 48 bits.  Its upper 32 bits ("high word") are what gets multiplied and read out; the lower 16 bits
+carry the residue of every addition on to the next sample, so nothing is lost by adding a small increment to a large
+temperature.  ``fraction_bits`` counts the whole word's bits after the binary point: a word w means w * 2^-f kelvin.
+
+Products are 32 x 32 bits, signed by unsigned.  ``product_high`` keeps 32 of the product's bits from bit k on,
+``product_wide`` all from bit k on; both leave out the byte products that lie far below bit k (:func:`dropped_bytes`),
+which the board then need not compute.  k is a multiple of 8, so that on an 8-bit machine the shift is free.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+Array = NDArray[np.float64]
+
+WORD_BITS = 48
+RESIDUE_BITS = 16
+_PRODUCT_SHIFTS = (32, 24, 16)
+
+
+@dataclass(frozen=True)
+class Format:
+    """Formats of one component of order n.
+
+    Attributes
+    ----------
+    fraction_bits
+        Bits after the binary point of the 48-bit state words, length n, not decreasing.
+    product_shifts
+        k of each product, length n; the last is a ``product_wide``, the others are ``product_high``.
+    rate_fraction_bits
+        Bits after the binary point of the 32-bit unsigned rates, length n.
+    """
+
+    fraction_bits: tuple[int, ...]
+    product_shifts: tuple[int, ...]
+    rate_fraction_bits: tuple[int, ...]
+
+    @property
+    def order(self) -> int:
+        """The component's order n."""
+        return len(self.fraction_bits)
+
+    @property
+    def chain_shifts(self) -> tuple[int, ...]:
+        """By how many bits x[i+1] is shifted right before it is added to x[i], length n - 1."""
+        return tuple(b - a for a, b in itertools.pairwise(self.fraction_bits))
+
+    @property
+    def high_lsb(self) -> tuple[float, ...]:
+        """Weight of the lowest bit of each high word, in K."""
+        return tuple(2.0 ** (RESIDUE_BITS - f) for f in self.fraction_bits)
+
+    @property
+    def residue_lsb(self) -> tuple[float, ...]:
+        """Weight of the lowest bit of each whole word, in K."""
+        return tuple(2.0**-f for f in self.fraction_bits)
+
+    @property
+    def odd_shift_bits(self) -> int:
+        """Bits by which the chain's shifts miss whole bytes: each costs the board a few cycles."""
+        return sum(shift % 8 for shift in self.chain_shifts)
+
+
+def dropped_bytes(shift: int, *, wide: bool) -> int:
+    """Byte products d[i] * r[j] with i + j below this are left out of a product kept from bit ``shift`` on.
+
+    Only two variants exist, so that the board needs only two multiplication routines: without the lowest byte
+    product, and without the lowest three.
+    """
+    return 2 if shift == 32 or (wide and shift == 24) else 1
+
+
+def dropped_error(shift: int, *, wide: bool) -> float:
+    """Upper bound of what is left out, in units of bit ``shift``."""
+    rank = dropped_bytes(shift, wide=wide)
+    return sum((s + 1) * 255.0 * 255.0 * 256.0**s for s in range(rank)) / 2.0**shift
+
+
+def choose(ranges: Array, rate_maxima: Array, sensitivity: Array, tolerance: float) -> Format | None:
+    """The formats with the fewest odd shifts whose rounding stays within a tolerance.
+
+    Parameters
+    ----------
+    ranges
+        Largest magnitude of each high word and of what is added to it before a product, in K, shape (n,).
+    rate_maxima
+        Largest R[i] over the domain, shape (n,).
+    sensitivity
+        max over PWM of C[i]/C0, shape (n,): what a rounding of x[i+1] means as an error of the steady rise.
+    tolerance
+        In K of steady rise.
+
+    Returns
+    -------
+    Format or None
+        None if a range cannot be held together with the others' (chain shifts would have to be negative or > 31).
+    """
+    finest = [WORD_BITS - 1 - _bits(value) for value in ranges]
+    for i in reversed(range(len(finest) - 1)):
+        finest[i] = min(finest[i], finest[i + 1])
+    best: tuple[tuple[float, ...], Format] | None = None
+    for coarser in itertools.product(range(8), repeat=len(finest)):
+        bits = tuple(f - c for f, c in zip(finest, coarser, strict=True))
+        shifts = [b - a for a, b in itertools.pairwise(bits)]
+        if any(not 0 <= s <= 31 for s in shifts):
+            continue
+        candidate = _with_products(bits, rate_maxima)
+        if candidate is None:
+            continue
+        error = float(sum(s * lsb for s, lsb in zip(sensitivity, candidate.high_lsb, strict=True)))
+        within = error <= tolerance
+        key = (0.0 if within else 1.0, candidate.odd_shift_bits if within else 0, error)
+        if best is None or key < best[0]:
+            best = (key, candidate)
+    return best[1] if best else None
+
+
+def _with_products(bits: tuple[int, ...], rate_maxima: Array) -> Format | None:
+    shifts, rate_bits = [], []
+    for i, largest in enumerate(rate_maxima):
+        gap = bits[i + 1] - bits[i] if i + 1 < len(bits) else RESIDUE_BITS
+        for k in _PRODUCT_SHIFTS:
+            if largest * 2.0 ** (gap + k) < 2.0**32 - 1:
+                shifts.append(k)
+                rate_bits.append(gap + k)
+                break
+        else:
+            return None
+    return Format(bits, tuple(shifts), tuple(rate_bits))
+
+
+def _bits(magnitude: float) -> int:
+    """Smallest b with magnitude < 2^b, with a little room for the last bit."""
+    return int(np.ceil(np.log2(magnitude * (1.0 + 1e-6))))
+
+
+def rounding(layout: Format, rates: Array) -> tuple[Array, Array]:
+    """Worst rounding of one sample: of q, and of each chain addition.
+
+    Parameters
+    ----------
+    layout
+        The formats.
+    rates
+        R(p), shape (m, n).
+
+    Returns
+    -------
+    q, chain
+        Bounds in K: shape (m,) for q, shape (n,) for the rows of the chain.
+    """
+    n = layout.order
+    error = np.full(
+        rates.shape[0], layout.high_lsb[0]
+    )  # x1 and S are both rounded down: the difference is +-1
+    for i in range(n - 1):
+        # The state's and the product's floor are offset by one unit: together +-1, and what the product leaves out.
+        own = layout.high_lsb[i + 1] * (1.0 + dropped_error(layout.product_shifts[i], wide=False))
+        error = own + rates[:, i] * error
+    k = layout.product_shifts[-1]
+    error = rates[:, -1] * error + layout.residue_lsb[-1] * (1.0 + dropped_error(k, wide=True))
+    # Rounded down by each chain addition; the carry into x[n-1] rounds twice.
+    additions = {1: (0,), 2: (2 + 2, 0), 3: (1, 1 + 2, 0), 4: (2, 1, 1 + 2, 0)}[n]
+    chain = np.array([count * lsb for count, lsb in zip(additions, layout.residue_lsb, strict=True)])
+    return error, chain
+
+
+def feedback_sensitivity(c: Array) -> Array:
+    """max over PWM of C[i]/C0, shape (n,)."""
+    sensitivity: Array = (c / c[:, :1]).max(axis=0)
+    return sensitivity
+
+
+def nested_ranges(ranges: StateRanges, rates: Array) -> Array:
+    """Largest magnitude that each high word position has to hold: state, or state plus product, shape (n,)."""
+    largest = rates.max(axis=0)
+    difference = float(ranges.distance[:, 0].max())
+    result = [max(difference, float(ranges.magnitude[0]))]
+    inner = difference
+    for i in range(len(ranges.magnitude) - 1):
+        inner = float(ranges.magnitude[i + 1]) + float(largest[i]) * inner
+        result.append(inner)
+    return np.array(result)

@@ -1,0 +1,80 @@
+"""What the board holds: the one description that the templates print and the reference simulators execute."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.formats import Format
+
+Arithmetic = Literal["fixed", "float"]
+ScheduleKind = Literal["table", "onboard"]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What is guaranteed for every PWM sequence in the declared domain, of any length.
+
+    Attributes
+    ----------
+    rise_range_K
+        Lowest and highest temperature rise that the board's state can reach.
+    increment_range_K
+        Largest magnitude of x2..xn, in K per sample^k.
+    bound_K
+        Largest possible difference between the board's temperature rise and the exact solution of the
+        differential equation: rounding, coefficients, form and output together.
+    """
+
+    rise_range_K: tuple[float, float]
+    increment_range_K: tuple[float, ...]
+    bound_K: float
+
+
+@dataclass(frozen=True)
+class FixedComponent:
+    """One component in fixed point.
+
+    Attributes
+    ----------
+    name, order
+        From the coefficient file.
+    substeps
+        How many times the recursion runs in one sample (its rates are for Ts / substeps).
+    layout
+        The formats.
+    rates
+        Integers R[i] * 2^rate_fraction_bits[i] for each row of the domain, shape (rows, n), 0 <= R < 2^32.
+    steady
+        Integers S * 2^(fraction_bits[0] - 16), rounded down, shape (rows,).
+    start_range
+        Lowest and highest start value of the high word of x1; others are clamped and flagged.
+    proof
+        None if no range could be proven: then every addition saturates and is counted.
+    """
+
+    name: str
+    order: int
+    substeps: int
+    layout: Format
+    rates: Integers
+    steady: Integers
+    start_range: tuple[int, int]
+    proof: Proof | None
+
+    @property
+    def saturates(self) -> bool:
+        """Whether the additions saturate because no range could be proven."""
+        return self.proof is None
+
+
+@dataclass(frozen=True)
+class FixedProgram:
+    """The whole model in fixed point; row r of every table is |PWM| = domain_pwm[0] + r."""
+
+    domain_pwm: tuple[int, int]
+    components: tuple[FixedComponent, ...]

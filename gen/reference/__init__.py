@@ -1,0 +1,1 @@
+"""Simulators that compute the same words as the board."""

@@ -1,0 +1,122 @@
+"""The fixed-point recursion, word for word as the board computes it.
+
+Words are whole numbers: Python integers for one run, or int64 arrays for many runs at once (every operation below
+works on both).  A state word has 48 bits; its high word is ``word >> 16``.
+"""
+
+from __future__ import annotations
+
+from typing import TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.formats import RESIDUE_BITS, WORD_BITS, dropped_bytes
+from gen.lowering.program import FixedComponent
+
+Word = TypeVar("Word", int, NDArray[np.int64])
+
+#: 2^32 / 12: the share of q that x[n-1] carries, as a product kept from bit 32 on.
+CARRY_FACTOR = 357913941
+
+
+def product(difference: Word, rate: Word, shift: int, *, wide: bool) -> Word:
+    """``difference * rate >> shift`` without the lowest byte products, rounded down.
+
+    Parameters
+    ----------
+    difference
+        Signed, 32 bits.
+    rate
+        Unsigned, 32 bits.
+    shift
+        16, 24 or 32.
+    wide
+        Whether the result is a 48-bit word (else it is a high word, whose range is proven to be 32 bits).
+    """
+    whole = difference * rate - (difference & 0xFF) * (rate & 0xFF)
+    if dropped_bytes(shift, wide=wide) == 2:
+        cross = (difference & 0xFF) * ((rate >> 8) & 0xFF) + ((difference >> 8) & 0xFF) * (rate & 0xFF)
+        whole = whole - (cross << 8)
+    return cast(Word, whole >> shift)
+
+
+class FixedStep:
+    """One sample of one component; counts where a word had to saturate.
+
+    Parameters
+    ----------
+    component
+        What to run.
+
+    Attributes
+    ----------
+    saturations
+        How many results were limited so far (always 0 for a component with a proof).
+    """
+
+    def __init__(self, component: FixedComponent) -> None:
+        self._component = component
+        self._limit_high = 1 << 31
+        self._limit_word = 1 << (WORD_BITS - 1)
+        self.saturations: int | NDArray[np.int64] = 0
+
+    def increment(self, state: list[Word], rates: list[Word], steady: Word) -> Word:
+        """-q, as a word of x[n], for a state (not changed), integer rates and integer steady rise."""
+        layout = self._component.layout
+        inner = self._high((state[0] >> RESIDUE_BITS) - steady)
+        for i in range(layout.order - 1):
+            inner = self._high(
+                (state[i + 1] >> RESIDUE_BITS)
+                + self._high(product(inner, rates[i], layout.product_shifts[i], wide=False))
+                + 1
+            )
+        return product(inner, rates[-1], layout.product_shifts[-1], wide=True)
+
+    def carry(self, state: list[Word], old: Word, new: Word) -> None:
+        """Carry q/12 of x[n-1] over a change of PWM, given -q before and after (orders 2 to 4)."""
+        shift = self._component.layout.chain_shifts[-1]
+        moved = self._high((new - old) >> shift)
+        place = self._component.order - 2
+        state[place] = self._word(state[place] - product(moved, _like(moved, CARRY_FACTOR), 32, wide=False))
+
+    def advance(self, state: list[Word], increment: Word) -> None:
+        """The chain of additions, see :mod:`gen.lowering.increments`."""
+        order = self._component.order
+        shift = self._component.layout.chain_shifts
+        if order == 1:
+            state[0] = self._word(state[0] - increment)
+        elif order == 2:
+            state[0] = self._word(state[0] + (state[1] >> shift[0]))
+            state[0] = self._word(state[0] - (increment >> (shift[0] + 1)))
+            state[1] = self._word(state[1] - increment)
+        elif order == 3:
+            state[0] = self._word(state[0] + (state[1] >> shift[0]))
+            state[2] = self._word(state[2] - increment)
+            state[1] = self._word(state[1] + (state[2] >> shift[1]))
+        else:
+            state[0] = self._word(state[0] + (state[1] >> shift[0]))
+            state[0] = self._word(state[0] + (state[2] >> (shift[0] + shift[1] + 1)))
+            state[1] = self._word(state[1] + (state[2] >> shift[1]))
+            state[3] = self._word(state[3] - increment)
+            state[2] = self._word(state[2] + (state[3] >> shift[2]))
+
+    def _high(self, value: Word) -> Word:
+        return self._limited(value, self._limit_high) if self._component.saturates else value
+
+    def _word(self, value: Word) -> Word:
+        return self._limited(value, self._limit_word) if self._component.saturates else value
+
+    def _limited(self, value: Word, limit: int) -> Word:
+        if isinstance(value, int):
+            limited = max(-limit, min(limit - 1, value))
+            self.saturations += limited != value
+            return limited
+        clipped = np.clip(value, -limit, limit - 1)
+        self.saturations = self.saturations + (clipped != value).astype(np.int64)
+        return clipped
+
+
+def _like(example: Word, value: int) -> Word:
+    """``value`` in the type of ``example``."""
+    return value if isinstance(example, int) else cast(Word, np.full_like(example, value))

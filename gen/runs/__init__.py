@@ -1,0 +1,11 @@
+"""Run files: measured or simulated channels over time, as CSV. The only place that knows this format.
+
+Comment lines ``# key: value`` may come first, then a header line, then one row per sample. An empty field is
+a missing sample (NaN here). ``time_s`` and ``pwm`` must be there in every row; the rest may be empty.
+"""
+
+from gen.runs.reader import read_run
+from gen.runs.run import AMBIENT, Run
+from gen.runs.writer import write_columns, write_run
+
+__all__ = ["AMBIENT", "Run", "read_run", "write_columns", "write_run"]

@@ -1,0 +1,95 @@
+"""Writing run files, and other columns in their form: complete or not at all."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from gen.errors import InputError
+from gen.runs.run import AMBIENT, Run
+
+
+def write_run(path: Path | str, run: Run) -> None:
+    """Write a run file; numbers in the shortest form that reads back the same.
+
+    Parameters
+    ----------
+    path
+        The CSV file; it appears complete or not at all.
+    run
+        The run.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    columns: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {"time_s": run.time_s, "pwm": run.pwm}
+    columns |= {f"{name}_degC": values for name, values in run.temps.items()}
+    if run.ambient is not None:
+        columns[AMBIENT] = run.ambient
+    write_columns(path, {**columns, **run.extras}, run.comments)
+
+
+def write_columns(
+    path: Path | str,
+    columns: Mapping[str, NDArray[np.float64] | NDArray[np.int64]],
+    comments: Mapping[str, str] | None = None,
+) -> None:
+    """Write any columns in the form of a run file, NaN as an empty field.
+
+    Parameters
+    ----------
+    path
+        The CSV file; it appears complete or not at all.
+    columns
+        By name, in order, all of one length.
+    comments
+        Written first, as ``# key: value``.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    for text in (*columns, *(f"{key}{value}" for key, value in (comments or {}).items())):
+        if "\n" in text or "\r" in text:
+            raise ValueError(f"a line break in {text!r} would break the file")
+    if any(":" in key for key in comments or {}):
+        raise ValueError("a comment's key ends at its first colon, so it cannot hold one")
+    for name in columns:
+        if not name or set(name) & set(',"#') or name != name.strip():
+            raise ValueError(f"{name!r} cannot be a column's name")
+    with replacing(Path(path)) as stream:
+        for key, value in (comments or {}).items():
+            stream.write(f"# {key}: {value}\n" if value else f"# {key}\n")
+        pd.DataFrame(dict(columns)).to_csv(stream, index=False, lineterminator="\n")
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[IO[str]]:
+    """Write beside the file and rename, so that a reader never sees half of it."""
+    target = path.resolve()
+    # A pipe or a terminal (/dev/stdout) cannot be replaced, nor seen half-written by a later reader.
+    special = target.exists() and not target.is_file() and not target.is_dir()
+    beside = target if special else target.with_name(f".{target.name}.{os.getpid()}.tmp")
+    try:
+        if target.is_dir():
+            raise IsADirectoryError(21, "this is a directory")
+        try:
+            with beside.open("w", encoding="utf-8", newline="") as stream:
+                yield stream
+            if not special:
+                beside.replace(target)
+        finally:
+            if not special:
+                beside.unlink(missing_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror or error}", file=str(path)) from error

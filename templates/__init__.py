@@ -1,0 +1,1 @@
+"""Jinja templates of the emitted project: the folder mirrors the emitted tree."""

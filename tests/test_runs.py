@@ -1,0 +1,242 @@
+"""Run files: what is read, what is written, and where a fault is said to be."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gen.errors import InputError
+from gen.runs import Run, read_run, write_columns, write_run
+
+GOOD = "time_s,pwm,brush_degC,ambient_degC,current_A\n0,0,30.25,30,\n0.25,-255,,30.5,0.7\n1e1,51,31,,.5\n"
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "run.csv"
+
+
+def written(file: Path, text: str | bytes) -> Path:
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return file
+
+
+def test_good_run(file: Path) -> None:
+    run = read_run(written(file, "# motor: MY1016: no load\n# cold\n" + GOOD))
+    assert run.time_s.tolist() == [0.0, 0.25, 10.0]
+    assert run.pwm.tolist() == [0, -255, 51]
+    assert run.pwm.dtype == np.int64
+    assert run.temps.keys() == {"brush"}
+    assert np.array_equal(run.temps["brush"], [30.25, np.nan, 31.0], equal_nan=True)
+    assert run.ambient is not None
+    assert np.array_equal(run.ambient, [30.0, 30.5, np.nan], equal_nan=True)
+    assert np.array_equal(run.extras["current_A"], [np.nan, 0.7, 0.5], equal_nan=True)
+    assert run.comments == {"motor": "MY1016: no load", "cold": ""}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "\ufeff" + GOOD,
+        GOOD.replace("\n", "\r\n"),
+        GOOD + "\n\n",
+        GOOD.rstrip("\n"),
+        GOOD.replace(",", " , "),
+        GOOD.replace("0.25,-255", "\t2.5e-1 ,-2.55E+2"),
+        "\n\n" + GOOD,
+    ],
+)
+def test_forms_that_mean_the_same(file: Path, text: str) -> None:
+    expected, run = read_run(written(file, GOOD)), read_run(written(file, text))
+    assert np.array_equal(run.time_s, expected.time_s)
+    assert np.array_equal(run.pwm, expected.pwm)
+    assert np.array_equal(run.temps["brush"], expected.temps["brush"], equal_nan=True)
+    assert np.array_equal(run.extras["current_A"], expected.extras["current_A"], equal_nan=True)
+
+
+def test_components_choose_the_columns(file: Path) -> None:
+    written(file, "time_s,pwm,brush_degC,board_degC,room_degC\n0,1,2,3,4\n")
+    run = read_run(file, ["brush", "bearing"], ambient="room_degC")
+    assert run.temps.keys() == {"brush"}
+    assert run.extras.keys() == {"board_degC"}
+    assert run.ambient is not None
+    assert run.ambient.tolist() == [4.0]
+    assert read_run(file).ambient is None
+
+
+FAULTS = [
+    ("", None, "the file is empty"),
+    (" \n\n", None, "the file is empty"),
+    ("# only\n# comments\n", "line 2", "only comments"),
+    ("time_s,pwm\n", "line 2", "there are no rows"),
+    ("0,0\n0.25,1\n", "line 1", "found numbers, expected a header line"),
+    ("time_s,brush_degC\n0,1\n", "line 1", "missing column pwm; found time_s, brush_degC"),
+    ("# a: b\npwm\n0\n", "line 2", "missing column time_s; found pwm"),
+    ("time_s;pwm\n0;1\n", "line 1", "missing column time_s; found time_s;pwm; expected commas"),
+    ("time_s,pwm,a,a\n0,1,2,3\n", "line 1, column a", "twice in the header"),
+    ("time_s,pwm,\n0,1,2\n", "line 1", "column 3 has no name"),
+    ("time_s,pwm,x\n0,1,2\n0.25,1\n", "line 3", "found 2 fields, expected 3"),
+    ("time_s,pwm,x\n0,1,2,3\n", "line 2", "found 4 fields, expected 3"),
+    ("time_s,pwm\n0,1\n\n1,1\n", "line 3", "found an empty line between the rows"),
+    ("time_s,pwm\n0,1\n# late: 1\n1,1\n", "line 3", "found a comment, expected it before the header"),
+    ("# c\ntime_s,pwm,x\n0,1,2\n1,1,abc\n", "line 4, column x", 'found "abc", expected a number, or nothing'),
+    ("time_s,pwm,x\n0,1,NaN\n", "line 2, column x", 'found "NaN", expected a number'),
+    ("time_s,pwm,x\n0,1,inf\n", "line 2, column x", 'found "inf", expected a number'),
+    ("time_s,pwm,x\n0,1,1e999\n", "line 2, column x", 'found "1e999", expected a finite number'),
+    ("time_s,pwm,x\n0,1,1_0\n", "line 2, column x", 'found "1_0", expected a number'),
+    ("time_s,pwm,x\n0,1,0x1F\n", "line 2, column x", 'found "0x1F", expected a number'),
+    ("time_s,pwm,x\n0,1,1 2\n", "line 2, column x", 'found "1 2", expected a number'),
+    ("time_s,pwm,x\n0,1,1.2.3\n", "line 2, column x", 'found "1.2.3", expected a number'),
+    ("time_s,pwm,x\n0,1,-\n", "line 2, column x", 'found "-", expected a number'),
+    ("time_s,pwm,x\n0,1,1e\n", "line 2, column x", 'found "1e", expected a number'),
+    ('time_s,pwm,x\n0,1,"2"\n', "line 2, column x", 'found ""2"", expected a number'),
+    ("time_s,pwm\n0,1\n0,1\n", "line 3, column time_s", "found 0, expected more than 0 s"),
+    ("time_s,pwm\n1,1\n0.5,1\n", "line 3, column time_s", "found 0.5, expected more than 1 s"),
+    ("time_s,pwm\n1,1\n,1\n", "line 3, column time_s", "found nothing, expected a number in every row"),
+    ("time_s,pwm\n1,\n", "line 2, column pwm", "found nothing, expected a number in every row"),
+    ("time_s,pwm\n0,1\n1,256\n", "line 3, column pwm", "found 256, expected a whole number -255..255"),
+    ("time_s,pwm\n0,-256\n", "line 2, column pwm", "found -256, expected a whole number -255..255"),
+    ("time_s,pwm\n0,1.5\n", "line 2, column pwm", "found 1.5, expected a whole number -255..255"),
+    (b"time_s,pwm\n0,1\n1,\xff\n", "line 3", "byte 0xff is not UTF-8"),
+    (b"time_s,pw\xff\n0,1\n", "line 1", "byte 0xff is not UTF-8"),
+]
+
+
+@pytest.mark.parametrize(("text", "place", "message"), FAULTS)
+def test_faults(file: Path, text: str | bytes, place: str | None, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read_run(written(file, text))
+    assert caught.value.place == place
+    assert caught.value.file == str(file)
+    assert message in caught.value.message
+    assert "\n" not in str(caught.value)
+
+
+def test_required_component(file: Path) -> None:
+    written(file, GOOD)
+    assert read_run(file, ["brush"], require=["brush"]).temps.keys() == {"brush"}
+    with pytest.raises(InputError, match="missing column casing_degC; found time_s, pwm, brush_degC"):
+        read_run(file, require=["casing"])
+
+
+def test_files_that_are_none(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        read_run(tmp_path / "none.csv")
+    with pytest.raises(InputError, match="is a directory"):
+        read_run(tmp_path)
+
+
+def test_a_fault_far_down_is_located(file: Path) -> None:
+    rows = [f"{i / 4},{i % 256},30" for i in range(60_000)]
+    rows[45_678] = rows[45_678].replace(",30", ",3o")
+    with pytest.raises(InputError, match='line 45680, column x: found "3o"'):
+        read_run(written(file, "time_s,pwm,x\n" + "\n".join(rows) + "\n"))
+
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    st.lists(
+        st.tuples(st.integers(1, 10**9), st.integers(-255, 255), finite | st.just(np.nan), finite),
+        min_size=1,
+        max_size=20,
+    ),
+    st.booleans(),
+)
+def test_round_trip_is_exact(
+    tmp_path_factory: pytest.TempPathFactory, rows: list[tuple[int, int, float, float]], with_ambient: bool
+) -> None:
+    file = tmp_path_factory.mktemp("runs") / "run.csv"
+    columns = list(zip(*rows, strict=True))
+    run = Run(
+        time_s=np.cumsum(columns[0]) * 0.1,
+        pwm=np.array(columns[1], dtype=np.int64),
+        temps={"brush": np.array(columns[2], dtype=float)},
+        ambient=np.array(columns[3], dtype=float) if with_ambient else None,
+        extras={"speed_rpm": np.array(columns[3], dtype=float)},
+        comments={"motor": "MY1016: cold", "free": ""},
+    )
+    write_run(file, run)
+    again = read_run(file)
+    assert np.array_equal(again.time_s, run.time_s)
+    assert np.array_equal(again.pwm, run.pwm)
+    assert np.array_equal(again.temps["brush"], run.temps["brush"], equal_nan=True)
+    assert np.array_equal(again.extras["speed_rpm"], run.extras["speed_rpm"])
+    assert (again.ambient is None) == (run.ambient is None)
+    assert again.comments == run.comments
+
+
+field = st.text('0123456789.eE+-naifNI_ "#\t\x00,\r', max_size=4)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(st.lists(field, min_size=3, max_size=3), min_size=1, max_size=4))
+def test_any_fields_are_read_as_python_would_or_named(
+    tmp_path_factory: pytest.TempPathFactory, rows: list[list[str]]
+) -> None:
+    text = "time_s,pwm,x\n" + "".join(f"{i},0,{','.join(row)}\n" for i, row in enumerate(rows))
+    file = written(tmp_path_factory.getbasetemp() / "any.csv", text.replace("x\n", "x,y,z\n", 1))
+    try:
+        run = read_run(file)
+    except InputError as error:
+        assert error.place
+        return
+    for name, index in (("x", 0), ("y", 1), ("z", 2)):
+        expected = [float(row[index].strip() or "nan") for row in rows]
+        assert np.array_equal(run.extras[name], expected, equal_nan=True)
+
+
+def test_writing_is_all_or_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = written(tmp_path / "run.csv", GOOD)
+    run = read_run(file)
+
+    def full(*args: object, **kwargs: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pandas.DataFrame.to_csv", full)
+    with pytest.raises(InputError, match="cannot be written: No space left on device"):
+        write_run(file, run)
+    assert file.read_text(encoding="utf-8") == GOOD
+    assert [p.name for p in tmp_path.iterdir()] == ["run.csv"]
+
+
+def test_places_that_cannot_be_written(tmp_path: Path) -> None:
+    columns = {"time_s": np.array([0.0])}
+    with pytest.raises(InputError, match="cannot be written"):
+        write_columns(tmp_path / "none" / "run.csv", columns)
+    with pytest.raises(InputError, match="directory"):
+        write_columns(tmp_path, columns)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_link_stays_a_link(tmp_path: Path) -> None:
+    target, link = tmp_path / "target.csv", tmp_path / "link.csv"
+    link.symlink_to(target)
+    write_columns(link, {"time_s": np.array([0.5])})
+    assert link.is_symlink()
+    assert target.read_text(encoding="utf-8") == "time_s\n0.5\n"
+
+
+def test_names_that_would_break_the_file(tmp_path: Path) -> None:
+    column = np.array([0.0])
+    for name in ("", "a,b", "a\nb", '"', " a"):
+        with pytest.raises(ValueError, match=r"column's name|line break"):
+            write_columns(tmp_path / "x.csv", {name: column})
+    with pytest.raises(ValueError, match="first colon"):
+        write_columns(tmp_path / "x.csv", {"a": column}, {"a:b": "c"})
+
+
+def test_half_a_million_rows_are_quick(file: Path) -> None:
+    n = 500_000
+    row = b",12,30.25,41.5,40,39.75,30\n"
+    header = b"time_s,pwm,brush_degC,bearing_degC,magnet_degC,casing_degC,ambient_degC\n"
+    written(file, header + b"".join(b"%d.25" % i + row for i in range(n)))
+    begin = time.perf_counter()
+    run = read_run(file)
+    assert time.perf_counter() - begin < 5.0
+    assert run.time_s.size == n
