@@ -36,7 +36,7 @@ PACKAGES = {
 """The Debian package that holds each program."""
 
 
-class ToolMissing(InputError):  # noqa: N818
+class ToolMissing(InputError):
     """A program, header or source tree that a command needs is not installed.
 
     Parameters

@@ -113,9 +113,7 @@ def test_hold_needs_no_treatment_of_negative_gain() -> None:
 
 def test_warnings() -> None:
     short = {"table": {"pwm": [60, 200], "value": [1e-4, 2e-4], "interpolation": "linear"}}
-    tree = changed(
-        (("components", 1, "gain"), short), (("components", 2, "poles", 0, "imag"), {"poly": [3e-4]})
-    )
+    tree = changed((("components", 1, "gain"), short), (("components", 2, "poles", 0, "imag"), {"poly": [3e-4]}))
     warnings = parse(json.dumps(tree).encode()).warnings
     assert any("table covers PWM 60..200 only" in w and "$.components[1].gain" in w for w in warnings)
     assert any("far from conjugate pairs" in w and "$.components[2].poles" in w for w in warnings)
@@ -156,9 +154,7 @@ def test_reserved_names_hold_every_macro_of_the_headers(tmp_path: Path) -> None:
     if compiler is None or not core.is_dir():
         pytest.skip("avr-g++ and the Arduino core are not installed")
     source = tmp_path / "macros.cpp"
-    source.write_text(
-        "#include <Arduino.h>\n#include <avr/wdt.h>\n#include <util/crc16.h>\n", encoding="utf-8"
-    )
+    source.write_text("#include <Arduino.h>\n#include <avr/wdt.h>\n#include <util/crc16.h>\n", encoding="utf-8")
     includes = [f"-I{core / 'cores/arduino'}", f"-I{core / 'variants/mega'}"]
     command = [
         compiler,

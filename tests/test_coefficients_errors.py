@@ -223,9 +223,7 @@ def test_physics(where: Path_, value: object, place: str, message: str) -> None:
 
 def test_complex_pair_that_crosses_the_axis_at_order_three() -> None:
     """Order 3 with real parts that turn positive from PWM 200 on."""
-    real = {
-        "table": {"pwm": [0, 199, 200, 255], "value": [-1e-3, -1e-5, 1e-5, 1e-5], "interpolation": "linear"}
-    }
+    real = {"table": {"pwm": [0, 199, 200, 255], "value": [-1e-3, -1e-5, 1e-5, 1e-5], "interpolation": "linear"}}
     poles = [
         {"real": real, "imag": poly(2e-3)},
         {"real": real, "imag": poly(-2e-3)},

@@ -36,8 +36,8 @@ class Deviation(Rule):
     """Measured minus model beyond a threshold, upwards (above_model) or downwards (below_model)."""
 
     kind: Literal["above_model", "below_model"]
-    threshold_K: NotNegative  # noqa: N815
-    hysteresis_K: Annotated[  # noqa: N815
+    threshold_K: NotNegative
+    hysteresis_K: Annotated[
         NotNegative,
         Field(description="The alarm ends once the deviation is this much inside the threshold, in K."),
     ] = 0.0
@@ -47,8 +47,8 @@ class OverTemperature(Rule):
     """Measured temperature over a limit."""
 
     kind: Literal["over_temperature"]
-    limit_degC: Celsius  # noqa: N815
-    hysteresis_K: NotNegative = 0.0  # noqa: N815
+    limit_degC: Celsius
+    hysteresis_K: NotNegative = 0.0
 
 
 class Cusum(Rule):
@@ -56,8 +56,8 @@ class Cusum(Rule):
 
     kind: Literal["cusum"]
     direction: Literal["above", "below"] = "above"
-    slack_K: NotNegative  # noqa: N815
-    threshold_K_s: Positive  # noqa: N815
+    slack_K: NotNegative
+    threshold_K_s: Positive
 
 
 KINDS = ("above_model", "below_model", "over_temperature", "cusum")

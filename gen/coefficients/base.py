@@ -69,9 +69,7 @@ class Part(BaseModel):
             for key in data:
                 if key not in cls.model_fields:
                     near = difflib.get_close_matches(str(key), cls.model_fields, n=1, cutoff=0.6)
-                    hint = (
-                        f'did you mean "{near[0]}"?' if near else f"expected {listed(list(cls.model_fields))}"
-                    )
+                    hint = f'did you mean "{near[0]}"?' if near else f"expected {listed(list(cls.model_fields))}"
                     raise fault(f'unknown key "{key}"; {hint}', str(key))
             return {key: tuple(value) if isinstance(value, list) else value for key, value in data.items()}
         return data

@@ -54,8 +54,7 @@ def _check_finite(component: Component, pwm: NDArray[np.int64], place: str) -> N
         bad = ~np.isfinite(values).all(axis=1)
         if bad.any():
             raise InputError(
-                f'component "{component.name}" overflows a 64-bit float at PWM {pwm[bad][0]}; '
-                "expected a finite value",
+                f'component "{component.name}" overflows a 64-bit float at PWM {pwm[bad][0]}; expected a finite value',
                 place=f"{place}.{key}",
             )
 

@@ -34,9 +34,7 @@ def _component(entry: ComponentEntry, document: Document) -> Component:
         name=entry.name,
         order=entry.order,
         gain=entry.gain.schedule(),
-        poles=tuple(
-            Pole(pole.real.schedule(), pole.imag.schedule() if pole.imag else None) for pole in entry.poles
-        ),
+        poles=tuple(Pole(pole.real.schedule(), pole.imag.schedule() if pole.imag else None) for pole in entry.poles),
         validity=document.validity.pwm,
         outside=document.validity.outside,
         negative_gain=entry.negative_gain,

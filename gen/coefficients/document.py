@@ -27,7 +27,7 @@ class Input(Part):
 class Ambient(Part):
     """The ambient temperature: a fixed value, or a measured channel with the value as its fallback."""
 
-    fixed_degC: Celsius | None = None  # noqa: N815
+    fixed_degC: Celsius | None = None
     channel: ColumnName | None = None
 
     @model_validator(mode="after")
@@ -51,15 +51,15 @@ class Domain(Part):
     """What the firmware has to stand; everything is proven for this domain."""
 
     pwm: Annotated[CountRange, Field(description="[lowest, highest] |PWM| in counts.")]
-    ambient_degC: CelsiusRange  # noqa: N815
-    temperature_degC: Annotated[CelsiusRange, Field(description="Measured and start temperatures.")]  # noqa: N815
+    ambient_degC: CelsiusRange
+    temperature_degC: Annotated[CelsiusRange, Field(description="Measured and start temperatures.")]
 
 
 class Accuracy(Part):
     """The largest guaranteed error in K with which a build is accepted."""
 
-    fixed_limit_K: Positive = 1e-5  # noqa: N815
-    float_limit_K: Positive = 1e-3  # noqa: N815
+    fixed_limit_K: Positive = 1e-5
+    float_limit_K: Positive = 1e-3
 
 
 class PoleEntry(Part):
@@ -80,16 +80,12 @@ class ComponentEntry(Part):
         Literal["zero"] | None,
         Field(description="zero: where the gain is negative outside the validity range it is taken as 0."),
     ] = None
-    poles: Annotated[
-        tuple[PoleEntry, ...], Field(min_length=1, max_length=4, description="As many as the order.")
-    ]
+    poles: Annotated[tuple[PoleEntry, ...], Field(min_length=1, max_length=4, description="As many as the order.")]
 
     @model_validator(mode="after")
     def _check(self) -> ComponentEntry:
         if len(self.poles) != self.order:
-            raise fault(
-                f"found {len(self.poles)} pole(s), expected {self.order}, as many as the order", "poles"
-            )
+            raise fault(f"found {len(self.poles)} pole(s), expected {self.order}, as many as the order", "poles")
         return self
 
 
@@ -98,7 +94,7 @@ class ErrorBand(Part):
 
     component: str
     pwm: CountRange
-    model_minus_measured_K: Annotated[tuple[Number, Number], Field(description="[lowest, highest]")]  # noqa: N815
+    model_minus_measured_K: Annotated[tuple[Number, Number], Field(description="[lowest, highest]")]
     note: str = ""
 
     @model_validator(mode="after")
@@ -199,8 +195,7 @@ def _unique(names: list[str], key: str) -> None:
         first = seen.setdefault(name.lower(), i)
         if first != i:
             raise fault(
-                f'"{name}" is taken by {key}[{first}] ("{names[first]}"); '
-                "expected names that differ in more than case",
+                f'"{name}" is taken by {key}[{first}] ("{names[first]}"); expected names that differ in more than case',
                 key,
                 i,
                 "name",

@@ -71,9 +71,7 @@ def _message(first: ErrorDetails, context: dict[str, Any]) -> str:
     if kind == "alarm":
         return _alarm(value)
     if kind in ("too_short", "too_long"):
-        limit = (
-            f"at least {context['min_length']}" if kind == "too_short" else f"at most {context['max_length']}"
-        )
+        limit = f"at least {context['min_length']}" if kind == "too_short" else f"at most {context['max_length']}"
         return f"found {_entries(len(value))}, expected {limit}"
     if kind in _TYPES:
         return f"found {described(value)}, expected {_TYPES[kind]}"

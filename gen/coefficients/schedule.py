@@ -45,24 +45,18 @@ class Exp2(Part):
 class Points(Part):
     """Values at strictly increasing |PWM|; outside of the table its end values hold."""
 
-    pwm: Annotated[
-        tuple[Counts, ...], Field(min_length=2, description="|PWM| in counts, strictly increasing.")
-    ]
+    pwm: Annotated[tuple[Counts, ...], Field(min_length=2, description="|PWM| in counts, strictly increasing.")]
     value: Annotated[tuple[Number, ...], Field(min_length=2, description="As many values.")]
     interpolation: Annotated[
         Literal["pchip", "linear"],
-        Field(
-            description="pchip: monotone cubic (Fritsch-Carlson). Outside of the table the end value holds."
-        ),
+        Field(description="pchip: monotone cubic (Fritsch-Carlson). Outside of the table the end value holds."),
     ]
 
     @model_validator(mode="after")
     def _check(self) -> Points:
         for i in range(1, len(self.pwm)):
             if self.pwm[i] <= self.pwm[i - 1]:
-                raise fault(
-                    f"found {self.pwm[i]} after {self.pwm[i - 1]}, expected strictly increasing PWM", "pwm", i
-                )
+                raise fault(f"found {self.pwm[i]} after {self.pwm[i - 1]}, expected strictly increasing PWM", "pwm", i)
         if len(self.value) != len(self.pwm):
             raise fault(f"found {len(self.value)} values, expected {len(self.pwm)}, one per PWM", "value")
         return self

@@ -8,9 +8,7 @@ from pydantic import Field, model_validator
 
 from gen.coefficients.base import Part, fault
 
-Pin = Annotated[
-    int, Field(ge=0, le=69, description="Arduino pin number of the Mega 2560 (54..69 are A0..A15).")
-]
+Pin = Annotated[int, Field(ge=0, le=69, description="Arduino pin number of the Mega 2560 (54..69 are A0..A15).")]
 
 _PWM_PINS = frozenset([*range(2, 14), 44, 45, 46])
 _INTERRUPT_PINS = frozenset([2, 3, 18, 19, 20, 21])
@@ -82,13 +80,9 @@ class Wiring(Part):
         if self.encoder:
             roles.append(("encoder", self.encoder.pin, ("encoder", "pin")))
         if self.drive:
-            roles += [
-                (key, getattr(self.drive, key), ("drive", key)) for key in ("forward_pin", "reverse_pin")
-            ]
+            roles += [(key, getattr(self.drive, key), ("drive", key)) for key in ("forward_pin", "reverse_pin")]
         for i, thermocouple in enumerate(self.thermocouples):
-            roles += [
-                (key, getattr(thermocouple, key), ("thermocouples", i, key)) for key in ("cs", "so", "sck")
-            ]
+            roles += [(key, getattr(thermocouple, key), ("thermocouples", i, key)) for key in ("cs", "so", "sck")]
         return roles
 
 

@@ -119,6 +119,9 @@ def worst_error(
     disturbance[:, 0, :] = q_total[:, None] * increments.injection(n)
     form_error = np.abs(increments.mismatch(exact.form, exact.exact, state_maps))
     form_rows = np.einsum("pij,pj->pi", form_error, ranges.true_distance)
+    if n > 1:  # the carry is evaluated before it acts: what it would change in itself
+        q_range = np.einsum("pj,pj->p", np.abs(exact.c), ranges.distance)
+        form_rows[:, n - 2] += exact.c[:, n - 2].max() * q_range.max() * 2.0 * increments.CARRY**2
     for i in range(n):
         disturbance[:, 1 + i, i] = chain_error[:, i]
         disturbance[:, 1 + n + i, i] = form_rows[:, i]

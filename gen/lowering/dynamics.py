@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil, floor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,14 +40,20 @@ class Dynamics:
     start: tuple[float, float]
 
     @property
+    def start_range_mK(self) -> tuple[int, int]:
+        """The same in thousandths of a kelvin, rounded inwards."""
+        return ceil(self.start[0] * 1000.0), floor(self.start[1] * 1000.0)
+
+    @property
     def order(self) -> int:
         """The component's order n."""
-        return self.rates.shape[1]
+        return int(self.rates.shape[1])
 
     @property
     def centre(self) -> float:
         """Middle of everything that x1 starts from or settles to, in K."""
-        return (min(self.start[0], self.steady.min()) + max(self.start[1], self.steady.max())) / 2.0
+        low = min(self.start[0], float(self.steady.min()))
+        return (low + max(self.start[1], float(self.steady.max()))) / 2.0
 
 
 def domain_rows(model: ThermalModel) -> NDArray[np.int64]:

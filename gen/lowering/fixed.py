@@ -6,7 +6,7 @@ import numpy as np
 
 from gen.lowering import bounds, formats, increments
 from gen.lowering.bounds import StateRanges
-from gen.lowering.dynamics import Dynamics, dynamics
+from gen.lowering.dynamics import Dynamics, LoweringError, dynamics
 from gen.lowering.formats import RESIDUE_BITS, Format
 from gen.lowering.program import FixedComponent, Integers, Proof
 from gen.lowering.reach import NoProofError, SwitchedRecursion
@@ -55,11 +55,12 @@ def lower_component(model: ThermalModel, component: Component, limit_K: float) -
 
 
 def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float) -> FixedComponent:
+    recursion: SwitchedRecursion | None = None
     try:
-        recursion: SwitchedRecursion | None = SwitchedRecursion(exact.exact)
+        recursion = SwitchedRecursion(exact.exact)
         ranges = bounds.state_ranges(recursion, exact)
     except NoProofError:
-        recursion, ranges = None, bounds.unproven_ranges(exact)
+        ranges = bounds.unproven_ranges(exact)
     layout = formats.choose(
         formats.nested_ranges(ranges, exact.rates),
         exact.rates.max(axis=0),
@@ -69,8 +70,7 @@ def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float)
     if layout is None:
         raise LoweringError(f"component {component.name}: no fixed-point formats hold its ranges")
     rates, steady = tabulate(exact, layout)
-    proof = prove(recursion, exact, ranges, layout, rates) if recursion is not None else None
-    scale = 2.0 ** (layout.fraction_bits[0] - RESIDUE_BITS)
+    proof = None if recursion is None else prove(recursion, exact, ranges, layout, rates)
     return FixedComponent(
         name=component.name,
         order=component.order,
@@ -78,7 +78,7 @@ def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float)
         layout=layout,
         rates=rates,
         steady=steady,
-        start_range=(int(np.ceil(exact.start[0] * scale)), int(np.floor(exact.start[1] * scale))),
+        start_range_mK=exact.start_range_mK,
         proof=proof,
     )
 

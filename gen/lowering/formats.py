@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.lowering.bounds import StateRanges
 
 Array = NDArray[np.float64]
 
@@ -158,9 +159,7 @@ def rounding(layout: Format, rates: Array) -> tuple[Array, Array]:
         Bounds in K: shape (m,) for q, shape (n,) for the rows of the chain.
     """
     n = layout.order
-    error = np.full(
-        rates.shape[0], layout.high_lsb[0]
-    )  # x1 and S are both rounded down: the difference is +-1
+    error = np.full(rates.shape[0], layout.high_lsb[0])  # x1 and S are both rounded down: the difference is +-1
     for i in range(n - 1):
         # The state's and the product's floor are offset by one unit: together +-1, and what the product leaves out.
         own = layout.high_lsb[i + 1] * (1.0 + dropped_error(layout.product_shifts[i], wide=False))

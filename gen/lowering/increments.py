@@ -115,13 +115,10 @@ def _delta(alpha: list[Decimal]) -> list[Decimal]:
     auxiliary = [[Decimal(int(i == j)) for j in range(n)] for i in range(n)]
     for k in range(1, n + 1):
         product = [
-            [sum((growth[i][m] * auxiliary[m][j] for m in range(n)), Decimal(0)) for j in range(n)]
-            for i in range(n)
+            [sum((growth[i][m] * auxiliary[m][j] for m in range(n)), Decimal(0)) for j in range(n)] for i in range(n)
         ]
         coefficients.append(-sum((product[i][i] for i in range(n)), Decimal(0)) / k)
-        auxiliary = [
-            [product[i][j] + (coefficients[-1] if i == j else 0) for j in range(n)] for i in range(n)
-        ]
+        auxiliary = [[product[i][j] + (coefficients[-1] if i == j else 0) for j in range(n)] for i in range(n)]
     return coefficients
 
 
@@ -163,14 +160,14 @@ FEEDBACK_FROM_DELTA: dict[int, list[list[Fraction]]] = {
 
 def rates(c: Array) -> Array:
     """Nested rates R0..R[n-1] from C0..C[n-1], shape (m, n); all positive for slow stable poles."""
-    nested = c.copy()
+    nested = np.array(c, dtype=np.float64)
     nested[:, :-1] = c[:, :-1] / c[:, 1:]
     return nested
 
 
 def from_rates(nested: Array) -> Array:
     """C0..C[n-1] from the nested rates, shape (m, n): the inverse of :func:`rates`."""
-    return np.cumprod(nested[:, ::-1], axis=1)[:, ::-1].copy()
+    return np.asarray(np.cumprod(nested[:, ::-1], axis=1)[:, ::-1].copy(), dtype=np.float64)
 
 
 def transition(c: Array) -> Array:
@@ -201,19 +198,18 @@ def state_map(c: Array) -> Array:
         C0..C[n-1], shape (m, n).
     """
     m, n = c.shape
-    exact_chain = [
-        [Fraction(1, factorial(j - i)) if j >= i else Fraction(0) for j in range(n)] for i in range(n)
-    ]
+    exact_chain = [[Fraction(1, factorial(j - i)) if j >= i else Fraction(0) for j in range(n)] for i in range(n)]
     exact_inject = [Fraction(1, factorial(n - i)) for i in range(n)]
     form_chain = [[_CHAIN[n][i][j] + (1 if i == j else 0) for j in range(n)] for i in range(n)]
     left = np.array(_controllability(form_chain, _INJECT[n]), dtype=np.float64)
     right = np.array(_controllability(exact_chain, exact_inject), dtype=np.float64)
     chains = np.round(np.linalg.solve(right.T, left.T).T * 720.0) / 720.0  # rationals with small denominators
     nilpotent = np.diag(np.ones(n - 1), 1)
-    mapped = np.tile(chains @ (np.eye(n) + nilpotent @ nilpotent / 12.0), (m, 1, 1))
-    if n > 1:
-        mapped[:, n - 2, :] -= c * CARRY
-    return mapped
+    constant = chains @ (np.eye(n) + nilpotent @ nilpotent / 12.0)
+    carrying: Array = np.tile(np.eye(n), (m, 1, 1))
+    if n > 1:  # x[n-1] = constant part + q/12 with q = -C (x - s): solved for x
+        carrying[:, n - 2, :] += c * CARRY
+    return np.asarray(np.linalg.solve(carrying, np.tile(constant, (m, 1, 1))), dtype=np.float64)
 
 
 #: Share of q that x[n-1] carries (second Bernoulli number over 2!, the trapezoidal rule's error).

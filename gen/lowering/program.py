@@ -51,8 +51,8 @@ class FixedComponent:
         Integers R[i] * 2^rate_fraction_bits[i] for each row of the domain, shape (rows, n), 0 <= R < 2^32.
     steady
         Integers S * 2^(fraction_bits[0] - 16), rounded down, shape (rows,).
-    start_range
-        Lowest and highest start value of the high word of x1; others are clamped and flagged.
+    start_range_mK
+        Lowest and highest rise to start from, in thousandths of a kelvin; others are limited and flagged.
     proof
         None if no range could be proven: then every addition saturates and is counted.
     """
@@ -63,7 +63,7 @@ class FixedComponent:
     layout: Format
     rates: Integers
     steady: Integers
-    start_range: tuple[int, int]
+    start_range_mK: tuple[int, int]
     proof: Proof | None
 
     @property

@@ -134,7 +134,7 @@ class SwitchedRecursion:
         return ReachSet(self._directions, self._shape.T, self._facets, self._facet_inverse, height)
 
     def _fixed_point(self, reward: Array, floor: Array) -> Array:
-        count, m, n = self._weight.shape
+        count, _, n = self._weight.shape
         rows = np.repeat(np.arange(count), n)
         every = np.arange(count)
         policy = reward.argmax(axis=1)
@@ -216,8 +216,8 @@ def _spread(order: int, count: int) -> Array:
     points = np.stack(
         [radius * np.sin(alpha), radius * np.cos(alpha), other * np.sin(beta), other * np.cos(beta)], axis=1
     )
-    sign = np.sign(points[:, 0])
-    return points[sign > 0]
+    half: Array = points[points[:, 0] > 0.0]
+    return half
 
 
 def _facets(points: Array) -> NDArray[np.intp]:

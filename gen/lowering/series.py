@@ -33,15 +33,13 @@ def delta_series(order: int, extra_weight: int) -> tuple[Mapping[Monomial, Fract
     top = order + extra_weight
     zero: Polynomial = {}
     one: Polynomial = {(0,) * order: Fraction(1)}
-    alpha: list[Polynomial] = [
-        {tuple(int(i == k) for i in range(order)): Fraction(-1)} for k in reversed(range(order))
-    ]
+    alpha: list[Polynomial] = [{tuple(int(i == k) for i in range(order)): Fraction(-1)} for k in reversed(range(order))]
     # Row i of the companion matrix's powers: s^m modulo A, as coefficients of 1, s, .., s^(n-1).
     power = [one if j == 0 else zero for j in range(order)]
     exponential = [[zero] * order for _ in range(order)]  # row i: s^i (exp(s) - 1) modulo A
     inverse_factorial = Fraction(1)
     remainders = [power]
-    for m in range(1, top + order + 1):
+    for _ in range(top + order):
         carry = power[-1]
         power = [_add(power[j - 1] if j else zero, _multiply(carry, alpha[j], top)) for j in range(order)]
         remainders.append(power)
@@ -67,14 +65,12 @@ def _characteristic(matrix: list[list[Polynomial]], top: int) -> list[Polynomial
     coefficients: list[Polynomial] = []
     for k in range(1, n + 1):
         product = [
-            [_sum(_multiply(matrix[i][m], auxiliary[m][j], top) for m in range(n)) for j in range(n)]
-            for i in range(n)
+            [_sum(_multiply(matrix[i][m], auxiliary[m][j], top) for m in range(n)) for j in range(n)] for i in range(n)
         ]
         coefficient = _scale(_sum(product[i][i] for i in range(n)), Fraction(-1, k))
         coefficients.append(coefficient)
         auxiliary = [
-            [_add(product[i][j], coefficient) if i == j else product[i][j] for j in range(n)]
-            for i in range(n)
+            [_add(product[i][j], coefficient) if i == j else product[i][j] for j in range(n)] for i in range(n)
         ]
     return coefficients
 

@@ -102,9 +102,7 @@ class Component:
     def steady_rise(self, pwm: ArrayLike) -> FloatArray:
         """Give the rise at which the component settles at constant |PWM|: K |PWM| / A(0), shape (n,), K."""
         counts = _counts(pwm)
-        return np.asarray(
-            self.effective_gain(counts) * counts / self._denominators[counts, -1], dtype=np.float64
-        )
+        return np.asarray(self.effective_gain(counts) * counts / self._denominators[counts, -1], dtype=np.float64)
 
     def state_matrices(self, pwm: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Give the companion form for the state (T, T', T'', ...) and the input |PWM|.
@@ -150,9 +148,7 @@ class Component:
             with localcontext(EXACT):
                 poly = [(Decimal(1), Decimal(0))]
                 for pole in self.poles:
-                    poly = _times_root(
-                        poly, pole.real.exact(held), pole.imag.exact(held) if pole.imag else Decimal(0)
-                    )
+                    poly = _times_root(poly, pole.real.exact(held), pole.imag.exact(held) if pole.imag else Decimal(0))
             real[x] = [float(re) for re, _ in poly]
             imag[x] = [float(im) for _, im in poly]
         return real, imag
@@ -245,9 +241,7 @@ class ThermalModel:
         """Give the system sampled at the model's sample time with a zero-order hold."""
         import control
 
-        return control.sample_system(
-            self.transfer_function(component_name, pwm), self.sample_time, method="zoh"
-        )
+        return control.sample_system(self.transfer_function(component_name, pwm), self.sample_time, method="zoh")
 
 
 def _counts(pwm: ArrayLike) -> NDArray[np.int64]:
@@ -259,9 +253,7 @@ def _counts(pwm: ArrayLike) -> NDArray[np.int64]:
     return array.astype(np.int64)
 
 
-def _times_root(
-    poly: list[tuple[Decimal, Decimal]], re: Decimal, im: Decimal
-) -> list[tuple[Decimal, Decimal]]:
+def _times_root(poly: list[tuple[Decimal, Decimal]], re: Decimal, im: Decimal) -> list[tuple[Decimal, Decimal]]:
     """Multiply a complex polynomial, highest power first, by (s - (re + j im))."""
     zero = (Decimal(0), Decimal(0))
     return [

@@ -44,9 +44,7 @@ class ExactSolution:
     def __init__(self, model: ThermalModel) -> None:
         self.model = model
         self._known: list[NDArray[np.bool_]] = [np.zeros(256, dtype=np.bool_) for _ in model.components]
-        self._table = [
-            _Steps(np.zeros((256, c.order, c.order)), np.zeros((256, c.order))) for c in model.components
-        ]
+        self._table = [_Steps(np.zeros((256, c.order, c.order)), np.zeros((256, c.order))) for c in model.components]
 
     def simulate(
         self, pwm_samples: ArrayLike, initial_rise: Mapping[str, ArrayLike] | None = None
@@ -66,10 +64,7 @@ class ExactSolution:
         dict
             Rise in K by component, shape (N + 1,) or (L, N + 1); entry k is at k Ts, before sample k acts.
         """
-        return {
-            name: states[..., 0]
-            for name, states in self._states(pwm_samples, initial_rise, keep=1)[0].items()
-        }
+        return {name: states[..., 0] for name, states in self._states(pwm_samples, initial_rise, keep=1)[0].items()}
 
     def simulate_states(
         self, pwm_samples: ArrayLike, initial_rise: Mapping[str, ArrayLike] | None = None
@@ -106,9 +101,7 @@ class ExactSolution:
         step = np.diff(time)
         if np.any(step <= 0.0):
             raise ValueError("time must increase strictly")
-        pairs, index = np.unique(
-            np.stack([counts[:-1].astype(np.float64), step]), axis=1, return_inverse=True
-        )
+        pairs, index = np.unique(np.stack([counts[:-1].astype(np.float64), step]), axis=1, return_inverse=True)
         start = self._start(initial_rise)
         result: dict[str, FloatArray] = {}
         for component in self.model.components:

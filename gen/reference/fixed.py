@@ -1,12 +1,12 @@
 """The fixed-point recursion, word for word as the board computes it.
 
-Words are whole numbers: Python integers for one run, or int64 arrays for many runs at once (every operation below
-works on both).  A state word has 48 bits; its high word is ``word >> 16``.
+Words are whole numbers: Python integers for one run, or int64 arrays for many runs at once (every operation
+below works on both).  A state word has 48 bits; its high word is ``word >> 16``.
 """
 
 from __future__ import annotations
 
-from typing import TypeVar, cast
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,7 @@ def product(difference: Word, rate: Word, shift: int, *, wide: bool) -> Word:
     if dropped_bytes(shift, wide=wide) == 2:
         cross = (difference & 0xFF) * ((rate >> 8) & 0xFF) + ((difference >> 8) & 0xFF) * (rate & 0xFF)
         whole = whole - (cross << 8)
-    return cast(Word, whole >> shift)
+    return whole >> shift
 
 
 class FixedStep:
@@ -61,8 +61,17 @@ class FixedStep:
         self._limit_word = 1 << (WORD_BITS - 1)
         self.saturations: int | NDArray[np.int64] = 0
 
+    def start(self, rise_mK: int) -> list[int]:
+        """State at rest at a rise in thousandths of a kelvin, limited to the declared range."""
+        low, high = self._component.start_range_mK
+        kelvin, rest = divmod(max(low, min(high, rise_mK)), 1000)
+        output_bits = self._component.layout.fraction_bits[0] - RESIDUE_BITS
+        fine = (rest << 22) // 1000
+        fraction = fine << (output_bits - 22) if output_bits >= 22 else fine >> (22 - output_bits)
+        return [((kelvin << output_bits) + fraction) << RESIDUE_BITS] + [0] * (self._component.order - 1)
+
     def increment(self, state: list[Word], rates: list[Word], steady: Word) -> Word:
-        """-q, as a word of x[n], for a state (not changed), integer rates and integer steady rise."""
+        """Give q, as a word of x[n], for a state (not changed), integer rates and integer steady rise."""
         layout = self._component.layout
         inner = self._high((state[0] >> RESIDUE_BITS) - steady)
         for i in range(layout.order - 1):
@@ -71,34 +80,33 @@ class FixedStep:
                 + self._high(product(inner, rates[i], layout.product_shifts[i], wide=False))
                 + 1
             )
-        return product(inner, rates[-1], layout.product_shifts[-1], wide=True)
+        return -product(inner, rates[-1], layout.product_shifts[-1], wide=True)
 
     def carry(self, state: list[Word], old: Word, new: Word) -> None:
-        """Carry q/12 of x[n-1] over a change of PWM, given -q before and after (orders 2 to 4)."""
-        shift = self._component.layout.chain_shifts[-1]
-        moved = self._high((new - old) >> shift)
+        """Carry q/12 of x[n-1] over a change of PWM, given q before and after (orders 2 to 4)."""
+        moved = self._high((new - old) >> self._component.layout.chain_shifts[-1])
         place = self._component.order - 2
-        state[place] = self._word(state[place] - product(moved, _like(moved, CARRY_FACTOR), 32, wide=False))
+        state[place] = self._word(state[place] + product(moved, _like(moved, CARRY_FACTOR), 32, wide=False))
 
-    def advance(self, state: list[Word], increment: Word) -> None:
-        """The chain of additions, see :mod:`gen.lowering.increments`."""
+    def advance(self, state: list[Word], q: Word) -> None:
+        """Do the chain of additions, see :mod:`gen.lowering.increments`."""
         order = self._component.order
         shift = self._component.layout.chain_shifts
         if order == 1:
-            state[0] = self._word(state[0] - increment)
+            state[0] = self._word(state[0] + q)
         elif order == 2:
             state[0] = self._word(state[0] + (state[1] >> shift[0]))
-            state[0] = self._word(state[0] - (increment >> (shift[0] + 1)))
-            state[1] = self._word(state[1] - increment)
+            state[0] = self._word(state[0] + (q >> (shift[0] + 1)))
+            state[1] = self._word(state[1] + q)
         elif order == 3:
             state[0] = self._word(state[0] + (state[1] >> shift[0]))
-            state[2] = self._word(state[2] - increment)
+            state[2] = self._word(state[2] + q)
             state[1] = self._word(state[1] + (state[2] >> shift[1]))
         else:
             state[0] = self._word(state[0] + (state[1] >> shift[0]))
             state[0] = self._word(state[0] + (state[2] >> (shift[0] + shift[1] + 1)))
             state[1] = self._word(state[1] + (state[2] >> shift[1]))
-            state[3] = self._word(state[3] - increment)
+            state[3] = self._word(state[3] + q)
             state[2] = self._word(state[2] + (state[3] >> shift[2]))
 
     def _high(self, value: Word) -> Word:
@@ -119,4 +127,4 @@ class FixedStep:
 
 def _like(example: Word, value: int) -> Word:
     """``value`` in the type of ``example``."""
-    return value if isinstance(example, int) else cast(Word, np.full_like(example, value))
+    return value if isinstance(example, int) else np.full_like(example, value)

@@ -161,9 +161,7 @@ def _parse_slowly(lines: list[bytes], head: _Head, first: int) -> FloatArray:
                 f"found {len(fields)} fields, expected {len(head.columns)}, as many as the header has",
                 place=f"line {number}",
             )
-        rows.append(
-            [_number(text.strip(), number, name) for text, name in zip(fields, head.columns, strict=True)]
-        )
+        rows.append([_number(text.strip(), number, name) for text, name in zip(fields, head.columns, strict=True)])
     return np.asarray(rows, dtype=np.float64)
 
 
@@ -173,9 +171,7 @@ def _number(text: str, line: int, column: str) -> float:
     value = float(text) if _NUMBER.fullmatch(text) else float("inf")
     if np.isinf(value):
         shown = text if len(text) <= 40 else f"{text[:36]}..."
-        expected = (
-            "a finite number" if _NUMBER.fullmatch(text) else "a number, or nothing for a missing sample"
-        )
+        expected = "a finite number" if _NUMBER.fullmatch(text) else "a number, or nothing for a missing sample"
         raise InputError(f'found "{shown}", expected {expected}', place=f"line {line}, column {column}")
     return value
 

@@ -289,7 +289,5 @@ def test_unreadable_firmware_is_an_error(cache: Path, tmp_path: Path) -> None:
 def test_shim_compiles_without_warnings(tmp_path: Path) -> None:
     source = simulator.MAILBOX_FOLDER / "shim.c"
     command = ["gcc", "-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-c", str(source)]
-    done = subprocess.run(
-        [*command, "-o", str(tmp_path / "shim.o")], capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([*command, "-o", str(tmp_path / "shim.o")], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")

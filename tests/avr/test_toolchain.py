@@ -34,8 +34,7 @@ def test_missing_program_is_named_with_its_package(bare_path: Path, name: str, p
         toolchain.program(name)
     assert isinstance(caught.value, InputError)
     assert str(caught.value) == (
-        f"{name} is missing: it is in the Debian package {package}; "
-        f"install it with: apt-get install -y {package}"
+        f"{name} is missing: it is in the Debian package {package}; install it with: apt-get install -y {package}"
     )
 
 
@@ -63,13 +62,9 @@ def test_everything_is_installed() -> None:
     assert (toolchain.arduino_core() / "cores/arduino/main.cpp").is_file()
 
 
-def test_arduino_core_is_looked_for_where_the_environment_says(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_arduino_core_is_looked_for_where_the_environment_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(toolchain.ARDUINO_ENVIRONMENT, str(tmp_path))
-    with pytest.raises(
-        ToolMissing, match=r"apt-get install -y arduino-core-avr \(or let GEN_ARDUINO_AVR name"
-    ):
+    with pytest.raises(ToolMissing, match=r"apt-get install -y arduino-core-avr \(or let GEN_ARDUINO_AVR name"):
         toolchain.arduino_core()
     for name in ("cores/arduino/Arduino.h", "variants/mega/pins_arduino.h"):
         (tmp_path / name).parent.mkdir(parents=True)

@@ -114,9 +114,7 @@ def test_unknown_component() -> None:
 
 def test_order_four_with_widely_spread_poles_is_correctly_rounded() -> None:
     poles = (-1e-5, -3e-4, -0.02, -0.3)
-    component = Component(
-        "spread", 4, Polynomial((1.0,)), tuple(Pole(ExponentialSum(((p, 0.003),))) for p in poles)
-    )
+    component = Component("spread", 4, Polynomial((1.0,)), tuple(Pole(ExponentialSum(((p, 0.003),))) for p in poles))
     x = np.exp(np.longdouble(0.003) * np.arange(256, dtype=np.longdouble))
     oracle = np.ones((256, 1), dtype=np.longdouble)
     for pole in poles:

@@ -47,9 +47,7 @@ def taylor(component: Component, sample_time: float, counts: np.ndarray, start: 
 
 @pytest.mark.skipif(bool(np.finfo(np.longdouble).eps > 1e-18), reason="long double is just double here")
 @pytest.mark.parametrize("profile", PROFILES)
-@pytest.mark.parametrize(
-    ("example", "name"), [("my1016", "brush"), ("my1016", "casing"), ("two_mass", "housing")]
-)
+@pytest.mark.parametrize(("example", "name"), [("my1016", "brush"), ("my1016", "casing"), ("two_mass", "housing")])
 def test_own_error_is_below_a_nanokelvin(example: str, name: str, profile: str) -> None:
     thermal = model(example)
     solved = ExactSolution(thermal).simulate(PROFILES[profile], {name: 31.7})[name]
@@ -66,9 +64,7 @@ def test_study_tables_come_back(name: str) -> None:
         rise = solution.simulate(np.full(N, pwm))[name]
         numerator, denominator = TRANSFER_FUNCTIONS[name][i]
         times = np.array([0.0, 2160.0, 4320.0, 6480.0, 8640.0, 10800.0])
-        identified = control.step_response(
-            control.TransferFunction([numerator * pwm], denominator), T=times
-        ).outputs
+        identified = control.step_response(control.TransferFunction([numerator * pwm], denominator), T=times).outputs
         assert rise[-1] - identified[-1] == pytest.approx(STEADY_ERROR[name][i], abs=0.2)
         transient = TRANSIENT_ERROR[name][i]
         if (name, pwm) == ("magnet", 51):

@@ -171,9 +171,7 @@ def proxy() -> Iterator[tuple[str, list[str]]]:
         thread.join(timeout=5)
 
 
-def test_nothing_tries_the_network(
-    project: Path, variables: dict[str, str], proxy: tuple[str, list[str]]
-) -> None:
+def test_nothing_tries_the_network(project: Path, variables: dict[str, str], proxy: tuple[str, list[str]]) -> None:
     address, peers = proxy
     watched = variables | dict.fromkeys(PROXIES, address)
     pio_run(project, variables=watched)

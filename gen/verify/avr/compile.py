@@ -104,9 +104,7 @@ class ArduinoCore:
         self._flags = (*MACHINE_FLAGS, optimisation, *CORE_FLAGS)
         self._own_folders = (self.root / "cores/arduino", self.root / "variants/mega")
         compiler = toolchain.avr_compiler()
-        self._sources = sorted(
-            path for path in self._own_folders[0].rglob("*") if path.suffix in (".c", ".cpp", ".S")
-        )
+        self._sources = sorted(path for path in self._own_folders[0].rglob("*") if path.suffix in (".c", ".cpp", ".S"))
         self.folder = cache / f"arduino-core-{self._key(compiler)}"
         self.archive = self.folder / "core.a"
         if not self.archive.is_file():
@@ -135,12 +133,8 @@ class ArduinoCore:
         return [f"-I{folder}" for folder in (self.folder / "quiet", *self._own_folders)]
 
     def _key(self, compiler: Path) -> str:
-        version = subprocess.run(
-            [str(compiler), "--version"], capture_output=True, text=True, check=True
-        ).stdout
-        digest = hashlib.sha256(
-            "\0".join((version, str(self.root), *self._flags, *CPP_FLAGS, *QUIET_IN_CORE)).encode()
-        )
+        version = subprocess.run([str(compiler), "--version"], capture_output=True, text=True, check=True).stdout
+        digest = hashlib.sha256("\0".join((version, str(self.root), *self._flags, *CPP_FLAGS, *QUIET_IN_CORE)).encode())
         for folder in self._own_folders:
             for path in sorted(folder.rglob("*")):
                 if path.is_file():

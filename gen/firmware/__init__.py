@@ -1,0 +1,1 @@
+"""From the lowered program to the emitted PlatformIO project."""

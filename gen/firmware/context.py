@@ -1,0 +1,218 @@
+"""What the templates are told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from gen import __version__
+from gen.coefficients import Coefficients
+from gen.lowering.dynamics import domain_rows
+from gen.lowering.formats import RESIDUE_BITS
+from gen.lowering.lower import Program, Shape
+from gen.lowering.program import FixedComponent
+
+Context = dict[str, Any]
+
+
+def project_context(coefficients: Coefficients, program: Program, source_name: str) -> Context:
+    """Everything that the templates of one project need.
+
+    Parameters
+    ----------
+    coefficients, program
+        What is emitted.
+    source_name
+        The coefficient file's name as comments show it.
+    """
+    model = program.model
+    name = model.name
+    shapes = [_shape(program, shape) for shape in program.shapes]
+    places = {
+        member: (shape, f"{shape.place}[{index}]")
+        for shape in program.shapes
+        for index, member in enumerate(shape.members)
+    }
+    components: list[Context] = [
+        {
+            "name": component.name,
+            "description": component.description,
+            "order": component.order,
+            "shape": places[number][0].identifier,
+            "place": places[number][1],
+            "saturates": program.components[number].saturates,
+        }
+        for number, component in enumerate(model.components)
+    ]
+    return {
+        "name": name,
+        "NAME": name.upper(),
+        "title": f"Thermal model of {name}",
+        "version": __version__,
+        "source_name": source_name,
+        "sha256": coefficients.sha256,
+        "arithmetic": program.arithmetic,
+        "schedule": program.schedule,
+        "sample_time": f"{model.sample_time:g}",
+        "sample_ms": round(model.sample_time * 1000.0),
+        "full_scale": model.full_scale,
+        "ambient_mC": round((model.ambient_fixed if model.ambient_fixed is not None else 25.0) * 1000.0),
+        "validity": model.validity,
+        "domain": model.domain_pwm,
+        "no_pwm": 0,
+        "outside_validity": _outside(model.validity, model.domain_pwm),
+        "zeroed": _zeroed(program),
+        "components": components,
+        "carried": [component for component in components if component["order"] > 1],
+        "carry_type": f"{name}_Word",
+        "carry_zero": "{0, 0}",
+        "saturates": program.saturates,
+        "saturation_argument": f", &{name}_model.saturations",
+        "shapes": shapes,
+        "shifts": [_shift(total) for total in _shift_totals(program)],
+        "rows": _rows(program),
+        "schedule_comments": _schedule_comments(program),
+    }
+
+
+def _shape(program: Program, shape: Shape) -> Context:
+    component = program.components[shape.members[0]]
+    layout = component.layout
+    output_bits = layout.fraction_bits[0] - RESIDUE_BITS
+    return {
+        "id": shape.identifier,
+        "place": shape.place,
+        "count": len(shape.members),
+        "members": [program.components[member].name for member in shape.members],
+        "order": component.order,
+        "substeps": component.substeps,
+        "saturates": component.saturates,
+        "fraction_bits": layout.fraction_bits,
+        "rate_bits": layout.rate_fraction_bits,
+        "product_shifts": layout.product_shifts,
+        "chain_shifts": layout.chain_shifts,
+        "output_bits": output_bits,
+        "rest_shift": f"<< {output_bits - 22}" if output_bits >= 22 else f">> {22 - output_bits}",
+        "fraction_shift": f">> {output_bits - 16}" if output_bits >= 16 else f"<< {16 - output_bits}",
+        "start_mK": component.start_range_mK,
+        "comments": [line for member in shape.members for line in _proof_lines(program.components[member])],
+    }
+
+
+def _proof_lines(component: FixedComponent) -> list[str]:
+    if component.proof is None:
+        return [f"{component.name}: no range could be proven for arbitrary changes of PWM, so it saturates."]
+    low, high = component.proof.rise_range_K
+    lines = [f"{component.name}, proven for every sequence of PWM: rise within {low:.0f}..{high:.0f} K,"]
+    for number, magnitude in enumerate(component.proof.increment_range_K):
+        lines.append(f"  |x{number + 2}| at most {magnitude:.2g} K,")
+    lines.append(f"  and the rise never more than {component.proof.bound_K:.2g} K from the exact solution.")
+    return lines
+
+
+@dataclass(frozen=True)
+class _Shift:
+    """How the AVR shifts a word right by ``total`` bits: whole bytes first, then bits one by one."""
+
+    total: int
+    right: int
+    left: int
+    moves: tuple[str, ...]
+    below: str
+
+
+_MOVES: dict[int, tuple[tuple[str, ...], str]] = {
+    0: ((), "0"),
+    1: (
+        ("word.lo = (uint16_t)((word.lo >> 8) | ((uint16_t)word.hi << 8));", "word.hi >>= 8;"),
+        "(uint8_t)word.lo",
+    ),
+    2: (("word.lo = (uint16_t)word.hi;", "word.hi = (int16_t)(word.hi >> 16);"), "(uint8_t)(word.lo >> 8)"),
+    3: (("word.lo = (uint16_t)(word.hi >> 8);", "word.hi = (int8_t)(word.hi >> 24);"), "(uint8_t)word.hi"),
+    4: (
+        ("word.lo = (uint16_t)(word.hi >> 16);", "word.hi = word.hi < 0 ? -1 : 0;"),
+        "(uint8_t)((uint32_t)word.hi >> 8)",
+    ),
+    5: (
+        ("word.lo = (uint16_t)(int16_t)(int8_t)(word.hi >> 24);", "word.hi = word.hi < 0 ? -1 : 0;"),
+        "(uint8_t)((uint32_t)word.hi >> 16)",
+    ),
+}
+
+
+def _shift(total: int) -> _Shift:
+    whole, bits = divmod(total, 8)
+    if bits > 4 and whole < 5:
+        moves, below = _MOVES[whole + 1]
+        return _Shift(total, 0, 8 - bits, moves, below)
+    moves, below = _MOVES[min(whole, 5)]
+    return _Shift(total, bits + 8 * (whole - min(whole, 5)), 0, moves, below)
+
+
+def _shift_totals(program: Program) -> list[int]:
+    totals: set[int] = set()
+    for component in program.components:
+        shifts = component.layout.chain_shifts
+        if component.saturates:
+            continue
+        totals.update(shifts)
+        if component.order == 2:
+            totals.add(shifts[0] + 1)
+        if component.order == 4:
+            totals.add(shifts[0] + shifts[1] + 1)
+    return sorted(totals)
+
+
+def _rows(program: Program) -> list[Context]:
+    return [
+        {
+            "pwm": int(pwm),
+            "shapes": [
+                [
+                    {
+                        "rates": [f"{int(rate)}UL" for rate in program.components[member].rates[row]],
+                        "steady": f"{int(program.components[member].steady[row])}L",
+                    }
+                    for member in shape.members
+                ]
+                for shape in program.shapes
+            ],
+        }
+        for row, pwm in enumerate(domain_rows(program.model))
+    ]
+
+
+def _schedule_comments(program: Program) -> list[str]:
+    lines = []
+    for component in program.components:
+        layout = component.layout
+        bits = ", ".join(f"R{i} * 2^{b}" for i, b in enumerate(layout.rate_fraction_bits))
+        lines.append(f"{component.name}: {bits}, S * 2^{layout.fraction_bits[0] - RESIDUE_BITS}; from")
+        lines.append(f"  $.components[name={component.name}].poles (R) and .gain (S = K |PWM| / A(0), in K).")
+    return lines
+
+
+def _outside(validity: tuple[int, int], domain: tuple[int, int]) -> str:
+    tests = []
+    if validity[0] > domain[0]:
+        tests.append(f"result < {validity[0]}u")
+    if validity[1] < domain[1]:
+        tests.append(f"result > {validity[1]}u")
+    return " || ".join(tests)
+
+
+def _zeroed(program: Program) -> list[tuple[int, int]]:
+    """Ranges of |PWM| at which some component's negative gain is taken as 0."""
+    rows = domain_rows(program.model)
+    affected = np.zeros(len(rows), dtype=bool)
+    for component in program.model.components:
+        affected |= (component.raw_gain(rows) < 0.0) & (component.effective_gain(rows) == 0.0) & (rows > 0)
+    counts = [int(pwm) for pwm in rows[affected]]
+    ranges = []
+    for _, group in groupby(enumerate(counts), key=lambda item: item[1] - item[0]):
+        members = [pwm for _, pwm in group]
+        ranges.append((members[0], members[-1]))
+    return ranges

@@ -1,0 +1,61 @@
+"""Fill the templates: a mapping from the emitted path to its text."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib import resources
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from gen.firmware.context import Context
+
+#: Emitted path -> template, for what the model's library consists of. NAME stands for the model's name.
+LIBRARY = {
+    "lib/NAME/src/NAME.h": "lib/model/src/model.h.j2",
+    "lib/NAME/src/NAME.cpp": "lib/model/src/model.cpp.j2",
+    "lib/NAME/src/NAME_model.h": "lib/model/src/model_state.h.j2",
+    "lib/NAME/src/NAME_platform.h": "lib/model/src/platform.h.j2",
+}
+_BY_ARITHMETIC = {
+    "fixed": {
+        "lib/NAME/src/NAME_word.h": "lib/model/src/word.h.j2",
+        "lib/NAME/src/NAME_step.h": "lib/model/src/step_fixed.h.j2",
+    },
+    "float": {"lib/NAME/src/NAME_step.h": "lib/model/src/step_float.h.j2"},
+}
+_BY_SCHEDULE = {
+    "table": {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table.cpp.j2"},
+    "onboard": {
+        "lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_onboard.cpp.j2",
+        "lib/NAME/src/NAME_math.h": "lib/model/src/onboard_math.h.j2",
+    },
+}
+
+
+@cache
+def environment() -> Environment:
+    """The template environment: a name that the context lacks is an error."""
+    return Environment(
+        loader=FileSystemLoader(str(resources.files("templates"))),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,  # noqa: S701 - C++ and ini files; the report escapes for itself
+    )
+
+
+def render(templates: dict[str, str], context: Context) -> dict[str, str]:
+    """Render each template under its emitted path."""
+    return {
+        path.replace("NAME", context["name"]): environment().get_template(template).render(context)
+        for path, template in templates.items()
+    }
+
+
+def library(context: Context) -> dict[str, str]:
+    """The model's library for the context's arithmetic and schedule."""
+    return render(
+        LIBRARY | _BY_ARITHMETIC[context["arithmetic"]] | _BY_SCHEDULE[context["schedule"]],
+        context,
+    )
