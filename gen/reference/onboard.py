@@ -1,0 +1,187 @@
+"""The onboard schedule, step for step as the board computes it (:mod:`gen.lowering.onboard.tape`)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.onboard.tape import OnboardComponent, Step
+
+Integers = NDArray[np.int64]
+
+
+class RangeError(ArithmeticError):
+    """A step leaves its word: the tape is wrong."""
+
+
+def mul_shift(a: Integers, b: Integers, shift: int) -> Integers:
+    """Bits 32-shift and up of a b without the product of the lowest bytes, to nearest; b >= 0, shift 0..7."""
+    product = a * b - (a & 0xFF) * (b & 0xFF)
+    result: Integers = (product + (1 << (31 - shift))) >> (32 - shift)
+    return result
+
+
+def mul_byte(a: Integers, x: Integers, shift: int) -> Integers:
+    """a x / 2^(8-shift) to nearest, x 0..255, shift 0..8."""
+    result: Integers = (a * x * (1 << shift) + 128) >> 8
+    return result
+
+
+def wrapped(value: Integers) -> Integers:
+    """Modulo 2^32, as a signed number."""
+    result: Integers = ((value + (1 << 31)) & 0xFFFFFFFF) - (1 << 31)
+    return result
+
+
+def divide(a: Integers, b: Integers, shift: int, *, rounded: bool) -> Integers:
+    """a 2^shift / b (a up to 40 bits), to nearest (ties away from zero) or towards zero.
+
+    Raises
+    ------
+    RangeError
+        If a quotient does not fit 31 bits.
+    """
+    result = np.empty(a.shape, dtype=np.int64)
+    for i, (numerator, denominator) in enumerate(zip(a.tolist(), b.tolist(), strict=True)):
+        if denominator == 0:
+            raise RangeError("division by zero")
+        magnitude, rest = divmod(abs(numerator) << shift, abs(denominator))
+        if rounded and rest >= abs(denominator) - rest:
+            magnitude += 1
+        if magnitude >= 1 << 31:
+            raise RangeError("a quotient has more than 31 bits")
+        result[i] = magnitude if (numerator < 0) == (denominator < 0) else -magnitude
+    return result
+
+
+def evaluate(component: OnboardComponent, pwm: NDArray[np.int64]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Run the tape.
+
+    Parameters
+    ----------
+    component
+        What to run.
+    pwm
+        |PWM| within the component's domain, shape (m,).
+
+    Returns
+    -------
+    rates, steady
+        Shapes (m, n) and (m,): int64 in the layout's formats, or float32.
+
+    Raises
+    ------
+    RangeError
+        If a word of the fixed tape would overflow (never within the domain).
+    """
+    x = np.asarray(pwm, dtype=np.int64)
+    if x.size and (x.min() < component.domain[0] or x.max() > component.domain[1]):
+        raise ValueError(f"|PWM| is {component.domain[0]}..{component.domain[1]}")
+    values: list[NDArray[Any]] = []
+    results = {*component.rates}
+    for number, step in enumerate(component.steps):
+        args = [values[a] for a in step.args]
+        if step.op in ("input", "segment", "local"):
+            values.append(_whole_number(step, x, args))
+        elif component.arithmetic == "float":
+            values.append(_float_step(step, x, args))
+        else:
+            value = _fixed_step(step, x, args)
+            # A rate is a uint32; nothing else reads it as a signed number.
+            _check(value, step, unsigned=number in results and step.op in ("shl", "constant"))
+            values.append(value)
+    return np.stack([values[r] for r in component.rates], axis=1), values[component.steady]
+
+
+def _check(value: Integers, step: Step, *, unsigned: bool) -> None:
+    low, high = (0, 1 << 32) if unsigned else (-(1 << 31), 1 << 31)
+    if value.size and (value.min() < low or value.max() >= high):
+        raise RangeError(f"{step.op} ({step.label.text}) leaves its 32 bits")
+
+
+def _whole_number(step: Step, x: Integers, args: list[Integers]) -> Integers:
+    knots = np.array(step.table, dtype=np.int64)
+    if step.op == "input":
+        return np.clip(x, knots[0], knots[1])
+    if step.op == "segment":
+        return np.clip(np.searchsorted(knots, args[0], side="right") - 1, 0, len(knots) - 2)
+    held: Integers = np.clip(args[0], knots[0], knots[-1]) - knots[args[1]]
+    return held
+
+
+def _fixed_step(step: Step, x: Integers, args: list[Integers]) -> Integers:
+    table = np.array(step.table, dtype=np.int64)
+    match step.op:
+        case "constant":
+            return np.full(x.shape, table[0])
+        case "row":
+            result = table[args[0]]
+        case "exponential":
+            result = wrapped(mul_shift(table[16 + (args[0] & 15)], table[args[0] >> 4], step.shift))
+        case "times":
+            result = mul_byte(*args, step.shift)
+        case "mul":
+            if args[1].size and args[1].min() < 0:
+                raise RangeError("the second operand of mul is negative")
+            result = mul_shift(*args, step.shift)
+        case "mul_signed":
+            result = mul_shift(np.where(args[1] < 0, -args[0], args[0]), np.abs(args[1]), step.shift)
+        case "div":
+            result = divide(*args, step.shift, rounded=step.round)
+        case "times_div":
+            result = divide(args[0] * args[1], args[2], step.shift, rounded=step.round)
+        case "add":
+            result = args[0] + args[1]
+        case "add_modulo":
+            result = wrapped(args[0] + args[1])
+        case "sub":
+            result = args[0] - args[1]
+        case "neg":
+            result = -args[0]
+        case "shr":
+            result = (args[0] + (1 << (step.shift - 1))) >> step.shift
+            _check(args[0] + (1 << (step.shift - 1)), step, unsigned=False)
+        case "floor":
+            result = args[0] >> step.shift
+        case "shl":
+            result = args[0] << step.shift
+        case "positive_outside":
+            outside = (args[1] < table[0]) | (args[1] > table[1])
+            result = np.where(outside & (args[0] < 0), 0, args[0])
+        case _:
+            raise ValueError(f"no step {step.op}")
+    return result
+
+
+def _float_step(step: Step, x: Integers, args: list[NDArray[Any]]) -> NDArray[Any]:
+    single = np.float32
+    table = np.array(step.table, dtype=single)
+    match step.op:
+        case "constant":
+            result = np.full(x.shape, table[0])
+        case "row":
+            result = table[args[0]]
+        case "exponential":
+            result = table[args[0] >> 4] * table[16 + (args[0] & 15)]
+        case "times":
+            result = args[0] * args[1].astype(single)
+        case "scale":
+            result = args[0] * table[0]
+        case "mul":
+            result = args[0] * args[1]
+        case "div":
+            result = args[0] / args[1]
+        case "add":
+            result = args[0] + args[1]
+        case "sub":
+            result = args[0] - args[1]
+        case "neg":
+            result = -args[0]
+        case "positive_outside":
+            outside = (args[1] < step.table[0]) | (args[1] > step.table[1])
+            result = np.where(outside & (args[0] < 0), single(0), args[0])
+        case _:
+            raise ValueError(f"no step {step.op}")
+    return result

@@ -1,0 +1,99 @@
+"""PWM profiles that try to break the code: lanes of equal length, each with its own start temperature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.model import ThermalModel
+
+Integers = NDArray[np.int64]
+
+#: One lane's record as both harnesses read it.
+RECORD_TYPE = np.dtype([("op", "u1"), ("pwm", "<i2"), ("start_mK", "<i4")])
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Lanes to run.
+
+    Attributes
+    ----------
+    pwm
+        Shape (L, N), -255..255.
+    start_mK
+        Rise of every component at the start of each lane, shape (L,), in thousandths of a kelvin.
+    """
+
+    pwm: Integers
+    start_mK: Integers
+
+    @property
+    def samples(self) -> int:
+        """How many samples all lanes have together."""
+        return int(self.pwm.size)
+
+    def records(self) -> NDArray[np.void]:
+        """All lanes one behind the other, each led by its start, as the harnesses read them."""
+        lanes, length = self.pwm.shape
+        records = np.zeros((lanes, length + 1), dtype=RECORD_TYPE)
+        records["op"][:, 0] = 1
+        records["start_mK"][:, 0] = self.start_mK
+        records["pwm"][:, 1:] = self.pwm
+        return records.reshape(-1)
+
+
+def campaign(model: ThermalModel, lanes: int, length: int, seed: int = 2026) -> Profile:
+    """Random and adversarial lanes.
+
+    Steps, staircases, toggling between two levels at every sample, a new random level at every sample, ramps through
+    all levels, full speed and standstill in turn; starts from cold, from the domain's ends, and from beyond them.
+    """
+    random = np.random.default_rng(seed)
+    scale = model.full_scale
+    kinds = (_held, _staircase, _toggling, _noise, _ramp, _bursts)
+    pwm = np.stack([kinds[lane % len(kinds)](random, scale, length) for lane in range(lanes)])
+    low = round((model.domain_temperature[0] - model.domain_ambient[1]) * 1000)
+    high = round((model.domain_temperature[1] - model.domain_ambient[0]) * 1000)
+    start = random.integers(low, high + 1, lanes)
+    corners = [0, low, high, 25_250, low - 5_000, high + 1, 0, 61_001]
+    start[: min(lanes, len(corners))] = corners[:lanes]
+    return Profile(pwm.astype(np.int64), start.astype(np.int64))
+
+
+def every_command(model: ThermalModel) -> Profile:
+    """One lane through all commands -full_scale..full_scale, from cold."""
+    scale = model.full_scale
+    return Profile(np.arange(-scale, scale + 1, dtype=np.int64)[None, :], np.zeros(1, dtype=np.int64))
+
+
+def _held(random: np.random.Generator, scale: int, length: int) -> Integers:
+    return np.repeat(random.integers(0, scale + 1, 1), length)
+
+
+def _staircase(random: np.random.Generator, scale: int, length: int) -> Integers:
+    hold = int(random.integers(40, max(41, length // 4)))
+    levels = random.integers(-scale, scale + 1, length // hold + 1)
+    return np.repeat(levels, hold)[:length]
+
+
+def _toggling(random: np.random.Generator, scale: int, length: int) -> Integers:
+    levels = np.array([0, scale]) if random.integers(2) else random.integers(0, scale + 1, 2)
+    return np.tile(np.repeat(levels, random.integers(1, 4)), length)[:length]
+
+
+def _noise(random: np.random.Generator, scale: int, length: int) -> Integers:
+    return random.integers(-scale, scale + 1, length)
+
+
+def _ramp(random: np.random.Generator, scale: int, length: int) -> Integers:
+    up = np.arange(-scale, scale + 1)
+    return np.tile(np.concatenate([up, up[::-1]]), length // (2 * up.size) + 1)[:length]
+
+
+def _bursts(random: np.random.Generator, scale: int, length: int) -> Integers:
+    on = np.full(int(random.integers(100, 2000)), scale)
+    off = np.zeros(int(random.integers(100, 2000)), dtype=np.int64)
+    return np.tile(np.concatenate([on, off]), length // 200 + 1)[:length]

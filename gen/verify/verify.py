@@ -1,0 +1,233 @@
+"""Prove the generated C++ equal to the reference, and judge the reference by the exact solution."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from gen import __version__
+from gen.coefficients import Coefficients
+from gen.errors import CheckFailed
+from gen.firmware import render
+from gen.firmware.context import project_context
+from gen.lowering.lower import Program, lower
+from gen.lowering.program import Arithmetic, ScheduleKind
+from gen.model.exact import ExactSolution
+from gen.verify import compare
+from gen.verify.compare import Mismatch
+from gen.verify.profiles import Profile, campaign, every_command
+from gen.verify.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
+
+Target = Literal["host", "avr", "all"]
+Files = Mapping[str, str]
+Mutation = Callable[[dict[str, str]], Files]
+
+#: Lanes and length of the host's campaign: one million samples and more.
+HOST_LANES, HOST_LENGTH = 64, 16_400
+#: One 10 800 s run on the emulated board, cut into lanes with their own starts.
+AVR_LANES, AVR_LENGTH = 8, 5_400
+#: Lanes judged against the exact solution over 10 800 s each.
+ACCURACY_LANES, ACCURACY_LENGTH = 12, 43_200
+
+
+@dataclass(frozen=True)
+class TargetResult:
+    """One target's comparison."""
+
+    target: str
+    samples: int
+    words: int
+    differing: int
+    mismatch: str | None = None
+    profile: dict[str, Any] | None = None
+
+
+@dataclass(frozen=True)
+class CombinationResult:
+    """One arithmetic with one schedule."""
+
+    arithmetic: Arithmetic
+    schedule: ScheduleKind
+    targets: list[TargetResult]
+    bound_K: dict[str, float | None]
+    error_K: dict[str, float]
+    cost: Cost | None = None
+    helpers: list[str] = field(default_factory=list)
+
+    @property
+    def passed(self) -> bool:
+        """No word differs."""
+        return all(target.differing == 0 for target in self.targets)
+
+
+def verify(
+    coefficients: Coefficients,
+    arithmetics: Iterable[Arithmetic],
+    schedules: Iterable[ScheduleKind],
+    target: Target,
+    *,
+    progress: Callable[[str], None] = lambda _: None,
+    mutation: Mutation | None = None,
+    scale: float = 1.0,
+) -> list[CombinationResult]:
+    """Compare every asked combination on every asked target.
+
+    Parameters
+    ----------
+    coefficients
+        What to build.
+    arithmetics, schedules, target
+        What to compare.
+    progress
+        Told what is being done.
+    mutation
+        Changes the emitted files before they are compiled: how tests show that a fault is caught.
+    scale
+        Share of the full campaign's length.
+
+    Raises
+    ------
+    CheckFailed
+        If the emitted code does not compile, crashes, or a bound exceeds its limit.
+    """
+    results = []
+    for arithmetic in arithmetics:
+        for schedule in schedules:
+            progress(f"{arithmetic}/{schedule}: lowering")
+            program = lower(coefficients, arithmetic, schedule)
+            with tempfile.TemporaryDirectory(prefix="gen-verify-") as folder:
+                results.append(_combination(coefficients, program, Path(folder), target, progress, mutation, scale))
+    return results
+
+
+def _combination(
+    coefficients: Coefficients,
+    program: Program,
+    folder: Path,
+    target: Target,
+    progress: Callable[[str], None],
+    mutation: Mutation | None,
+    scale: float,
+) -> CombinationResult:
+    label = f"{program.arithmetic}/{program.schedule}"
+    context = project_context(coefficients, program, coefficients.name)
+    files: Files = render.library(context)
+    if mutation is not None:
+        files = mutation(dict(files))
+    library = write_library(program, context, files, folder)
+    targets: list[TargetResult] = []
+    cost: Cost | None = None
+    helpers: list[str] = []
+    commands = every_command(program.model)
+    if target in ("host", "all"):
+        profile = campaign(program.model, HOST_LANES, max(600, int(HOST_LENGTH * scale)))
+        progress(f"{label}: reference, {profile.samples} samples")
+        expected = compare.reference_run(program, profile)
+        schedule = compare.reference_run(program, commands)
+        for name in HOST_BUILDS:
+            progress(f"{label}: {name}")
+            host = HostRunner(library, name)
+            targets.append(_compared(program, name, host.run, profile, expected))
+            targets.append(_compared(program, f"{name}, every command", host.run, commands, schedule))
+    if target in ("avr", "all"):
+        profile = campaign(program.model, AVR_LANES, max(600, int(AVR_LENGTH * scale)), seed=2560)
+        progress(f"{label}: reference, {profile.samples} samples")
+        expected = compare.reference_run(program, profile)
+        progress(f"{label}: emulated Mega")
+        board = AvrRunner(library, folder / "cache")
+        targets.append(_compared(program, board.name, board.run, commands, None, suffix=", every command"))
+        targets.append(_compared(program, board.name, board.run, profile, expected))
+        cost = board.cost(profile) if targets[-1].differing == 0 else None
+        helpers = board.helper_symbols()
+    progress(f"{label}: exact solution")
+    return CombinationResult(
+        program.arithmetic,
+        program.schedule,
+        targets,
+        {c.name: c.proof.bound_K if c.proof else None for c in program.components},
+        measured_error(program, max(2, int(ACCURACY_LANES * min(scale, 1.0)))),
+        cost,
+        helpers,
+    )
+
+
+def _compared(
+    program: Program,
+    name: str,
+    run: compare.Runner,
+    profile: Profile,
+    expected: compare.Records | None,
+    *,
+    suffix: str = "",
+) -> TargetResult:
+    if expected is None:
+        expected = compare.reference_run(program, profile)
+    mismatch: Mismatch | None = compare.first_mismatch(expected, run(profile))
+    words = profile.samples * compare.words_per_sample(program)
+    if mismatch is None:
+        return TargetResult(name + suffix, profile.samples, words, 0)
+    short, still = compare.shrink(program, run, profile, mismatch)
+    return TargetResult(
+        name + suffix,
+        profile.samples,
+        words,
+        mismatch.differing,
+        str(still),
+        {"start_mK": int(short.start_mK[still.lane]), "pwm": short.pwm[still.lane].tolist()},
+    )
+
+
+def measured_error(program: Program, lanes: int, length: int = ACCURACY_LENGTH) -> dict[str, float]:
+    """Largest difference of the reference from the exact solution, per component, in K.
+
+    Parameters
+    ----------
+    program
+        What the board holds.
+    lanes, length
+        Of a campaign whose starts lie inside the declared domain.
+    """
+    from gen.reference.model import ReferenceModel
+
+    profile = campaign(program.model, lanes, length, seed=10_800)
+    low = max(component.start_range_mK[0] for component in program.components)
+    high = min(component.start_range_mK[1] for component in program.components)
+    start = np.clip(profile.start_mK, low, high) // 250 * 250  # a quarter of a kelvin is exact in every format
+    start = np.where(start < low, start + 250, start)
+    names = program.model.component_names
+    rise = {name: start / 1000.0 for name in names}
+    exact = ExactSolution(program.model).simulate(_in_domain(program, profile.pwm), rise)
+    model = ReferenceModel(program, [int(value) for value in start])
+    worst = np.zeros(len(names))
+    for step in range(length):
+        model.step(profile.pwm[:, step])
+        truth = np.array([exact[name][:, step + 1] for name in names])
+        worst = np.maximum(worst, np.abs(model.rises - truth).max(axis=1))
+    return {name: float(value) for name, value in zip(names, worst, strict=True)}
+
+
+def _in_domain(program: Program, pwm: np.ndarray[Any, np.dtype[np.int64]]) -> np.ndarray[Any, np.dtype[np.int64]]:
+    low, high = program.model.domain_pwm
+    return np.clip(np.abs(pwm), low, high)
+
+
+def summary(coefficients: Coefficients, results: list[CombinationResult]) -> dict[str, Any]:
+    """The JSON form of a verification, without anything that depends on the machine or the hour."""
+    return {
+        "tool": f"gen {__version__}",
+        "model": coefficients.name,
+        "coefficients_sha256": coefficients.sha256,
+        "verdict": "equal" if all(result.passed for result in results) else "different",
+        "samples": sum(target.samples for result in results for target in result.targets),
+        "words": sum(target.words for result in results for target in result.targets),
+        "differing": sum(target.differing for result in results for target in result.targets),
+        "combinations": [asdict(result) for result in results],
+    }
+
+
+__all__ = ["CheckFailed", "CombinationResult", "Target", "measured_error", "summary", "verify"]
