@@ -10,10 +10,13 @@ import numpy as np
 
 from gen import __version__
 from gen.coefficients import Coefficients
+from gen.firmware import avr_advance
+from gen.firmware.onboard_cpp import helpers, schedule_source
 from gen.lowering.dynamics import domain_rows
+from gen.lowering.float32 import FloatComponent
 from gen.lowering.formats import RESIDUE_BITS
-from gen.lowering.lower import Program, Shape
-from gen.lowering.program import FixedComponent
+from gen.lowering.lower import AnyComponent, Program, Shape
+from gen.lowering.program import FixedComponent, rounded_up
 
 Context = dict[str, Any]
 
@@ -41,9 +44,11 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
             "name": component.name,
             "description": component.description,
             "order": component.order,
+            "substeps": program.components[number].substeps,
             "shape": places[number][0].identifier,
             "place": places[number][1],
             "saturates": program.components[number].saturates,
+            "bound": bound_text(program.components[number]),
         }
         for number, component in enumerate(model.components)
     ]
@@ -62,27 +67,27 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "ambient_mC": round((model.ambient_fixed if model.ambient_fixed is not None else 25.0) * 1000.0),
         "validity": model.validity,
         "domain": model.domain_pwm,
-        "no_pwm": 0,
         "outside_validity": _outside(model.validity, model.domain_pwm),
         "zeroed": _zeroed(program),
         "components": components,
         "carried": [component for component in components if component["order"] > 1],
         "carry_type": f"{name}_Word",
-        "carry_zero": "{0, 0}",
         "saturates": program.saturates,
         "saturation_argument": f", &{name}_model.saturations",
         "shapes": shapes,
+        "avr": avr_advance.block(program) if program.arithmetic == "fixed" else None,
         "shifts": [_shift(total) for total in _shift_totals(program)],
         "rows": _rows(program),
+        "helpers": helpers(program.onboard),
+        "tapes": [schedule_source(name, tape) for tape in program.onboard],
+        "float_components": [c for c in program.components if isinstance(c, FloatComponent)],
         "schedule_comments": _schedule_comments(program),
     }
 
 
 def _shape(program: Program, shape: Shape) -> Context:
     component = program.components[shape.members[0]]
-    layout = component.layout
-    output_bits = layout.fraction_bits[0] - RESIDUE_BITS
-    return {
+    common = {
         "id": shape.identifier,
         "place": shape.place,
         "count": len(shape.members),
@@ -90,6 +95,16 @@ def _shape(program: Program, shape: Shape) -> Context:
         "order": component.order,
         "substeps": component.substeps,
         "saturates": component.saturates,
+        "start_mK": component.start_range_mK,
+        "comments": [line for member in shape.members for line in _proof_lines(program.components[member])],
+    }
+    return common | (_fixed_shape(component) if isinstance(component, FixedComponent) else {})
+
+
+def _fixed_shape(component: FixedComponent) -> Context:
+    layout = component.layout
+    output_bits = layout.fraction_bits[0] - RESIDUE_BITS
+    return {
         "fraction_bits": layout.fraction_bits,
         "rate_bits": layout.rate_fraction_bits,
         "product_shifts": layout.product_shifts,
@@ -97,19 +112,22 @@ def _shape(program: Program, shape: Shape) -> Context:
         "output_bits": output_bits,
         "rest_shift": f"<< {output_bits - 22}" if output_bits >= 22 else f">> {22 - output_bits}",
         "fraction_shift": f">> {output_bits - 16}" if output_bits >= 16 else f"<< {16 - output_bits}",
-        "start_mK": component.start_range_mK,
-        "comments": [line for member in shape.members for line in _proof_lines(program.components[member])],
     }
 
 
-def _proof_lines(component: FixedComponent) -> list[str]:
+def bound_text(component: AnyComponent) -> str:
+    """The guaranteed error for people."""
+    return f"{rounded_up(component.proof.bound_K):.1e} K" if component.proof else "none proven: it saturates"
+
+
+def _proof_lines(component: AnyComponent) -> list[str]:
     if component.proof is None:
         return [f"{component.name}: no range could be proven for arbitrary changes of PWM, so it saturates."]
     low, high = component.proof.rise_range_K
     lines = [f"{component.name}, proven for every sequence of PWM: rise within {low:.0f}..{high:.0f} K,"]
     for number, magnitude in enumerate(component.proof.increment_range_K):
-        lines.append(f"  |x{number + 2}| at most {magnitude:.2g} K,")
-    lines.append(f"  and the rise never more than {component.proof.bound_K:.2g} K from the exact solution.")
+        lines.append(f"  |x{number + 2}| at most {rounded_up(magnitude):.1e} K,")
+    lines.append(f"  and the rise never more than {rounded_up(component.proof.bound_K):.1e} K from the exact solution.")
     return lines
 
 
@@ -155,9 +173,9 @@ def _shift(total: int) -> _Shift:
 def _shift_totals(program: Program) -> list[int]:
     totals: set[int] = set()
     for component in program.components:
-        shifts = component.layout.chain_shifts
-        if component.saturates:
+        if component.saturates or not isinstance(component, FixedComponent):
             continue
+        shifts = component.layout.chain_shifts
         totals.update(shifts)
         if component.order == 2:
             totals.add(shifts[0] + 1)
@@ -167,30 +185,41 @@ def _shift_totals(program: Program) -> list[int]:
 
 
 def _rows(program: Program) -> list[Context]:
+    """The table, one entry for each |PWM| of the domain; empty where the board computes its coefficients."""
+    if program.onboard:
+        return []
     return [
         {
             "pwm": int(pwm),
             "shapes": [
-                [
-                    {
-                        "rates": [f"{int(rate)}UL" for rate in program.components[member].rates[row]],
-                        "steady": f"{int(program.components[member].steady[row])}L",
-                    }
-                    for member in shape.members
-                ]
-                for shape in program.shapes
+                [_literals(program.components[member], row) for member in shape.members] for shape in program.shapes
             ],
         }
         for row, pwm in enumerate(domain_rows(program.model))
     ]
 
 
+def _literals(component: AnyComponent, row: int) -> Context:
+    if isinstance(component, FixedComponent):
+        return {
+            "rates": [f"{int(rate)}UL" for rate in component.rates[row]],
+            "steady": f"{int(component.steady[row])}L",
+        }
+    return {
+        "rates": [component.literal(float(rate)) for rate in component.rates[row]],
+        "steady": component.literal(float(component.steady[row])),
+    }
+
+
 def _schedule_comments(program: Program) -> list[str]:
     lines = []
     for component in program.components:
-        layout = component.layout
-        bits = ", ".join(f"R{i} * 2^{b}" for i, b in enumerate(layout.rate_fraction_bits))
-        lines.append(f"{component.name}: {bits}, S * 2^{layout.fraction_bits[0] - RESIDUE_BITS}; from")
+        if isinstance(component, FixedComponent):
+            layout = component.layout
+            bits = ", ".join(f"R{i} * 2^{b}" for i, b in enumerate(layout.rate_fraction_bits))
+            lines.append(f"{component.name}: {bits}, S * 2^{layout.fraction_bits[0] - RESIDUE_BITS}; from")
+        else:
+            lines.append(f"{component.name}: R0..R{component.order - 1} and S in float32; from")
         lines.append(f"  $.components[name={component.name}].poles (R) and .gain (S = K |PWM| / A(0), in K).")
     return lines
 

@@ -27,19 +27,23 @@ _BY_SCHEDULE = {
     "table": {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table.cpp.j2"},
     "onboard": {
         "lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_onboard.cpp.j2",
-        "lib/NAME/src/NAME_math.h": "lib/model/src/onboard_math.h.j2",
+        "lib/NAME/src/NAME_onboard_math.h": "lib/model/src/onboard_math.h.j2",
     },
 }
 
 
+#: Templates that control every line break themselves, with {%- and -%}.
+_OWN_LINE_BREAKS = ("lib/model/src/step_float.h.j2", "lib/model/src/onboard_math.h.j2")
+
+
 @cache
-def environment() -> Environment:
+def environment(*, own_line_breaks: bool = False) -> Environment:
     """The template environment: a name that the context lacks is an error."""
     return Environment(
         loader=FileSystemLoader(str(resources.files("templates"))),
         undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+        trim_blocks=not own_line_breaks,
+        lstrip_blocks=not own_line_breaks,
         keep_trailing_newline=True,
         autoescape=False,  # noqa: S701 - C++ and ini files; the report escapes for itself
     )
@@ -48,7 +52,9 @@ def environment() -> Environment:
 def render(templates: dict[str, str], context: Context) -> dict[str, str]:
     """Render each template under its emitted path."""
     return {
-        path.replace("NAME", context["name"]): environment().get_template(template).render(context)
+        path.replace("NAME", context["name"]): environment(own_line_breaks=template in _OWN_LINE_BREAKS)
+        .get_template(template)
+        .render(context)
         for path, template in templates.items()
     }
 

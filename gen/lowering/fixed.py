@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from gen.lowering import bounds, formats, increments
@@ -14,6 +16,8 @@ from gen.model import Component, ThermalModel
 
 #: Runs of the recursion within one sample that are tried until the error bound holds.
 _SUBSTEPS = (1, 2, 4, 8)
+#: Error bound to aim for; a file may allow more, where the board's own coefficients need it.
+TARGET_K = 1e-5
 #: Share of the error limit that the choice of formats may spend on rounding.
 _ROUNDING_SHARE = 0.3
 
@@ -83,15 +87,43 @@ def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float)
     )
 
 
+def with_rows(lowered: FixedComponent, exact: Dynamics, rates: Integers, steady: Integers) -> FixedComponent:
+    """The same component with given integers, such as an onboard schedule computes, and their own proof.
+
+    Parameters
+    ----------
+    lowered
+        Gives formats and substeps.
+    exact
+        ``dynamics(model, component, lowered.substeps)``.
+    rates, steady
+        Shapes (rows, n) and (rows,), in the component's formats.
+    """
+    given = replace(lowered, rates=rates, steady=steady, proof=None)
+    try:
+        recursion = SwitchedRecursion(exact.exact)
+        ranges = bounds.state_ranges(recursion, exact)
+    except NoProofError:
+        return given
+    deviation = steady - exact.steady / lowered.layout.high_lsb[0]
+    excess = float(max(0.0, deviation.max(), -1.0 - deviation.min()))
+    return replace(given, proof=prove(recursion, exact, ranges, lowered.layout, rates, excess))
+
+
 def prove(
-    recursion: SwitchedRecursion, exact: Dynamics, ranges: StateRanges, layout: Format, rates: Integers
+    recursion: SwitchedRecursion,
+    exact: Dynamics,
+    ranges: StateRanges,
+    layout: Format,
+    rates: Integers,
+    steady_excess: float = 0.0,
 ) -> Proof | None:
     """Worst error of the integer recursion, for any PWM sequence of any length, or None if a word could overflow."""
     integer_rates = rates * 2.0 ** -np.array(layout.rate_fraction_bits)
     needed = formats.nested_ranges(ranges, np.maximum(integer_rates, exact.rates))
     if np.any(needed > (2.0**31 - 4.0) * np.array(layout.high_lsb)):
         return None
-    q_error, chain_error = formats.rounding(layout, exact.rates)
+    q_error, chain_error = formats.rounding(layout, exact.rates, steady_excess)
     error = bounds.worst_error(
         recursion,
         exact,

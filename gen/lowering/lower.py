@@ -7,10 +7,16 @@ from itertools import groupby
 
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
-from gen.lowering import fixed
-from gen.lowering.dynamics import LoweringError
-from gen.lowering.program import Arithmetic, FixedComponent, ScheduleKind
-from gen.model import ThermalModel
+from gen.lowering import fixed, float32
+from gen.lowering.dynamics import LoweringError, domain_rows, dynamics
+from gen.lowering.float32 import FloatComponent
+from gen.lowering.onboard import OnboardComponent, compile_component
+from gen.lowering.program import Arithmetic, FixedComponent, ScheduleKind, rounded_up
+from gen.model import Component, ThermalModel
+from gen.reference.float32 import FloatStep
+from gen.reference.onboard import evaluate
+
+AnyComponent = FixedComponent | FloatComponent
 
 
 @dataclass(frozen=True)
@@ -20,7 +26,7 @@ class Shape:
     Attributes
     ----------
     identifier
-        A capital letter.
+        A capital letter, or the only member's name.
     members
         Indices into the program's components.
     """
@@ -48,13 +54,16 @@ class Program:
         In the order of the coefficient file.
     shapes
         In the order of the board's state.
+    onboard
+        How the board computes each component's coefficients; empty for a table.
     """
 
     arithmetic: Arithmetic
     schedule: ScheduleKind
     model: ThermalModel
-    components: tuple[FixedComponent, ...]
+    components: tuple[AnyComponent, ...]
     shapes: tuple[Shape, ...]
+    onboard: tuple[OnboardComponent, ...] = ()
 
     @property
     def saturates(self) -> bool:
@@ -71,23 +80,54 @@ def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: Schedule
         If a component cannot be lowered, or its proven error exceeds the file's limit; the message names it.
     """
     model = coefficients.model
-    limit = coefficients.accuracy.fixed_limit_K
-    components = []
+    accuracy = coefficients.accuracy
+    limit = accuracy.fixed_limit_K if arithmetic == "fixed" else accuracy.float_limit_K
+    components: list[AnyComponent] = []
+    onboard: list[OnboardComponent] = []
     for component in model.components:
         try:
-            lowered = fixed.lower_component(model, component, limit)
+            lowered = _table(model, component, arithmetic, limit)
+            if schedule == "onboard":
+                lowered, tape = _onboard(model, component, lowered)
+                onboard.append(tape)
         except LoweringError as error:
             raise CheckFailed(str(error)) from error
         if lowered.proof is not None and lowered.proof.bound_K > limit:
             raise CheckFailed(
-                f"component {component.name}: the guaranteed error bound of {lowered.proof.bound_K:.2g} K exceeds "
-                f"$.accuracy.fixed_limit_K = {limit:.2g} K"
+                f"component {component.name}: the guaranteed error bound of {rounded_up(lowered.proof.bound_K):.1e} K "
+                f"exceeds $.accuracy.{arithmetic}_limit_K = {limit:.1e} K"
             )
         components.append(lowered)
-    return Program(arithmetic, schedule, model, tuple(components), _shapes(components))
+    return Program(arithmetic, schedule, model, tuple(components), _shapes(components), tuple(onboard))
 
 
-def _shapes(components: list[FixedComponent]) -> tuple[Shape, ...]:
+def _table(model: ThermalModel, component: Component, arithmetic: Arithmetic, limit: float) -> AnyComponent:
+    if arithmetic == "fixed":
+        return fixed.lower_component(model, component, min(limit, fixed.TARGET_K))
+    return float32.lower_component(model, component, limit)
+
+
+def _onboard(model: ThermalModel, component: Component, lowered: AnyComponent) -> tuple[AnyComponent, OnboardComponent]:
+    """The component with the coefficients that the board itself computes, and the tape that computes them."""
+    exact = dynamics(model, component, lowered.substeps)
+    rows = domain_rows(model)
+    if isinstance(lowered, FixedComponent):
+        tape = compile_component(model, component, "fixed", lowered.layout, lowered.substeps)
+        rates, steady = evaluate(tape, rows)
+        return fixed.with_rows(lowered, exact, rates, steady), tape
+    tape = compile_component(model, component, "float", None, lowered.substeps)
+    rates, steady = evaluate(tape, rows)
+    return float32.with_rows(lowered, exact, rates, FloatStep(lowered).on_grid(steady)), tape
+
+
+def _shapes(components: list[AnyComponent]) -> tuple[Shape, ...]:
+    integers = [component for component in components if isinstance(component, FixedComponent)]
+    if len(integers) < len(components):  # float32 constants differ from component to component
+        return tuple(Shape(component.name, (number,)) for number, component in enumerate(components))
+    return _fixed_shapes(integers)
+
+
+def _fixed_shapes(components: list[FixedComponent]) -> tuple[Shape, ...]:
     keys = [(c.order, c.substeps, c.layout, c.start_range_mK, c.saturates) for c in components]
     first = {key: index for index, key in reversed(list(enumerate(keys)))}
     order = sorted(range(len(components)), key=lambda index: (first[keys[index]], index))

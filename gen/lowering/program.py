@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from math import ceil, floor, log10
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,22 @@ class Proof:
     rise_range_K: tuple[float, float]
     increment_range_K: tuple[float, ...]
     bound_K: float
+
+    def describe(self) -> dict[str, Any]:
+        """The proof for the manifest, rounded outwards."""
+        return {
+            "rise_range_K": [floor(self.rise_range_K[0]), ceil(self.rise_range_K[1])],
+            "increment_range_K": [rounded_up(value) for value in self.increment_range_K],
+            "bound_K": rounded_up(self.bound_K),
+        }
+
+
+def rounded_up(value: float) -> float:
+    """A positive value with two significant digits, not below it."""
+    if value <= 0.0:
+        return 0.0
+    step = 10.0 ** (floor(log10(value)) - 1)
+    return float(f"{ceil(value / step * (1.0 - 1e-9)) * step:.2g}")
 
 
 @dataclass(frozen=True)
@@ -70,6 +87,19 @@ class FixedComponent:
     def saturates(self) -> bool:
         """Whether the additions saturate because no range could be proven."""
         return self.proof is None
+
+    def describe(self) -> dict[str, Any]:
+        """Formats and proof for the manifest; numbers from linear algebra rounded to two digits, upwards."""
+        return {
+            "name": self.name,
+            "order": self.order,
+            "substeps": self.substeps,
+            "state_fraction_bits": list(self.layout.fraction_bits),
+            "rate_fraction_bits": list(self.layout.rate_fraction_bits),
+            "product_shifts": list(self.layout.product_shifts),
+            "start_range_mK": list(self.start_range_mK),
+            "proof": self.proof.describe() if self.proof else None,
+        }
 
 
 @dataclass(frozen=True)

@@ -45,14 +45,14 @@ def divide(a: Integers, b: Integers, shift: int, *, rounded: bool) -> Integers:
     """
     result = np.empty(a.shape, dtype=np.int64)
     for i, (numerator, denominator) in enumerate(zip(a.tolist(), b.tolist(), strict=True)):
-        if denominator == 0:
-            raise RangeError("division by zero")
-        magnitude, rest = divmod(abs(numerator) << shift, abs(denominator))
-        if rounded and rest >= abs(denominator) - rest:
+        if not 0 < denominator < 1 << 32:
+            raise RangeError("the divisor is not positive, or has more than 32 bits")
+        magnitude, rest = divmod(abs(numerator) << shift, denominator)
+        if rounded and rest >= denominator - rest:
             magnitude += 1
         if magnitude >= 1 << 31:
             raise RangeError("a quotient has more than 31 bits")
-        result[i] = magnitude if (numerator < 0) == (denominator < 0) else -magnitude
+        result[i] = -magnitude if numerator < 0 else magnitude
     return result
 
 
@@ -80,29 +80,29 @@ def evaluate(component: OnboardComponent, pwm: NDArray[np.int64]) -> tuple[NDArr
     if x.size and (x.min() < component.domain[0] or x.max() > component.domain[1]):
         raise ValueError(f"|PWM| is {component.domain[0]}..{component.domain[1]}")
     values: list[NDArray[Any]] = []
-    results = {*component.rates}
-    for number, step in enumerate(component.steps):
+    for step in component.steps:
         args = [values[a] for a in step.args]
-        if step.op in ("input", "segment", "local"):
+        if step.op in ("input", "segment", "local", "upper"):
             values.append(_whole_number(step, x, args))
         elif component.arithmetic == "float":
             values.append(_float_step(step, x, args))
         else:
             value = _fixed_step(step, x, args)
-            # A rate is a uint32; nothing else reads it as a signed number.
-            _check(value, step, unsigned=number in results and step.op in ("shl", "constant"))
+            _check(value, step)
             values.append(value)
     return np.stack([values[r] for r in component.rates], axis=1), values[component.steady]
 
 
-def _check(value: Integers, step: Step, *, unsigned: bool) -> None:
-    low, high = (0, 1 << 32) if unsigned else (-(1 << 31), 1 << 31)
+def _check(value: Integers, step: Step) -> None:
+    low, high = (0, 1 << 32) if step.unsigned else (-(1 << 31), 1 << 31)
     if value.size and (value.min() < low or value.max() >= high):
         raise RangeError(f"{step.op} ({step.label.text}) leaves its 32 bits")
 
 
 def _whole_number(step: Step, x: Integers, args: list[Integers]) -> Integers:
     knots = np.array(step.table, dtype=np.int64)
+    if step.op == "upper":
+        return args[0] >> 4
     if step.op == "input":
         return np.clip(x, knots[0], knots[1])
     if step.op == "segment":
@@ -121,28 +121,30 @@ def _fixed_step(step: Step, x: Integers, args: list[Integers]) -> Integers:
         case "exponential":
             result = wrapped(mul_shift(table[16 + (args[0] & 15)], table[args[0] >> 4], step.shift))
         case "times":
-            result = mul_byte(*args, step.shift)
-        case "mul":
-            if args[1].size and args[1].min() < 0:
-                raise RangeError("the second operand of mul is negative")
-            result = mul_shift(*args, step.shift)
-        case "mul_signed":
+            result = mul_byte(args[0], args[1], step.shift)
+        case "mul" | "mul_modulo":
+            if np.any(args[1] < 0) or np.any(args[0] >= 1 << 31):
+                raise RangeError("mul takes an int32 and a uint32")
+            result = mul_shift(args[0], args[1], step.shift)
+            result = wrapped(result) if step.op == "mul_modulo" else result
+        case "mul_signed" | "mul_signed_modulo":
             result = mul_shift(np.where(args[1] < 0, -args[0], args[0]), np.abs(args[1]), step.shift)
+            result = wrapped(result) if step.op == "mul_signed_modulo" else result
         case "div":
-            result = divide(*args, step.shift, rounded=step.round)
+            result = divide(args[0], args[1], step.shift, rounded=step.round)
         case "times_div":
             result = divide(args[0] * args[1], args[2], step.shift, rounded=step.round)
         case "add":
             result = args[0] + args[1]
-        case "add_modulo":
-            result = wrapped(args[0] + args[1])
+        case "add_modulo" | "sub_modulo":
+            result = args[0] + args[1] if step.op == "add_modulo" else args[0] - args[1]
+            result = result & 0xFFFFFFFF if step.unsigned else wrapped(result)
         case "sub":
             result = args[0] - args[1]
         case "neg":
             result = -args[0]
         case "shr":
-            result = (args[0] + (1 << (step.shift - 1))) >> step.shift
-            _check(args[0] + (1 << (step.shift - 1)), step, unsigned=False)
+            result = ((args[0] >> (step.shift - 1)) + 1) >> 1
         case "floor":
             result = args[0] >> step.shift
         case "shl":
@@ -169,7 +171,7 @@ def _float_step(step: Step, x: Integers, args: list[NDArray[Any]]) -> NDArray[An
             result = args[0] * args[1].astype(single)
         case "scale":
             result = args[0] * table[0]
-        case "mul":
+        case "mul" | "mul_modulo":
             result = args[0] * args[1]
         case "div":
             result = args[0] / args[1]

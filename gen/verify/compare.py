@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.lower import Program
-from gen.reference.model import NOT_COMPARED, ReferenceModel, record_type
+from gen.reference.model import ReferenceModel, record_type
 from gen.verify.profiles import Profile
 
 Records = NDArray[np.void]
@@ -61,12 +61,12 @@ def reference_run(program: Program, profile: Profile) -> Records:
 
 def words_per_sample(program: Program) -> int:
     """How many words each sample compares."""
-    return len(record_type(program).names or ()) - len(NOT_COMPARED)
+    return len(record_type(program).names or ())
 
 
 def first_mismatch(expected: Records, found: Records) -> Mismatch | None:
     """The earliest differing word, or None."""
-    names = [name for name in expected.dtype.names or () if name not in NOT_COMPARED]
+    names = list(expected.dtype.names or ())
     differs = {name: expected[name] != found[name] for name in names}
     total = int(sum(int(mask.sum()) for mask in differs.values()))
     if not total:

@@ -47,7 +47,7 @@ class Library:
     @property
     def include(self) -> Path:
         """Folder of the library's headers."""
-        return self.folder / "lib" / self.context["name"] / "src"
+        return self.folder / "lib" / str(self.context["name"]) / "src"
 
 
 def write_library(program: Program, context: Context, files: Mapping[str, str], folder: Path) -> Library:
@@ -75,7 +75,7 @@ class HostRunner:
         self._library = library
         self._binary = library.folder / ("host-" + "".join(c if c.isalnum() else "-" for c in name))
         command = [
-            toolchain.program(compiler),
+            str(toolchain.program(compiler)),
             "-std=gnu++11",
             "-ffp-contract=off",
             *_WARNINGS,

@@ -12,15 +12,15 @@ import numpy as np
 
 from gen import __version__
 from gen.coefficients import Coefficients
-from gen.errors import CheckFailed
 from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.lower import Program, lower
 from gen.lowering.program import Arithmetic, ScheduleKind
 from gen.model.exact import ExactSolution
+from gen.reference.model import ReferenceModel
 from gen.verify import compare
 from gen.verify.compare import Mismatch
-from gen.verify.profiles import Profile, campaign, every_command
+from gen.verify.profiles import Integers, Profile, campaign, every_command
 from gen.verify.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
 
 Target = Literal["host", "avr", "all"]
@@ -74,6 +74,7 @@ def verify(
     progress: Callable[[str], None] = lambda _: None,
     mutation: Mutation | None = None,
     scale: float = 1.0,
+    host_builds: Iterable[str] = tuple(HOST_BUILDS),
 ) -> list[CombinationResult]:
     """Compare every asked combination on every asked target.
 
@@ -89,6 +90,8 @@ def verify(
         Changes the emitted files before they are compiled: how tests show that a fault is caught.
     scale
         Share of the full campaign's length.
+    host_builds
+        Which of :data:`gen.verify.runners.HOST_BUILDS` to run.
 
     Raises
     ------
@@ -101,7 +104,11 @@ def verify(
             progress(f"{arithmetic}/{schedule}: lowering")
             program = lower(coefficients, arithmetic, schedule)
             with tempfile.TemporaryDirectory(prefix="gen-verify-") as folder:
-                results.append(_combination(coefficients, program, Path(folder), target, progress, mutation, scale))
+                results.append(
+                    _combination(
+                        coefficients, program, Path(folder), target, progress, mutation, scale, tuple(host_builds)
+                    )
+                )
     return results
 
 
@@ -113,6 +120,7 @@ def _combination(
     progress: Callable[[str], None],
     mutation: Mutation | None,
     scale: float,
+    host_builds: tuple[str, ...],
 ) -> CombinationResult:
     label = f"{program.arithmetic}/{program.schedule}"
     context = project_context(coefficients, program, coefficients.name)
@@ -129,7 +137,7 @@ def _combination(
         progress(f"{label}: reference, {profile.samples} samples")
         expected = compare.reference_run(program, profile)
         schedule = compare.reference_run(program, commands)
-        for name in HOST_BUILDS:
+        for name in host_builds:
             progress(f"{label}: {name}")
             host = HostRunner(library, name)
             targets.append(_compared(program, name, host.run, profile, expected))
@@ -192,8 +200,6 @@ def measured_error(program: Program, lanes: int, length: int = ACCURACY_LENGTH) 
     lanes, length
         Of a campaign whose starts lie inside the declared domain.
     """
-    from gen.reference.model import ReferenceModel
-
     profile = campaign(program.model, lanes, length, seed=10_800)
     low = max(component.start_range_mK[0] for component in program.components)
     high = min(component.start_range_mK[1] for component in program.components)
@@ -211,9 +217,10 @@ def measured_error(program: Program, lanes: int, length: int = ACCURACY_LENGTH) 
     return {name: float(value) for name, value in zip(names, worst, strict=True)}
 
 
-def _in_domain(program: Program, pwm: np.ndarray[Any, np.dtype[np.int64]]) -> np.ndarray[Any, np.dtype[np.int64]]:
+def _in_domain(program: Program, pwm: Integers) -> Integers:
     low, high = program.model.domain_pwm
-    return np.clip(np.abs(pwm), low, high)
+    clamped: Integers = np.clip(np.abs(pwm), low, high)
+    return clamped
 
 
 def summary(coefficients: Coefficients, results: list[CombinationResult]) -> dict[str, Any]:
@@ -228,6 +235,3 @@ def summary(coefficients: Coefficients, results: list[CombinationResult]) -> dic
         "differing": sum(target.differing for result in results for target in result.targets),
         "combinations": [asdict(result) for result in results],
     }
-
-
-__all__ = ["CheckFailed", "CombinationResult", "Target", "measured_error", "summary", "verify"]

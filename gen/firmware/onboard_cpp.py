@@ -1,0 +1,225 @@
+"""Print the tapes of the onboard schedule as C++ (gnu++11), a line a step.
+
+The text needs ``{name}_onboard_math.h`` (:func:`math_header`) and ``{name}_platform.h``, which defines ``PROGMEM``,
+``pgm_read_byte``, ``pgm_read_dword`` and ``pgm_read_float`` (on the host: nothing, and plain reads).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.resources import files
+
+import jinja2
+import numpy as np
+
+from gen.lowering.onboard.graph import INTEGERS
+from gen.lowering.onboard.tape import DIVIDE_SHIFT, OnboardComponent, Step
+from gen.lowering.program import Arithmetic
+
+_OPERATORS = {"mul": "*", "div": "/", "add": "+", "sub": "-"}
+#: What a step calls, and what that calls in turn.
+_HELPERS = {
+    "times_div": ("div",),
+    "mul_modulo": ("mul",),
+    "mul_signed": ("mul_signed", "mul"),
+    "mul_signed_modulo": ("mul_signed", "mul"),
+    "exponential": ("exponential", "mul"),
+}
+
+
+def helpers(components: Sequence[OnboardComponent]) -> frozenset[str]:
+    """The helpers of the math header that the tapes call."""
+    return frozenset(h for c in components for step in c.steps for h in _HELPERS.get(step.op, (step.op,)))
+
+
+def math_header(name: str, arithmetic: Arithmetic, called: frozenset[str]) -> str:
+    """The text of ``{name}_onboard_math.h`` with the helpers that are called (:func:`helpers`), and no others."""
+    text = files("templates").joinpath("lib/model/src/onboard_math.h.j2").read_text(encoding="utf-8")
+    environment = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False)
+    return environment.from_string(text).render(name=name, arithmetic=arithmetic, helpers=called)
+
+
+def schedule_source(name: str, component: OnboardComponent) -> str:
+    """Tables and function of one component.
+
+    ``static void {name}_schedule_{component}(uint8_t x, uint32_t *rate, int32_t *steady)``, in float32 with
+    ``float *``; x must lie in the component's domain.
+    """
+    return _Printer(name, component).text()
+
+
+class _Printer:
+    def __init__(self, name: str, component: OnboardComponent) -> None:
+        self._name = name
+        self._component = component
+        self._fixed = component.arithmetic == "fixed"
+        self._prefix = f"{name}_{component.name}"
+        self._tables: list[str] = []
+        self._lines: list[str] = []
+
+    def text(self) -> str:
+        component = self._component
+        for number, step in enumerate(component.steps):
+            if step.op == "input" and step.table == (0, 255):
+                continue
+            line = f"    const {self._type(number)} n{number} = {self._expression(number, step)};"
+            self._lines.append(f"{line}  // {self._comment(step)}")
+        for i, number in enumerate(component.rates):
+            value = f"(uint32_t)n{number}" if self._fixed else f"n{number}"
+            self._lines.append(f"    rate[{i}] = {value};  // R{i}, 1/step{self._format(number)}")
+        self._lines.append(f"    *steady = n{component.steady};  // S, K{self._format(component.steady)}")
+        rate, steady = ("uint32_t", "int32_t") if self._fixed else ("float", "float")
+        head = (
+            f"// Nested rates and steady rise of {component.name} at |PWM| = x"
+            f" ({component.domain[0]}..{component.domain[1]}).\n"
+            f"static void {self._name}_schedule_{component.name}(uint8_t x, {rate} *rate, {steady} *steady) {{\n"
+        )
+        if not any(s.op == "input" for s in component.steps):
+            self._lines.insert(0, "    (void)x;")
+        return "".join(self._tables) + head + "\n".join(self._lines) + "\n}\n"
+
+    def _type(self, number: int) -> str:
+        step = self._component.steps[number]
+        if step.op in INTEGERS:
+            return "uint8_t"
+        if not self._fixed:
+            return "float"
+        return "uint32_t" if step.unsigned else "int32_t"
+
+    def _ref(self, number: int) -> str:
+        step = self._component.steps[number]
+        return "x" if step.op == "input" and step.table == (0, 255) else f"n{number}"
+
+    def _as_unsigned(self, step: Step, place: int) -> str:
+        number = step.args[place]
+        return self._ref(number) if self._component.steps[number].unsigned else f"(uint32_t){self._ref(number)}"
+
+    def _quotient(self, step: Step, factor: str, flags: int) -> str:
+        numerator, divisor = self._as_unsigned(step, 0), self._as_unsigned(step, len(step.args) - 1)
+        return f"{self._name}_divide({numerator}, {factor}, {divisor}, {step.shift - DIVIDE_SHIFT}, {flags})"
+
+    def _format(self, number: int) -> str:
+        return f", Q{self._component.steps[number].q}" if self._fixed else ""
+
+    def _comment(self, step: Step) -> str:
+        label = step.label
+        parts = [label.text or step.op]
+        if label.unit:
+            parts.append(label.unit)
+        if self._fixed and step.op not in INTEGERS:
+            parts.append(f"Q{step.q}")
+        if label.path:
+            parts.append(label.path)
+        return "; ".join(parts)
+
+    def _table(self, number: int, kind: str, values: Sequence[str]) -> str:
+        identifier = f"{self._prefix}_n{number}"
+        lines = [", ".join(values[i : i + 8]) for i in range(0, len(values), 8)]
+        comment = self._comment(self._component.steps[number])
+        body = ",\n    ".join(lines)
+        self._tables.append(
+            f"// {comment}\nstatic const {kind} {identifier}[{len(values)}] PROGMEM = {{\n    {body}}};\n"
+        )
+        return identifier
+
+    def _expression(self, number: int, step: Step) -> str:
+        a = [self._ref(i) for i in step.args]
+        if step.op == "input":
+            return f"(uint8_t){_held('x', step)}"
+        if step.op == "upper":
+            return f"(uint8_t)({a[0]} >> 4)"
+        if step.op == "segment":
+            inner = step.table[1:-1]
+            return f"(uint8_t)({' + '.join(f'({a[0]} >= {int(k)})' for k in inner) or '0'})"
+        if step.op == "local":
+            starts = self._table(number, "uint8_t", [str(int(k)) for k in step.table[:-1]])
+            return f"(uint8_t)({_held(a[0], step)} - pgm_read_byte(&{starts}[{a[1]}]))"
+        if step.op == "positive_outside":
+            low, high = int(step.table[0]), int(step.table[1])
+            tests = ([f"{a[1]} < {low}"] if low > 0 else []) + ([f"{a[1]} > {high}"] if high < 255 else [])
+            return f"({a[0]} < 0 && ({' || '.join(tests)})) ? 0 : {a[0]}"
+        return self._fixed_expression(number, step, a) if self._fixed else self._float_expression(number, step, a)
+
+    def _fixed_expression(self, number: int, step: Step, a: list[str]) -> str:
+        name, s = self._name, step.shift
+        flags = int(step.round)  # 1: to nearest; 2: the numerator is unsigned
+        if step.op in ("div", "times_div") and self._component.steps[step.args[0]].unsigned:
+            flags += 2
+        match step.op:
+            case "constant":
+                return f"{int(step.table[0])}{'UL' if step.unsigned else 'L'}"
+            case "row":
+                table = self._table(number, "uint32_t", [_pattern(v) for v in step.table])
+                return f"(int32_t)pgm_read_dword(&{table}[{a[0]}])"
+            case "exponential":
+                table = self._table(number, "uint32_t", [_pattern(v) for v in step.table])
+                return f"{name}_exponential({table}, {a[0]}, {s})"
+            case "times":
+                return f"{name}_times({a[0]}, {a[1]}, {s})"
+            case "mul" | "mul_modulo":
+                return f"{name}_mul_shift({a[0]}, {self._as_unsigned(step, 1)}, {s})"
+            case "mul_signed" | "mul_signed_modulo":
+                return f"{name}_mul_signed({a[0]}, {a[1]}, {s})"
+            case "div":
+                return self._quotient(step, "1", flags)
+            case "times_div":
+                return self._quotient(step, a[1], flags)
+            case "add" | "sub" | "add_modulo" | "sub_modulo":
+                sign = "-" if step.op.startswith("sub") else "+"
+                mixed = step.unsigned or any(self._component.steps[i].unsigned for i in step.args)
+                if not mixed and not step.op.endswith("modulo"):
+                    return f"{a[0]} {sign} {a[1]}"
+                modulo = f"{self._as_unsigned(step, 0)} {sign} {self._as_unsigned(step, 1)}"
+                return modulo if step.unsigned else f"(int32_t)({modulo})"
+            case "neg":
+                return f"-{a[0]}"
+            case "shr":
+                if self._component.steps[step.args[0]].unsigned:
+                    return f"(int32_t)((({a[0]} >> {s - 1}) + 1u) >> 1)"
+                return f"{name}_round_shift({a[0]}, {s - 1})"
+            case "floor":
+                return f"{a[0]} >> {s}"
+            case "shl":
+                shifted = f"(uint32_t){a[0]} << {s}"
+                return shifted if step.unsigned else f"(int32_t)({shifted})"
+        raise ValueError(f"no step {step.op}")
+
+    def _float_expression(self, number: int, step: Step, a: list[str]) -> str:
+        match step.op:
+            case "constant":
+                return _single(float(step.table[0]))
+            case "row":
+                table = self._table(number, "float", [_single(float(v)) for v in step.table])
+                return f"pgm_read_float(&{table}[{a[0]}])"
+            case "exponential":
+                table = self._table(number, "float", [_single(float(v)) for v in step.table])
+                return f"{self._name}_exponential({table}, {a[0]})"
+            case "times":
+                return f"{a[0]} * (float){a[1]}"
+            case "scale":
+                return f"{a[0]} * {_single(float(step.table[0]))}"
+            case "neg":
+                return f"-{a[0]}"
+            case "mul" | "div" | "add" | "sub":
+                return f"{a[0]} {_OPERATORS[step.op]} {a[1]}"
+        raise ValueError(f"no step {step.op}")
+
+
+def _held(x: str, step: Step) -> str:
+    low, high = int(step.table[0]), int(step.table[-1])
+    text = x
+    if high < 255:
+        text = f"({x} > {high} ? {high} : {text})"
+    if low > 0:
+        text = f"({x} < {low} ? {low} : {text})"
+    return text
+
+
+def _pattern(value: float) -> str:
+    return f"0x{int(value) & 0xFFFFFFFF:08X}UL"
+
+
+def _single(value: float) -> str:
+    """A float literal that reads back as the same float32."""
+    text = np.format_float_scientific(np.float32(value), unique=True, trim="0")
+    return f"{text}f"

@@ -1,0 +1,131 @@
+"""Assemble the emitted PlatformIO project."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from gen import __version__
+from gen.coefficients import Coefficients
+from gen.errors import InputError
+from gen.firmware import render
+from gen.firmware.context import Context, project_context
+from gen.firmware.report import report_html
+from gen.firmware.vectors import reference_vectors
+from gen.lowering.lower import Program
+
+PROJECT = {
+    "platformio.ini": "platformio.ini.j2",
+    "README.md": "README.md.j2",
+    "src/main.cpp": "src/main.cpp.j2",
+    "lib/NAME/library.json": "lib/model/library.json.j2",
+    "lib/NAME/library.properties": "lib/model/library.properties.j2",
+    "lib/NAME/examples/Basic/Basic.ino": "lib/model/examples/Basic/Basic.ino.j2",
+    "test/test_model/test_main.cpp": "test/test_model/test_main.cpp.j2",
+    "test/test_model/vectors.h": "test/test_model/vectors.h.j2",
+}
+VERIFICATION = "verification.json"
+REPORT = "report.html"
+MANIFEST = "manifest.json"
+_ROW_SECONDS = 1.0
+
+
+def project_files(
+    coefficients: Coefficients, program: Program, source_name: str, verification: Mapping[str, Any] | None
+) -> dict[str, str]:
+    """Every file of the project, by its path.
+
+    Parameters
+    ----------
+    coefficients, program
+        What is emitted.
+    source_name
+        The coefficient file's name as comments show it.
+    verification
+        What `gen verify` found for this coefficient file, or None.
+    """
+    context = project_context(coefficients, program, source_name) | _sketch_context(coefficients, program)
+    files = render.library(context) | render.render(PROJECT, context)
+    if verification is not None:
+        files[VERIFICATION] = json.dumps(verification, indent=1) + "\n"
+    files[MANIFEST] = json.dumps(_manifest(coefficients, program, files), indent=1) + "\n"
+    files[REPORT] = report_html(coefficients, program, verification)
+    return files
+
+
+def kept_verification(folder: Path, coefficients: Coefficients) -> dict[str, Any] | None:
+    """The verification that an earlier build's folder holds, if it is about these coefficients and this version."""
+    path = folder / VERIFICATION
+    if not path.is_file():
+        return None
+    return read_verification(path, coefficients, strict=False)
+
+
+def read_verification(path: Path, coefficients: Coefficients, *, strict: bool = True) -> dict[str, Any] | None:
+    """Read what `gen verify --json` wrote.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or (when strict) is about other coefficients or another version.
+    """
+    try:
+        record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        matches = (
+            record["coefficients_sha256"] == coefficients.sha256
+            and record["tool"] == f"gen {__version__}"
+            and isinstance(record["combinations"], list)
+        )
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        if not strict:
+            return None
+        raise InputError(f"is not what `gen verify --json` writes: {error}", file=str(path)) from error
+    if not matches:
+        if strict:
+            raise InputError("is about another coefficient file or another version of gen", file=str(path))
+        return None
+    return record
+
+
+def _sketch_context(coefficients: Coefficients, program: Program) -> Context:
+    model = program.model
+    document = coefficients.document
+    serial = getattr(document.wiring, "serial_baud", None) if document.wiring is not None else None
+    low, high = model.domain_temperature
+    rise = (low - model.domain_ambient[1], high - model.domain_ambient[0])
+    return {
+        "baud": serial or 115200,
+        "ambient": f"{model.ambient_fixed if model.ambient_fixed is not None else 25.0:g}",
+        "row_ticks": max(1, round(_ROW_SECONDS / model.sample_time)),
+        "vectors": reference_vectors(program),
+        "probe": min(model.domain_pwm[1], max(model.domain_pwm[0], model.full_scale // 2)),
+        "start_probe": int(min(max(20_250, rise[0] * 1000), rise[1] * 1000)) // 250 * 250,
+    }
+
+
+def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, str]) -> dict[str, Any]:
+    return {
+        "tool": f"gen {__version__}",
+        "model": program.model.name,
+        "coefficients_sha256": coefficients.sha256,
+        "arithmetic": program.arithmetic,
+        "schedule": program.schedule,
+        "sample_time_s": program.model.sample_time,
+        "domain_pwm": list(program.model.domain_pwm),
+        "validity_pwm": list(program.model.validity),
+        "components": [component.describe() for component in program.components],
+        "wiring": _plain(coefficients.document.wiring),
+        "alarms": [_plain(alarm) for alarm in coefficients.document.alarms],
+        "files": {
+            path: hashlib.sha256(text.encode()).hexdigest()
+            for path, text in sorted(files.items())
+            if path != VERIFICATION
+        },
+    }
+
+
+def _plain(value: Any) -> Any:
+    return value.model_dump(mode="json", exclude_none=True) if value is not None else None

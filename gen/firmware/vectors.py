@@ -1,0 +1,42 @@
+"""Reference vectors for the emitted project's own tests."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gen.lowering.lower import Program
+from gen.reference.lanes import state_fields
+from gen.reference.model import ReferenceModel
+
+_SEGMENTS = 24
+_LONGEST = 90
+
+
+def reference_vectors(program: Program) -> dict[str, Any]:
+    """A short PWM sequence with every kind of change in it, and the state words after each of its segments.
+
+    Parameters
+    ----------
+    program
+        What the board holds.
+    """
+    random = np.random.default_rng(1)
+    scale = program.model.full_scale
+    levels = [0, scale, 1, 0, scale // 2, -scale, *random.integers(-scale, scale + 1, _SEGMENTS - 6).tolist()]
+    lengths = [3, 60, 1, 1, *random.integers(1, _LONGEST, _SEGMENTS - 4).tolist()]
+    low = max(component.start_range_mK[0] for component in program.components)
+    high = min(component.start_range_mK[1] for component in program.components)
+    start = int(np.clip(20_250, low, high))
+    model = ReferenceModel(program, [start])
+    members = [program.components[member] for shape in program.shapes for member in shape.members]
+    names = [name for component in members for name, _ in state_fields(component)]
+    segments = []
+    for pwm, samples in zip(levels, lengths, strict=True):
+        for _ in range(samples):
+            model.step(np.array([pwm], dtype=np.int64))
+        record = model.record()[0]
+        words = [f"0x{int(record[name]) & 0xFFFFFFFF:X}UL" for name in names]
+        segments.append({"pwm": pwm, "samples": samples, "words": words})
+    return {"start_mK": start, "segments": segments, "words": len(names)}

@@ -1,0 +1,167 @@
+"""One component over many lanes, in either arithmetic, behind one interface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.float32 import FloatComponent
+from gen.lowering.formats import RESIDUE_BITS
+from gen.lowering.program import FixedComponent
+from gen.reference.fixed import FixedStep
+from gen.reference.float32 import FloatStep
+
+Integers = NDArray[np.int64]
+Fields = list[tuple[str, str]]
+
+
+class ComponentLanes(Protocol):
+    """What :class:`gen.reference.model.ReferenceModel` needs of a component."""
+
+    limited: NDArray[np.bool_]
+
+    def sample(self, row: Integers, before: Integers | None) -> None:
+        """Advance by one sample at the tables' rows ``row``; ``before`` is the last sample's, None at the start."""
+
+    def rise(self) -> NDArray[np.float64]:
+        """Temperature rise of every lane, in K."""
+
+    def saturations(self) -> Integers:
+        """How often each lane's words were limited."""
+
+    def state_words(self) -> list[NDArray[Any]]:
+        """The state's words in the order of the board's structure."""
+
+    def coefficient_words(self, row: Integers) -> list[NDArray[Any]]:
+        """Rates and steady rise in the order of the board's structure."""
+
+
+class FixedLanes:
+    """A component in fixed point."""
+
+    def __init__(self, component: FixedComponent, start_mK: Sequence[int]) -> None:
+        self._component = component
+        self._step = FixedStep(component)
+        words = zip(*(self._step.start(rise) for rise in start_mK), strict=True)
+        self._state = [np.array(word, dtype=np.int64) for word in words]
+        low, high = component.start_range_mK
+        self.limited = np.array([rise < low or rise > high for rise in start_mK])
+
+    def sample(self, row: Integers, before: Integers | None) -> None:
+        """See :class:`ComponentLanes`."""
+        rates, steady = self._coefficients(row)
+        if self._component.order > 1 and (before is None or bool(np.any(before != row))):
+            old = np.zeros(len(row), dtype=np.int64)
+            if before is not None:
+                old = self._step.increment(self._state, *self._coefficients(before))
+            self._step.carry(self._state, old, self._step.increment(self._state, rates, steady))
+        for _ in range(self._component.substeps):
+            self._step.advance(self._state, self._step.increment(self._state, rates, steady))
+
+    def rise(self) -> NDArray[np.float64]:
+        """See :class:`ComponentLanes`."""
+        scale = 2.0 ** (RESIDUE_BITS - self._component.layout.fraction_bits[0])
+        return np.asarray((self._state[0] >> RESIDUE_BITS) * scale, dtype=np.float64)
+
+    def saturations(self) -> Integers:
+        """See :class:`ComponentLanes`."""
+        return np.zeros(len(self.limited), dtype=np.int64) + self._step.saturations
+
+    def state_words(self) -> list[NDArray[Any]]:
+        """See :class:`ComponentLanes`."""
+        return [half for word in self._state for half in (word & 0xFFFF, word >> RESIDUE_BITS)]
+
+    def coefficient_words(self, row: Integers) -> list[NDArray[Any]]:
+        """See :class:`ComponentLanes`."""
+        rates, steady = self._coefficients(row)
+        return [*rates, steady]
+
+    def _coefficients(self, row: Integers) -> tuple[list[Integers], Integers]:
+        component = self._component
+        return [component.rates[row, i] for i in range(component.order)], component.steady[row]
+
+
+class FloatLanes:
+    """A component in float32."""
+
+    def __init__(self, component: FloatComponent, start_mK: Sequence[int]) -> None:
+        self._component = component
+        self._step = FloatStep(component)
+        rise = np.array(start_mK, dtype=np.float32) / np.float32(1000.0)
+        self._state = self._step.start(rise)
+        low, high = component.start_range
+        self.limited = (rise < np.float32(low)) | (rise > np.float32(high))
+        self._steady = np.zeros(len(start_mK), dtype=np.float32)
+
+    def sample(self, row: Integers, before: Integers | None) -> None:
+        """See :class:`ComponentLanes`."""
+        rates, steady = self._coefficients(row)
+        substeps = self._component.substeps
+        if before is None or bool(np.any(before != row)):
+            kept = [word.copy() for word in self._state]
+            zero = np.zeros(len(row), dtype=np.float32)
+            old, old_steady = [zero] * self._component.order, zero
+            if before is not None:
+                old, old_steady = self._coefficients(before)
+            self._step.changed(self._state, old, rates, old_steady, steady)
+            if before is not None and bool(np.any(before == row)):  # lanes that stay take the short way
+                self._step.constant(kept, rates)
+                same = before == row
+                self._state = [np.where(same, one, other) for one, other in zip(kept, self._state, strict=True)]
+            substeps -= 1
+        for _ in range(substeps):
+            self._step.constant(self._state, rates)
+        self._steady = steady
+
+    def rise(self) -> NDArray[np.float64]:
+        """See :class:`ComponentLanes`."""
+        return self._step.rise(self._state, self._steady).astype(np.float64)
+
+    def saturations(self) -> Integers:
+        """See :class:`ComponentLanes`."""
+        return np.zeros(len(self.limited), dtype=np.int64) + self._step.saturations
+
+    def state_words(self) -> list[NDArray[Any]]:
+        """See :class:`ComponentLanes`."""
+        return list(self._step.words(self._state))
+
+    def coefficient_words(self, row: Integers) -> list[NDArray[Any]]:
+        """See :class:`ComponentLanes`."""
+        rates, steady = self._coefficients(row)
+        return [np.ascontiguousarray(word).view(np.uint32) for word in (*rates, steady)]
+
+    def _coefficients(self, row: Integers) -> tuple[list[NDArray[np.float32]], NDArray[np.float32]]:
+        component = self._component
+        return [component.rates[row, i] for i in range(component.order)], component.steady[row]
+
+
+def lanes_of(component: FixedComponent | FloatComponent, start_mK: Sequence[int]) -> ComponentLanes:
+    """A component's lanes at rest at the given rises, in thousandths of a kelvin."""
+    if isinstance(component, FixedComponent):
+        return FixedLanes(component, start_mK)
+    return FloatLanes(component, start_mK)
+
+
+def state_fields(component: FixedComponent | FloatComponent) -> Fields:
+    """Names and types of the state's words, in the order of the board's structure."""
+    name, order = component.name, component.order
+    if isinstance(component, FixedComponent):
+        return [
+            (f"{name}.x{i}.{half}", kind) for i in range(1, order + 1) for half, kind in (("lo", "<u2"), ("hi", "<i4"))
+        ]
+    words = ["base", "low", *(f"{half}{i}" for i in range(2, order + 1) for half in ("high", "low"))]
+    if order == 1:
+        words += ["drive", "keep"]
+    elif order > 2:
+        words.append(f"x{order}")
+    return [(f"{name}.{word}", "<u4") for word in words]
+
+
+def coefficient_fields(component: FixedComponent | FloatComponent) -> Fields:
+    """Names and types of the coefficients' words, in the order of the board's structure."""
+    steady = "<i4" if isinstance(component, FixedComponent) else "<u4"
+    rates = [(f"{component.name}.R{i}", "<u4") for i in range(component.order)]
+    return [*rates, (f"{component.name}.S", steady)]

@@ -1,0 +1,118 @@
+"""`gen simulate`: the exact solution or the board's reference simulator on a run file."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.coefficients import Coefficients
+from gen.errors import InputError
+from gen.lowering.lower import lower
+from gen.lowering.program import Arithmetic
+from gen.model.exact import ExactSolution
+from gen.reference.lanes import state_fields
+from gen.reference.model import ReferenceModel, record_type
+from gen.runs import Run
+
+Array = NDArray[np.float64]
+Start = Literal["auto", "ambient", "measured"]
+
+#: A time this close below a grid point, in samples, counts as on it (decimal times are not exact in binary).
+_ON_GRID = 1e-6
+
+
+def simulate_run(
+    coefficients: Coefficients, run: Run, arithmetic: Literal["exact", "fixed", "float"], start: Start, file: str
+) -> dict[str, NDArray[np.float64] | NDArray[np.int64]]:
+    """Model temperatures at the run's own times.
+
+    Parameters
+    ----------
+    coefficients, run
+        The model and what drives it.
+    arithmetic
+        ``exact`` solves the differential equation; the others compute the board's words on its grid of Ts, which
+        starts at the run's first row, and give the last grid value at times off the grid.
+    start
+        ``measured`` starts every component from its first measured temperature, ``ambient`` from ambient; ``auto``
+        from the measured one where there is one. Derivatives start at zero.
+    file
+        The run file's name for messages.
+
+    Returns
+    -------
+    dict
+        ``time_s``, ``<component>_degC``, and for fixed and float the raw state words.
+
+    Raises
+    ------
+    InputError
+        If no ambient is known, or `measured` is asked for where nothing was measured.
+    """
+    ambient = _ambient(coefficients, run, file)
+    rise = {name: _initial_rise(name, run, ambient, start, file) for name in coefficients.model.component_names}
+    columns: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {"time_s": run.time_s}
+    if arithmetic == "exact":
+        solved = ExactSolution(coefficients.model).simulate_times(run.time_s, run.pwm, rise)
+        for name, values in solved.items():
+            columns[f"{name}_degC"] = values + ambient
+        return columns
+    board, words = _on_board(coefficients, arithmetic, run, rise)
+    for name, values in board.items():
+        columns[f"{name}_degC"] = values + ambient
+    return columns | words
+
+
+def _on_board(
+    coefficients: Coefficients, arithmetic: Arithmetic, run: Run, rise: dict[str, float]
+) -> tuple[dict[str, Array], dict[str, NDArray[np.int64]]]:
+    program = lower(coefficients, arithmetic, "table")
+    samples = (run.time_s - run.time_s[0]) / program.model.sample_time
+    grid = np.floor(samples + _ON_GRID).astype(np.int64)
+    length = int(grid[-1])
+    acting = np.searchsorted(samples, np.arange(length) + _ON_GRID, side="right") - 1
+    model = ReferenceModel(program, {name: [round(value * 1000.0)] for name, value in rise.items()})
+    wanted = set(grid.tolist())
+    kept: dict[int, tuple[Array, np.void]] = {}
+    for step in range(length + 1):
+        if step in wanted:
+            kept[step] = (model.rises[:, 0], model.state_record()[0])
+        if step < length:
+            model.step(run.pwm[acting[step] : acting[step] + 1])
+    rises = np.array([kept[int(step)][0] for step in grid])
+    records = np.array([kept[int(step)][1] for step in grid], dtype=record_type(program))
+    names = [name for component in program.components for name, _ in state_fields(component)]
+    words = {name: records[name].astype(np.int64) for name in names}
+    return {name: rises[:, i] for i, name in enumerate(program.model.component_names)}, words
+
+
+def _ambient(coefficients: Coefficients, run: Run, file: str) -> Array:
+    """Ambient at every row, in degC: the measured one held over its gaps, else the file's fixed one."""
+    fixed = coefficients.model.ambient_fixed
+    if run.ambient is None or np.all(np.isnan(run.ambient)):
+        if fixed is None:
+            column = coefficients.model.ambient_channel or "ambient_degC"
+            raise InputError(
+                f"the column {column} is missing, and the coefficient file has no fixed ambient",
+                file=file,
+                place="header",
+            )
+        return np.full(len(run.time_s), fixed)
+    known = np.flatnonzero(~np.isnan(run.ambient))
+    latest = np.searchsorted(known, np.arange(len(run.time_s)), side="right") - 1
+    held: Array = run.ambient[known[np.maximum(latest, 0)]]
+    return held
+
+
+def _initial_rise(name: str, run: Run, ambient: Array, start: Start, file: str) -> float:
+    if start == "ambient":
+        return 0.0
+    measured = run.temps.get(name)
+    known = np.flatnonzero(~np.isnan(measured)) if measured is not None else np.zeros(0, dtype=np.int64)
+    if measured is None or not known.size:
+        if start == "measured":
+            raise InputError("holds no measured temperature to start from", file=file, place=f"column {name}_degC")
+        return 0.0
+    return float(measured[known[0]] - ambient[known[0]])

@@ -1,0 +1,68 @@
+"""Print what a verification found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.table import Table
+
+from gen.verify.verify import CombinationResult
+
+
+def print_results(results: Sequence[CombinationResult]) -> None:
+    """Tables of equality, error and cost on standard output."""
+    console = Console(width=110)
+    equality = Table("combination", "target", "samples", "words", "differing", title="Equality with the reference")
+    for result in results:
+        for target in result.targets:
+            equality.add_row(
+                f"{result.arithmetic}/{result.schedule}",
+                target.target,
+                str(target.samples),
+                str(target.words),
+                str(target.differing),
+            )
+    console.print(equality)
+    for result in results:
+        for target in result.targets:
+            if target.mismatch is not None and target.profile is not None:
+                pwm = target.profile["pwm"]
+                console.print(
+                    f"{result.arithmetic}/{result.schedule}, {target.target}: {target.mismatch}", markup=False
+                )
+                console.print(f"  start {target.profile['start_mK']} mK, PWM {pwm}", markup=False)
+    error = Table("combination", "component", "measured K", "guaranteed K", title="Error against the exact solution")
+    for result in results:
+        for name, measured in result.error_K.items():
+            bound = result.bound_K[name]
+            error.add_row(
+                f"{result.arithmetic}/{result.schedule}",
+                name,
+                f"{measured:.1e}",
+                "saturates" if bound is None else f"{bound:.1e}",
+            )
+    console.print(error)
+    cost = Table(
+        "combination",
+        "cycles, PWM held",
+        "with a change",
+        "flash B",
+        "RAM B",
+        "stack B",
+        "helpers",
+        title="Cost on the Mega",
+    )
+    for result in results:
+        if result.cost is not None:
+            cost.add_row(
+                f"{result.arithmetic}/{result.schedule}",
+                str(result.cost.cycles_constant),
+                str(result.cost.cycles_change),
+                str(result.cost.flash_bytes),
+                str(result.cost.ram_bytes),
+                str(result.cost.stack_bytes),
+                ", ".join(result.helpers) or "none",
+            )
+    if cost.row_count:
+        console.print(cost)

@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# Sets up, then runs every check: formatting, lint, types, tests. GEN_CAMPAIGN=full runs the long campaigns in full.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+bash scripts/setup.sh test
+.venv/bin/ruff format --check .
+.venv/bin/ruff check .
+.venv/bin/mypy
+.venv/bin/python -m pytest -n 2 --dist loadgroup "$@"

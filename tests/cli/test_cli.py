@@ -1,0 +1,151 @@
+"""The commands as a user and a script meet them."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from gen.files import replace_folder
+from tests.verify_helpers import ROOT
+
+COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"
+GEN = [sys.executable, "-m", "gen"]
+
+
+def gen(*arguments: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*GEN, *map(str, arguments)], capture_output=True, text=True, check=False, cwd=cwd)
+
+
+@pytest.mark.parametrize("command", ["build", "verify", "simulate"])
+def test_every_command_has_help_with_an_example(command: str) -> None:
+    done = gen(command, "--help")
+    assert done.returncode == 0
+    assert f"gen {command} examples/" in " ".join(done.stdout.split())
+
+
+def broken(tmp_path: Path, old: str, new: str) -> Path:
+    text = COEFFICIENTS.read_text()
+    assert old in text
+    path = tmp_path / "broken.json"
+    path.write_text(text.replace(old, new, 1))
+    return path
+
+
+@pytest.mark.parametrize("command", ["build", "verify", "simulate"])
+def test_bad_input_is_one_line_with_file_and_place_and_exit_2(command: str, tmp_path: Path) -> None:
+    path = broken(tmp_path, '"order": 3', '"order": 5')
+    extra = {"build": ["--out", tmp_path / "out"], "verify": [], "simulate": [tmp_path / "run.csv"]}[command]
+    done = gen(command, path, *extra)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1
+    assert str(path) in lines[0]
+    assert "$.components[0].order" in lines[0]
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_bad_option_is_usage_and_exit_2() -> None:
+    done = gen("build", COEFFICIENTS, "--arithmetic", "double")
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+
+
+def test_a_bound_over_the_file_s_limit_names_the_component_and_exits_1(tmp_path: Path) -> None:
+    path = broken(tmp_path, '"fixed_limit_K": 1e-05', '"fixed_limit_K": 1e-09')
+    done = gen("build", path, "--out", tmp_path / "out")
+    assert done.returncode == 1
+    assert "brush" in done.stderr
+    assert "$.accuracy.fixed_limit_K" in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_build_refuses_a_folder_that_is_not_its_own(tmp_path: Path) -> None:
+    (tmp_path / "precious.txt").write_text("mine")
+    done = gen("build", COEFFICIENTS, "--out", tmp_path)
+    assert done.returncode == 2
+    assert (tmp_path / "precious.txt").read_text() == "mine"
+    assert [item.name for item in tmp_path.iterdir()] == ["precious.txt"]
+
+
+def test_an_interrupted_build_leaves_nothing_half_written(tmp_path: Path) -> None:
+    for delay in (0.2, 0.6, 0.9, 1.1, 1.3):
+        process = subprocess.Popen(
+            [*GEN, "build", str(COEFFICIENTS), "--out", str(tmp_path / "out")], stderr=subprocess.PIPE
+        )
+        time.sleep(delay)
+        process.send_signal(signal.SIGINT)
+        process.communicate()
+        if (tmp_path / "out").exists():
+            listed = json.loads((tmp_path / "out" / "manifest.json").read_text())["files"]
+            assert all((tmp_path / "out" / path).is_file() for path in listed)
+        assert [item.name for item in tmp_path.iterdir() if item.name != "out"] == []
+
+
+def test_a_failed_write_keeps_the_old_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "out"
+    replace_folder(folder, {"manifest.json": "{}", "a/b.txt": "old"})
+    renames = []
+
+    def failing(self: Path, target: Path) -> Path:
+        renames.append(target)
+        if len(renames) == 2:  # the old tree is aside, the new one does not make it
+            raise KeyboardInterrupt
+        os.rename(self, target)  # noqa: PTH104
+        return Path(target)
+
+    monkeypatch.setattr(Path, "rename", failing)
+    with pytest.raises(KeyboardInterrupt):
+        replace_folder(folder, {"manifest.json": "{}", "a/b.txt": "new"})
+    assert (folder / "a" / "b.txt").read_text() == "old"
+    assert [item.name for item in tmp_path.iterdir()] == ["out"]
+
+
+def run_file(tmp_path: Path) -> Path:
+    path = tmp_path / "run.csv"
+    path.write_text("time_s,pwm,brush_degC\n0,102,40\n0.25,102,\n7.3,204,\n900,0,\n1200.1,0,\n")
+    return path
+
+
+def test_simulate_writes_the_run_s_own_times_and_fixed_agrees_with_exact(tmp_path: Path) -> None:
+    import pandas as pd
+
+    run = run_file(tmp_path)
+    tables = {}
+    for arithmetic in ("exact", "fixed"):
+        out = tmp_path / f"{arithmetic}.csv"
+        done = gen("simulate", COEFFICIENTS, run, "--arithmetic", arithmetic, "--out", out)
+        assert done.returncode == 0, done.stderr
+        tables[arithmetic] = pd.read_csv(out, comment="#")
+    exact, fixed = tables["exact"], tables["fixed"]
+    assert exact.columns.tolist() == ["time_s", "brush_degC", "bearing_degC", "magnet_degC", "casing_degC"]
+    assert exact["time_s"].tolist() == [0, 0.25, 7.3, 900, 1200.1]
+    assert exact["brush_degC"][0] == 40.0
+    assert exact["casing_degC"][0] == 30.0
+    # Off the grid the board gives its last grid value: a sample's change apart; the PWM acts from the next grid point.
+    for name in ("brush_degC", "bearing_degC", "magnet_degC", "casing_degC"):
+        assert (exact[name] - fixed[name]).abs().max() < 0.01
+        assert abs(exact[name][1] - fixed[name][1]) < 1e-5
+    assert any(column.startswith("brush.x3") for column in fixed.columns)
+
+
+def test_simulate_names_file_line_and_column_of_a_bad_run(tmp_path: Path) -> None:
+    run = run_file(tmp_path)
+    run.write_text(run.read_text().replace("7.3,204", "7.3,fast"))
+    done = gen("simulate", COEFFICIENTS, run, "--out", tmp_path / "out.csv")
+    assert done.returncode == 2
+    assert "run.csv: line 4, column pwm" in done.stderr
+    assert not (tmp_path / "out.csv").exists()
+
+
+def test_simulate_measured_start_needs_a_measurement(tmp_path: Path) -> None:
+    done = gen("simulate", COEFFICIENTS, run_file(tmp_path), "--start", "measured", "--out", tmp_path / "out.csv")
+    assert done.returncode == 2
+    assert "column bearing_degC" in done.stderr

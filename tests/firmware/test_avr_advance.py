@@ -1,0 +1,138 @@
+"""The assembly on the emulated board against the reference, word for word, and how long it takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gen.coefficients import load
+from gen.firmware import render
+from gen.firmware.context import project_context
+from gen.lowering.lower import Program, lower
+from gen.lowering.program import FixedComponent
+from gen.reference.fixed import FixedStep
+from gen.verify.avr.compile import build_elf, undefined_symbols
+from gen.verify.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+STEPS = 3000
+RECORD = np.dtype([("start", "u1"), ("pwm", "<i2"), ("rise", "<i4")])
+WORD = np.dtype([("lo", "<u2"), ("hi", "<i4")])
+MAIN = """#include "mailbox.h"
+#include <avr/interrupt.h>
+#include "{name}.h"
+#include "{name}_model.h"
+struct Input {{ uint8_t start; int16_t pwm; int32_t rise; }};
+Input input;
+int main() {{
+    cli();
+    {name}_begin();
+    for (;;) {{
+        GEN_MAILBOX_NEXT();
+        if (input.start) {{
+            for (uint8_t i = 0; i < {NAME}_COMPONENTS; ++i) {name}_start(i, input.rise);
+        }}
+        {name}_step(input.pwm);
+        GEN_MAILBOX_DONE();
+    }}
+}}
+"""
+
+
+@dataclass(frozen=True)
+class Run:
+    words: NDArray[np.int64]
+    cycles: NDArray[np.int64]
+
+
+def inputs() -> NDArray[np.void]:
+    rng = np.random.default_rng(7)
+    records = np.zeros(STEPS, RECORD)
+    third = STEPS // 3
+    records["pwm"][:third] = rng.integers(-255, 256, third)
+    records["pwm"][third : 2 * third] = np.repeat(rng.integers(-255, 256, third // 20), 20)
+    records["pwm"][2 * third :] = np.where(np.arange(third) // 3 % 2, 255, 0)
+    records["start"][::250] = 1
+    records["rise"][::250] = rng.integers(-90_000, 250_000, len(records["rise"][::250]))
+    return records
+
+
+def program(example: str) -> Program:
+    return lower(load(EXAMPLES / example / "coeffs.json"), "fixed", "table")
+
+
+def board(example: str, records: NDArray[np.void], folder: Path, optimisation: str) -> Run:
+    coefficients, lowered = load(EXAMPLES / example / "coeffs.json"), program(example)
+    name = coefficients.name
+    sources = []
+    for path, content in render.library(project_context(coefficients, lowered, "coeffs.json")).items():
+        file = folder / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(content, encoding="utf-8")
+        if file.suffix == ".cpp":
+            sources.append(file)
+    main = folder / "main.cpp"
+    main.write_text(MAIN.format(name=name, NAME=name.upper()), encoding="utf-8")
+    elf = build_elf(
+        [main, *sources], [MAILBOX_FOLDER, sources[0].parent], folder / "test.elf", optimisation=optimisation
+    )
+    assert not undefined_symbols(elf)
+    words = sum(component.order for component in lowered.components)
+    with EmulatedMega(elf, folder / "cache") as mega:
+        out, cycles = mega.run_records(
+            records,
+            mega.sram_address("input"),
+            RECORD.itemsize,
+            mega.sram_address(f"{name}_model"),
+            words * WORD.itemsize,
+            len(records),
+            10**9,
+        )
+    state = np.ascontiguousarray(out).reshape(len(records), -1).view(np.uint8).view(WORD).reshape(len(records), words)
+    return Run(state["hi"].astype(np.int64) * 65536 + state["lo"], np.asarray(cycles, dtype=np.int64))
+
+
+def reference(lowered: Program, records: NDArray[np.void]) -> NDArray[np.int64]:
+    columns = []
+    low, high = lowered.model.domain_pwm
+    for member in [member for shape in lowered.shapes for member in shape.members]:
+        component = lowered.components[member]
+        assert isinstance(component, FixedComponent)
+        step = FixedStep(component)
+        state: list[int] = [0] * component.order
+        row, rows = -1, []
+        for record in records:
+            if record["start"]:
+                state = step.start(int(record["rise"]))
+            wanted = min(max(abs(int(record["pwm"])), low), high) - low
+            old, row = row, wanted
+            rates, steady = [int(r) for r in component.rates[row]], int(component.steady[row])
+            if component.order > 1 and (row != old or record["start"]):
+                before = 0
+                if not record["start"]:
+                    before = step.increment(state, [int(r) for r in component.rates[old]], int(component.steady[old]))
+                step.carry(state, before, step.increment(state, rates, steady))
+            for _ in range(component.substeps):
+                step.advance(state, step.increment(state, rates, steady))
+            rows.append(list(state))
+        columns.append(np.array(rows, dtype=np.int64))
+    return np.concatenate(columns, axis=1)
+
+
+@pytest.mark.parametrize("example", ["my1016", "two_mass", "my1016_averaged"])
+def test_every_word_is_the_references(example: str, tmp_path: Path) -> None:
+    records = inputs()
+    np.testing.assert_array_equal(board(example, records, tmp_path, "-Os").words, reference(program(example), records))
+
+
+@pytest.mark.parametrize("optimisation", ["-O2", "-Os"])
+def test_a_sample_at_constant_pwm_takes_less_than_900_cycles(optimisation: str, tmp_path: Path) -> None:
+    records = inputs()
+    cycles = board("my1016", records, tmp_path, optimisation).cycles
+    constant = np.r_[False, records["pwm"][1:] == records["pwm"][:-1]] & (records["start"] == 0)
+    assert cycles[constant].max() < 900
+    assert cycles[~constant & (records["start"] == 0)].max() < 2300

@@ -1,0 +1,133 @@
+"""The onboard schedules of the examples: equality of words, accuracy, proven bound, cost."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gen.lowering import bounds, formats, increments
+from gen.lowering.dynamics import dynamics
+from gen.lowering.onboard import OnboardComponent, compile_component, steady_excess
+from gen.lowering.program import Arithmetic
+from gen.model import ExponentialSum, Polynomial
+from gen.model.dynamics import Pole
+from gen.reference.onboard import RangeError, evaluate
+from tests.model.examples import model
+from tests.onboard import harness
+from tests.onboard.harness import PWM
+
+EXAMPLES = ("my1016", "two_mass", "my1016_averaged")
+ARITHMETICS: tuple[Arithmetic, ...] = ("fixed", "float")
+#: Cycles of a PWM change: the goal of 15 000 less the step's own 1 300.
+MOST_CYCLES = {("my1016", "fixed"): 13_700}
+#: Bytes of the schedules' code and tables, helpers included.
+MOST_FLASH = {("my1016", "fixed"): 4_300, ("my1016", "float"): 3_750}
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_every_input_gives_the_same_words_everywhere(example: str, arithmetic: Arithmetic, tmp_path: Path) -> None:
+    components = harness.compiled(example, arithmetic)
+    want = harness.words([evaluate(c, PWM) for c in components])
+    sources = harness.write(tmp_path, components)
+    for compiler in ("g++", "clang++"):
+        for extra in ((), ("-fsanitize=undefined", "-fno-sanitize-recover")):
+            np.testing.assert_array_equal(harness.host_words(sources, compiler, extra), want)
+    got, cycles = harness.mega_words(sources, tmp_path)
+    np.testing.assert_array_equal(got, want)
+    assert cycles.max() <= MOST_CYCLES.get((example, arithmetic), 20_000)
+    if (example, arithmetic) in MOST_FLASH:
+        assert harness.flash_bytes(sources) <= MOST_FLASH[example, arithmetic]
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_fixed_rates_and_steady_rises_are_accurate(example: str) -> None:
+    for component, exact in zip(harness.compiled(example, "fixed"), harness.exact(example), strict=True):
+        assert component.layout is not None
+        rates, steady = evaluate(component, PWM)
+        bits = np.array(component.layout.rate_fraction_bits)
+        resolution = 0.5 / (exact.rates * 2.0**bits)
+        assert np.all(np.abs(rates * 2.0**-bits / exact.rates - 1.0) <= resolution + 1.3e-8)
+        assert steady_excess(steady, exact.steady, component.layout).max() <= 4.0
+        assert np.abs((steady + 0.5) * component.layout.high_lsb[0] - exact.steady).max() <= 1.5e-6
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_float_rates_and_steady_rises_are_accurate(example: str) -> None:
+    for component, exact in zip(harness.compiled(example, "float"), harness.exact(example), strict=True):
+        rates, steady = evaluate(component, PWM)
+        assert rates.dtype == steady.dtype == np.float32
+        assert np.abs(rates / exact.rates - 1.0).max() <= 4e-6
+        assert np.abs(steady - exact.steady).max() <= 1e-4
+
+
+@pytest.mark.parametrize("place", range(4))
+def test_my1016_is_proven_within_its_limit_with_the_boards_own_coefficients(place: int) -> None:
+    component = harness.compiled("my1016", "fixed")[place]
+    exact = harness.exact("my1016")[place]
+    assert component.layout is not None
+    recursion, ranges = harness.ranges("my1016", place)
+    rates, steady = evaluate(component, PWM)
+    excess = steady_excess(steady, exact.steady, component.layout)
+    q_error, chain_error = formats.rounding(component.layout, exact.rates)
+    board = increments.from_rates(rates * 2.0 ** -np.array(component.layout.rate_fraction_bits))
+    bound = bounds.worst_error(
+        recursion,
+        exact,
+        ranges,
+        changed_c=board - exact.c,
+        q_error=q_error + exact.c[:, 0] * excess * component.layout.high_lsb[0],
+        chain_error=np.tile(chain_error, (len(q_error), 1)),
+        start_error=component.layout.high_lsb[0],
+    )
+    assert bound is not None
+    assert bound + component.layout.high_lsb[0] <= harness.LIMIT_K
+
+
+def synthetic(order: int) -> tuple[OnboardComponent, NDArray[np.float64]]:
+    """Complex poles that are no pairs, mixed with real ones; negative and constant schedules."""
+    base = model("two_mass")
+    slow = Polynomial((-1e-8, -3e-6, -0.0006))
+    poles = (
+        Pole(ExponentialSum(((-0.002, 0.003), (-0.0005, -0.004))), Polynomial((2e-6, 0.0007))),
+        Pole(ExponentialSum(((-0.0021, 0.0031),)), Polynomial((-2.1e-6, -0.0008))),
+        Pole(slow, Polynomial((1e-6, 0.0001))),
+        Pole(Polynomial((-0.011,)), Polynomial((-1.1e-6, -0.0001))),
+    )[:order]
+    template = base.component("housing")
+    component = replace(
+        template,
+        order=order,
+        poles=poles if order > 1 else (Pole(slow),),
+        gain=Polynomial((1e-9 * 0.003**order, 1e-3 * 0.003**order)),
+        outside="extrapolate",
+    )
+    odd = replace(base, components=(component,), sample_time=0.3)
+    exact = dynamics(odd, component, 1)
+    return compile_component(odd, component, "float", None, 1), exact.rates
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_any_order_and_unpaired_complex_poles_compile(order: int) -> None:
+    component, exact = synthetic(order)
+    rates, _ = evaluate(component, PWM)
+    assert np.abs(rates / exact - 1.0).max() <= 5e-6
+
+
+def test_inputs_outside_the_domain_are_refused() -> None:
+    component = harness.compiled("my1016", "fixed")[0]
+    with pytest.raises(ValueError, match=r"0\.\.255"):
+        evaluate(component, np.array([256]))
+
+
+def test_a_tape_that_overflows_is_noticed() -> None:
+    component = harness.compiled("my1016", "fixed")[0]
+    place = next(i for i, s in enumerate(component.steps) if s.op == "times")
+    steps = list(component.steps)
+    steps[place] = replace(steps[place], shift=steps[place].shift + 4)
+    with pytest.raises(RangeError):
+        evaluate(replace(component, steps=tuple(steps)), PWM)
