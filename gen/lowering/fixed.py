@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from gen.lowering import bounds, formats, increments
-from gen.lowering.bounds import StateRanges
+from gen.lowering.bounds import Array, StateRanges
 from gen.lowering.dynamics import Dynamics, LoweringError, dynamics
 from gen.lowering.formats import RESIDUE_BITS, Format
+from gen.lowering.onboard.tape import steady_excess
 from gen.lowering.program import FixedComponent, Integers, Proof
 from gen.lowering.reach import NoProofError, SwitchedRecursion
 from gen.model import Component, ThermalModel
@@ -105,8 +106,7 @@ def with_rows(lowered: FixedComponent, exact: Dynamics, rates: Integers, steady:
         ranges = bounds.state_ranges(recursion, exact)
     except NoProofError:
         return given
-    deviation = steady - exact.steady / lowered.layout.high_lsb[0]
-    excess = float(max(0.0, deviation.max(), -1.0 - deviation.min()))
+    excess = steady_excess(steady, exact.steady, lowered.layout)
     return replace(given, proof=prove(recursion, exact, ranges, lowered.layout, rates, excess))
 
 
@@ -116,7 +116,7 @@ def prove(
     ranges: StateRanges,
     layout: Format,
     rates: Integers,
-    steady_excess: float = 0.0,
+    steady_excess: Array | float = 0.0,
 ) -> Proof | None:
     """Worst error of the integer recursion, for any PWM sequence of any length, or None if a word could overflow."""
     integer_rates = rates * 2.0 ** -np.array(layout.rate_fraction_bits)

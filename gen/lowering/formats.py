@@ -143,7 +143,7 @@ def _bits(magnitude: float) -> int:
     return int(np.ceil(np.log2(magnitude * (1.0 + 1e-6))))
 
 
-def rounding(layout: Format, rates: Array, steady_excess: float = 0.0) -> tuple[Array, Array]:
+def rounding(layout: Format, rates: Array, steady_excess: Array | float = 0.0) -> tuple[Array, Array]:
     """Worst rounding of one sample: of q, and of each chain addition.
 
     Parameters
@@ -153,7 +153,7 @@ def rounding(layout: Format, rates: Array, steady_excess: float = 0.0) -> tuple[
     rates
         R(p), shape (m, n).
     steady_excess
-        By how many units of its last bit the integer S may lie outside of [S - 1, S].
+        By how many units of its last bit the integer S lies outside of [S - 1, S], shape (m,) or one for all.
 
     Returns
     -------
@@ -161,9 +161,8 @@ def rounding(layout: Format, rates: Array, steady_excess: float = 0.0) -> tuple[
         Bounds in K: shape (m,) for q, shape (n,) for the rows of the chain.
     """
     n = layout.order
-    error = np.full(
-        rates.shape[0], layout.high_lsb[0] * (1.0 + steady_excess)
-    )  # x1 and S are both rounded down: the difference is +-1
+    # x1 and S are both rounded down: their difference is known to +-1.
+    error = layout.high_lsb[0] * (np.ones(rates.shape[0]) + steady_excess)
     for i in range(n - 1):
         # The state's and the product's floor are offset by one unit: together +-1, and what the product leaves out.
         own = layout.high_lsb[i + 1] * (1.0 + dropped_error(layout.product_shifts[i], wide=False))

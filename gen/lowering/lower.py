@@ -5,18 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import groupby
 
+import numpy as np
+from numpy.typing import NDArray
+
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
-from gen.lowering import fixed, float32
-from gen.lowering.dynamics import LoweringError, domain_rows, dynamics
+from gen.lowering import bounds, fixed, float32
+from gen.lowering.dynamics import Dynamics, LoweringError, domain_rows, dynamics
 from gen.lowering.float32 import FloatComponent
-from gen.lowering.onboard import OnboardComponent, compile_component
+from gen.lowering.onboard import OnboardComponent, compile_component, tuned
 from gen.lowering.program import Arithmetic, FixedComponent, ScheduleKind, rounded_up
+from gen.lowering.reach import SwitchedRecursion
 from gen.model import Component, ThermalModel
 from gen.reference.float32 import FloatStep
 from gen.reference.onboard import evaluate
 
 AnyComponent = FixedComponent | FloatComponent
+
+#: Relative size of the terms that the float schedule leaves out where the usual one makes its bound too large.
+_FINE_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True)
@@ -88,7 +95,7 @@ def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: Schedule
         try:
             lowered = _table(model, component, arithmetic, limit)
             if schedule == "onboard":
-                lowered, tape = _onboard(model, component, lowered)
+                lowered, tape = _onboard(model, component, lowered, limit)
                 onboard.append(tape)
         except LoweringError as error:
             raise CheckFailed(str(error)) from error
@@ -107,17 +114,33 @@ def _table(model: ThermalModel, component: Component, arithmetic: Arithmetic, li
     return float32.lower_component(model, component, limit)
 
 
-def _onboard(model: ThermalModel, component: Component, lowered: AnyComponent) -> tuple[AnyComponent, OnboardComponent]:
+def _onboard(
+    model: ThermalModel, component: Component, lowered: AnyComponent, limit: float
+) -> tuple[AnyComponent, OnboardComponent]:
     """The component with the coefficients that the board itself computes, and the tape that computes them."""
     exact = dynamics(model, component, lowered.substeps)
     rows = domain_rows(model)
     if isinstance(lowered, FixedComponent):
         tape = compile_component(model, component, "fixed", lowered.layout, lowered.substeps)
-        rates, steady = evaluate(tape, rows)
-        return fixed.with_rows(lowered, exact, rates, steady), tape
+        found = fixed.with_rows(lowered, exact, *evaluate(tape, rows))
+        if found.proof is not None and found.proof.bound_K > fixed.TARGET_K:  # worth the seconds that tuning takes
+            ranges = bounds.state_ranges(SwitchedRecursion(exact.exact), exact)
+            tape = tuned(tape, exact.c, ranges.distance / exact.c[:, :1], exact.steady)
+            found = fixed.with_rows(lowered, exact, *evaluate(tape, rows))
+        return found, tape
     tape = compile_component(model, component, "float", None, lowered.substeps)
+    given = _float_rows(lowered, exact, tape, rows)
+    if given.proof is not None and given.proof.bound_K > limit:
+        tape = compile_component(model, component, "float", None, lowered.substeps, tolerance=_FINE_TOLERANCE)
+        given = _float_rows(lowered, exact, tape, rows)
+    return given, tape
+
+
+def _float_rows(
+    lowered: FloatComponent, exact: Dynamics, tape: OnboardComponent, rows: NDArray[np.int64]
+) -> FloatComponent:
     rates, steady = evaluate(tape, rows)
-    return float32.with_rows(lowered, exact, rates, FloatStep(lowered).on_grid(steady)), tape
+    return float32.with_rows(lowered, exact, rates, FloatStep(lowered).on_grid(steady))
 
 
 def _shapes(components: list[AnyComponent]) -> tuple[Shape, ...]:
