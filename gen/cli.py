@@ -8,12 +8,17 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import click
 
 from gen import __version__
 from gen.errors import CheckFailed, InputError
+
+if TYPE_CHECKING:
+    from gen.lowering.program import Arithmetic, ScheduleKind
+    from gen.reference.simulate import Start
+    from gen.verify.verify import Target
 
 # The matrices are small: threads of the linear algebra library would only wait for each other. Set before numpy loads.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -61,7 +66,9 @@ def cli() -> None:
     help="What `gen verify --json` wrote: its verdict goes into the report. Default: the one in --out.",
 )
 @_options(default_all=False)
-def build(coefficients: Path, out: Path, verification: Path | None, arithmetic: str, schedule: str) -> None:
+def build(
+    coefficients: Path, out: Path, verification: Path | None, arithmetic: Arithmetic, schedule: ScheduleKind
+) -> None:
     """Write the complete PlatformIO project for a coefficient file."""
     from gen.coefficients import load
     from gen.files import replace_folder
@@ -72,7 +79,7 @@ def build(coefficients: Path, out: Path, verification: Path | None, arithmetic: 
     for warning in loaded.warnings:
         click.echo(f"warning: {coefficients}: {warning}", err=True)
     record = read_verification(verification, loaded) if verification else kept_verification(out, loaded)
-    program = lower(loaded, _arithmetic(arithmetic), _schedule(schedule))
+    program = lower(loaded, arithmetic, schedule)
     replace_folder(out, project_files(loaded, program, coefficients.name, record))
     from gen.firmware.context import bound_text
 
@@ -90,7 +97,12 @@ def build(coefficients: Path, out: Path, verification: Path | None, arithmetic: 
     "--scale", type=click.FloatRange(0.001, 10.0), default=1.0, help="Share of the full campaign.", hidden=True
 )
 def verify(
-    coefficients: Path, arithmetic: str, schedule: str, target: Any, json_file: Path | None, scale: float
+    coefficients: Path,
+    arithmetic: Arithmetic | Literal["all"],
+    schedule: ScheduleKind | Literal["all"],
+    target: Target,
+    json_file: Path | None,
+    scale: float,
 ) -> None:
     """Prove the generated C++ equal to the reference, bit for bit, and measure error and cost."""
     from gen.coefficients import load
@@ -100,8 +112,8 @@ def verify(
     from gen.verify.verify import verify as run
 
     loaded = load(coefficients)
-    arithmetics = [_arithmetic(name) for name in (("fixed", "float") if arithmetic == "all" else (arithmetic,))]
-    schedules = [_schedule(name) for name in (("table", "onboard") if schedule == "all" else (schedule,))]
+    arithmetics: tuple[Arithmetic, ...] = ("fixed", "float") if arithmetic == "all" else (arithmetic,)
+    schedules: tuple[ScheduleKind, ...] = ("table", "onboard") if schedule == "all" else (schedule,)
     with _progress() as progress:
         results = run(loaded, arithmetics, schedules, target, progress=progress, scale=scale)
     found = summary(loaded, results)
@@ -119,7 +131,9 @@ def verify(
 @click.option("--arithmetic", type=click.Choice(["exact", "fixed", "float"]), default="exact", show_default=True)
 @click.option("--start", type=click.Choice(["auto", "ambient", "measured"]), default="auto", show_default=True)
 @click.option("--out", type=click.Path(path_type=Path), help="The CSV to write.  [default: RUN with .model.csv]")
-def simulate(coefficients: Path, run: Path, arithmetic: Any, start: Any, out: Path | None) -> None:
+def simulate(
+    coefficients: Path, run: Path, arithmetic: Arithmetic | Literal["exact"], start: Start, out: Path | None
+) -> None:
     """Run the reference simulator on a run file and write the model's temperatures at the run's own times."""
     from gen.coefficients import load
     from gen.reference.simulate import simulate_run
@@ -132,14 +146,6 @@ def simulate(coefficients: Path, run: Path, arithmetic: Any, start: Any, out: Pa
     target = out or run.with_suffix(".model.csv")
     write_columns(target, columns, {"model": loaded.name, "arithmetic": arithmetic})
     click.echo(f"{target}: {len(measured.time_s)} rows")
-
-
-def _arithmetic(name: str) -> Any:
-    return name
-
-
-def _schedule(name: str) -> Any:
-    return name
 
 
 @contextmanager

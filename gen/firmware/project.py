@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel
+
 from gen import __version__
 from gen.coefficients import Coefficients
 from gen.errors import InputError
@@ -127,5 +129,5 @@ def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, 
     }
 
 
-def _plain(value: Any) -> Any:
-    return value.model_dump(mode="json", exclude_none=True) if value is not None else None
+def _plain(part: BaseModel | None) -> dict[str, Any] | None:
+    return part.model_dump(mode="json", exclude_none=True) if part is not None else None

@@ -45,7 +45,7 @@ def environment(*, own_line_breaks: bool = False) -> Environment:
         trim_blocks=not own_line_breaks,
         lstrip_blocks=not own_line_breaks,
         keep_trailing_newline=True,
-        autoescape=False,  # noqa: S701 - C++ and ini files; the report escapes for itself
+        autoescape=False,
     )
 
 

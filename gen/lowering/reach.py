@@ -14,8 +14,7 @@ between directions can only overestimate.)  The weights are the barycentric coor
 neighbouring directions that it falls into; the h_j are the fixed point of (*), found by policy iteration (one
 sparse linear system per policy) and then checked against (*) at *every* PWM, with a margin, in plain float64.
 
-A quadratic (ellipsoidal) Lyapunov function would do the same job with a semidefinite program, but it overestimates
-the MY1016 brush's worst-case gain by a factor of nine; the polytope comes within some 20 % with a thousand directions.
+A quadratic (ellipsoidal) Lyapunov function would do the same job with a semidefinite program, but much less tightly.
 """
 
 from __future__ import annotations

@@ -16,8 +16,7 @@ from gen.firmware import render
 from gen.firmware.context import Context
 from gen.lowering.lower import Program
 from gen.reference.model import record_type
-from gen.verify.avr.compile import Sizes, build_elf, compile_objects, sizes, undefined_symbols
-from gen.verify.avr.compile import CPP_FLAGS, MACHINE_FLAGS
+from gen.verify.avr.compile import CPP_FLAGS, MACHINE_FLAGS, Sizes, build_elf, compile_objects, sizes, undefined_symbols
 from gen.verify.avr.simulator import MAILBOX_FOLDER, MARKER_OVERHEAD, EmulatedMega
 from gen.verify.profiles import RECORD_TYPE, Profile
 
