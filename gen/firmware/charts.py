@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from math import ceil, floor, log10
 
 import numpy as np
@@ -139,10 +140,7 @@ class _Drawing:
 
     def _y(self, value: float) -> float:
         low, high = self._y_range
-        if self._chart.log_y:
-            share = log10(value / low) / log10(high / low)
-        else:
-            share = (value - low) / (high - low)
+        share = log10(value / low) / log10(high / low) if self._chart.log_y else (value - low) / (high - low)
         return HEIGHT - _BOTTOM - share * (HEIGHT - _TOP - _BOTTOM)
 
     def markup(self) -> Markup:
@@ -265,6 +263,28 @@ def schedule_charts(model: ThermalModel, component: Component) -> list[Chart]:
     return charts
 
 
+def response_charts(
+    name: str, labels: Sequence[str], times: Sequence[float], exact: list[list[Decimal]], own: list[list[float]]
+) -> list[Chart]:
+    """Step responses, exact and as the board computes their first part, and the error of that part in µK."""
+    ran = times[: len(own[0])]
+    lines = [Series(label, times, [float(v) for v in exact[i]], i) for i, label in enumerate(labels)]
+    dots = [Series("", ran[::8], values[::8], i, dots=True) for i, values in enumerate(own)]
+    errors = [
+        Series(label, ran, [float((Decimal(b) - e) * 10**6) for b, e in zip(own[i], exact[i], strict=False)], i)
+        for i, label in enumerate(labels)
+    ]
+    over = f"of {name} at {', '.join(labels)} PWM"
+    text = (
+        f"Rise {over}: the exact solution as lines, the board's reference as dots up to {ran[-1]:g} s. {_ends(lines)}"
+    )
+    wrong = f"The board's reference less the exact solution {over}. {_ends(errors)}"
+    return [
+        Chart(f"step-{name}", "Step responses", text, "time (s)", "rise", "K", (*lines, *dots)),
+        Chart(f"error-{name}", "Error of the board", wrong, "time (s)", "error", "µK", tuple(errors)),
+    ]
+
+
 def _ends(lines: list[Series]) -> str:
     """What the lines are at both ends, for those who do not see them."""
-    return " ".join(f"{line.label or 'Value'}: {line.y[0]:.3g} to {line.y[-1]:.3g}.".capitalize() for line in lines)
+    return " ".join(f"{line.label or 'Value'}: {line.y[0]:.3g} to {line.y[-1]:.3g}." for line in lines)
