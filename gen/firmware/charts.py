@@ -81,6 +81,14 @@ def number(value: float) -> str:
     return f"{value:.6g}".replace("-", "−")
 
 
+def scientific(value: float) -> str:
+    """Four significant digits, with a power of ten where the number is small."""
+    mantissa, _, exponent = f"{value:.4g}".replace("-", "−").partition("e")
+    if not exponent:
+        return mantissa
+    return f"{mantissa} × 10{str(int(exponent.replace('−', '-'))).translate(_SUPERSCRIPT)}"
+
+
 def ticks(low: float, high: float, about: int = 5) -> list[float]:
     """Round numbers from low to high, their distance 1, 2 or 5 times a power of ten."""
     raw = (high - low) / about
@@ -269,7 +277,7 @@ def response_charts(
     """Step responses, exact and as the board computes their first part, and the error of that part in µK."""
     ran = times[: len(own[0])]
     lines = [Series(label, times, [float(v) for v in exact[i]], i) for i, label in enumerate(labels)]
-    dots = [Series("", ran[::8], values[::8], i, dots=True) for i, values in enumerate(own)]
+    dots = [Series("", ran[::16], values[::16], i, dots=True) for i, values in enumerate(own)]
     errors = [
         Series(label, ran, [float((Decimal(b) - e) * 10**6) for b, e in zip(own[i], exact[i], strict=False)], i)
         for i, label in enumerate(labels)

@@ -227,9 +227,9 @@ def _schedule_comments(program: Program) -> list[str]:
 def _outside(validity: tuple[int, int], domain: tuple[int, int]) -> str:
     tests = []
     if validity[0] > domain[0]:
-        tests.append(f"result < {validity[0]}u")
+        tests.append(f"within < {validity[0]}u")
     if validity[1] < domain[1]:
-        tests.append(f"result > {validity[1]}u")
+        tests.append(f"within > {validity[1]}u")
     return " || ".join(tests)
 
 

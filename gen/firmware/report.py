@@ -15,7 +15,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from gen import __version__
 from gen.coefficients import Coefficients
-from gen.firmware.charts import Chart, response_charts, schedule_charts, svg
+from gen.firmware.charts import Chart, number, response_charts, schedule_charts, scientific, svg
 from gen.lowering.dynamics import domain_rows
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.formats import RESIDUE_BITS, WORD_BITS
@@ -98,8 +98,7 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
         autoescape=True,
     )
-    environment.filters["count"] = _count
-    environment.filters["up"] = _up
+    environment.filters |= {"count": _count, "up": _up, "sci": scientific, "num": number}
     return environment
 
 
@@ -119,7 +118,7 @@ def _range(component: AnyComponent, i: int) -> str:
 
 
 def _span(low: float, high: float) -> str:
-    return f"{low:.4g} .. {high:.4g}".replace("-", "−").replace("e−0", "e−")
+    return f"{scientific(low)} .. {scientific(high)}"
 
 
 def _headroom(bits: float) -> str:
@@ -139,7 +138,7 @@ def _count(value: float) -> str:
 
 def _up(value: float) -> str:
     """Two significant digits, rounded up."""
-    return f"{rounded_up(value):.2g}"
+    return scientific(rounded_up(value))
 
 
 def verdict(own: Mapping[str, Any] | None) -> Verdict:
@@ -207,7 +206,7 @@ def constants(program: Program) -> list[Cells]:
     model = program.model
     source = f"lib/{model.name}/src/{model.name}"
     places = {m: f"{shape.place}[{i}]" for shape in program.shapes for i, m in enumerate(shape.members)}
-    result = []
+    result: list[Cells] = []
     for number, component in enumerate(program.components):
         path, fixed = f"$.components[{number}]", isinstance(component, FixedComponent)
         at = "TABLE[|PWM|]" if program.schedule == "table" else "now"

@@ -1,0 +1,31 @@
+// Where constants live: in flash on the AVR (they would fill its RAM otherwise), plain memory elsewhere.
+#ifndef MY1016_PLATFORM_H
+#define MY1016_PLATFORM_H
+
+#include <stdint.h>
+
+#ifdef __AVR__
+#include <avr/pgmspace.h>
+#else
+#include <string.h>
+#ifndef PROGMEM
+#define PROGMEM
+#endif
+#ifndef memcpy_P
+#define memcpy_P memcpy
+#endif
+#ifndef pgm_read_byte
+#define pgm_read_byte(address) (*(address))
+#endif
+#ifndef pgm_read_word
+#define pgm_read_word(address) (*(address))
+#endif
+#ifndef pgm_read_dword
+#define pgm_read_dword(address) (*(address))
+#endif
+#ifndef pgm_read_float
+#define pgm_read_float(address) (*(address))
+#endif
+#endif
+
+#endif
