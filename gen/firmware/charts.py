@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from itertools import pairwise
 from math import ceil, floor, log10
 
 import numpy as np
@@ -76,7 +77,7 @@ class Chart:
     shade: tuple[float, float] | None = None
 
 
-def number(value: float) -> str:
+def plain(value: float) -> str:
     """A tick's number, with a true minus sign."""
     return f"{value:.6g}".replace("-", "−")
 
@@ -86,7 +87,12 @@ def scientific(value: float) -> str:
     mantissa, _, exponent = f"{value:.4g}".replace("-", "−").partition("e")
     if not exponent:
         return mantissa
-    return f"{mantissa} × 10{str(int(exponent.replace('−', '-'))).translate(_SUPERSCRIPT)}"
+    return f"{mantissa} × {power(10, int(exponent.replace('−', '-')))}"
+
+
+def power(base: int, exponent: int) -> str:
+    """``base`` with a raised exponent."""
+    return f"{base}{str(exponent).translate(_SUPERSCRIPT)}"
 
 
 def ticks(low: float, high: float, about: int = 5) -> list[float]:
@@ -107,18 +113,7 @@ def log_ticks(low: float, high: float) -> list[float]:
 
 
 def svg(chart: Chart) -> Markup:
-    """Draw a chart.
-
-    Parameters
-    ----------
-    chart
-        What to draw.
-
-    Returns
-    -------
-    Markup
-        One ``svg`` element, its text escaped.
-    """
+    """Draw a chart: one ``svg`` element, its text escaped."""
     return _Drawing(chart).markup()
 
 
@@ -182,14 +177,14 @@ class _Drawing:
             y = self._y(value)
             kind = "zero" if value == 0.0 else "grid"
             parts.append(f'<path class="{kind}" d="M{_LEFT:.1f} {y:.1f}H{right:.1f}"/>')
-            parts.append(_text(_LEFT - 6.0, y + 4.0, number(value), "tick end"))
+            parts.append(_text(_LEFT - 6.0, y + 4.0, plain(value), "tick end"))
         for value in ticks(*self._x_range, about=6):
             x = self._x(value)
             parts.append(f'<path class="grid" d="M{x:.1f} {bottom:.1f}v4"/>')
-            parts.append(_text(x, bottom + 16.0, number(value), "tick middle"))
+            parts.append(_text(x, bottom + 16.0, plain(value), "tick middle"))
         parts.append(f'<path class="axis" d="M{_LEFT:.1f} {_TOP:.1f}V{bottom:.1f}H{right:.1f}"/>')
         parts.append(_text((_LEFT + right) / 2.0, HEIGHT - 8.0, chart.x_label, "label middle"))
-        scale = f"10{str(self._exponent).translate(_SUPERSCRIPT)} " if self._exponent else ""
+        scale = f"{power(10, self._exponent)} " if self._exponent else ""
         unit = f"{chart.y_label} ({scale}{chart.y_unit})"
         centre = (_TOP + bottom) / 2.0
         parts.append(
@@ -240,7 +235,7 @@ def schedule_charts(model: ThermalModel, component: Component) -> list[Chart]:
     turns = np.array([np.sort(np.where(np.abs(row.imag) > 1e-7 * np.abs(row), row.imag, 0.0))[::-1] for row in roots])
     name = component.name
     order = component.order
-    unit = f"K/s{str(order).translate(_SUPERSCRIPT) if order > 1 else ''} per count"
+    unit = f"K/{f's{order}'.translate(_SUPERSCRIPT) if order > 1 else 's'} per count"
 
     def chart(kind: str, title: str, y: tuple[str, str], lines: list[Series], *, log_y: bool = False) -> Chart:
         text = f"{title} of {name} over |PWM| {low} to {high}; the validity range is {model.validity[0]} to "
@@ -249,9 +244,10 @@ def schedule_charts(model: ThermalModel, component: Component) -> list[Chart]:
             f"{kind}-{name}", title, text, "|PWM| (counts)", *y, tuple(lines), log_y=log_y, shade=model.validity
         )
 
-    # Where two lines are the same everywhere (a complex pair), one is drawn.
+    # Where two lines are the same everywhere (a complex pair), one is drawn for both.
     kept = [i for i in range(order) if not i or np.any(np.abs(decays[:, i] - decays[:, i - 1]) > 1e-6 * decays[:, i])]
-    named = [(f"pole {i + 1}" if order > 1 else "", i) for i in kept]
+    numbers = [", ".join(str(k + 1) for k in range(i, j)) for i, j in pairwise([*kept, order])]
+    named = [(f"pole {text}" if order > 1 else "", i) for text, i in zip(numbers, kept, strict=True)]
     charts = [
         chart(
             "tau",
@@ -262,7 +258,7 @@ def schedule_charts(model: ThermalModel, component: Component) -> list[Chart]:
         )
     ]
     if order > 1:
-        real = [Series(f"Re {i + 1}", pwm, (-decays[:, i]).tolist(), i) for i in kept]
+        real = [Series(label.replace("pole", "Re"), pwm, (-decays[:, i]).tolist(), i) for label, i in named]
         imag = [Series("±Im", pwm, turns[:, i].tolist(), 4 + i) for i in range(order // 2) if turns[:, i].any()]
         charts.append(chart("poles", "Poles: real and imaginary parts", ("pole", "rad/s"), real + imag))
     gain, steady = component.effective_gain(pwm).tolist(), component.steady_rise(pwm).tolist()

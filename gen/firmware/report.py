@@ -15,7 +15,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from gen import __version__
 from gen.coefficients import Coefficients
-from gen.firmware.charts import Chart, number, response_charts, schedule_charts, scientific, svg
+from gen.firmware.charts import Chart, plain, power, response_charts, schedule_charts, scientific, svg
 from gen.lowering.dynamics import domain_rows
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.formats import RESIDUE_BITS, WORD_BITS
@@ -61,44 +61,37 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
     own = next(
         (c for c in combinations if (c["arithmetic"], c["schedule"]) == (program.arithmetic, program.schedule)), None
     )
-    limits = {"fixed": coefficients.accuracy.fixed_limit_K, "float": coefficients.accuracy.float_limit_K}
     window, responses = _responses(program)
-    return _environment().get_template("report.html.j2").render(
-        version=__version__,
-        document=coefficients.document,
-        coefficients=coefficients,
-        program=program,
-        model=program.model,
-        verdict=verdict(own),
-        own=own,
-        combinations=combinations,
-        limit=limits[program.arithmetic],
-        window=window,
-        figures=[
-            {
-                "component": component,
-                "schedules": [svg(chart) for chart in schedule_charts(program.model, component)],
-                "responses": [svg(chart) for chart in charts],
-            }
-            for component, charts in zip(program.model.components, responses, strict=True)
-        ],
-        words=[row for component in program.components for row in words(component)],
-        constants=constants(program),
-        rows=_rows(program),
-    )  # fmt: skip
+    return (
+        _environment()
+        .get_template("report.html.j2")
+        .render(
+            version=__version__,
+            coefficients=coefficients,
+            program=program,
+            verdict=verdict(own),
+            own=own,
+            combinations=combinations,
+            limit=getattr(coefficients.accuracy, f"{program.arithmetic}_limit_K"),
+            window=window,
+            figures=[
+                (component, schedule_charts(program.model, component), charts)
+                for component, charts in zip(program.model.components, responses, strict=True)
+            ],
+            words=[row for component in program.components for row in words(component)],
+            constants=constants(program),
+            rows=_rows(program),
+        )
+    )
 
 
 @cache
 def _environment() -> Environment:
+    loader = FileSystemLoader(str(resources.files("templates")))
     environment = Environment(
-        loader=FileSystemLoader(str(resources.files("templates"))),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=True,
+        loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, autoescape=True
     )
-    environment.filters |= {"count": _count, "up": _up, "sci": scientific, "num": number}
+    environment.filters |= {"count": _count, "up": _up, "sci": scientific, "num": plain, "svg": svg}
     return environment
 
 
@@ -172,21 +165,21 @@ def _(component: FixedComponent) -> list[Cells]:
     for i, (bits, magnitude) in enumerate(zip(layout.fraction_bits, _magnitudes(component), strict=True)):
         room = _headroom(WORD_BITS - 1 - bits - log2(magnitude)) if magnitude else "saturates"
         kind = f"int{WORD_BITS}, Q{bits}"
-        result.append((name, f"x{i + 1}", "K", _range(component, i), kind, f"2^−{bits} K", room))
+        result.append((name, f"x{i + 1}", "K", _range(component, i), kind, f"{power(2, -bits)} K", room))
     for i, bits in enumerate(layout.rate_fraction_bits):
         column = component.rates[:, i]
         span = _span(column.min() * 2.0**-bits, column.max() * 2.0**-bits)
         room = _headroom(32.0 - log2(int(column.max()) + 1))
-        result.append((name, f"R{i}", "1", span, f"uint32, Q{bits}", f"2^−{bits}", room))
+        result.append((name, f"R{i}", "1", span, f"uint32, Q{bits}", power(2, -bits), room))
     bits = layout.fraction_bits[0] - RESIDUE_BITS
     span = _span(component.steady.min() * 2.0**-bits, component.steady.max() * 2.0**-bits)
     room = _headroom(31.0 - log2(int(np.abs(component.steady).max()) + 1))
-    return [*result, (name, "S", "K", span, f"int32, Q{bits}", f"2^−{bits} K", room)]
+    return [*result, (name, "S", "K", span, f"int32, Q{bits}", f"{power(2, -bits)} K", room)]
 
 
 @words.register
 def _(component: FloatComponent) -> list[Cells]:
-    name, grid = component.name, f"2^−{24 - component.range_bits} K"
+    name, grid = component.name, f"{power(2, component.range_bits - 24)} K"
     result = []
     for i, magnitude in enumerate(_magnitudes(component)):
         kind = "float32 base + low" if i == 0 else "float32 high + low"

@@ -41,7 +41,12 @@ def broken(tmp_path: Path, old: str, new: str) -> Path:
 @pytest.mark.parametrize("command", ["build", "verify", "simulate"])
 def test_bad_input_is_one_line_with_file_and_place_and_exit_2(command: str, tmp_path: Path) -> None:
     path = broken(tmp_path, '"order": 3', '"order": 5')
-    extra = {"build": ["--out", tmp_path / "out"], "verify": [], "simulate": [tmp_path / "run.csv"]}[command]
+    extras: dict[str, list[str | Path]] = {
+        "build": ["--out", tmp_path / "out"],
+        "verify": [],
+        "simulate": [tmp_path / "run.csv"],
+    }
+    extra = extras[command]
     done = gen(command, path, *extra)
     assert done.returncode == 2
     assert done.stdout == ""

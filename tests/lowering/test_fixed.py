@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from gen.lowering.formats import dropped_error
 from gen.lowering.lower import Program, lower
-from gen.lowering.program import FixedComponent, rounded_up
+from gen.lowering.program import rounded_up
 from gen.model.exact import ExactSolution
 from gen.reference.fixed import product
 from gen.reference.model import ReferenceModel
@@ -92,6 +92,6 @@ def test_rounded_up_is_never_below(value: float) -> None:
 
 def test_the_bound_is_not_vacuous() -> None:
     """Within a factor of fifty of what is measured: a bound of kelvins would prove nothing."""
-    component: FixedComponent = fixed("my1016").components[0]
+    component = fixed("my1016").components[0]
     assert component.proof is not None
     assert component.proof.bound_K < 50.0 * measured_error(fixed("my1016"), lanes=6)["brush"]

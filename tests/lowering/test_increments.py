@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from gen.lowering import increments
 from gen.lowering.dynamics import domain_rows
@@ -12,7 +13,7 @@ from gen.model.exact import ExactSolution
 from tests.verify_helpers import example
 
 SAMPLE_TIME = 0.25
-POLES = {
+POLES: dict[int, list[complex]] = {
     1: [-0.01],
     2: [-0.003 + 0.004j, -0.003 - 0.004j],
     3: [-0.0039, -0.0022, -0.0005],
@@ -20,9 +21,13 @@ POLES = {
 }
 
 
+def polynomial(order: int) -> NDArray[np.float64]:
+    return np.asarray(np.real(np.poly(POLES[order])), dtype=np.float64)
+
+
 @pytest.mark.parametrize("order", POLES)
 def test_the_discrete_poles_are_exact(order: int) -> None:
-    denominator = np.real(np.poly(POLES[order]))[None, :]
+    denominator = polynomial(order)[None, :]
     b = increments.delta_polynomial(denominator, SAMPLE_TIME)
     form = increments.transition(increments.feedback(b))[0]
     found = np.sort_complex(np.linalg.eigvals(form))
@@ -34,14 +39,14 @@ def test_the_discrete_poles_are_exact(order: int) -> None:
 
 @pytest.mark.parametrize("order", POLES)
 def test_the_nested_rates_invert(order: int) -> None:
-    b = increments.delta_polynomial(np.real(np.poly(POLES[order]))[None, :], SAMPLE_TIME)
+    b = increments.delta_polynomial(polynomial(order)[None, :], SAMPLE_TIME)
     c = increments.feedback(b)
     assert np.allclose(increments.from_rates(increments.rates(c)), c, rtol=1e-14)
 
 
 @pytest.mark.parametrize("order", POLES)
 def test_the_series_converges_to_the_delta_polynomial(order: int) -> None:
-    denominator = np.real(np.poly(POLES[order]))
+    denominator = polynomial(order)
     alpha = [denominator[k] * SAMPLE_TIME**k for k in range(1, order + 1)]
     exact = increments.delta_polynomial(denominator[None, :], SAMPLE_TIME)[0]
     for k, series in enumerate(delta_series(order, 4)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from gen.lowering.lower import lower
 from gen.reference.model import SATURATED, ReferenceModel
 from gen.verify.compare import first_mismatch, reference_run
 from gen.verify.profiles import Profile
-from gen.verify.verify import verify
+from gen.verify.verify import Target, verify
 from tests.verify_helpers import ROOT
 
 
@@ -65,13 +66,13 @@ def test_saturation_is_counted_and_flagged_and_nothing_wraps() -> None:
 
 
 @pytest.mark.parametrize("target", ["host", "avr"])
-def test_the_board_saturates_in_the_same_samples(target: Any) -> None:
+def test_the_board_saturates_in_the_same_samples(target: Target) -> None:
     result = verify(unstable(), ["fixed"], ["table"], target, scale=0.02, host_builds=["g++ sanitized"])[0]
     assert result.passed
     assert result.bound_K == {"winding": None}
 
 
-def test_the_host_s_words_are_the_reference_s_through_saturation(tmp_path: Any) -> None:
+def test_the_host_s_words_are_the_reference_s_through_saturation(tmp_path: Path) -> None:
     from gen.firmware import render
     from gen.firmware.context import project_context
     from gen.verify.runners import HostRunner, write_library
