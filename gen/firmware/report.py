@@ -118,12 +118,6 @@ def _headroom(bits: float) -> str:
     return f"{floor(bits * 10.0 + 1e-6) / 10.0:.1f}"
 
 
-def _start_mK(component: AnyComponent) -> int:
-    """At rest at ambient, or as near to it as the domain allows."""
-    low, high = component.start_range_mK
-    return min(max(0, low), high)
-
-
 def _count(value: float) -> str:
     """Digits in groups of three, with narrow no-break spaces."""
     return f"{value:,}".replace(",", "\u202f")
@@ -208,24 +202,24 @@ def constants(program: Program) -> list[Cells]:
         formats = {row[1]: row[4] for row in words(component)}
         for i in range(component.order):
             rate = f"{member}{'' if fixed else 'nested.'}rate[{i}]"
-            origin = f"{path}.poles[0..{component.order - 1}], $.sample_time_s"
+            origin = f"{path}.poles, $.sample_time_s"
             result.append((component.name, f"R{i}", "1", formats[f"R{i}"], origin, f"{file}: {rate}"))
         steady = f"{file}: {member}steady"
         result.append((component.name, "S", "K", formats["S"], f"{path}.gain, {path}.poles", steady))
-        place = f"{source}_step.h: {model.name}_{places[number].partition('[')[0].upper()}_start()"
-        if not fixed:
-            place = f"{source}_step.h: {model.name}_{component.name}_LOWEST, _HIGHEST"
+        end = f"{places[number].partition('[')[0].upper()}_start()" if fixed else f"{component.name}_LOWEST, _HIGHEST"
+        place = f"{source}_step.h: {model.name}_{end}"
         low, high = component.start_range_mK
         domain = "$.domain.temperature_degC, $.domain.ambient_degC"
-        result.append((component.name, f"start range {low}..{high}", "mK", "int32", domain, place))
+        result.append(
+            (component.name, f"start {low}..{high}", "mK", "int32" if fixed else "float32, in K", domain, place)
+        )
     for tape in program.onboard:
         for n, step in enumerate(tape.steps):
             if step.table:
                 origin = f"$.{step.label.path}" if step.label.path else "derived"
                 kind = f"Q{step.q}" if tape.arithmetic == "fixed" else "float32"
                 place = f"{source}_schedule.cpp: {model.name}_schedule_{tape.name}(), n{n}"
-                text = step.label.text or step.op
-                result.append((tape.name, text, step.label.unit or "—", kind, origin, place))
+                result.append((tape.name, step.label.text or step.op, step.label.unit or "—", kind, origin, place))
     return result
 
 
@@ -233,8 +227,7 @@ def _rows(program: Program) -> str:
     """All tabulated words as text, a line for each |PWM|."""
     names = [f"{c.name}.{word}" for c in program.components for word in [*(f"R{i}" for i in range(c.order)), "S"]]
     columns: list[list[str]] = [["|PWM|", *(str(pwm) for pwm in domain_rows(program.model))]]
-    values = [column for c in program.components for column in [*c.rates.T, c.steady]]
-    for name, column in zip(names, values, strict=True):
+    for name, column in zip(names, [v for c in program.components for v in [*c.rates.T, c.steady]], strict=True):
         columns.append([name, *(str(v) if isinstance(v, int) else f"{v:.9g}" for v in column.tolist())])
     widths = [max(map(len, column)) for column in columns]
     lines = zip(*columns, strict=True)
@@ -249,7 +242,9 @@ def _responses(program: Program) -> tuple[float, list[list[Chart]]]:
     )
     work = sum(component.order * component.substeps for component in program.components)
     stride = max(1, min(_WORK // work, round(HORIZON_S / model.sample_time)) // _POINTS)
-    board = ReferenceModel(program, {c.name: [_start_mK(c)] * len(levels) for c in program.components})
+    # At rest at ambient, or as near to it as the domain allows.
+    starts = {c.name: min(max(0, c.start_range_mK[0]), c.start_range_mK[1]) for c in program.components}
+    board = ReferenceModel(program, {name: [start] * len(levels) for name, start in starts.items()})
     rises = [board.rises]
     for _ in range(_POINTS):
         for _ in range(stride):
@@ -264,7 +259,7 @@ def _responses(program: Program) -> tuple[float, list[list[Chart]]]:
     later_count = _LATER_POINTS if later else 0
     charts = []
     for number, component in enumerate(model.components):
-        start = Decimal(_start_mK(program.components[number])) / 1000
+        start = Decimal(starts[component.name]) / 1000
         exact = [exact_response(component, pwm, start, [(interval, _POINTS), (later, later_count)]) for pwm in levels]
         own = [[float(point[number, lane]) for point in rises] for lane in range(len(levels))]
         labels = [f"{pwm / model.full_scale:.0%}" for pwm in levels]

@@ -58,7 +58,7 @@ def campaign(model: ThermalModel, lanes: int, length: int, seed: int = 2026) -> 
     low = round((model.domain_temperature[0] - model.domain_ambient[1]) * 1000)
     high = round((model.domain_temperature[1] - model.domain_ambient[0]) * 1000)
     start = random.integers(low, high + 1, lanes)
-    corners = [0, low, high, 25_250, low - 5_000, high + 1, 0, 61_001]
+    corners = [0, low, high, 25_250, low - 5_000, high + 1, 0, 61_999]
     start[: min(lanes, len(corners))] = corners[:lanes]
     return Profile(pwm.astype(np.int64), start.astype(np.int64))
 

@@ -14,10 +14,10 @@
 #define MY1016_ONE_COPY
 #endif
 
-// A rise of -1000..1000 K in thousandths of a kelvin, as whole kelvins and the rest in 2^-22 K: 32 bits suffice.
-static inline MY1016_ONE_COPY int32_t my1016_kelvins(int32_t rise_mK, uint32_t *rest) {
-    const int32_t kelvin = (rise_mK < 0 ? rise_mK - 999 : rise_mK) / 1000;
-    *rest = (((uint32_t)(rise_mK - kelvin * 1000)) << 22) / 1000u;
+// A rise, limited to a declared range, in thousandths of a kelvin, as whole kelvins and the rest in 2^-22 K: 32 bits suffice.
+static inline MY1016_ONE_COPY int32_t my1016_kelvins(int32_t limited, uint32_t *rest) {
+    const int32_t kelvin = (limited < 0 ? limited - 999 : limited) / 1000;
+    *rest = (((uint32_t)(limited - kelvin * 1000)) << 22) / 1000u;
     return kelvin;
 }
 
