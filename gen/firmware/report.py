@@ -208,11 +208,9 @@ def constants(program: Program) -> list[Cells]:
         result.append((component.name, "S", "K", formats["S"], f"{path}.gain, {path}.poles", steady))
         end = f"{places[number].partition('[')[0].upper()}_start()" if fixed else f"{component.name}_LOWEST, _HIGHEST"
         place = f"{source}_step.h: {model.name}_{end}"
-        low, high = component.start_range_mK
-        domain = "$.domain.temperature_degC, $.domain.ambient_degC"
-        result.append(
-            (component.name, f"start {low}..{high}", "mK", "int32" if fixed else "float32, in K", domain, place)
-        )
+        kind, domain = "int32" if fixed else "float32, in K", "$.domain.temperature_degC, $.domain.ambient_degC"
+        start = "start {}..{}".format(*component.start_range_mK)
+        result.append((component.name, start, "mK", kind, domain, place))
     for tape in program.onboard:
         for n, step in enumerate(tape.steps):
             if step.table:
