@@ -24,8 +24,8 @@ def table(record: dict[str, Any]) -> str:
         cost = item["cost"]
         lines.append(
             f"| {item['arithmetic']}/{item['schedule']} | {rounded_up(max(item['error_K'].values())):.1e} K "
-            f"| {rounded_up(max(item['bound_K'].values())):.1e} K | {cost['cycles_constant']} | {cost['cycles_change']} "
-            f"| {cost['flash_bytes']} B | {cost['ram_bytes']} B | {cost['stack_bytes']} B |"
+            f"| {rounded_up(max(item['bound_K'].values())):.1e} K | {cost['cycles_constant']} "
+            f"| {cost['cycles_change']} | {cost['flash_bytes']} B | {cost['ram_bytes']} B | {cost['stack_bytes']} B |"
         )
     return "\n".join(lines)
 
