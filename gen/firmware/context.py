@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
@@ -76,7 +75,7 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "saturation_argument": f", &{name}_model.saturations",
         "shapes": shapes,
         "avr": avr_advance.block(program) if program.arithmetic == "fixed" else None,
-        "shifts": [_shift(total) for total in _shift_totals(program)],
+        "shifts": _shift_totals(program),
         "rows": _rows(program),
         "helpers": helpers(program.onboard),
         "tapes": [schedule_source(name, tape) for tape in program.onboard],
@@ -129,45 +128,6 @@ def _proof_lines(component: AnyComponent) -> list[str]:
         lines.append(f"  |x{number + 2}| at most {rounded_up(magnitude):.1e} K,")
     lines.append(f"  and the rise never more than {rounded_up(component.proof.bound_K):.1e} K from the exact solution.")
     return lines
-
-
-@dataclass(frozen=True)
-class _Shift:
-    """How the AVR shifts a word right by ``total`` bits: whole bytes first, then bits one by one."""
-
-    total: int
-    right: int
-    left: int
-    moves: tuple[str, ...]
-    below: str
-
-
-_MOVES: dict[int, tuple[tuple[str, ...], str]] = {
-    0: ((), "0"),
-    1: (
-        ("word.lo = (uint16_t)((word.lo >> 8) | ((uint16_t)word.hi << 8));", "word.hi >>= 8;"),
-        "(uint8_t)word.lo",
-    ),
-    2: (("word.lo = (uint16_t)word.hi;", "word.hi = (int16_t)(word.hi >> 16);"), "(uint8_t)(word.lo >> 8)"),
-    3: (("word.lo = (uint16_t)(word.hi >> 8);", "word.hi = (int8_t)(word.hi >> 24);"), "(uint8_t)word.hi"),
-    4: (
-        ("word.lo = (uint16_t)(word.hi >> 16);", "word.hi = word.hi < 0 ? -1 : 0;"),
-        "(uint8_t)((uint32_t)word.hi >> 8)",
-    ),
-    5: (
-        ("word.lo = (uint16_t)(int16_t)(int8_t)(word.hi >> 24);", "word.hi = word.hi < 0 ? -1 : 0;"),
-        "(uint8_t)((uint32_t)word.hi >> 16)",
-    ),
-}
-
-
-def _shift(total: int) -> _Shift:
-    whole, bits = divmod(total, 8)
-    if bits > 4 and whole < 5:
-        moves, below = _MOVES[whole + 1]
-        return _Shift(total, 0, 8 - bits, moves, below)
-    moves, below = _MOVES[min(whole, 5)]
-    return _Shift(total, bits + 8 * (whole - min(whole, 5)), 0, moves, below)
 
 
 def _shift_totals(program: Program) -> list[int]:

