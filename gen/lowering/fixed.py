@@ -13,10 +13,9 @@ from gen.lowering.formats import RESIDUE_BITS, Format
 from gen.lowering.onboard.tape import steady_excess
 from gen.lowering.program import FixedComponent, Integers, Proof
 from gen.lowering.reach import NoProofError, SwitchedRecursion
+from gen.lowering.substeps import fewest_substeps
 from gen.model import Component, ThermalModel
 
-#: Runs of the recursion within one sample that are tried until the error bound holds.
-_SUBSTEPS = (1, 2, 4, 8)
 #: Error bound to aim for; a file may allow more, where the board's own coefficients need it.
 TARGET_K = 1e-5
 #: Share of the error limit that the choice of formats may spend on rounding.
@@ -46,17 +45,11 @@ def lower_component(model: ThermalModel, component: Component, limit_K: float) -
     LoweringError
         If the poles do not fit the sample time or no formats can hold the ranges.
     """
-    best: FixedComponent | None = None
-    for substeps in _SUBSTEPS:
-        tried = _lower(component, dynamics(model, component, substeps), substeps, limit_K)
-        if tried.proof is None:
-            return best or tried
-        if best is None or best.proof is None or tried.proof.bound_K < best.proof.bound_K:
-            best = tried
-        if tried.proof.bound_K <= limit_K or component.order == 1:  # order 1 is exact at any step
-            break
-    assert best is not None
-    return best
+    return fewest_substeps(
+        component.order,
+        limit_K,
+        lambda substeps: _lower(component, dynamics(model, component, substeps), substeps, limit_K),
+    )
 
 
 def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float) -> FixedComponent:

@@ -42,13 +42,12 @@ from gen.lowering import bounds, increments
 from gen.lowering.dynamics import Dynamics, LoweringError, dynamics
 from gen.lowering.program import Proof
 from gen.lowering.reach import NoProofError, ReachSet, SwitchedRecursion
+from gen.lowering.substeps import fewest_substeps
 from gen.model import Component, ThermalModel
 
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
-#: Runs of the recursion within one sample that are tried until the error bound holds.
-_SUBSTEPS = (1, 2, 4, 8)
 #: Shares of the error limit that accumulating one state may spend on rounding.  The largest with which the bound holds
 #: is taken: larger thresholds fold less often.
 _ROUNDING_SHARES = (0.03, 0.06, 0.12, 0.25, 0.5)
@@ -239,17 +238,11 @@ def lower_component(model: ThermalModel, component: Component, limit_K: float) -
     LoweringError
         If the poles do not fit the sample time.
     """
-    best: FloatComponent | None = None
-    for substeps in _SUBSTEPS:
-        tried = _lower(component, dynamics(model, component, substeps), substeps, limit_K)
-        if tried.proof is None:
-            return best or tried
-        if best is None or best.proof is None or tried.proof.bound_K < best.proof.bound_K:
-            best = tried
-        if tried.proof.bound_K <= limit_K or component.order == 1:  # order 1 is exact at any step
-            break
-    assert best is not None
-    return best
+    return fewest_substeps(
+        component.order,
+        limit_K,
+        lambda substeps: _lower(component, dynamics(model, component, substeps), substeps, limit_K),
+    )
 
 
 def with_rows(lowered: FloatComponent, exact: Dynamics, rates: Singles, steady: Singles) -> FloatComponent:

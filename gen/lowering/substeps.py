@@ -1,0 +1,44 @@
+"""How often the recursion runs within one sample: as seldom as the error bound allows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol, TypeVar
+
+from gen.lowering.program import Proof
+
+#: Numbers of runs that are tried, in order.
+_SUBSTEPS = (1, 2, 4, 8)
+
+
+class _Provable(Protocol):
+    @property
+    def proof(self) -> Proof | None: ...
+
+
+_Lowered = TypeVar("_Lowered", bound=_Provable)
+
+
+def fewest_substeps(order: int, limit_K: float, lower_with: Callable[[int], _Lowered]) -> _Lowered:
+    """The first lowering whose proven bound holds, else the one with the smallest bound.
+
+    Parameters
+    ----------
+    order
+        The component's; order 1 is exact at any step, so a finer one is not tried.
+    limit_K
+        The error bound to aim for.
+    lower_with
+        Lowers the component with a number of substeps.
+    """
+    best = lower_with(_SUBSTEPS[0])
+    smallest = best.proof
+    for substeps in _SUBSTEPS[1:]:
+        if smallest is None or smallest.bound_K <= limit_K or order == 1:
+            break
+        tried = lower_with(substeps)
+        if tried.proof is None:
+            break
+        if tried.proof.bound_K < smallest.bound_K:
+            best, smallest = tried, tried.proof
+    return best
