@@ -123,6 +123,7 @@ def _float_shape(component: FloatComponent) -> Context:
     return {
         "fraction_bits": component.fraction_bits,
         "chain_shifts": component.chain_shifts,
+        "start_factor": component.literal(float(component.start_factor)),
         "carry_factor": component.literal(float(component.carry_factor)) if component.order > 1 else "",
     }
 

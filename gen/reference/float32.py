@@ -53,13 +53,9 @@ class FloatStep:
     def start(self, rise_mK: Integers) -> State:
         """The state at rest at a rise in thousandths of a kelvin, limited to the start range."""
         low, high = self._component.start_range_mK
-        kelvin, rest = np.divmod(np.clip(rise_mK, low, high), 1000)
-        bits = self._component.fraction_bits[0]
-        fine = (rest << 22) // 1000
-        fraction = fine << (bits - 22) if bits >= 22 else fine >> (22 - bits)
-        state: State = [np.zeros(len(rise_mK), dtype=np.int64) for _ in range(self._order)]
-        state[0] = ((kelvin << bits) if bits >= 0 else (kelvin >> -bits)) + fraction << LOW_BITS
-        return state
+        words = self._component.start_factor * np.clip(rise_mK, low, high).astype(np.float32)
+        zero = np.zeros(len(rise_mK), dtype=np.int64)
+        return [accumulated(zero, words, 0), *(zero for _ in range(1, self._order))]
 
     def increment(self, state: State, rates: list[Singles], steady: Integers) -> Singles:
         """q in the unit of xn's word, for rate words and S as they are in the board's memory."""

@@ -75,6 +75,11 @@ class FloatComponent:
         """1/12 from the unit of q (that of xn) to the unit of x[n-1] (orders 2 to 4)."""
         return np.float32(CARRY * np.float32(2.0 ** -self.chain_shifts[-1]))
 
+    @property
+    def start_factor(self) -> np.float32:
+        """Words of x1 in a thousandth of a kelvin."""
+        return np.float32(2.0 ** self.fraction_bits[0] / 1000.0)
+
     def steady_words(self, kelvins: Singles) -> Integers:
         """S as the board converts it where it computes S itself: towards zero to the accumulator, the word of that."""
         whole = np.trunc(kelvins.astype(np.float64) * 2.0 ** (self.fraction_bits[0] + LOW_BITS)).astype(np.int64)

@@ -23,8 +23,6 @@ Array = NDArray[np.float64]
 INFLATION = 1.0 + 1e-5
 #: Largest relative rounding of one float32 operation.
 _RELATIVE = 2.0**-24
-#: The start's fraction is computed in this unit, in K.
-_START_UNIT = 2.0**-22
 
 
 def half_ulp(magnitude: Array | float) -> Array:
@@ -61,7 +59,7 @@ def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> P
         # The correction of q for it: two products and a difference, and the carry's own last bit.
         q_error = q_error + np.abs(board_c - exact.c)[:, n - 2] * carried + half_ulp(sizes.q)
         q_error += share * (2.0 * _RELATIVE * carried + lowest)
-    error = _worst_error(reachable, q_error, chain_error, max(_START_UNIT, float(units[0])))
+    error = _worst_error(reachable, q_error, chain_error, _start_error(lowered, float(units[0])))
     if error is None:
         return None
     return Proof(
@@ -69,6 +67,12 @@ def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> P
         increment_range_K=tuple(float(v) for v in sizes.state[1:]),
         bound_K=error + float(units[0]),  # what is read out lacks the low bits
     )
+
+
+def _start_error(lowered: FloatComponent, unit: float) -> float:
+    """What the start may be off, in K: the factor's rounding, the product's, and the accumulator's lowest bit."""
+    largest = max(abs(end) for end in lowered.start_range_mK) / 1000.0
+    return largest * _RELATIVE + float(half_ulp(largest)) + unit / 2**LOW_BITS
 
 
 def _chain_error(order: int, sizes: Magnitudes, units: Array) -> Array:
