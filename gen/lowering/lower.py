@@ -142,11 +142,12 @@ def _float_rows(
     return float32.with_rows(lowered, exact, rates, lowered.steady_words(steady))
 
 
+def _formats(component: AnyComponent) -> object:
+    return component.layout if isinstance(component, FixedComponent) else component.fraction_bits
+
+
 def _shapes(components: list[AnyComponent]) -> tuple[Shape, ...]:
-    keys = [
-        (c.order, c.substeps, c.layout if isinstance(c, FixedComponent) else c.fraction_bits, c.start_range_mK, c.saturates)
-        for c in components
-    ]
+    keys = [(c.order, c.substeps, _formats(c), c.start_range_mK, c.saturates) for c in components]
     first = {key: index for index, key in reversed(list(enumerate(keys)))}
     order = sorted(range(len(components)), key=lambda index: (first[keys[index]], index))
     groups = [tuple(members) for _, members in groupby(order, key=lambda index: first[keys[index]])]
