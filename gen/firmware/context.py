@@ -11,7 +11,8 @@ from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware import avr_advance
 from gen.firmware.alarms_cpp import alarm_context
-from gen.firmware.onboard_cpp import helpers, schedule_source
+from gen.firmware.onboard_cpp import helpers
+from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.dynamics import domain_rows
 from gen.lowering.float32 import LIMIT_BITS, Column, FloatComponent, column_words
@@ -81,7 +82,7 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "shifts": _shift_totals(program),
         "rows": _rows(program),
         "helpers": helpers(program.onboard),
-        "tapes": [schedule_source(name, tape) for tape in program.onboard],
+        "tapes": schedule_sources(name, program.onboard),
         "columns": _columns(program),
         "limit_bits": LIMIT_BITS,
         "limit_literals": _limit_literals,
