@@ -62,7 +62,8 @@ class _SharedPrinter(SchedulePrinter):
             f"struct {self._kind}_Numbers {{\n{fields}}};\n"
             f"static const {self._kind}_Numbers {self._kind}[{len(self._group)}] PROGMEM = {{\n{rows}}};\n"
             f"// Nested rates and steady rise of {names} at |PWM| = x ({low}..{high}).\n"
-            f"static void __attribute__((noinline)) {self._kind}_schedule(const {self._kind}_Numbers *own, {arguments}) {{\n"
+            "static void __attribute__((noinline))\n"
+            f"{self._kind}_schedule(const {self._kind}_Numbers *own, {arguments}) {{\n"
             + "\n".join(lines)
             + "\n}\n"
             + calls

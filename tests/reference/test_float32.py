@@ -83,7 +83,8 @@ def sources(folder: Path) -> list[Path]:
 
 
 def sums(records: NDArray[np.void]) -> NDArray[np.int64]:
-    return records["hi"].astype(np.int64) * 256 + records["lo"]
+    result: NDArray[np.int64] = records["hi"].astype(np.int64) * 256 + records["lo"]
+    return result
 
 
 def test_the_addition_is_the_reference_s_on_host_and_board(tmp_path: Path) -> None:

@@ -37,7 +37,9 @@ def packed(words: Singles) -> Singles:
     bits = words.view(np.uint32).astype(np.int64)
     base, shift = _frame(bits)
     rounded = base + (((bits - base) + ((1 << shift) >> 1)) >> shift << shift)
-    return np.minimum(rounded, base + (((1 << STORED_BITS) - 1) << shift)).astype(np.uint32).view(np.float32)
+    highest = base + (((1 << STORED_BITS) - 1) << shift)
+    result: Singles = np.minimum(rounded, highest).astype(np.uint32).view(np.float32)
+    return result
 
 
 def packed_steady(kelvins: NDArray[np.float64], fraction_bits: int) -> Integers:

@@ -72,13 +72,13 @@ def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> P
 def _start_error(lowered: FloatComponent, unit: float) -> float:
     """What the start may be off, in K: the factor's rounding, the product's, and the accumulator's lowest bit."""
     largest = max(abs(end) for end in lowered.start_range_mK) / 1000.0
-    return largest * _RELATIVE + float(half_ulp(largest)) + unit / 2**LOW_BITS
+    return float(largest * _RELATIVE + half_ulp(largest) + unit / 2**LOW_BITS)
 
 
 def _chain_error(order: int, sizes: Magnitudes, units: Array) -> Array:
     """Rounding of one sample's additions into each state but the carry's own, shape (n,)."""
     lowest = units / 2**LOW_BITS
-    error = lowest.copy()
+    error: Array = lowest.copy()
     for i in range(1, order):  # x[i] is read before it is added; the last addition is q's
         error[i - 1] += units[i] + half_ulp(sizes.state[i])
     if order == 2:  # q/2 apart
@@ -92,7 +92,7 @@ def _rounding_of_q(lowered: FloatComponent, exact: Dynamics, sizes: Magnitudes, 
     """Rounding of q's operations and of S, shape (rows,)."""
     n = lowered.order
     rates = np.maximum(lowered.rates.astype(np.float64), exact.rates)
-    error = half_ulp(sizes.inner[:, 0]) + units[0] + np.abs(lowered.steady * units[0] - exact.steady)
+    error: Array = half_ulp(sizes.inner[:, 0]) + units[0] + np.abs(lowered.steady * units[0] - exact.steady)
     for i in range(n):
         error = rates[:, i] * error + half_ulp(rates[:, i] * sizes.inner[:, i])
         if i + 1 < n:
