@@ -139,7 +139,7 @@ def _float_rows(
     lowered: FloatComponent, exact: Dynamics, tape: OnboardComponent, rows: NDArray[np.int64]
 ) -> FloatComponent:
     rates, steady = evaluate(tape, rows)
-    return float32.with_rows(lowered, exact, rates, lowered.steady_words(steady))
+    return float32.with_rows(lowered, exact, rates, steady)
 
 
 def _formats(component: AnyComponent) -> object:

@@ -97,16 +97,24 @@ def test_bound_follows_the_given_rows() -> None:
     thermal = model("my1016")
     brush, component = lowered("my1016")[0], thermal.components[0]
     exact = dynamics(thermal, component, brush.substeps)
-    same = float32.with_rows(brush, exact, brush.rates, brush.steady)
+    steady = (brush.steady * 2.0 ** -brush.fraction_bits[0]).astype(np.float32)  # exact: a multiple of 2^8 words
+    same = float32.with_rows(brush, exact, brush.rates, steady)
     assert same == replace(brush, rates=same.rates, steady=same.steady)
     assert brush.proof is not None
-    for rates, steady in (
-        (brush.rates * np.float32(1.0 + 4e-6), brush.steady),
-        (brush.rates, brush.steady + (1 << brush.fraction_bits[0] - 10)),  # off by 1 mK
-    ):
-        worse = float32.with_rows(brush, exact, rates, steady)
+    for rates, rises_K in ((brush.rates * np.float32(1.0 + 4e-6), steady), (brush.rates, steady + np.float32(1e-3))):
+        worse = float32.with_rows(brush, exact, rates, rises_K)
         assert worse.proof is not None
         assert worse.proof.bound_K > 1.5 * brush.proof.bound_K
+
+
+def test_rows_far_off_lose_the_proof_and_get_room() -> None:
+    thermal = model("my1016")
+    brush, component = lowered("my1016")[0], thermal.components[0]
+    hot = np.full(len(brush.steady), 250.0, dtype=np.float32)
+    given_up = float32.with_rows(brush, dynamics(thermal, component, brush.substeps), brush.rates, hot)
+    assert given_up.saturates
+    assert np.abs(given_up.steady).max() <= 2**float32.LIMIT_BITS
+    assert np.array_equal(given_up.steady * 2.0 ** -given_up.fraction_bits[0], hot)
 
 
 @given(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gen.lowering.dynamics import Dynamics, dynamics
 from gen.lowering.float32.component import LIMIT_BITS, FloatComponent, Singles
@@ -15,9 +14,6 @@ from gen.lowering.float32.ranges import Magnitudes, Reachable, proven_magnitudes
 from gen.lowering.reach import NoProofError, SwitchedRecursion
 from gen.lowering.substeps import fewest_substeps
 from gen.model import Component, ThermalModel
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 #: The units of neighbouring states differ by no more bits than this (a state that never moves needs no finer one).
 _MOST_SHIFT = 40
@@ -45,24 +41,28 @@ def lower_component(model: ThermalModel, component: Component, limit_K: float) -
     )
 
 
-def with_rows(lowered: FloatComponent, exact: Dynamics, rates: Singles, steady: Integers) -> FloatComponent:
+def with_rows(lowered: FloatComponent, exact: Dynamics, rates: Singles, steady_K: Singles) -> FloatComponent:
     """The same component with given rows, such as an onboard schedule computes, and their own proof.
 
     Parameters
     ----------
     lowered
-        Gives formats and substeps.
+        Gives formats (wider ones are taken if the given rows cannot be proven) and substeps.
     exact
         ``dynamics(model, component, lowered.substeps)``.
-    rates, steady
-        Shapes (rows, n), dimensionless, and (rows,), words with the fraction bits of x1.
+    rates, steady_K
+        Shapes (rows, n), dimensionless, and (rows,), in K.
     """
-    given = replace(lowered, rates=rates.astype(np.float32), steady=steady, proof=None)
+    given = replace(lowered, rates=rates, steady=lowered.steady_words(steady_K), proof=None)
     try:
         reachable = Reachable(SwitchedRecursion(exact.exact), exact)
-        return replace(given, proof=prove(given, reachable, proven_magnitudes(reachable)))
+        proof = prove(given, reachable, proven_magnitudes(reachable))
     except NoProofError:
-        return given
+        proof = None
+    if proof is not None:
+        return replace(given, proof=proof)
+    wide = replace(given, fraction_bits=_fraction_bits(exact, unproven_magnitudes(exact), LIMIT_BITS))
+    return replace(wide, steady=wide.steady_words(steady_K))
 
 
 def _lower(component: Component, exact: Dynamics, substeps: int) -> FloatComponent:
