@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.float32 import FloatComponent
+from gen.lowering.float32 import LOW_BITS, FloatComponent
 from gen.lowering.formats import RESIDUE_BITS
 from gen.lowering.program import FixedComponent
 from gen.reference.fixed import FixedStep
@@ -72,11 +72,7 @@ class FixedLanes:
     def rise_mK(self) -> Integers:
         """See :class:`ComponentLanes`."""
         bits = self._component.layout.fraction_bits[0] - RESIDUE_BITS
-        high = self._state[0] >> RESIDUE_BITS
-        fraction = high & ((1 << bits) - 1)
-        sixteenth = fraction >> (bits - 16) if bits >= 16 else fraction << (16 - bits)
-        thousandths: Integers = (high >> bits) * 1000 + (sixteenth * 1000 >> 16)
-        return thousandths
+        return _thousandths(self._state[0] >> RESIDUE_BITS, bits)
 
     def saturations(self) -> Integers:
         """See :class:`ComponentLanes`."""
@@ -130,9 +126,7 @@ class FloatLanes:
 
     def rise_mK(self) -> Integers:
         """See :class:`ComponentLanes`."""
-        scaled = self._step.rise(self._state, self._steady) * np.float32(1000.0)
-        whole = np.trunc(scaled).astype(np.int64)
-        return np.asarray(whole - (whole.astype(np.float32) > scaled), dtype=np.int64)
+        return _thousandths(self._state[0] >> LOW_BITS, self._component.fraction_bits[0])
 
     def saturations(self) -> Integers:
         """See :class:`ComponentLanes`."""
@@ -149,6 +143,14 @@ class FloatLanes:
 
     def _coefficients(self, row: Integers) -> tuple[list[NDArray[np.float32]], Integers]:
         return [self._rates[row, i] for i in range(self._component.order)], self._component.steady[row]
+
+
+def _thousandths(word: Integers, bits: int) -> Integers:
+    """A word of 2^-bits K in thousandths of a kelvin, rounded down, by way of 2^-16 K."""
+    fraction = word & ((1 << bits) - 1)
+    sixteenth = fraction >> (bits - 16) if bits >= 16 else fraction << (16 - bits)
+    result: Integers = (word >> bits) * 1000 + (sixteenth * 1000 >> 16)
+    return result
 
 
 def lanes_of(component: FixedComponent | FloatComponent, start_mK: Sequence[int]) -> ComponentLanes:
