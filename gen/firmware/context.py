@@ -15,7 +15,7 @@ from gen.firmware.onboard_cpp import helpers
 from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.dynamics import domain_rows
-from gen.lowering.float32 import LIMIT_BITS, Column, FloatComponent, column_words
+from gen.lowering.float32 import LIMIT_BITS, ONBOARD_STEADY_SHIFT, Column, FloatComponent, column_words
 from gen.lowering.formats import RESIDUE_BITS
 from gen.lowering.lower import AnyComponent, Program, Shape
 from gen.lowering.program import FixedComponent, rounded_up
@@ -85,6 +85,7 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "tapes": schedule_sources(name, program.onboard),
         "columns": _columns(program),
         "limit_bits": LIMIT_BITS,
+        "steady_shift": ONBOARD_STEADY_SHIFT,
         "limit_literals": _limit_literals,
         "schedule_comments": _schedule_comments(program),
     } | alarm_context(lower_alarms(coefficients), model)
@@ -133,7 +134,8 @@ def _onboard_words(component: AnyComponent) -> Context:
     """How a schedule on board turns what it computed into words (float32)."""
     if isinstance(component, FixedComponent):
         return {}
-    return {"fraction_bits": component.fraction_bits[0], "chain_shifts": component.chain_shifts}
+    constant = component.literal(float(component.steady_constant))
+    return {"steady_constant": constant, "chain_shifts": component.chain_shifts}
 
 
 def _limit_literals(shift: int) -> str:

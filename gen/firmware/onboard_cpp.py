@@ -213,7 +213,7 @@ class SchedulePrinter:
             case "times":
                 return f"{a[0]} * (float){a[1]}"
             case "scale":
-                return f"{self._name}_times_power({a[0]}, {round(log2(float(step.table[0])))})"
+                return f"{self._name}_times_power<{round(log2(float(step.table[0])))}>({a[0]})"
             case "neg":
                 return f"-{a[0]}"
             case "mul" | "div" | "add" | "sub":

@@ -18,6 +18,8 @@ Integers = NDArray[np.int64]
 LOW_BITS = 8
 #: Without a proof a word stops at 2^30, so that no difference or sum of two leaves 32 bits.
 LIMIT_BITS = 30
+#: A steady rise that is computed on board is a multiple of this power of two of its unit: 2^23 of them span the word.
+ONBOARD_STEADY_SHIFT = 9
 #: Share of q that x[n-1] carries (:data:`gen.lowering.increments.CARRY`) in float32.
 CARRY = np.float32(1.0 / 12.0)
 
@@ -80,10 +82,15 @@ class FloatComponent:
         """Words of x1 in a thousandth of a kelvin."""
         return np.float32(2.0 ** self.fraction_bits[0] / 1000.0)
 
+    @property
+    def steady_constant(self) -> np.float32:
+        """In K: in a sum with it, any S has the exponent of this one, so that its bits are a fixed-point number."""
+        return np.float32(1.5 * 2.0 ** (23 + ONBOARD_STEADY_SHIFT - self.fraction_bits[0]))
+
     def steady_words(self, kelvins: Singles) -> Integers:
-        """S as the board converts it where it computes S itself: towards zero to the accumulator, the word of that."""
-        whole = np.trunc(kelvins.astype(np.float64) * 2.0 ** (self.fraction_bits[0] + LOW_BITS)).astype(np.int64)
-        result: Integers = whole >> LOW_BITS
+        """S as the board converts it where it computes S itself: to multiples of 2^9 units."""
+        bits = np.asarray(kelvins + self.steady_constant, dtype=np.float32).view(np.int32).astype(np.int64)
+        result: Integers = bits - int(self.steady_constant.view(np.int32)) << ONBOARD_STEADY_SHIFT
         return result
 
     def describe(self) -> dict[str, Any]:
