@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from hypothesis import example as with_example
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -97,10 +98,12 @@ def test_bound_follows_the_given_rows() -> None:
     thermal = model("my1016")
     brush, component = lowered("my1016")[0], thermal.components[0]
     exact = dynamics(thermal, component, brush.substeps)
-    steady = (brush.steady * 2.0 ** -brush.fraction_bits[0]).astype(np.float32)  # exact: a multiple of 2^8 words
+    steady = exact.steady.astype(np.float32)
     same = float32.with_rows(brush, exact, brush.rates, steady)
-    assert same == replace(brush, rates=same.rates, steady=same.steady)
+    assert np.abs(same.steady * 2.0 ** -brush.fraction_bits[0] - exact.steady).max() < 4e-5  # half of 2^9 units
+    assert same.proof is not None
     assert brush.proof is not None
+    assert same.proof.bound_K < 1.2 * brush.proof.bound_K
     for rates, rises_K in ((brush.rates * np.float32(1.0 + 4e-6), steady), (brush.rates, steady + np.float32(1e-3))):
         worse = float32.with_rows(brush, exact, rates, rises_K)
         assert worse.proof is not None
@@ -130,13 +133,14 @@ def test_an_addition_loses_less_than_the_lowest_bit(sums: PWM, values: NDArray[n
         assert abs((after - before) - exact) < 1.0
 
 
-@given(arrays(np.float32, 30, elements=st.floats(2.0**-20, 2.0**-16, width=32)))
-def test_packing_keeps_22_bits_of_a_rate_that_varies_16_fold(rates: NDArray[np.float32]) -> None:
+@given(arrays(np.float32, 30, elements=st.floats(2.0**-20, 2.0**-16, width=32, exclude_max=True)))
+@with_example(np.array([1e-5, 2e-5, 3.9999e-5], dtype=np.float32))
+def test_packing_loses_nothing_below_a_factor_of_4_and_one_bit_below_16(rates: NDArray[np.float32]) -> None:
     kept = float32.packed(rates)
     assert np.all(np.abs(kept.astype(np.float64) / rates - 1.0) <= 2.0**-23)
     assert np.array_equal(float32.packed(kept), kept)
     if rates.max() < 4.0 * rates.min():
-        assert np.abs(kept - rates).max() == 0.0 or rates.max() > 3.9 * rates.min()
+        assert np.array_equal(kept, rates)
 
 
 @pytest.mark.parametrize("example", NAMES)

@@ -143,10 +143,8 @@ FAULTS: dict[str, tuple[Target, Callable[[Files], Files]]] = {
     "lost low bits": ("host", replaced("_accumulator.cpp", "whole & 0xFF", "whole & 0xFE")),
     "wrong shift": ("host", replaced("_step.h", "&state->x[1]), 14)", "&state->x[1]), 13)")),
     "carry forgotten": ("host", replaced("_step.h", "(&state->x[1], carried, 0)", "(&state->x[1], 0.0f, 0)")),
-    "order of additions": ("host", replaced("_step.h", "return q - back", "return q + back")),
     "lost carry between bytes": ("avr", replaced("_accumulator.cpp", "adc r0, %B[f]", "add r0, %B[f]")),
     "complement without its carry": ("avr", replaced("_accumulator.cpp", "lsl %[sign]", "clc")),
-    "wrong base": ("host", replaced("_schedule.cpp", "{1, 0x", "{0, 0x")),
 }
 
 
