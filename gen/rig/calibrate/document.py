@@ -36,7 +36,7 @@ def fill(path: Path, parameters: MotorParameters, targets: Targets) -> None:
         "times": _by_speed(targets, "%", {n: 100.0 * healthy.time_63[n] for n in MEASURED}, "+.0f"),
         "faults": _faults(parameters, targets),
         "worst": _worst(healthy),
-        "fall": explain_fall(parameters) + ".",
+        "fall": explain_fall(parameters),
     }
     for name, table in tables.items():
         pattern = re.compile(rf"<!-- {name} -->.*?<!-- /{name} -->", re.DOTALL)
