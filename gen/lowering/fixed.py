@@ -9,7 +9,7 @@ import numpy as np
 from gen.lowering import bounds, formats, increments
 from gen.lowering.bounds import Array, StateRanges
 from gen.lowering.dynamics import Dynamics, LoweringError, dynamics
-from gen.lowering.formats import RESIDUE_BITS, Format
+from gen.lowering.formats import RESIDUE_BITS, START_UNITS, Format
 from gen.lowering.onboard.tape import steady_excess
 from gen.lowering.program import FixedComponent, Integers, Proof
 from gen.lowering.reach import NoProofError, SwitchedRecursion
@@ -67,6 +67,9 @@ def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float)
     )
     if layout is None:
         raise LoweringError(f"component {component.name}: no fixed-point formats hold its ranges")
+    if recursion is not None:
+        q_range = np.einsum("pj,pj->p", exact.c, ranges.distance).max()
+        layout = replace(layout, carry_byte=formats.carry_byte(layout, float(q_range)))
     rates, steady = tabulate(exact, layout)
     proof = None if recursion is None else prove(recursion, exact, ranges, layout, rates)
     return FixedComponent(
@@ -124,7 +127,8 @@ def prove(
         changed_c=increments.from_rates(integer_rates) - exact.c,
         q_error=q_error,
         chain_error=np.tile(chain_error, (len(q_error), 1)),
-        start_error=layout.high_lsb[0],
+        start_error=START_UNITS * layout.high_lsb[0],
+        carry=formats.CARRY_FACTOR / 2.0**16,
     )
     if error is None:
         return None
