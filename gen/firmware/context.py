@@ -10,7 +10,7 @@ import numpy as np
 from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware import avr_advance
-from gen.firmware.onboard_cpp import helpers, schedule_source
+from gen.firmware.onboard_cpp import helpers, schedule_sources
 from gen.lowering.dynamics import domain_rows
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.formats import CARRY_FACTOR, RESIDUE_BITS, start_scale
@@ -71,6 +71,7 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "components": components,
         "carried": [component for component in components if component["order"] > 1],
         "carry_factor": CARRY_FACTOR,
+        "start_members": _start_members(program),
         "saturates": program.saturates,
         "saturation_argument": f", &{name}_model.saturations",
         "shapes": shapes,
@@ -79,7 +80,7 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "rows": _rows(program),
         "row_bytes": _row_bytes(program),
         "helpers": helpers(program.onboard),
-        "tapes": [schedule_source(name, tape) for tape in program.onboard],
+        "tapes": schedule_sources(name, program.onboard),
         "float_components": [c for c in program.components if isinstance(c, FloatComponent)],
         "schedule_comments": _schedule_comments(program),
     }
@@ -110,7 +111,6 @@ def _fixed_shape(component: FixedComponent) -> Context:
         "product_shifts": layout.product_shifts,
         "chain_shifts": layout.chain_shifts,
         "output_bits": output_bits,
-        "scale": start_scale(layout),
         "carry_byte": layout.carry_byte,
         "carry_bits": layout.chain_shifts[-1] % 8 if component.order > 1 else 0,
         "carry_place": 8 * layout.carry_byte - layout.chain_shifts[-1] // 8 * 8 if component.order > 1 else 0,
@@ -146,6 +146,18 @@ def _shift_totals(program: Program) -> list[int]:
         if component.order == 4:
             totals.add(shifts[0] + shifts[1] + 1)
     return sorted(totals)
+
+
+def _start_members(program: Program) -> dict[str, list[str]]:
+    """Limits and factors of the start values as arguments of the board's function, and whose they are."""
+    members: dict[str, list[str]] = {}
+    for component in program.components:
+        if isinstance(component, FixedComponent):
+            scale = start_scale(component.layout)
+            low, high = component.start_range_mK
+            arguments = f"{low}L, {high}L, {scale.whole}L, {scale.fraction}u"
+            members.setdefault(arguments, []).append(component.name)
+    return members
 
 
 def _row_bytes(program: Program) -> int:

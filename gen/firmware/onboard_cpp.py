@@ -6,20 +6,22 @@ The text needs ``{name}_onboard_math.h`` (:func:`math_header`) and ``{name}_plat
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
+from dataclasses import replace
 from importlib.resources import files
 
 import jinja2
 import numpy as np
 
-from gen.lowering.onboard.graph import INTEGERS
+from gen.lowering.onboard.graph import INTEGERS, UNLABELLED
 from gen.lowering.onboard.tape import DIVIDE_SHIFT, OnboardComponent, Step
 from gen.lowering.program import Arithmetic
 
 _OPERATORS = {"mul": "*", "div": "/", "add": "+", "sub": "-"}
+#: Steps whose numbers may differ between components that share a function.
+_CONSTANTS = ("constant", "row", "exponential", "scale")
 #: What a step calls, and what that calls in turn.
 _HELPERS = {
-    "times_div": ("div",),
     "mul_modulo": ("mul",),
     "mul_signed": ("mul_signed", "mul"),
     "mul_signed_modulo": ("mul_signed", "mul"),
@@ -39,21 +41,38 @@ def math_header(name: str, arithmetic: Arithmetic, called: frozenset[str]) -> st
     return environment.from_string(text).render(name=name, arithmetic=arithmetic, helpers=called)
 
 
-def schedule_source(name: str, component: OnboardComponent) -> str:
-    """Tables and function of one component.
+def schedule_sources(name: str, components: Sequence[OnboardComponent]) -> list[str]:
+    """Tables and functions of all components; those whose tapes differ in constants only share one function.
 
-    ``static void {name}_schedule_{component}(uint8_t x, uint32_t *rate, int32_t *steady)``, in float32 with
-    ``float *``; x must lie in the component's domain.
+    Each component gets ``static void {name}_schedule_{component}(uint8_t x, uint32_t *rate, int32_t *steady)``, in
+    float32 with ``float *``; x must lie in the component's domain.
     """
-    return _Printer(name, component).text()
+    groups: dict[Hashable, list[OnboardComponent]] = {}
+    for component in components:
+        groups.setdefault(_structure(component), []).append(component)
+    return [_Printer(name, group).text() for group in groups.values()]
+
+
+def _structure(component: OnboardComponent) -> Hashable:
+    """What components must have in common to share a function."""
+    steps = tuple(
+        replace(s, label=UNLABELLED, table=(len(s.table),) if s.op in _CONSTANTS else s.table) for s in component.steps
+    )
+    return component.arithmetic, component.domain, steps, component.rates, component.steady
 
 
 class _Printer:
-    def __init__(self, name: str, component: OnboardComponent) -> None:
+    def __init__(self, name: str, members: Sequence[OnboardComponent]) -> None:
         self._name = name
-        self._component = component
-        self._fixed = component.arithmetic == "fixed"
-        self._prefix = f"{name}_{component.name}"
+        self._members = members
+        self._component = members[0]
+        self._fixed = self._component.arithmetic == "fixed"
+        self._prefix = f"{name}_{self._component.name}"
+        self._own = [
+            number
+            for number, steps in enumerate(zip(*(m.steps for m in members), strict=True))
+            if any(step.table != steps[0].table for step in steps)
+        ]
         self._tables: list[str] = []
         self._lines: list[str] = []
 
@@ -63,20 +82,56 @@ class _Printer:
             if step.op == "input" and step.table == (0, 255):
                 continue
             line = f"    const {self._type(number)} n{number} = {self._expression(number, step)};"
-            self._lines.append(f"{line}  // {self._comment(step)}")
+            self._lines.append(f"{line}  // {self._comment(number)}")
         for i, number in enumerate(component.rates):
             value = f"(uint32_t)n{number}" if self._fixed else f"n{number}"
             self._lines.append(f"    rate[{i}] = {value};  // R{i}, 1/step{self._format(number)}")
         self._lines.append(f"    *steady = n{component.steady};  // S, K{self._format(component.steady)}")
-        rate, steady = ("uint32_t", "int32_t") if self._fixed else ("float", "float")
-        head = (
-            f"// Nested rates and steady rise of {component.name} at |PWM| = x"
-            f" ({component.domain[0]}..{component.domain[1]}).\n"
-            f"static void {self._name}_schedule_{component.name}(uint8_t x, {rate} *rate, {steady} *steady) {{\n"
-        )
         if not any(s.op == "input" for s in component.steps):
             self._lines.insert(0, "    (void)x;")
-        return "".join(self._tables) + head + "\n".join(self._lines) + "\n}\n"
+        rate, steady = ("uint32_t", "int32_t") if self._fixed else ("float", "float")
+        results = f"{rate} *rate, {steady} *steady"
+        where = f"at |PWM| = x ({component.domain[0]}..{component.domain[1]})"
+        body = "\n".join(self._lines) + "\n}\n"
+        if not self._own:
+            return "".join(self._tables) + (
+                f"// Nested rates and steady rise of {component.name} {where}.\n"
+                f"static void {self._name}_schedule_{component.name}(uint8_t x, {results}) {{\n{body}"
+            )
+        names = ", ".join(m.name for m in self._members)
+        text = [
+            self._own_constants(),
+            *self._tables,
+            f"// Nested rates and steady rise of {names} {where}, which differ in `own` only.\n",
+            f"static void __attribute__((noinline)) {self._prefix}_shared(uint8_t x, const {self._prefix}_Own *own,"
+            f" {results}) {{\n{body}",
+        ]
+        for place, member in enumerate(self._members):
+            text.append(
+                f"static inline void {self._name}_schedule_{member.name}(uint8_t x, {results}) {{\n"
+                f"    {self._prefix}_shared(x, &{self._prefix}_own[{place}], rate, steady);\n}}\n"
+            )
+        return "".join(text)
+
+    def _own_constants(self) -> str:
+        """What each member has of its own, in flash."""
+        fields, values = [], [[f"    {{  // {m.name}\n"] for m in self._members]
+        for number in self._own:
+            size = len(self._component.steps[number].table)
+            kind = "uint32_t" if self._fixed else "float"
+            fields.append(f"    {kind} n{number}{f'[{size}]' if size > 1 else ''};  // {self._comment(number)}\n")
+            for lines, member in zip(values, self._members, strict=True):
+                words = [self._word(v) for v in member.steps[number].table]
+                rows = ",\n         ".join(", ".join(words[i : i + 8]) for i in range(0, size, 8))
+                lines.append(f"        {f'{{{rows}}}' if size > 1 else rows},\n")
+        initial = "".join("".join(lines) + "    },\n" for lines in values)
+        return (
+            f"struct {self._prefix}_Own {{\n{''.join(fields)}}};\n"
+            f"static const {self._prefix}_Own {self._prefix}_own[{len(self._members)}] PROGMEM = {{\n{initial}}};\n"
+        )
+
+    def _word(self, value: float) -> str:
+        return _pattern(value) if self._fixed else _single(float(value))
 
     def _type(self, number: int) -> str:
         step = self._component.steps[number]
@@ -94,33 +149,39 @@ class _Printer:
         number = step.args[place]
         return self._ref(number) if self._component.steps[number].unsigned else f"(uint32_t){self._ref(number)}"
 
-    def _quotient(self, step: Step, factor: str, flags: int) -> str:
-        numerator, divisor = self._as_unsigned(step, 0), self._as_unsigned(step, len(step.args) - 1)
-        return f"{self._name}_divide({numerator}, {factor}, {divisor}, {step.shift - DIVIDE_SHIFT}, {flags})"
-
     def _format(self, number: int) -> str:
         return f", Q{self._component.steps[number].q}" if self._fixed else ""
 
-    def _comment(self, step: Step) -> str:
+    def _comment(self, number: int) -> str:
+        step = self._component.steps[number]
         label = step.label
         parts = [label.text or step.op]
         if label.unit:
             parts.append(label.unit)
         if self._fixed and step.op not in INTEGERS:
             parts.append(f"Q{step.q}")
+        paths = dict.fromkeys(m.steps[number].label.path for m in self._members)
         if label.path:
-            parts.append(label.path)
+            parts.append(", ".join(paths))
         return "; ".join(parts)
 
     def _table(self, number: int, kind: str, values: Sequence[str]) -> str:
+        if number in self._own:
+            return f"own->n{number}"
         identifier = f"{self._prefix}_n{number}"
         lines = [", ".join(values[i : i + 8]) for i in range(0, len(values), 8)]
-        comment = self._comment(self._component.steps[number])
+        comment = self._comment(number)
         body = ",\n    ".join(lines)
         self._tables.append(
             f"// {comment}\nstatic const {kind} {identifier}[{len(values)}] PROGMEM = {{\n    {body}}};\n"
         )
         return identifier
+
+    def _constant(self, number: int, text: str, kind: str = "float") -> str:
+        """A constant, or where a member has its own."""
+        if number not in self._own:
+            return text
+        return f"({kind})pgm_read_dword(&own->n{number})" if self._fixed else f"pgm_read_float(&own->n{number})"
 
     def _expression(self, number: int, step: Step) -> str:
         a = [self._ref(i) for i in step.args]
@@ -143,11 +204,12 @@ class _Printer:
     def _fixed_expression(self, number: int, step: Step, a: list[str]) -> str:
         name, s = self._name, step.shift
         flags = int(step.round)  # 1: to nearest; 2: the numerator is unsigned
-        if step.op in ("div", "times_div") and self._component.steps[step.args[0]].unsigned:
+        if step.op == "div" and self._component.steps[step.args[0]].unsigned:
             flags += 2
         match step.op:
             case "constant":
-                return f"{int(step.table[0])}{'UL' if step.unsigned else 'L'}"
+                kind = "uint32_t" if step.unsigned else "int32_t"
+                return self._constant(number, f"{int(step.table[0])}{'UL' if step.unsigned else 'L'}", kind)
             case "row":
                 table = self._table(number, "uint32_t", [_pattern(v) for v in step.table])
                 return f"(int32_t)pgm_read_dword(&{table}[{a[0]}])"
@@ -161,9 +223,8 @@ class _Printer:
             case "mul_signed" | "mul_signed_modulo":
                 return f"{name}_mul_signed({a[0]}, {a[1]}, {s})"
             case "div":
-                return self._quotient(step, "1", flags)
-            case "times_div":
-                return self._quotient(step, a[1], flags)
+                numerator, divisor = self._as_unsigned(step, 0), self._as_unsigned(step, 1)
+                return f"{name}_divide({numerator}, {divisor}, {step.shift - DIVIDE_SHIFT}, {flags})"
             case "add" | "sub" | "add_modulo" | "sub_modulo":
                 sign = "-" if step.op.startswith("sub") else "+"
                 mixed = step.unsigned or any(self._component.steps[i].unsigned for i in step.args)
@@ -187,7 +248,7 @@ class _Printer:
     def _float_expression(self, number: int, step: Step, a: list[str]) -> str:
         match step.op:
             case "constant":
-                return _single(float(step.table[0]))
+                return self._constant(number, _single(float(step.table[0])))
             case "row":
                 table = self._table(number, "float", [_single(float(v)) for v in step.table])
                 return f"pgm_read_float(&{table}[{a[0]}])"
@@ -197,7 +258,7 @@ class _Printer:
             case "times":
                 return f"{a[0]} * (float){a[1]}"
             case "scale":
-                return f"{a[0]} * {_single(float(step.table[0]))}"
+                return f"{a[0]} * {self._constant(number, _single(float(step.table[0])))}"
             case "neg":
                 return f"-{a[0]}"
             case "mul" | "div" | "add" | "sub":

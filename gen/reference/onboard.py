@@ -36,7 +36,7 @@ def wrapped(value: Integers) -> Integers:
 
 
 def divide(a: Integers, b: Integers, shift: int, *, rounded: bool) -> Integers:
-    """a 2^shift / b (a up to 40 bits), to nearest (ties away from zero) or towards zero.
+    """a 2^shift / b, to nearest (ties away from zero) or towards zero.
 
     Raises
     ------
@@ -132,8 +132,6 @@ def _fixed_step(step: Step, x: Integers, args: list[Integers]) -> Integers:
             result = wrapped(result) if step.op == "mul_signed_modulo" else result
         case "div":
             result = divide(args[0], args[1], step.shift, rounded=step.round)
-        case "times_div":
-            result = divide(args[0] * args[1], args[2], step.shift, rounded=step.round)
         case "add":
             result = args[0] + args[1]
         case "add_modulo" | "sub_modulo":

@@ -70,7 +70,7 @@ static void run(const Input &in, Output &out) {{
     while (room < 8 && (size >> (30 - room)) == 0) {{ ++room; }}
     out.times = {NAME}_times(in.a, in.x, in.shift < room ? in.shift : room);
     const uint32_t divisor = in.b | 0x40000000u;
-    out.quotient = {NAME}_divide((uint32_t)(in.a / 4), 1, divisor, (uint8_t)(in.shift % 8), (uint8_t)(in.x & 1));
+    out.quotient = {NAME}_divide((uint32_t)(in.a / 4), divisor, (uint8_t)(in.shift % 8), (uint8_t)(in.x & 1));
     out.down = {NAME}_round_shift(in.a / 2, (uint8_t)(in.x % 31));
 }}
 """
