@@ -148,14 +148,14 @@ def _shift_totals(program: Program) -> list[int]:
     return sorted(totals)
 
 
-def _start_members(program: Program) -> dict[str, list[str]]:
-    """Limits and factors of the start values as arguments of the board's function, and whose they are."""
-    members: dict[str, list[str]] = {}
+def _start_members(program: Program) -> dict[tuple[str, str, str], list[str]]:
+    """Limits and factors of the start values as literals, and whose they are."""
+    members: dict[tuple[str, str, str], list[str]] = {}
     for component in program.components:
         if isinstance(component, FixedComponent):
             scale = start_scale(component.layout)
             low, high = component.start_range_mK
-            arguments = f"{low}L, {high}L, {scale.whole}L, {scale.fraction}u"
+            arguments = (f"{low}L", f"{high}L", f"{scale.whole}L, {scale.fraction}u")
             members.setdefault(arguments, []).append(component.name)
     return members
 

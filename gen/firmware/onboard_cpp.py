@@ -22,6 +22,7 @@ _OPERATORS = {"mul": "*", "div": "/", "add": "+", "sub": "-"}
 _CONSTANTS = ("constant", "row", "exponential", "scale")
 #: What a step calls, and what that calls in turn.
 _HELPERS = {
+    "div_signed": ("div_signed", "div"),
     "mul_modulo": ("mul",),
     "mul_signed": ("mul_signed", "mul"),
     "mul_signed_modulo": ("mul_signed", "mul"),
@@ -203,9 +204,6 @@ class _Printer:
 
     def _fixed_expression(self, number: int, step: Step, a: list[str]) -> str:
         name, s = self._name, step.shift
-        flags = int(step.round)  # 1: to nearest; 2: the numerator is unsigned
-        if step.op == "div" and self._component.steps[step.args[0]].unsigned:
-            flags += 2
         match step.op:
             case "constant":
                 kind = "uint32_t" if step.unsigned else "int32_t"
@@ -223,8 +221,11 @@ class _Printer:
             case "mul_signed" | "mul_signed_modulo":
                 return f"{name}_mul_signed({a[0]}, {a[1]}, {s})"
             case "div":
-                numerator, divisor = self._as_unsigned(step, 0), self._as_unsigned(step, 1)
-                return f"{name}_divide({numerator}, {divisor}, {step.shift - DIVIDE_SHIFT}, {flags})"
+                rest = f"{self._as_unsigned(step, 1)}, {step.shift - DIVIDE_SHIFT}, {str(step.round).lower()}"
+                return f"{name}_divide({self._as_unsigned(step, 0)}, {rest})"
+            case "div_signed":
+                rest = f"{self._as_unsigned(step, 1)}, {step.shift - DIVIDE_SHIFT}, {str(step.round).lower()}"
+                return f"{name}_divide_signed({a[0]}, {rest})"
             case "add" | "sub" | "add_modulo" | "sub_modulo":
                 sign = "-" if step.op.startswith("sub") else "+"
                 mixed = step.unsigned or any(self._component.steps[i].unsigned for i in step.args)

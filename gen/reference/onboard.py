@@ -130,7 +130,9 @@ def _fixed_step(step: Step, x: Integers, args: list[Integers]) -> Integers:
         case "mul_signed" | "mul_signed_modulo":
             result = mul_shift(np.where(args[1] < 0, -args[0], args[0]), np.abs(args[1]), step.shift)
             result = wrapped(result) if step.op == "mul_signed_modulo" else result
-        case "div":
+        case "div" | "div_signed":
+            if step.op == "div" and np.any(args[0] < 0):
+                raise RangeError("div takes what is not negative")
             result = divide(args[0], args[1], step.shift, rounded=step.round)
         case "add":
             result = args[0] + args[1]

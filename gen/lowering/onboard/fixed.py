@@ -189,7 +189,10 @@ class FixedTape:
         shift = bits - qa + qb
         if shift < DIVIDE_SHIFT:  # what the board's division starts from: a numerator with bits to spare
             a, shift = self._shifted(a, qa, qa - (DIVIDE_SHIFT - shift), "shr"), DIVIDE_SHIFT
-        return self._step(Step("div", (a, b), bits, shift, round=rounded, label=label))
+        values = self._graph.values[node.args[0]]
+        # What is not exactly 0 could be rounded below it.
+        never = self.steps[a].unsigned or not np.any((values != 0.0) & (values < 2.0 ** (8 - qa)))
+        return self._step(Step("div" if never else "div_signed", (a, b), bits, shift, round=rounded, label=label))
 
     def _exponential(self, node: Node, bits: int, label: Label) -> int:
         high, low = exponential_factors(*node.data)
