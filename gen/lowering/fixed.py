@@ -18,6 +18,8 @@ from gen.model import Component, ThermalModel
 
 #: Error bound to aim for; a file may allow more, where the board's own coefficients need it.
 TARGET_K = 1e-5
+#: A bound of so many limits is not mended by twice the substeps.
+_HOPELESS = 5.0
 #: Share of the error limit that the choice of formats may spend on rounding.
 _ROUNDING_SHARE = 0.3
 
@@ -49,6 +51,7 @@ def lower_component(model: ThermalModel, component: Component, limit_K: float) -
         component.order,
         limit_K,
         lambda substeps: _lower(component, dynamics(model, component, substeps), substeps, limit_K),
+        hopeless=_HOPELESS,
     )
 
 
