@@ -176,7 +176,8 @@ class SwitchedRecursion:
         count, _, n = self._weight.shape
         rows = np.repeat(np.arange(count), n)
         every = np.arange(count)
-        weights, indices, rewards = (each[:, policy.modes] for each in (self._weight, self._index, reward))
+        weights, indices = self._weight[:, policy.modes], self._index[:, policy.modes]
+        rewards = reward[:, policy.modes]
         height = floor.copy()
         for _ in range(200):
             weight = np.where(policy.stopped[:, None], 0.0, weights[every, policy.choice])
