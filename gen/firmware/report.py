@@ -206,8 +206,9 @@ def constants(program: Program) -> list[Cells]:
             result.append((component.name, f"R{i}", "1", formats[f"R{i}"], origin, f"{file}: {rate}"))
         steady = f"{file}: {member}steady"
         result.append((component.name, "S", "K", formats["S"], f"{path}.gain, {path}.poles", steady))
-        end = f"{places[number].partition('[')[0].upper()}_start()" if fixed else f"{component.name}_LOWEST, _HIGHEST"
-        place = f"{source}_step.h: {model.name}_{end}"
+        place = f"{source}_step.h: {model.name}_{component.name}_LOWEST, _HIGHEST"
+        if fixed:
+            place = f"{source}.cpp: {model.name}_start()"
         kind, domain = "int32" if fixed else "float32, in K", "$.domain.temperature_degC, $.domain.ambient_degC"
         start = "start {}..{}".format(*component.start_range_mK)
         result.append((component.name, start, "mK", kind, domain, place))
