@@ -6,20 +6,18 @@ The text needs ``{name}_onboard_math.h`` (:func:`math_header`) and ``{name}_plat
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from importlib.resources import files
+from math import log2
 
 import jinja2
 import numpy as np
 
-from gen.lowering.onboard.graph import INTEGERS, UNLABELLED
+from gen.lowering.onboard.graph import INTEGERS
 from gen.lowering.onboard.tape import DIVIDE_SHIFT, OnboardComponent, Step
 from gen.lowering.program import Arithmetic
 
 _OPERATORS = {"mul": "*", "div": "/", "add": "+", "sub": "-"}
-#: Steps whose numbers may differ between components that share a function.
-_CONSTANTS = ("constant", "row", "exponential", "scale")
 #: What a step calls, and what that calls in turn.
 _HELPERS = {
     "div_signed": ("div_signed", "div"),
@@ -42,97 +40,58 @@ def math_header(name: str, arithmetic: Arithmetic, called: frozenset[str]) -> st
     return environment.from_string(text).render(name=name, arithmetic=arithmetic, helpers=called)
 
 
-def schedule_sources(name: str, components: Sequence[OnboardComponent]) -> list[str]:
-    """Tables and functions of all components; those whose tapes differ in constants only share one function.
+def schedule_source(name: str, component: OnboardComponent) -> str:
+    """Tables and function of one component.
 
-    Each component gets ``static void {name}_schedule_{component}(uint8_t x, uint32_t *rate, int32_t *steady)``, in
-    float32 with ``float *``; x must lie in the component's domain.
+    ``static void {name}_schedule_{component}(uint8_t x, uint32_t *rate, int32_t *steady)``, in float32 with
+    ``float *``; x must lie in the component's domain.
     """
-    groups: dict[Hashable, list[OnboardComponent]] = {}
-    for component in components:
-        groups.setdefault(_structure(component), []).append(component)
-    return [_Printer(name, group).text() for group in groups.values()]
+    return SchedulePrinter(name, component).text()
 
 
-def _structure(component: OnboardComponent) -> Hashable:
-    """What components must have in common to share a function."""
-    steps = tuple(
-        replace(s, label=UNLABELLED, table=(len(s.table),) if s.op in _CONSTANTS else s.table) for s in component.steps
-    )
-    return component.arithmetic, component.domain, steps, component.rates, component.steady
+class SchedulePrinter:
+    """Prints one component's tape.
 
+    Parameters
+    ----------
+    name, component
+        As of :func:`schedule_source`.
+    """
 
-class _Printer:
-    def __init__(self, name: str, members: Sequence[OnboardComponent]) -> None:
+    def __init__(self, name: str, component: OnboardComponent) -> None:
         self._name = name
-        self._members = members
-        self._component = members[0]
-        self._fixed = self._component.arithmetic == "fixed"
-        self._prefix = f"{name}_{self._component.name}"
-        self._own = [
-            number
-            for number, steps in enumerate(zip(*(m.steps for m in members), strict=True))
-            if any(step.table != steps[0].table for step in steps)
-        ]
+        self._component = component
+        self._fixed = component.arithmetic == "fixed"
+        self._prefix = f"{name}_{component.name}"
         self._tables: list[str] = []
         self._lines: list[str] = []
 
     def text(self) -> str:
+        """See :func:`schedule_source`."""
+        component = self._component
+        lines = self._body()
+        rate, steady = ("uint32_t", "int32_t") if self._fixed else ("float", "float")
+        head = (
+            f"// Nested rates and steady rise of {component.name} at |PWM| = x"
+            f" ({component.domain[0]}..{component.domain[1]}).\n"
+            f"static void {self._name}_schedule_{component.name}(uint8_t x, {rate} *rate, {steady} *steady) {{\n"
+        )
+        return "".join(self._tables) + head + "\n".join(lines) + "\n}\n"
+
+    def _body(self) -> list[str]:
         component = self._component
         for number, step in enumerate(component.steps):
             if step.op == "input" and step.table == (0, 255):
                 continue
             line = f"    const {self._type(number)} n{number} = {self._expression(number, step)};"
-            self._lines.append(f"{line}  // {self._comment(number)}")
+            self._lines.append(f"{line}  // {self._comment(step)}")
         for i, number in enumerate(component.rates):
             value = f"(uint32_t)n{number}" if self._fixed else f"n{number}"
             self._lines.append(f"    rate[{i}] = {value};  // R{i}, 1/step{self._format(number)}")
         self._lines.append(f"    *steady = n{component.steady};  // S, K{self._format(component.steady)}")
         if not any(s.op == "input" for s in component.steps):
             self._lines.insert(0, "    (void)x;")
-        rate, steady = ("uint32_t", "int32_t") if self._fixed else ("float", "float")
-        results = f"{rate} *rate, {steady} *steady"
-        where = f"at |PWM| = x ({component.domain[0]}..{component.domain[1]})"
-        body = "\n".join(self._lines) + "\n}\n"
-        if not self._own:
-            return "".join(self._tables) + (
-                f"// Nested rates and steady rise of {component.name} {where}.\n"
-                f"static void {self._name}_schedule_{component.name}(uint8_t x, {results}) {{\n{body}"
-            )
-        names = ", ".join(m.name for m in self._members)
-        text = [
-            self._own_constants(),
-            *self._tables,
-            f"// Nested rates and steady rise of {names} {where}, which differ in `own` only.\n",
-            f"static void __attribute__((noinline)) {self._prefix}_shared(uint8_t x, const {self._prefix}_Own *own,"
-            f" {results}) {{\n{body}",
-        ]
-        for place, member in enumerate(self._members):
-            text.append(
-                f"static inline void {self._name}_schedule_{member.name}(uint8_t x, {results}) {{\n"
-                f"    {self._prefix}_shared(x, &{self._prefix}_own[{place}], rate, steady);\n}}\n"
-            )
-        return "".join(text)
-
-    def _own_constants(self) -> str:
-        """What each member has of its own, in flash."""
-        fields, values = [], [[f"    {{  // {m.name}\n"] for m in self._members]
-        for number in self._own:
-            size = len(self._component.steps[number].table)
-            kind = "uint32_t" if self._fixed else "float"
-            fields.append(f"    {kind} n{number}{f'[{size}]' if size > 1 else ''};  // {self._comment(number)}\n")
-            for lines, member in zip(values, self._members, strict=True):
-                words = [self._word(v) for v in member.steps[number].table]
-                rows = ",\n         ".join(", ".join(words[i : i + 8]) for i in range(0, size, 8))
-                lines.append(f"        {f'{{{rows}}}' if size > 1 else rows},\n")
-        initial = "".join("".join(lines) + "    },\n" for lines in values)
-        return (
-            f"struct {self._prefix}_Own {{\n{''.join(fields)}}};\n"
-            f"static const {self._prefix}_Own {self._prefix}_own[{len(self._members)}] PROGMEM = {{\n{initial}}};\n"
-        )
-
-    def _word(self, value: float) -> str:
-        return _pattern(value) if self._fixed else _single(float(value))
+        return self._lines
 
     def _type(self, number: int) -> str:
         step = self._component.steps[number]
@@ -153,36 +112,26 @@ class _Printer:
     def _format(self, number: int) -> str:
         return f", Q{self._component.steps[number].q}" if self._fixed else ""
 
-    def _comment(self, number: int) -> str:
-        step = self._component.steps[number]
+    def _comment(self, step: Step) -> str:
         label = step.label
         parts = [label.text or step.op]
         if label.unit:
             parts.append(label.unit)
         if self._fixed and step.op not in INTEGERS:
             parts.append(f"Q{step.q}")
-        paths = dict.fromkeys(m.steps[number].label.path for m in self._members)
         if label.path:
-            parts.append(", ".join(paths))
+            parts.append(label.path)
         return "; ".join(parts)
 
     def _table(self, number: int, kind: str, values: Sequence[str]) -> str:
-        if number in self._own:
-            return f"own->n{number}"
         identifier = f"{self._prefix}_n{number}"
         lines = [", ".join(values[i : i + 8]) for i in range(0, len(values), 8)]
-        comment = self._comment(number)
+        comment = self._comment(self._component.steps[number])
         body = ",\n    ".join(lines)
         self._tables.append(
             f"// {comment}\nstatic const {kind} {identifier}[{len(values)}] PROGMEM = {{\n    {body}}};\n"
         )
         return identifier
-
-    def _constant(self, number: int, text: str, kind: str = "float") -> str:
-        """A constant, or where a member has its own."""
-        if number not in self._own:
-            return text
-        return f"({kind})pgm_read_dword(&own->n{number})" if self._fixed else f"pgm_read_float(&own->n{number})"
 
     def _expression(self, number: int, step: Step) -> str:
         a = [self._ref(i) for i in step.args]
@@ -199,20 +148,20 @@ class _Printer:
         if step.op == "positive_outside":
             low, high = int(step.table[0]), int(step.table[1])
             tests = ([f"{a[1]} < {low}"] if low > 0 else []) + ([f"{a[1]} > {high}"] if high < 255 else [])
-            return f"({a[0]} < 0 && ({' || '.join(tests)})) ? 0 : {a[0]}"
+            below = f"{a[0]} < 0" if self._fixed else f"{self._name}_negative({a[0]})"
+            return f"({below} && ({' || '.join(tests)})) ? 0 : {a[0]}"
         return self._fixed_expression(number, step, a) if self._fixed else self._float_expression(number, step, a)
 
     def _fixed_expression(self, number: int, step: Step, a: list[str]) -> str:
         name, s = self._name, step.shift
         match step.op:
             case "constant":
-                kind = "uint32_t" if step.unsigned else "int32_t"
-                return self._constant(number, f"{int(step.table[0])}{'UL' if step.unsigned else 'L'}", kind)
+                return f"{int(step.table[0])}{'UL' if step.unsigned else 'L'}"
             case "row":
-                table = self._table(number, "uint32_t", [_pattern(v) for v in step.table])
+                table = self._table(number, "uint32_t", [pattern(v) for v in step.table])
                 return f"(int32_t)pgm_read_dword(&{table}[{a[0]}])"
             case "exponential":
-                table = self._table(number, "uint32_t", [_pattern(v) for v in step.table])
+                table = self._table(number, "uint32_t", [pattern(v) for v in step.table])
                 return f"{name}_exponential({table}, {a[0]}, {s})"
             case "times":
                 return f"{name}_times({a[0]}, {a[1]}, {s})"
@@ -249,17 +198,17 @@ class _Printer:
     def _float_expression(self, number: int, step: Step, a: list[str]) -> str:
         match step.op:
             case "constant":
-                return self._constant(number, _single(float(step.table[0])))
+                return single(float(step.table[0]))
             case "row":
-                table = self._table(number, "float", [_single(float(v)) for v in step.table])
+                table = self._table(number, "float", [single(float(v)) for v in step.table])
                 return f"pgm_read_float(&{table}[{a[0]}])"
             case "exponential":
-                table = self._table(number, "float", [_single(float(v)) for v in step.table])
+                table = self._table(number, "float", [single(float(v)) for v in step.table])
                 return f"{self._name}_exponential({table}, {a[0]})"
             case "times":
                 return f"{a[0]} * (float){a[1]}"
             case "scale":
-                return f"{a[0]} * {self._constant(number, _single(float(step.table[0])))}"
+                return f"{self._name}_times_power<{round(log2(float(step.table[0])))}>({a[0]})"
             case "neg":
                 return f"-{a[0]}"
             case "mul" | "div" | "add" | "sub":
@@ -277,11 +226,12 @@ def _held(x: str, step: Step) -> str:
     return text
 
 
-def _pattern(value: float) -> str:
+def pattern(value: float) -> str:
+    """A literal of a word's 32 bits."""
     return f"0x{int(value) & 0xFFFFFFFF:08X}UL"
 
 
-def _single(value: float) -> str:
+def single(value: float) -> str:
     """A float literal that reads back as the same float32."""
     text = np.format_float_scientific(np.float32(value), unique=True, trim="0")
     return f"{text}f"

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen import toolchain
-from gen.firmware.onboard_cpp import helpers, math_header, schedule_sources
+from gen.firmware.onboard_cpp import helpers, math_header
+from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.bounds import StateRanges, state_ranges
 from gen.lowering.dynamics import Dynamics, dynamics
 from gen.lowering.fixed import lower_component
