@@ -47,7 +47,7 @@ def study(open_board: OpenBoard) -> Asked:
     return asked
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+@settings(max_examples=40, deadline=None, derandomize=True)
 @given(words=st.lists(st.integers(0, 0xFFFF), min_size=5, max_size=5))
 def test_every_word_is_read_over_shared_lines(study: Asked, words: list[int]) -> None:
     for chip, word in zip(study.chips, words, strict=True):
