@@ -184,8 +184,8 @@ class Document(Part):
         profile = self.wiring.drive.profile if self.wiring and self.wiring.drive else None
         for i, step in enumerate(profile.steps if profile else ()):
             full = self.input.full_scale
-            at = ("wiring", "drive", "profile", "steps", i, "pwm")
-            _within((step.pwm, step.pwm), (-full, full), "the input's full scale", *at)
+            place = ("wiring", "drive", "profile", "steps", i, "pwm")
+            _within((step.pwm, step.pwm), (-full, full), "the input's full scale", *place)
         for i, alarm in enumerate(self.alarms):
             _known(alarm.component, names, "alarms", i, "component")
             self._check_window(alarm, "alarms", i)

@@ -177,17 +177,19 @@ def _stuck_text(limits: SensorLimits, sample_time: float) -> str:
 
 
 def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> Context:
-    per_minute, pulses = 60_000, encoder.pulses_per_revolution * sample_ms
-    shared = math.gcd(per_minute, pulses)
-    fastest = nominal_rpm * _MARGIN / 60.0 * encoder.pulses_per_revolution * sample_ms / 1000.0
-    factor, divisor = per_minute // shared, pulses // shared
+    fastest_rpm = nominal_rpm * _MARGIN
+    fastest = fastest_rpm / 60.0 * encoder.pulses_per_revolution * sample_ms / 1000.0
+    # pulses * factor must fit 32 bits; the clock of micros() has steps of 4 us
+    shift = max(2, math.ceil(math.log2(fastest_rpm * _MARGIN * sample_ms * 1000.0)) - 32)
+    factor = max(1, round(60e6 / 2**shift / encoder.pulses_per_revolution))
     return _pin(encoder.pin, "$.wiring.encoder.pin") | {
         "counter": encoder.counts_in_hardware,
         "interrupt": INTERRUPTS.get(encoder.pin),
         "pulses_per_revolution": encoder.pulses_per_revolution,
+        "shift": shift,
+        "unit_us": 2**shift,
         "factor": factor,
-        "divisor": divisor,
-        "most": min((2**32 - 1 - divisor // 2) // factor, 65535 * divisor // factor),
+        "most": (2**32 - 1) // factor,
         "wide": fastest >= 65535.0,
         "stall_pwm": encoder.stall_pwm,
         "stall_samples": max(1, math.ceil(encoder.stall_s * 1000.0 / sample_ms)),
