@@ -36,6 +36,8 @@ _RECORD_FIXED = 4 + 4 + 2 + 4
 """Bytes of a copy beside the measured temperatures and the states: identity, number, PWM, CRC."""
 _START_MS = 5000
 """How long the model's start waits for thermocouples that are not believed yet."""
+_LINE_BYTES = 110
+"""Longest line that is not a row (output.h)."""
 _MARGIN = 1.25
 """The encoder's fastest pulse train over the nominal one."""
 
@@ -89,7 +91,7 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         "row_every": f"{row_samples * program.model.sample_time:g}",
         "columns": columns,
         "row_bytes": _row_bytes(columns),
-        "ring_bytes": 1 << math.ceil(math.log2(max(256, 2 * _row_bytes(columns)))),
+        "ring_bytes": 1 << math.ceil(math.log2(_row_bytes(columns) + max(_row_bytes(columns), 2 * _LINE_BYTES))),
         "ambient_column": _ambient_column(coefficients),
         "late_ms": max(2, sample_ms // 25),
         "start_samples": start_samples,

@@ -185,6 +185,19 @@ def test_a_flood_on_the_serial_line_changes_nothing(power_up: Open) -> None:
     assert board.hear(1.0).rows[-1]["pwm"] == "7"
 
 
+@pytest.mark.parametrize("line", ["?", "reset", "rows 4", "nonsense", "1000"])
+def test_rows_come_before_answers(power_up: Open, line: str) -> None:
+    board = warm(power_up())
+    board.started()
+    board.hear(1.0)
+    board.uart_send((line + "\n").encode() * 3000, byte_cycles=1389)  # at the line's own speed
+    said = board.hear(3000 * (len(line) + 1) * 1389 / 16e6)
+    times = [float(row["time_s"]) for row in said.rows]
+    assert np.diff(times).max(initial=0.0) <= 1.0
+    assert not any(int(row["flags"]) & (LATE | DROPPED) for row in said.rows)
+    assert board.resets == 0
+
+
 def test_a_number_that_lost_a_digit_is_not_obeyed(power_up: Open) -> None:
     board = power_up()
     board.started()
