@@ -11,7 +11,7 @@ from gen.coefficients.base import Celsius, Counts, Name, Number, Part, Positive,
 from gen.coefficients.schedule import ScheduleEntry
 from gen.coefficients.wiring import Wiring
 
-SKETCH_FILES = frozenset(["board", "config", "console", "crc32", "device", "drive", "encoder"])
+SKETCH_FILES = frozenset(["board", "commands", "config", "console", "crc32", "device", "drive", "encoder"])
 SKETCH_FILES |= {"indicator", "memory", "observer", "output", "selftest", "thermocouples"}
 """Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
 

@@ -26,7 +26,7 @@ from gen.lowering.sensors import (
 from gen.reference.lanes import state_fields
 
 #: Modules of the sketch that every project has.
-_ALWAYS = ("board", "console", "crc32", "drive", "output", "selftest")
+_ALWAYS = ("board", "commands", "console", "crc32", "drive", "output", "selftest")
 EEPROM_BYTES = 4096
 EEPROM_CYCLES = 100_000
 """Erase and write cycles that the ATmega2560's data sheet promises for a byte of EEPROM."""

@@ -136,6 +136,8 @@ NO_COMMANDS = [
     "rows 0",
     "rows",
     "resets",
+    "12\0",
+    "1\t2",
     "-",
 ]
 
