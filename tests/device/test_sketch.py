@@ -17,7 +17,7 @@ from gen.emulate.devices import ResetCause
 from gen.lowering.lower import lower
 from gen.reference.model import ReferenceModel
 from gen.verify.avr.compile import sizes
-from tests.device.board import ONES, OPEN, ZEROS, Board, word
+from tests.device.board import ONES, OPEN, ZEROS, Board, Said, word
 from tests.device.conftest import Open
 from tests.device.variants import CHANNELS, VARIANTS, variant
 
@@ -93,6 +93,20 @@ def test_a_bad_sample_is_flagged_at_once_and_used_nowhere(power_up: Open, bad: i
     assert rows[-1]["sensors"] == "00000"
     model = [float(row["bearing_model_degC"]) for row in rows]
     assert max(model) - min(model) < 0.05  # the model runs on
+
+
+def test_a_frozen_sensor_is_flagged_once_the_model_moves(power_up: Open) -> None:
+    board = power_up("soon_stuck")  # 20 s, 0.1 K
+    board.started()
+    assert {row["sensors"] for row in board.hear(30.0).rows} == {"00000"}  # at PWM 0 the model of a cold motor stays
+    board.send("255")
+    rows = board.hear(60.0).rows
+    first = next(row for row in rows if row["sensors"][3] == "6")
+    assert float(first["casing_model_degC"]) == pytest.approx(30.1, abs=0.01)
+    assert first["casing_degC"] == ""
+    assert rows[-1]["sensors"][1:] == "6660"  # the ambient has no model
+    board.set_celsius("casing", 30.5)
+    assert board.hear(3.0).rows[-1]["casing_degC"] == "30.50"
 
 
 def test_without_the_ambient_the_last_one_goes_on(power_up: Open) -> None:
@@ -331,6 +345,38 @@ def test_an_alarm_that_says_so_stops_the_motor_until_reset(power_up: Open) -> No
     assert board.hear(1.0).rows[-1]["pwm"] == "0"  # it does not start by itself
     board.send("200")
     assert board.hear(1.0).rows[-1]["pwm"] == "200"
+
+
+def follow(board: Board, seconds: float, excess: float) -> Said:
+    """Run on with thermocouples that read what the model says, the casing's so many kelvins more."""
+    whole = Said()
+    for _ in range(round(seconds / 5.0)):
+        said = board.hear(5.0)
+        whole.rows += said.rows
+        whole.events += said.events
+        for channel in CHANNELS[:-1]:
+            model = float(said.rows[-1][f"{channel}_model_degC"])
+            board.set_celsius(channel, model + (excess if channel == "casing" else 0.0))
+    return whole
+
+
+def test_a_hot_casing_raises_the_studys_alarm(power_up: Open) -> None:
+    """The whole way: PWM 50 %, 600 s to settle, 60 s of persistence; the jump itself is not believed at first."""
+    board = power_up()
+    board.started()
+    board.send("128")
+    assert {row["sensors"] for row in follow(board, 300.0, 0.0).rows} == {"00000"}
+    said = follow(board, 60.0, 8.0)
+    assert "00050" in {row["sensors"] for row in said.rows}
+    assert said.rows[-1]["sensors"] == "00000"
+    said = follow(board, 340.0, 8.0)
+    (event,) = [event for event in said.events if "alarm" in event]
+    assert event.endswith(" alarm fault")
+    assert 655 <= float(event.split()[0]) <= 670
+    assert said.rows[-1]["alarms"] == "1"
+    board.send("reset")
+    assert follow(board, 5.0, 8.0).rows[-1]["alarms"] == "0"
+    assert follow(board, 70.0, 8.0).rows[-1]["alarms"] == "1"  # the casing is still hot
 
 
 def test_the_self_test_knows_the_flash(power_up: Open, tmp_path: Path) -> None:
