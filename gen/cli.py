@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import click
 
 from gen import __version__
-from gen.commands_identify import study
+from gen.commands_identify import identify, study
 from gen.errors import CheckFailed, InputError
 
 if TYPE_CHECKING:
@@ -151,6 +151,7 @@ def simulate(
     click.echo(f"{target}: {len(measured.time_s)} rows")
 
 
+cli.add_command(identify)
 cli.add_command(study)
 
 

@@ -2,9 +2,86 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
+
+
+@click.command(epilog="Example:  gen identify cold_*.csv --out coeffs.json --report identification.html")
+@click.argument("runs", metavar="RUN...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="The coefficient file to write.")
+@click.option("--json", "json_file", type=click.Path(path_type=Path), help="Write all that was found as JSON.")
+@click.option("--report", type=click.Path(path_type=Path), help="Write an HTML report with plots.")
+@click.option("--name", default="motor", show_default=True, help="The model's name.")
+@click.option("--ambient", type=float, help="Ambient in degC for runs without an ambient_degC column.")
+@click.option(
+    "--sample-time", type=click.FloatRange(0.001, 3600.0), default=0.25, show_default=True, help="The board's, s."
+)
+@click.option(
+    "--full-scale", type=click.IntRange(1, 255), default=255, show_default=True, help="The count that is 100 %."
+)
+@click.option("--rpm", type=click.FloatRange(1e-3), default=2650.0, show_default=True, help="Speed at full scale.")
+@click.option("--max-order", type=click.IntRange(1, 4), default=4, show_default=True)
+def identify(
+    runs: tuple[Path, ...],
+    out: Path,
+    json_file: Path | None,
+    report: Path | None,
+    name: str,
+    ambient: float | None,
+    sample_time: float,
+    full_scale: int,
+    rpm: float,
+    max_order: int,
+) -> None:
+    """Identify a speed-scheduled model from measured runs and write its coefficient file."""
+    from gen.coefficients.names import name_fault
+    from gen.errors import InputError
+    from gen.files import write_text
+    from gen.loop.identify.coefficients import Settings, coefficient_text
+    from gen.loop.identify.data import read_data
+    from gen.loop.identify.identify import identify as run
+    from gen.loop.identify.summary import summary, text
+
+    fault = name_fault(name)
+    if fault:
+        raise InputError(fault, place="--name")
+    with _progress() as progress:
+        progress("reading")
+        data = read_data(runs, ambient)
+        found = run(data, progress, max_order)
+        written, loaded = coefficient_text(data, found, Settings(name, sample_time, full_scale, rpm))
+        page = None
+        if report is not None:
+            from gen.loop.identify.report import report_html
+
+            progress("report")
+            page = report_html(data, found, loaded)
+    write_text(out, written)
+    if json_file is not None:
+        write_text(json_file, json.dumps(summary(data, found), indent=1, allow_nan=True) + "\n")
+    if report is not None and page is not None:
+        write_text(report, page)
+    click.echo(text(data, found))
+    for warning in loaded.warnings:
+        click.echo(f"warning: {out}: {warning}", err=True)
+    click.echo(f"{out}: {len(found)} component(s)")
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """A line that says what is being done, on a terminal only."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda _: None
+        return
+    with console.status("") as status:
+        yield lambda message: status.update(message)
 
 
 @click.command(epilog="Example:  gen study examples/my1016/study.json")

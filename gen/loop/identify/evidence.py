@@ -1,7 +1,8 @@
 """What the residuals say: noise that averages out slowly, intervals, information criteria, whiteness, independence.
 
-Residuals of a thermal run are correlated (quantiser, drift, what the model lacks), so formulas for white noise would give
-intervals that are far too narrow. Here the spectral density of the residual at low frequency replaces the variance.
+Residuals of a thermal run are correlated (quantiser, drift, what the model lacks), so formulas for white noise would
+give intervals that are far too narrow. Here the spectral density of the residual at low frequency replaces
+the variance.
 """
 
 from __future__ import annotations
@@ -106,7 +107,7 @@ class Uncertainty:
     @property
     def deviation(self) -> FloatArray:
         """Standard deviations, shape (P,)."""
-        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        return np.asarray(np.sqrt(np.maximum(np.diag(self.covariance), 0.0)), dtype=np.float64)
 
     @property
     def factor(self) -> float:
@@ -211,7 +212,7 @@ def raw_residual(problem: Problem, fit: Fit, r: int) -> FloatArray:
     vectors = fit.vector[None, :]
     poles, steady = problem.by_level(fit.layout, vectors)
     model = simulator(poles, steady, problem.start_state(fit.layout, vectors, r))[0]
-    return record.raw_rise - model - fit.offset
+    return np.asarray(record.raw_rise - model - fit.offset, dtype=np.float64)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from scipy.optimize import least_squares
 
 from gen.loop.identify.records import Record, levels_of
 from gen.loop.identify.response import mixed_poles, simulate
-from gen.loop.identify.structure import FloatArray, Structure
+from gen.loop.identify.structure import FloatArray, PoleArray, Structure
 
 _STEP = 1e-5
 """Difference quotient's step in a logarithm; the second order it neglects is 1e-5 of the derivative."""
@@ -55,7 +56,7 @@ class Simulator:
         used |= {int(i) for share in self._mixed.values() for i in np.flatnonzero(share)}
         self.used = np.array(sorted(used), dtype=np.int64)
 
-    def __call__(self, poles: NDArray[np.generic], steady: FloatArray, start: FloatArray) -> FloatArray:
+    def __call__(self, poles: PoleArray, steady: FloatArray, start: FloatArray) -> FloatArray:
         """Simulate.
 
         Parameters
@@ -72,13 +73,13 @@ class Simulator:
         array
             Rise, shape (B, M), K.
         """
-        p = np.asarray(poles)[:, self._level]
+        p: PoleArray = poles[:, self._level]
         s = steady[:, self._level].copy()
         if self._mixed:
             p = p.astype(np.complex128)
         for j, share in self._mixed.items():
             p[:, j] = mixed_poles(np.asarray(poles, dtype=np.complex128), share)
-            last = np.abs(np.prod(poles, axis=2))
+            last = np.abs(np.prod(np.asarray(poles, dtype=np.complex128), axis=2))
             s[:, j] = (last * steady) @ share / (last @ share)
         return simulate(p, s, start, self.record.segments.length, self.offsets)
 
@@ -221,7 +222,7 @@ class Problem:
         warm = tuple(structure.order if is_warm(record) else 1 for record in self.records)
         return Layout(structure, self.nodes, warm, offset)
 
-    def by_level(self, layout: Layout, vectors: FloatArray) -> tuple[NDArray[np.generic], FloatArray]:
+    def by_level(self, layout: Layout, vectors: FloatArray) -> tuple[PoleArray, FloatArray]:
         """Poles (B, L, n) and steady rise (B, L) of a batch of vectors, shape (B, P)."""
         theta = np.einsum("ln,bnk->blk", self._theta_weights, layout.theta(vectors))
         steady = layout.steady(vectors) @ self._steady_weights.T
@@ -280,7 +281,7 @@ class Problem:
         """
         selected = np.ones(int(self.rows[-1])) if mask is None else mask
         prior = _Prior(layout)
-        last: dict[str, object] = {}
+        last: dict[str, Any] = {}
 
         def both(vector: FloatArray) -> tuple[FloatArray, FloatArray]:
             if last.get("key") != vector.tobytes():
@@ -291,9 +292,13 @@ class Problem:
                     np.concatenate([jacobian * selected[:, None], prior.jacobian]),
                 )
                 last["key"] = vector.tobytes()
-            value = last["value"]
-            assert isinstance(value, tuple)
-            return value
+            return last["value"]  # type: ignore[no-any-return]
+
+        def value(vector: FloatArray) -> FloatArray:
+            return both(vector)[0]
+
+        def slope(vector: FloatArray) -> FloatArray:
+            return both(vector)[1]
 
         longest = max(record.duration for record in self.records)
         shortest = min(record.sample_s for record in self.records)
@@ -305,9 +310,9 @@ class Problem:
             low[zeta], high[zeta] = np.log(0.02), np.log(30.0)
         start = np.clip(start, low + 1e-6, high - 1e-6)
         found = least_squares(
-            lambda v: both(v)[0],
+            value,
             start,
-            jac=lambda v: both(v)[1],
+            jac=slope,
             bounds=(low, high),
             x_scale="jac",
             ftol=1e-7,

@@ -6,12 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.loop.identify.evidence import Uncertainty, uncertainty
 from gen.loop.identify.fit import Fit, Problem
 from gen.loop.identify.response import simulate
 from gen.loop.identify.start import first_order, ladder
-from gen.loop.identify.structure import CANDIDATES, FloatArray, Structure
+from gen.loop.identify.structure import CANDIDATES, FloatArray, PoleArray, Structure
 
 FOLDS = 4
 CHUNKS = 20
@@ -203,7 +204,7 @@ def _unphysical(problem: Problem, fit: Fit, spread: Uncertainty) -> list[str]:
     return reasons
 
 
-def _rings(problem: Problem, fit: Fit, poles: np.ndarray, node: int) -> bool:  # type: ignore[type-arg]
+def _rings(problem: Problem, fit: Fit, poles: PoleArray, node: int) -> bool:
     """Whether the step response at a node overshoots beyond the noise: no passive heat path does."""
     if not np.iscomplexobj(poles) or np.all(np.abs(poles[node].imag) < 1e-9):
         return False
@@ -217,5 +218,5 @@ def _rings(problem: Problem, fit: Fit, poles: np.ndarray, node: int) -> bool:  #
     return bool(float(np.max(rise)) - height > 2.0 * max(noise, 1e-3))
 
 
-def _listed(values: np.ndarray) -> str:  # type: ignore[type-arg]
+def _listed(values: NDArray[np.int64]) -> str:
     return ", ".join(str(v) for v in values)

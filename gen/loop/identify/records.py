@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,9 +104,7 @@ class Record:
         """Times since the beginning of each one's segment, by segment."""
         time, segment = (self.raw_time, self.raw_segment) if raw else (self.time, self.segment)
         bounds = np.searchsorted(segment, np.arange(len(self.segments.start) + 1))
-        return [
-            time[a:b] - self.segments.start[j] for j, (a, b) in enumerate(zip(bounds[:-1], bounds[1:], strict=True))
-        ]
+        return [time[a:b] - start for start, (a, b) in zip(self.segments.start, pairwise(bounds), strict=True)]
 
     @property
     def weight(self) -> FloatArray:
@@ -121,7 +120,7 @@ def quantiser_bias(noise: float, quantum: float) -> float:
     """Give the standard deviation of the mean error that a quantiser leaves in a constant signal with noise, K.
 
     The error of the mean is a sine of the signal with amplitude (q / pi) exp(-2 (pi sigma / q)^2), its first harmonic
-    (Widrow and Kollar, Quantization Noise, chapter 4); without noise it is the sawtooth of standard deviation q/sqrt(12).
+    (Widrow and Kollar, Quantization Noise, chapter 4); without noise it is the sawtooth, q/sqrt(12).
     """
     if quantum <= 0.0:
         return 0.0

@@ -4,20 +4,19 @@ Within a segment the deviation z from the steady rise obeys A(d/dt) z = 0. In Ne
 
     z(t) = sum over k of d_k * exp[p1 .. pk](t),
 
-with divided differences of p -> exp(p t) and d_k = (D - p1) .. (D - p[k-1]) z(0), D = d/dt. That needs no eigenvectors, holds for
-real and complex poles, and gives the derivatives at the segment's end, which pass over to the next segment:
-rise and derivatives are continuous when PWM changes, as in `gen.model.exact`.
+with divided differences of p -> exp(p t) and d_k = (D - p1) .. (D - p[k-1]) z(0), D = d/dt. That needs no
+eigenvectors, holds for real and complex poles, and gives the derivatives at the segment's end, which pass over to the
+next segment: rise and derivatives are continuous when PWM changes, as in `gen.model.exact`.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.loop.identify.structure import ComplexArray, FloatArray, separated
+from gen.loop.identify.structure import ComplexArray, FloatArray, PoleArray, separated
 
 
-def divided_differences(poles: ComplexArray | FloatArray, time: FloatArray) -> ComplexArray | FloatArray:
+def divided_differences(poles: PoleArray, time: FloatArray) -> PoleArray:
     """Give exp[p1 .. pk](t) for k = 1 .. n.
 
     Parameters
@@ -43,7 +42,7 @@ def divided_differences(poles: ComplexArray | FloatArray, time: FloatArray) -> C
 
 
 def simulate(
-    poles: ComplexArray | FloatArray,
+    poles: PoleArray,
     steady: FloatArray,
     start: FloatArray,
     length: FloatArray,
@@ -85,7 +84,7 @@ def simulate(
     return np.concatenate(parts, axis=1) if parts else np.empty((len(start), 0))
 
 
-def newton_weights(poles: ComplexArray | FloatArray, state: ComplexArray | FloatArray) -> ComplexArray | FloatArray:
+def newton_weights(poles: PoleArray, state: PoleArray) -> PoleArray:
     """Give d_k from z and its derivatives, shape (B, n)."""
     rest = state
     weights = np.empty_like(state)
@@ -95,9 +94,7 @@ def newton_weights(poles: ComplexArray | FloatArray, state: ComplexArray | Float
     return weights
 
 
-def _derivatives(
-    poles: ComplexArray | FloatArray, weights: ComplexArray | FloatArray, basis: ComplexArray | FloatArray
-) -> ComplexArray | FloatArray:
+def _derivatives(poles: PoleArray, weights: PoleArray, basis: PoleArray) -> PoleArray:
     """Rise and derivatives from the basis' values: d/dt exp[p1..pk] = pk exp[p1..pk] + exp[p1..p(k-1)]."""
     state = np.empty_like(weights)
     for k in range(poles.shape[1]):
@@ -108,7 +105,7 @@ def _derivatives(
     return np.real(state).astype(weights.dtype)
 
 
-def mixed_poles(poles: ComplexArray | FloatArray, share: FloatArray) -> ComplexArray:
+def mixed_poles(poles: PoleArray, share: FloatArray) -> ComplexArray:
     """Average systems that take turns faster than any of them reacts: the roots of their mean A.
 
     Parameters
@@ -138,6 +135,3 @@ def mixed_poles(poles: ComplexArray | FloatArray, share: FloatArray) -> ComplexA
     rate = np.abs(mean[:, -1]) ** (1.0 / order)
     scale = rate[:, None] ** np.arange(order)
     return np.asarray(np.linalg.eigvals(companion * (scale[:, None, :] / scale[:, :, None])), dtype=np.complex128)
-
-
-Index = NDArray[np.int64]

@@ -69,9 +69,7 @@ def richer(simple: Fit, structure: Structure) -> Iterator[FloatArray]:
 def ladder(problem: Problem, simple: Fit, structure: Structure) -> Fit:
     """Fit a structure from several starts, composed node by node of the best."""
     layout = problem.layout(structure)
-    fits = [
-        problem.fit(layout, common(problem, layout, theta), most=15) for theta in richer(simple, structure)
-    ]
+    fits = [problem.fit(layout, common(problem, layout, theta), most=15) for theta in richer(simple, structure)]
     best = min(fits, key=lambda fit: fit.cost)
     composed = _compose(problem, layout, fits)
     final = [problem.fit(layout, best.vector)]
@@ -98,7 +96,5 @@ def _compose(problem: Problem, layout: Layout, fits: list[Fit]) -> FloatArray | 
 
 
 def _cost(problem: Problem, layout: Layout, vector: FloatArray) -> float:
-    residuals = [
-        record.rise - problem.model(layout, vector[None, :], r)[0] for r, record in enumerate(problem.records)
-    ]
+    residuals = [record.rise - problem.model(layout, vector[None, :], r)[0] for r, record in enumerate(problem.records)]
     return sum(float(np.sum((w * e) ** 2)) for w, e in zip(problem.weights, residuals, strict=True))

@@ -8,12 +8,15 @@ stable system, and a relative error of a time constant is what an absolute error
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+PoleArray = NDArray[Any]
+"""float64, or complex128 where there is a pair."""
 
 _NEAR_CRITICAL = 1e-6
 """|zeta^2 - 1| below this is moved to it: the response hardly changes (1e-6 of it), and roots stay apart."""
@@ -44,7 +47,7 @@ class Structure:
         """Number of real poles outside of the pair."""
         return self.order - 2 if self.pair else self.order
 
-    def poles(self, theta: FloatArray) -> ComplexArray | FloatArray:
+    def poles(self, theta: FloatArray) -> PoleArray:
         """Give the poles.
 
         Parameters
@@ -92,7 +95,7 @@ CANDIDATES = (
 """From simple to rich."""
 
 
-def separated(poles: ComplexArray | FloatArray, gap: float = 1e-3) -> ComplexArray | FloatArray:
+def separated(poles: PoleArray, gap: float = 1e-3) -> PoleArray:
     """Move poles that (nearly) coincide apart by a share `gap` of themselves.
 
     Divided differences lose digits with coinciding poles; the response changes by about gap^2 of itself.
