@@ -136,7 +136,8 @@ def uncertainty(problem: Problem, fit: Fit) -> Uncertainty:
     covariance = inverse @ meat @ inverse
     bias = max(quantiser_bias(record.noise_K, record.quantum_K) for record in problem.records)
     gains = np.arange(layout.thetas, layout.thetas + len(layout.positive))
-    covariance[gains, gains] += bias**2
+    # An estimated offset is read off a quantised sensor as well.
+    covariance[gains, gains] += bias**2 * (2.0 if layout.offset else 1.0)
     freedom = sum(noise.effective for noise in noises) / 4.0 - layout.size
     return Uncertainty(covariance, max(freedom, 3.0), tuple(noises))
 
