@@ -57,7 +57,7 @@ def trial(seed: int) -> Trial:
     begin = time.perf_counter()
     data = make_data([Source(f"run{i}.csv", run) for i, run in enumerate(runs)], None)
     found = identify(data, lambda _: None)["part"]
-    _, loaded = coefficient_text(data, {"part": found}, Settings("plant", sample_time_s=1.0))
+    _, loaded = coefficient_text(data, {"part": found}, Settings("plant"))
     seconds = time.perf_counter() - begin
     errors = {known: _error(plant, loaded, rng, known=known) for known in (True, False)}
     return Trial(

@@ -52,7 +52,7 @@ def identify(
     with _progress() as progress:
         progress("reading")
         data = read_data(runs, ambient)
-        found = run(data, progress, max_order)
+        found = run(data, progress, max_order, sample_time)
         written, loaded = coefficient_text(data, found, Settings(name, sample_time, full_scale, rpm))
         page = None
         if report is not None:
@@ -86,12 +86,21 @@ def _progress() -> Iterator[Callable[[str], None]]:
 
 @click.command(epilog="Example:  gen study examples/my1016/study.json")
 @click.argument("tables", type=click.Path(path_type=Path), default=Path("examples/my1016/study.json"))
-def study(tables: Path) -> None:
-    """Compute the source study's tables again, beside the printed values.
+@click.option("--tables-only", is_flag=True, help="Leave out the comparison with gen identify.")
+def study(tables: Path, tables_only: bool) -> None:
+    """Compute the source study's tables again, and compare its schedules with those that gen identify chooses.
 
     TABLES holds the study's numbers  [default: examples/my1016/study.json].
     """
     from gen.study.tables import read_study
-    from gen.study.text import reproduction
+    from gen.study.text import comparison, reproduction
 
-    click.echo(reproduction(read_study(tables)))
+    numbers = read_study(tables)
+    click.echo(reproduction(numbers))
+    if not tables_only:
+        from gen.study.compare import compare
+
+        with _progress() as progress:
+            found = compare(numbers, progress)
+        click.echo("")
+        click.echo(comparison(numbers, found))

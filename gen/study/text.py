@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
+from gen.study.compare import Comparison
 from gen.study.disagreements import disagreements
 from gen.study.reproduce import EXACT_K, Entry, reproduce
-from gen.study.tables import Study
+from gen.study.tables import STEADY_S, TRANSIENT_S, FloatArray, Study
 
 _TITLES = {
     "4.4": "Table 4.4: poles over speed (rad/s)",
@@ -78,3 +81,32 @@ def table_lines(heads: Sequence[str], rows: Iterator[tuple[str, ...]] | list[tup
 def _free(cell: str, width: int) -> str:
     number, _, rest = cell.partition("  ")
     return f"{number.rjust(width)}  {rest}"
+
+
+def comparison(study: Study, found: Comparison) -> str:
+    """Write the comparison of the study's schedules with those that `gen identify` chooses."""
+    lines = [
+        "The same data, two general models: model minus the curves of Table 4.3 (K)",
+        "The curves are read at 1 s with the sensor's 0.25 degC and given to gen identify as five run files.",
+    ]
+    heads = ("component", "schedules", *(f"{speed} %" for speed in study.speeds), "worst")
+    for title, ours, theirs in (
+        (f"at {STEADY_S} s", _at(found.ours, STEADY_S), _at(found.study, STEADY_S)),
+        (f"at {TRANSIENT_S} s", _at(found.ours, TRANSIENT_S), _at(found.study, TRANSIENT_S)),
+        ("steady rise at a speed that was left out", found.ours_left_out, found.study_left_out),
+    ):
+        rows = []
+        for name in study.components:
+            for whose, errors in (("study", theirs[name]), ("gen identify", ours[name])):
+                cells = (f"{e:+.2f}" for e in errors)
+                rows.append((name, whose, *cells, f"{np.max(np.abs(errors)):.2f}"))
+        lines += ["", title, *table_lines(heads, rows)]
+        worst = [max(float(np.max(np.abs(e))) for e in errors.values()) for errors in (theirs, ours)]
+        lines.append(f"  worst of all: study {worst[0]:.2f} K, gen identify {worst[1]:.2f} K")
+    lines += ["", "What gen identify chose:"]
+    lines += [f"  {name}: {forms}" for name, forms in found.forms.items()]
+    return "\n".join(lines)
+
+
+def _at(errors: dict[str, dict[int, FloatArray]], time: int) -> dict[str, FloatArray]:
+    return {name: by_time[time] for name, by_time in errors.items()}

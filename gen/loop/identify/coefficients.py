@@ -90,7 +90,7 @@ def _tree(data: Data, found: Mapping[str, Identified], settings: Settings) -> di
         "provenance": {
             "source": "gen identify",
             "method": "Output-error fit of transfer functions without zeros at each speed; order by the error on "
-            "held-out data; schedules by leave-one-speed-out error in K; all parameters refined on the runs by simulation error",
+            "held-out data; schedules by leave-one-speed-out error in K; all parameters refined on the runs",
             "data": [source.path.rsplit("/", 1)[-1] for source in data.sources],
             "fit": {name: _figures(item) for name, item in found.items()},
             "error": [entry for name, item in found.items() for entry in _errors(name, item)],

@@ -28,6 +28,9 @@ data say nothing."""
 OFFSET_PRIOR = 1.1
 """Prior standard deviation of a sensor's offset, K: the tolerance of a type K thermocouple with its amplifier."""
 
+LARGEST_ZETA = 4.0
+"""A pair with more damping is two real poles a factor of 60 apart: no pair."""
+
 
 class Simulator:
     """Simulates one record for many parameter sets given by |PWM| level.
@@ -204,10 +207,13 @@ class Problem:
         One per run.
     nodes
         Identified |PWM|.
+    fastest
+        Shortest time constant that is looked for, s.
     """
 
-    def __init__(self, records: Sequence[Record], nodes: NDArray[np.int64]) -> None:
+    def __init__(self, records: Sequence[Record], nodes: NDArray[np.int64], fastest: float = 0.0) -> None:
         self.records = tuple(records)
+        self.fastest = max(fastest, 2.0 * min(record.sample_s for record in records))
         self.nodes = nodes
         self.levels = levels_of(records)
         self.simulators = [Simulator(record, self.levels) for record in records]
@@ -301,13 +307,14 @@ class Problem:
             return both(vector)[1]
 
         longest = max(record.duration for record in self.records)
-        shortest = min(record.sample_s for record in self.records)
         low = np.full(layout.size, -np.inf)
         high = np.full(layout.size, np.inf)
-        low[: layout.thetas], high[: layout.thetas] = np.log(0.5 * shortest), np.log(100.0 * longest)
+        low[: layout.thetas], high[: layout.thetas] = np.log(self.fastest), np.log(100.0 * longest)
         if layout.structure.pair:
-            zeta = np.arange(layout.thetas).reshape(-1, layout.order)[:, -1]
-            low[zeta], high[zeta] = np.log(0.02), np.log(30.0)
+            # The pair's faster pole is up to 2 zeta omega.
+            omega, zeta = np.arange(layout.thetas).reshape(-1, layout.order)[:, -2:].T
+            low[omega] = np.log(self.fastest * 2.0 * LARGEST_ZETA)
+            low[zeta], high[zeta] = np.log(0.02), np.log(LARGEST_ZETA)
         start = np.clip(start, low + 1e-6, high - 1e-6)
         found = least_squares(
             value,

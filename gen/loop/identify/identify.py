@@ -82,7 +82,13 @@ class Identified:
         return bool(self.fit.layout.nodes[0] == 0)
 
 
-def identify(data: Data, progress: Callable[[str], None], most: int = 4) -> dict[str, Identified]:
+FASTEST = 30.0
+"""Time constants shorter than this many steps of the board are not looked for; the lowering takes 10."""
+
+
+def identify(
+    data: Data, progress: Callable[[str], None], most: int = 4, sample_time: float = 0.25
+) -> dict[str, Identified]:
     """Identify every component.
 
     Parameters
@@ -93,17 +99,25 @@ def identify(data: Data, progress: Callable[[str], None], most: int = 4) -> dict
         Told what is being done.
     most
         Highest order to try.
+    sample_time
+        The board's step, s.
     """
-    return {
-        name: identify_component(name, records, lambda text, name=name: progress(f"{name}: {text}"), most)  # type: ignore[misc]
-        for name, records in data.records.items()
-    }
+    found = {}
+    for name, records in data.records.items():
+
+        def told(text: str, name: str = name) -> None:
+            progress(f"{name}: {text}")
+
+        found[name] = identify_component(name, records, told, most, FASTEST * sample_time)
+    return found
 
 
-def identify_component(name: str, records: Sequence[Record], progress: Callable[[str], None], most: int) -> Identified:
-    """Identify one component from its records."""
+def identify_component(
+    name: str, records: Sequence[Record], progress: Callable[[str], None], most: int, fastest: float
+) -> Identified:
+    """Identify one component from its records; no time constant below `fastest`, s."""
     nodes = identified_speeds(records)
-    problem = Problem(records, nodes)
+    problem = Problem(records, nodes, fastest)
     choice = choose(problem, progress, most)
     fit, spread, offset_sd = _with_offset(problem, choice.chosen)
     progress("schedules")

@@ -197,10 +197,11 @@ def _unphysical(problem: Problem, fit: Fit, spread: Uncertainty) -> list[str]:
     for label, share in zip(layout.structure.labels, unknown, strict=True):
         if share > 0.5:
             reasons.append(f"not identifiable: {label} is uncertain by more than a factor of 2.7 at most speeds")
-    fast = min(record.sample_s for record in problem.records)
     smallest = np.median(1.0 / np.max(np.abs(poles), axis=1))
-    if layout.order > 1 and smallest < 1.5 * fast:
-        reasons.append(f"not identifiable: a time constant of {smallest:.2g} s is below the sampling interval")
+    if layout.order > 1 and smallest < 1.2 * problem.fastest:
+        reasons.append(
+            f"not identifiable: a time constant runs to the shortest one looked for, {problem.fastest:.2g} s"
+        )
     return reasons
 
 

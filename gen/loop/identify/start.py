@@ -37,7 +37,7 @@ def first_order(problem: Problem) -> Fit:
     """Fit order 1 from a grid of time constants common to all speeds."""
     layout = problem.layout(Structure(1))
     longest = max(record.duration for record in problem.records)
-    shortest = max(3.0 * max(record.sample_s for record in problem.records), longest / 300.0)
+    shortest = max(2.0 * problem.fastest, longest / 300.0)
     starts = []
     for tau in np.geomspace(shortest, 3.0 * longest, _GRID):
         vector = common(problem, layout, np.full((len(layout.nodes), 1), np.log(tau)))
