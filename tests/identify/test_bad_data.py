@@ -167,7 +167,7 @@ def test_an_unsettled_run_shows_what_it_extrapolates() -> None:
 def test_ten_million_rows(tmp_path: Path) -> None:
     """In memory, as reading them is the run reader's business; every row counts and it takes seconds."""
     count = 10_000_000
-    time = np.arange(count) * (10800.0 / count)
+    time = np.linspace(0.0, 10800.0, count, dtype=np.float64)
     true = 30.0 + 40.0 * (1.0 - np.exp(-time / 1200.0))
     noisy = true + np.random.default_rng(1).normal(0.0, 0.5, count)
     run = Run(time, np.full(count, 102), {"brush": noisy}, np.full(count, 30.0))

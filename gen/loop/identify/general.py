@@ -240,16 +240,15 @@ def guard(shape: Shape, vector: FloatArray, fit: Fit) -> str:
     str
         What is wrong, or nothing.
     """
-    pwm = np.arange(1.0, 256.0)
+    pwm = np.append(1e-3, np.arange(1.0, 256.0))
     theta, steady = shape.evaluate(vector, pwm)
     if not (np.isfinite(theta).all() and np.isfinite(steady).all()):
         return "is not finite"
     low, high = int(shape.x[0]), int(shape.x[-1])
     inside = (pwm >= low) & (pwm <= high)
-    slow = shape.structure.poles(theta[inside])
-    known = shape.structure.poles(fit.theta[int(shape.standstill) :])
-    limits = (np.abs(known).min() / 3.0, np.abs(known).max() * 3.0)
-    if np.abs(slow).min() < limits[0] or np.abs(slow).max() > limits[1]:
+    drawn = np.abs(shape.structure.poles(theta))
+    known = np.abs(shape.structure.poles(fit.theta))
+    if drawn.min() < known.min() / 3.0 or drawn.max() > known.max() * 3.0:
         return "time constants leave the identified ones by more than a factor of 3"
     if steady[inside].min() < 0.0 <= fit.steady.min():
         return f"the gain changes sign at PWM {int(pwm[inside][np.argmin(steady[inside])])}"

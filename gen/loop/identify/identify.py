@@ -132,7 +132,7 @@ def identify_component(
         fit=fit,
         spread=spread,
         offset_sd=offset_sd,
-        criteria={c.structure.name: _criteria(problem, c) for c in choice.candidates},
+        criteria={c.structure.name: _criteria(problem, c, choice) for c in choice.candidates},
         tests=_tests(problem, model),
         settled=_settled(problem, fit),
         linearity=linearity(problem, fit),
@@ -175,8 +175,11 @@ def _with_offset(problem: Problem, chosen: Candidate) -> tuple[Fit, Uncertainty,
     return fit, spread, deviation
 
 
-def _criteria(problem: Problem, candidate: Candidate) -> dict[int, Criteria]:
-    """Criteria at each identified speed, from the raw samples in the segments of that speed."""
+def _criteria(problem: Problem, candidate: Candidate, choice: Choice) -> dict[int, Criteria]:
+    """Criteria at each identified speed, from the raw samples in the segments of that speed.
+
+    The number of effective samples is that of the chosen structure: criteria are only comparable over the same data.
+    """
     errors: dict[int, list[FloatArray]] = {}
     values: dict[int, list[FloatArray]] = {}
     effective: dict[int, float] = {}
@@ -188,7 +191,7 @@ def _criteria(problem: Problem, candidate: Candidate) -> dict[int, Criteria]:
             if mine.any():
                 errors.setdefault(node, []).append(error[mine])
                 values.setdefault(node, []).append(record.raw_rise[mine])
-                share = candidate.uncertainty.noises[r].effective * float(mine.mean())
+                share = choice.chosen.uncertainty.noises[r].effective * float(mine.mean())
                 effective[node] = effective.get(node, 0.0) + share
     parameters = candidate.structure.order + 2.0
     return {

@@ -75,11 +75,16 @@ def refine(problem: Problem, fit: Fit, shape: Shape, vector: FloatArray, most: i
     begin = np.concatenate([vector, fit.vector[fit.layout.thetas + len(fit.layout.positive) :]])
     scale = np.maximum(np.abs(begin), 1e-12)
 
+    # Where the runs say little a time constant stays near its start: one standard deviation is a factor of e.
+    hold = _time_scales(shape, vector)
+    prior = np.zeros((len(hold), len(begin)))
+    prior[np.arange(len(hold)), np.arange(len(hold))] = scale[: len(hold)] * hold
+
     def value(z: FloatArray) -> FloatArray:
-        return task.weighted(begin + scale * z)[0]
+        return np.concatenate([task.weighted(begin + scale * z)[0], prior @ z])
 
     def slope(z: FloatArray) -> FloatArray:
-        return np.asarray(task.weighted(begin + scale * z)[1] * scale, dtype=np.float64)
+        return np.concatenate([task.weighted(begin + scale * z)[1] * scale, prior])
 
     found = least_squares(
         value,
@@ -101,6 +106,16 @@ def refine(problem: Problem, fit: Fit, shape: Shape, vector: FloatArray, most: i
         float(full[-1]) if fit.layout.offset else 0.0,
         tuple(residuals),
     )
+
+
+def _time_scales(shape: Shape, vector: FloatArray) -> FloatArray:
+    """One over the prior's standard deviation of each parameter of the time constants, from the vector's beginning on."""
+    size = shape.structure.order * shape.time_size
+    moving = np.zeros(size)
+    if shape.time.interpolates:
+        moving = np.ones(size) if shape.time.quantity == "log" else 1.0 / np.maximum(np.abs(vector[:size]), 1e-12)
+    still = np.ones(shape.structure.order if shape.standstill else 0)
+    return np.concatenate([moving, still])
 
 
 class _Task:
