@@ -41,7 +41,7 @@ def identify(
     from gen.coefficients.names import name_fault
     from gen.errors import InputError
     from gen.files import write_text
-    from gen.loop.identify.coefficients import Settings, coefficient_text
+    from gen.loop.identify.coefficients import Settings, coefficient_text, usable
     from gen.loop.identify.data import read_data
     from gen.loop.identify.identify import identify as run
     from gen.loop.identify.summary import summary, text
@@ -53,7 +53,9 @@ def identify(
         progress("reading")
         data = read_data(runs, ambient)
         found = run(data, progress, max_order, sample_time)
-        written, loaded = coefficient_text(data, found, Settings(name, sample_time, full_scale, rpm))
+        settings = Settings(name, sample_time, full_scale, rpm)
+        data, found = usable(data, found, settings)
+        written, loaded = coefficient_text(data, found, settings)
         page = None
         if report is not None:
             from gen.loop.identify.report import report_html

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients, parse
 from gen.errors import CheckFailed, InputError
@@ -59,9 +60,38 @@ def coefficient_text(data: Data, found: Mapping[str, Identified], settings: Sett
         raise CheckFailed(f"the identified model is not one that can be built: {error}") from error
 
 
+HIGHEST_K = 3000.0
+"""A steady rise over this at full scale is no result: the runs show no sign of settling."""
+
+
+def usable(data: Data, found: Mapping[str, Identified], settings: Settings) -> tuple[Data, dict[str, Identified]]:
+    """Leave out components whose runs show no steady state at all; the data's warnings say which.
+
+    Raises
+    ------
+    CheckFailed
+        When none is left.
+    """
+    kept: dict[str, Identified] = {}
+    reasons = []
+    for name, item in found.items():
+        rise = float(np.max(item.model.evaluate(np.array([float(settings.full_scale)]))[1]))
+        if rise > HIGHEST_K:
+            longest = max(record.duration for record in item.problem.records)
+            reasons.append(
+                f"{name} is left out: runs of up to {longest:.0f} s do not show where it settles "
+                f"({rise:.0f} K at full scale would fit); expected longer runs"
+            )
+        else:
+            kept[name] = item
+    if not kept:
+        raise CheckFailed("; ".join(reasons))
+    return replace(data, warnings=(*data.warnings, *reasons)), kept
+
+
 def _tree(data: Data, found: Mapping[str, Identified], settings: Settings) -> dict[str, Any]:
-    low = min(min(item.speeds) for item in found.values())
-    high = max(max(item.speeds) for item in found.values())
+    low = min(item.range[0] for item in found.values())
+    high = max(item.range[1] for item in found.values())
     if high > settings.full_scale:
         raise InputError(f"found |PWM| {high} in the runs, over the full scale of {settings.full_scale}")
     still = any(item.standstill for item in found.values())
@@ -110,7 +140,7 @@ def _domain(data: Data, found: Mapping[str, Identified], settings: Settings) -> 
     cold, warm = min([-10.0, *ambients]), max([50.0, *ambients])
     hottest = max(float(np.max(r.raw_rise)) for item in found.values() for r in item.problem.records) + warm
     steady = max(float(np.max(item.band.steady)) for item in found.values()) + warm
-    top = 10.0 * math.ceil(max(150.0, 1.1 * hottest, 1.1 * steady) / 10.0)
+    top = min(10.0 * math.ceil(max(150.0, 1.1 * hottest, 1.1 * steady) / 10.0), 5000.0)
     return {
         "pwm": [0, settings.full_scale],
         "ambient_degC": [math.floor(cold), math.ceil(warm)],
@@ -142,13 +172,13 @@ def _steady_sd(item: Identified, pwm: int) -> float:
 def _errors(name: str, item: Identified) -> list[dict[str, Any]]:
     """One entry a speed: what was measured there, widened to the neighbours' middle by what is not known in between."""
     speeds = item.speeds
-    edges = [speeds[0], *((a + b) // 2 for a, b in pairwise(speeds)), speeds[-1] + 1]
+    edges = [item.range[0], *((a + b) // 2 for a, b in pairwise(speeds)), item.range[1] + 1]
     entries = []
     if item.standstill:
         entries.append(_entry(name, item, 0, (0, 0), 0.0))
     for i, pwm in enumerate(speeds):
         first, last = edges[i], max(edges[i + 1] - 1, edges[i])
-        entries.append(_entry(name, item, pwm, (first, last), _between(item, pwm, first, last)))
+        entries.append(_entry(name, item, pwm, (first, last), _between(item, first, last)))
     return entries
 
 
@@ -168,7 +198,7 @@ def _entry(name: str, item: Identified, pwm: int, span: tuple[int, int], unknown
     }
 
 
-def _between(item: Identified, pwm: int, first: int, last: int) -> float:
+def _between(item: Identified, first: int, last: int) -> float:
     """Two standard deviations of what is unknown in this range; see `bands.Band`."""
     band: Band = item.band
     inside = (band.pwm >= first) & (band.pwm <= last)
@@ -179,7 +209,9 @@ def measured_error(item: Identified, pwm: int) -> tuple[float, float]:
     """Give the smallest and largest model minus measured at a speed, of means over a 60th of a run, K."""
     lows, highs = [], []
     for record, residual in zip(item.problem.records, item.model.residuals, strict=True):
-        mine = record.segments.pwm[record.segment] == pwm
+        level = record.segments.pwm[record.segment]
+        # Where no speed was held, a node stands for what lies nearest to it.
+        mine = level == pwm if item.held else _nearest(item, level) == pwm
         if mine.any():
             means = _means(
                 record.time[mine], -residual[mine] - item.model.offset_K, record.count[mine], record.duration
@@ -187,6 +219,11 @@ def measured_error(item: Identified, pwm: int) -> tuple[float, float]:
             lows.append(float(means.min()))
             highs.append(float(means.max()))
     return (min(lows), max(highs)) if lows else (0.0, 0.0)
+
+
+def _nearest(item: Identified, level: NDArray[np.int64]) -> NDArray[np.int64]:
+    nodes = item.fit.layout.nodes
+    return np.asarray(nodes[np.argmin(np.abs(level[:, None] - nodes[None, :]), axis=1)], dtype=np.int64)
 
 
 def _means(time: FloatArray, error: FloatArray, count: FloatArray, duration: float) -> FloatArray:

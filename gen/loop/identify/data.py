@@ -206,14 +206,13 @@ def _fahrenheit(records: dict[str, tuple[Record, ...]]) -> list[str]:
     return []
 
 
-def identified_speeds(records: Sequence[Record]) -> NDArray[np.int64]:
+def held_speeds(records: Sequence[Record]) -> NDArray[np.int64]:
     """Find the |PWM| at which a transfer function can be identified: what is held long enough.
 
     Returns
     -------
     array
-        Increasing; with PWM 0 when the run cools down for long enough. Where no speed is held (ramps, random PWM),
-        three that span what occurs.
+        Increasing; with PWM 0 when the run cools down for long enough. Empty where no speed is held.
     """
     total: dict[int, float] = {}
     longest: dict[int, float] = {}
@@ -222,14 +221,13 @@ def identified_speeds(records: Sequence[Record]) -> NDArray[np.int64]:
             if pwm >= 0:
                 total[pwm] = total.get(pwm, 0.0) + length
                 longest[pwm] = max(longest.get(pwm, 0.0), length)
-    if longest:
-        most = max(longest.values())
-        whole = sum(record.duration for record in records)
-        held = [p for p, length in longest.items() if length >= HELD * most and total[p] >= 0.02 * whole]
-        nodes = _thinned(held, total)
-        if any(p > 0 for p in nodes):
-            return np.array(nodes, dtype=np.int64)
-    return _spanning(records)
+    if not any(p > 0 for p in longest):
+        return np.array([], dtype=np.int64)
+    most = max(longest.values())
+    whole = sum(record.duration for record in records)
+    held = [p for p, length in longest.items() if length >= HELD * most and total[p] >= 0.02 * whole]
+    nodes = _thinned(held, total)
+    return np.array(nodes if any(p > 0 for p in nodes) else [], dtype=np.int64)
 
 
 def _thinned(held: list[int], total: dict[int, float]) -> list[int]:
@@ -240,7 +238,8 @@ def _thinned(held: list[int], total: dict[int, float]) -> list[int]:
     return sorted(chosen)
 
 
-def _spanning(records: Sequence[Record]) -> NDArray[np.int64]:
+def quantile_speeds(records: Sequence[Record], quantiles: Sequence[float]) -> NDArray[np.int64]:
+    """Give the |PWM| above 0 below which these shares of the driven time lie, increasing."""
     shares: dict[int, float] = {}
     for record in records:
         for j, pwm in enumerate(record.segments.pwm.tolist()):
@@ -249,5 +248,5 @@ def _spanning(records: Sequence[Record]) -> NDArray[np.int64]:
                 shares[level] = shares.get(level, 0.0) + share * float(record.segments.length[j])
     levels = np.array(sorted(p for p in shares if p > 0))
     weight = np.cumsum([shares[int(p)] for p in levels])
-    picks = {int(levels[np.searchsorted(weight, q * weight[-1])]) for q in (0.02, 0.5, 0.98)}
+    picks = {int(levels[np.searchsorted(weight, q * weight[-1])]) for q in quantiles}
     return np.array(_thinned(sorted(picks), dict.fromkeys(picks, 1.0)), dtype=np.int64)

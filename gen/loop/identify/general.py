@@ -136,8 +136,11 @@ class Judge:
 
 
 def _rows_at(problem: Problem, r: int, node: int) -> NDArray[np.int64]:
-    record = problem.records[r]
-    return np.flatnonzero(record.segments.pwm[record.segment] == node)
+    """Blocks at a node; where it was never held, those whose PWM is nearest to it."""
+    level = problem.records[r].segments.pwm[problem.records[r].segment]
+    if node in problem.levels and any(node in record.segments.pwm for record in problem.records):
+        return np.flatnonzero(level == node)
+    return np.flatnonzero(problem.nodes[np.argmin(np.abs(level[:, None] - problem.nodes[None, :]), axis=1)] == node)
 
 
 def choose_forms(problem: Problem, fit: Fit, spread: Uncertainty) -> General:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen.loop.identify.bands import Band, band
-from gen.loop.identify.data import Data, identified_speeds
+from gen.loop.identify.data import Data
 from gen.loop.identify.evidence import (
     Criteria,
     ResidualTests,
@@ -25,6 +25,7 @@ from gen.loop.identify.joint import Model, refine
 from gen.loop.identify.linearity import Linearity, linearity
 from gen.loop.identify.orders import Candidate, Choice, choose
 from gen.loop.identify.records import Record
+from gen.loop.identify.speeds import choose_speeds, without_gain
 from gen.loop.identify.structure import FloatArray
 
 SETTLED = 0.95
@@ -55,6 +56,10 @@ class Identified:
         Share of the steady rise that the runs reach, by |PWM|.
     linearity, general, model, band
         Over speed.
+    range
+        |PWM| range that the runs cover.
+    held
+        Whether the speeds were held; else they only span what occurs.
     """
 
     name: str
@@ -70,6 +75,8 @@ class Identified:
     general: General
     model: Model
     band: Band
+    range: tuple[int, int]
+    held: bool
 
     @property
     def speeds(self) -> list[int]:
@@ -116,14 +123,20 @@ def identify_component(
     name: str, records: Sequence[Record], progress: Callable[[str], None], most: int, fastest: float
 ) -> Identified:
     """Identify one component from its records; no time constant below `fastest`, s."""
-    nodes = identified_speeds(records)
-    problem = Problem(records, nodes, fastest)
+    progress("speeds")
+    speeds = choose_speeds(records, fastest)
+    problem = Problem(records, speeds.nodes, fastest)
     choice = choose(problem, progress, most)
+    unseen = without_gain(choice.chosen)
+    while unseen.size and np.count_nonzero(problem.nodes) > unseen.size:
+        # A gain that is zero within its uncertainty would be a guess: its speed is left to the neighbours.
+        problem = Problem(records, np.setdiff1d(problem.nodes, unseen), fastest)
+        choice = choose(problem, progress, most)
+        unseen = without_gain(choice.chosen)
     fit, spread, offset_sd = _with_offset(problem, choice.chosen)
     progress("schedules")
     general = choose_forms(problem, fit, spread)
     general, model = _refined(problem, fit, spread, general)
-    low, high = int(nodes[nodes > 0][0]), int(nodes[-1])
     progress("residuals")
     return Identified(
         name=name,
@@ -138,7 +151,9 @@ def identify_component(
         linearity=linearity(problem, fit),
         general=general,
         model=model,
-        band=band(general, model, low, high),
+        band=band(general, model, *speeds.range),
+        range=speeds.range,
+        held=speeds.held,
     )
 
 
@@ -149,16 +164,15 @@ def _refined(problem: Problem, fit: Fit, spread: Uncertainty, general: General) 
     deviation = spread.deviation[fit.layout.thetas : fit.layout.thetas + len(judge.nodes)]
     x = judge.nodes.astype(np.float64)
     allowed = [option for option in general.options if not option.rejected][:6] or [general.chosen]
-    tried: dict[int, Model] = {}
     for option in allowed:
         model = refine(problem, fit, option.shape, option.vector)
         theta, steady = model.evaluate(x)
         own = judge.errors(theta[None], steady[None])[0]
-        tried[id(option)] = model
         if not guard(option.shape, model.vector, fit) and not misses(own, base, deviation):
             rest = tuple(o for o in general.options if o is not option)
             return General((option, *rest)), model
-    return general, tried[id(allowed[0])]
+    unrefined = refine(problem, fit, allowed[0].shape, allowed[0].vector, most=1)
+    return general, unrefined
 
 
 def _with_offset(problem: Problem, chosen: Candidate) -> tuple[Fit, Uncertainty, float | None]:

@@ -86,10 +86,14 @@ def refine(problem: Problem, fit: Fit, shape: Shape, vector: FloatArray, most: i
     def slope(z: FloatArray) -> FloatArray:
         return np.concatenate([task.weighted(begin + scale * z)[1] * scale, prior])
 
+    # .. and never leaves it by more than 0.6 of that.
+    room = np.full(len(begin), np.inf)
+    room[: len(hold)] = np.where(hold > 0.0, 0.6 / (scale[: len(hold)] * np.maximum(hold, 1e-300)), np.inf)
     found = least_squares(
         value,
         np.zeros(len(begin)),
         jac=slope,
+        bounds=(-room, room),
         x_scale="jac",
         ftol=1e-7,
         xtol=1e-8,
@@ -109,7 +113,7 @@ def refine(problem: Problem, fit: Fit, shape: Shape, vector: FloatArray, most: i
 
 
 def _time_scales(shape: Shape, vector: FloatArray) -> FloatArray:
-    """One over the prior's standard deviation of each parameter of the time constants, from the vector's beginning on."""
+    """One over the prior standard deviation of each parameter of the time constants, which come first."""
     size = shape.structure.order * shape.time_size
     moving = np.zeros(size)
     if shape.time.interpolates:

@@ -75,7 +75,7 @@ def choose(problem: Problem, progress: Callable[[str], None], most: int = 4) -> 
     most
         Highest order.
     """
-    groups, folds, held_out = _folds(problem)
+    groups, folds, held_out = folds_of(problem)
     fits: dict[Structure, Fit] = {}
     candidates: list[Candidate] = []
     for structure in CANDIDATES:
@@ -91,13 +91,18 @@ def choose(problem: Problem, progress: Callable[[str], None], most: int = 4) -> 
                 # The pair may have found a better fit; one real pole more can start from there too.
                 fit = min(fit, _from_pair(problem, fits[Structure(base.order, True)], structure), key=lambda f: f.cost)
         fits[structure] = fit
-        spread = uncertainty(problem, fit)
-        rejected = (*_unphysical(problem, fit, spread),)
-        candidates.append(Candidate(structure, fit, spread, _held_out(problem, fit, groups, folds), rejected))
+        candidates.append(candidate_of(problem, fit, groups, folds))
         if structure.order >= 3 and _hopeless(candidates, structure.order):
             break
     chosen, reason = _choose(candidates)
     return Choice(tuple(candidates), chosen, reason, held_out)
+
+
+def candidate_of(problem: Problem, fit: Fit, stretch: FloatArray, folds: list[FloatArray]) -> Candidate:
+    """Judge a fit: uncertainty, error on held-out stretches, reasons against it."""
+    spread = uncertainty(problem, fit)
+    losses = _held_out(problem, fit, stretch, folds)
+    return Candidate(fit.layout.structure, fit, spread, losses, (*_unphysical(problem, fit, spread),))
 
 
 def _hopeless(candidates: list[Candidate], order: int) -> bool:
@@ -117,7 +122,7 @@ def _from_pair(problem: Problem, pair: Fit, structure: Structure) -> Fit:
     return problem.fit(layout, vector, most=20)
 
 
-def _folds(problem: Problem) -> tuple[FloatArray, list[FloatArray], str]:
+def folds_of(problem: Problem) -> tuple[FloatArray, list[FloatArray], str]:
     """Give the stretch number of every row, the masks of the folds (1 = used for fitting), and what they are."""
     stretch = np.empty(int(problem.rows[-1]))
     fold = np.empty(int(problem.rows[-1]), dtype=np.int64)
@@ -157,14 +162,15 @@ def _choose(candidates: list[Candidate]) -> tuple[Candidate, str]:
     chosen = allowed[0]
     reason = "no richer structure lowers the error on held-out data"
     for candidate in allowed[1:]:
-        if _beats(candidate, chosen):
+        if beats(candidate, chosen):
             gain = 1.0 - candidate.loss / chosen.loss
             reason = f"lowers the held-out square error of order {chosen.structure.name} by {gain:.0%}"
             chosen = candidate
     return chosen, reason
 
 
-def _beats(rich: Candidate, simple: Candidate) -> bool:
+def beats(rich: Candidate, simple: Candidate) -> bool:
+    """Whether the richer one lowers the held-out error by more than chance and by more than a hundredth."""
     difference = simple.losses - rich.losses
     error = float(np.std(difference, ddof=1) / np.sqrt(len(difference)))
     mean = float(np.mean(difference))
