@@ -2,8 +2,8 @@
 
 Run:  python examples/measured/convert.py SOURCE examples/measured
 
-SOURCE holds `tclab/tclab_apm_runs.csv` and `tass_bldc_stall/` as described in examples/measured/README.md. Their inputs are
-no PWM of a motor: heater power in percent and electrical power in watts are written as counts, and the files say so.
+SOURCE holds `tclab/tclab_apm_runs.csv` and `tass_bldc_stall/`, see examples/measured/README.md. Their inputs are no PWM of a
+motor: heater power in percent and electrical power in watts are written as counts, and the files say so.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import pandas as pd
 from gen.runs import Run, write_run
 
 WATTS_PER_COUNT = 5.0
-#: How much later the thermocouples' clock reads than the motor controller's, s: the author's own alignment of these runs,
+#: How much later the thermocouples' clock reads than the controller's, s: the author's own alignment of these runs,
 #: found by laying his aligned series over both logs.
 CLOCK_S = {"Run2-Throttle100": 8.2, "Run3-Throttle48": 7.6, "Run13-Throttle8": 7.0, "Run14-Throttle9": 11.5}
 SENSORS = {"winding": "Winding Temp", "stator": "Stator Body"}
@@ -35,12 +35,12 @@ def tclab(source: Path, target: Path) -> None:
                 rows["t_s"].to_numpy(dtype=np.float64),
                 counts,
                 {f"sensor{own}": measured},
+                np.full(len(measured), measured[0]),
                 extras={f"heater{other}_percent": rows[f"Q{other}"].to_numpy(dtype=np.float64)},
                 comments={
                     "source": "Temperature Control Lab, github.com/APMonitor/arduino @ f36e65a, Apache-2.0",
                     "pwm": f"heater {own} in percent times 2.55, rounded; heater {other} is not part of it",
-                    "ambient_degC": f"{measured[0]:g}",
-                    "ambient": "not measured: the sensor's first reading",
+                    "ambient": "not measured: the sensor's first reading, held",
                 },
             )
             write_run(target / "tclab" / f"{name}_heater{own}.csv", run)

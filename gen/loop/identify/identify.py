@@ -147,7 +147,7 @@ def identify_component(
         offset_sd=offset_sd,
         criteria={c.structure.name: _criteria(problem, c, choice) for c in choice.candidates},
         tests=_tests(problem, model),
-        settled=_settled(problem, fit),
+        settled=_settled(problem, fit, held=speeds.held),
         linearity=linearity(problem, fit),
         general=general,
         model=model,
@@ -221,15 +221,15 @@ def _tests(problem: Problem, model: Model) -> dict[str, ResidualTests]:
     return result
 
 
-def _settled(problem: Problem, fit: Fit) -> dict[int, float]:
-    """Largest share of the way from the segment's beginning to the steady rise that a run goes, by |PWM|."""
+def _settled(problem: Problem, fit: Fit, *, held: bool) -> dict[int, float]:
+    """Largest share of the way to the steady rise that a hold (or, where no speed is held, a run) goes, by |PWM|."""
     poles = np.abs(np.asarray(fit.layout.structure.poles(fit.theta)).real)
     result: dict[int, float] = {}
     first = len(fit.layout.nodes) - len(fit.layout.positive)
     for i, node in enumerate(fit.layout.positive.tolist()):
         slow = float(np.min(poles[first + i]))
         for record in problem.records:
-            lengths = record.segments.length[record.segments.pwm == node]
+            lengths = record.segments.length[record.segments.pwm == node] if held else np.array([record.duration])
             if lengths.size:
                 share = 1.0 - float(np.exp(-slow * lengths.max()))
                 result[node] = max(result.get(node, 0.0), share)

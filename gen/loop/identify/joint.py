@@ -88,7 +88,8 @@ def refine(problem: Problem, fit: Fit, shape: Shape, vector: FloatArray, most: i
 
     # .. and never leaves it by more than 0.6 of that.
     room = np.full(len(begin), np.inf)
-    room[: len(hold)] = np.where(hold > 0.0, 0.6 / (scale[: len(hold)] * np.maximum(hold, 1e-300)), np.inf)
+    held = np.flatnonzero(hold)
+    room[held] = 0.6 / (scale[held] * hold[held])
     found = least_squares(
         value,
         np.zeros(len(begin)),
