@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -122,11 +123,12 @@ def report(trials: list[Trial]) -> str:
 def main() -> None:
     """Print the table for 200 plants, or as many as asked for."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
-    trials = []
-    for seed in range(count):
-        trials.append(trial(seed))
-        if sys.stderr.isatty():
-            print(f"\r{seed + 1}/{count}", end="", file=sys.stderr)
+    trials: list[Trial] = []
+    with ProcessPoolExecutor() as pool:
+        for one in pool.map(trial, range(count)):
+            trials.append(one)
+            if sys.stderr.isatty():
+                print(f"\r{len(trials)}/{count}", end="", file=sys.stderr)
     print(report(trials))
 
 

@@ -2,8 +2,8 @@
 
 Run:  python examples/measured/convert.py SOURCE examples/measured
 
-SOURCE holds `tclab/tclab_apm_runs.csv` and `tass_bldc_stall/`, see examples/measured/README.md. Their inputs are no PWM of a
-motor: heater power in percent and electrical power in watts are written as counts, and the files say so.
+SOURCE holds `tclab/tclab_apm_runs.csv` and `tass_bldc_stall/`, see examples/measured/README.md. Their inputs are no PWM
+of a motor: heater power in percent and electrical power in watts are written as counts, and the files say so.
 """
 
 from __future__ import annotations

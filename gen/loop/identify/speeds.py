@@ -15,7 +15,9 @@ from gen.loop.identify.records import Record
 from gen.loop.identify.start import first_order
 
 PLENTY = 1.5
-"""Held speeds are taken without more ado when each is held for this many time constants in all."""
+"""Held speeds are taken without more ado when each is held for this many time constants in all .."""
+AT_ONCE = 0.8
+""".. or for this many at once, or when every run holds one speed only (a step from cold, perhaps with its cooling)."""
 ENOUGH = 0.7
 """A speed that is held for less cannot tell its steady rise from its time constant."""
 SEEN = 2.0
@@ -53,15 +55,13 @@ def choose_speeds(records: Sequence[Record], fastest: float) -> Speeds:
     """
     low, middle, high = (int(quantile_speeds(records, (q,))[0]) for q in (0.02, 0.5, 0.98))
     held = held_speeds(records)
-    total: dict[int, float] = {}
-    for record in records:
-        for pwm, length in record.segments.dwell().items():
-            total[pwm] = total.get(pwm, 0.0) + length
+    total, longest = _holds(records)
     single = np.array([middle], dtype=np.int64)
     rough = Problem(records, single, fastest)
     tau = float(np.exp(first_order(rough).theta[0, 0]))
     if held.size:
-        if len(total) <= 2 or all(total[int(p)] >= PLENTY * tau for p in held):
+        steps = all(np.unique(r.segments.pwm[r.segments.pwm != 0]).size <= 1 for r in records)
+        if steps or all(total[int(p)] >= PLENTY * tau or longest[int(p)] >= AT_ONCE * tau for p in held):
             return Speeds(held, _range(held), held=True)
         held = np.array([p for p in held if total[int(p)] >= ENOUGH * tau], dtype=np.int64)
     options = [(single, (low, high), False)]
@@ -76,6 +76,18 @@ def choose_speeds(records: Sequence[Record], fastest: float) -> Speeds:
         if not candidate.rejected and not without_gain(candidate).size and beats(candidate, best):
             chosen, best = option, candidate
     return Speeds(*chosen)
+
+
+def _holds(records: Sequence[Record]) -> tuple[dict[int, float], dict[int, float]]:
+    """Total and longest time at each held |PWM|, s."""
+    total: dict[int, float] = {}
+    longest: dict[int, float] = {}
+    for record in records:
+        for pwm, length in record.segments.dwell().items():
+            total[pwm] = total.get(pwm, 0.0) + length
+        for pwm, length in zip(record.segments.pwm.tolist(), record.segments.length.tolist(), strict=True):
+            longest[pwm] = max(longest.get(pwm, 0.0), length)
+    return total, longest
 
 
 def _range(nodes: NDArray[np.int64]) -> tuple[int, int]:
