@@ -13,6 +13,7 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.loop.identify.coefficients import Settings, coefficient_text, usable
 from gen.loop.identify.data import read_data
@@ -44,16 +45,14 @@ class Prediction:
         What was predicted, and the identified order.
     time, measured, model
         Shape (N,), s and degC.
-    left_out
-        Components that could not be identified, with the reason.
     """
 
     case: str
     component: str
     order: str
-    time: np.ndarray  # type: ignore[type-arg]
-    measured: np.ndarray  # type: ignore[type-arg]
-    model: np.ndarray  # type: ignore[type-arg]
+    time: NDArray[np.float64]
+    measured: NDArray[np.float64]
+    model: NDArray[np.float64]
 
     @property
     def rms_K(self) -> float:

@@ -38,7 +38,7 @@ class Plant:
     @property
     def order(self) -> int:
         """Number of poles."""
-        return self.tau.shape[1]
+        return int(self.tau.shape[1])
 
     def model(self) -> ThermalModel:
         """The plant as a model with every value tabulated."""
@@ -82,7 +82,7 @@ def measured(plant: Plant, pwm: NDArray[np.int64], rng: np.random.Generator, sam
     true = simulate(plant, pwm, sample_s)
     read = true + plant.bias + rng.normal(0.0, plant.noise, len(true))
     return Run(
-        np.arange(len(pwm)) * sample_s,
+        np.arange(len(pwm), dtype=np.float64) * sample_s,
         pwm,
         {"part": np.round(read / QUANTUM) * QUANTUM},
         np.full(len(pwm), AMBIENT),

@@ -65,7 +65,7 @@ HIGHEST_K = 3000.0
 
 
 def usable(data: Data, found: Mapping[str, Identified], settings: Settings) -> tuple[Data, dict[str, Identified]]:
-    """Leave out components whose runs show no steady state at all; the data's warnings say which.
+    """Leave out components that cool when driven, or whose runs show no steady state; the data's warnings say which.
 
     Raises
     ------
@@ -76,7 +76,10 @@ def usable(data: Data, found: Mapping[str, Identified], settings: Settings) -> t
     reasons = []
     for name, item in found.items():
         rise = float(np.max(item.model.evaluate(np.array([float(settings.full_scale)]))[1]))
-        if rise > HIGHEST_K:
+        fault = next((why for why in item.choice.chosen.rejected if why.startswith("negative gain")), None)
+        if fault is not None:
+            reasons.append(f"{name} is left out: {fault}")
+        elif rise > HIGHEST_K:
             longest = max(record.duration for record in item.problem.records)
             reasons.append(
                 f"{name} is left out: runs of up to {longest:.0f} s do not show where it settles "

@@ -167,7 +167,7 @@ class _Task:
 
 
 def _covariance(problem: Problem, jacobian: FloatArray, residuals: list[FloatArray]) -> FloatArray:
-    scale = np.sqrt(np.sum(jacobian**2, axis=0)) + 1e-300
+    scale = np.sqrt(np.sum(jacobian**2, axis=0)) + 1e-150
     normal = jacobian / scale
     meat = np.zeros((jacobian.shape[1],) * 2)
     for r, record in enumerate(problem.records):
