@@ -47,7 +47,7 @@ class Simulator:
 
     def __init__(self, record: Record, levels: NDArray[np.int64], *, raw: bool = False) -> None:
         self.record = record
-        self.offsets = record.offsets(raw=raw)
+        self.since, self.segment = record.since(raw=raw)
         segments = record.segments
         self._level = np.searchsorted(levels, np.maximum(segments.pwm, 0))
         self._mixed = {}
@@ -84,7 +84,7 @@ class Simulator:
             p[:, j] = mixed_poles(np.asarray(poles, dtype=np.complex128), share)
             last = np.abs(np.prod(np.asarray(poles, dtype=np.complex128), axis=2))
             s[:, j] = (last * steady) @ share / (last @ share)
-        return simulate(p, s, start, self.record.segments.length, self.offsets)
+        return simulate(p, s, start, self.record.segments.length, self.segment, self.since)
 
 
 @dataclass(frozen=True)

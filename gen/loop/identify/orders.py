@@ -220,7 +220,8 @@ def _rings(problem: Problem, fit: Fit, poles: PoleArray, node: int) -> bool:
     longest = 8.0 / float(np.min(np.abs(poles[node].real)))
     grid = np.concatenate([np.linspace(0.0, longest / 10.0, 200), np.linspace(longest / 10.0, longest, 200)])
     start = np.zeros((1, layout.order))
-    rise = simulate(poles[None, node : node + 1], np.array([[height]]), start, np.array([longest]), [grid])[0]
+    one = np.zeros(len(grid), dtype=np.int64)
+    rise = simulate(poles[None, node : node + 1], np.array([[height]]), start, np.array([longest]), one, grid)[0]
     noise = max(record.noise_K + record.quantum_K / 2.0 for record in problem.records)
     return bool(float(np.max(rise)) - height > 2.0 * max(noise, 1e-3))
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,11 +99,10 @@ class Record:
         """From the first sample to the end, s."""
         return float(self.segments.start[-1] + self.segments.length[-1])
 
-    def offsets(self, *, raw: bool = False) -> list[FloatArray]:
-        """Times since the beginning of each one's segment, by segment."""
+    def since(self, *, raw: bool = False) -> tuple[FloatArray, NDArray[np.int64]]:
+        """Time since the beginning of the segment, and the segment, of each block (or sample), shape (m,)."""
         time, segment = (self.raw_time, self.raw_segment) if raw else (self.time, self.segment)
-        bounds = np.searchsorted(segment, np.arange(len(self.segments.start) + 1))
-        return [time[a:b] - start for start, (a, b) in zip(self.segments.start, pairwise(bounds), strict=True)]
+        return time - self.segments.start[segment], segment
 
     @property
     def weight(self) -> FloatArray:

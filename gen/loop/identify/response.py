@@ -12,6 +12,7 @@ next segment: rise and derivatives are continuous when PWM changes, as in `gen.m
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.loop.identify.structure import ComplexArray, FloatArray, PoleArray, separated
 
@@ -22,23 +23,23 @@ def divided_differences(poles: PoleArray, time: FloatArray) -> PoleArray:
     Parameters
     ----------
     poles
-        Shape (B, n), rad/s, no two equal.
+        Shape (..., n), rad/s, no two of a set equal.
     time
-        Shape (m,), s.
+        Shape (...) or what broadcasts to it, s.
 
     Returns
     -------
     array
-        Shape (B, n, m), in s^(k-1).
+        Shape (n, ...), in s^(k-1).
     """
-    table = np.exp(poles[:, :, None] * time)
-    result = np.empty_like(table)
-    result[:, 0] = table[:, 0]
-    for k in range(1, poles.shape[1]):
-        gap = poles[:, k:] - poles[:, :-k]
-        table = (table[:, 1:] - table[:, :-1]) / gap[:, :, None]
-        result[:, k] = table[:, 0]
-    return result
+    # One contiguous array a pole: numpy is slow over a last axis of a few entries.
+    each = [np.ascontiguousarray(poles[..., k]) for k in range(poles.shape[-1])]
+    table = [np.exp(p * time) for p in each]
+    result = [table[0]]
+    for k in range(1, len(each)):
+        table = [(table[i + 1] - table[i]) / (each[i + k] - each[i]) for i in range(len(each) - k)]
+        result.append(table[0])
+    return np.stack(result)
 
 
 def simulate(
@@ -46,7 +47,8 @@ def simulate(
     steady: FloatArray,
     start: FloatArray,
     length: FloatArray,
-    offsets: list[FloatArray],
+    segment: NDArray[np.int64],
+    since: FloatArray,
 ) -> FloatArray:
     """Solve over consecutive segments.
 
@@ -60,49 +62,64 @@ def simulate(
         Rise and its derivatives at the beginning, shape (B, n), K/s^k.
     length
         Duration of each segment, shape (S,), s.
-    offsets
-        Per segment the times since its beginning at which the rise is wanted, s.
+    segment, since
+        Where the rise is wanted: the segment, and the time since its beginning, shape (M,), s.
 
     Returns
     -------
     array
-        Rise at all wanted times in order, shape (B, M), K.
+        Rise, shape (B, M), K.
     """
     apart = separated(poles)
-    state = start.astype(apart.dtype)
-    parts = []
-    for j, wanted in enumerate(offsets):
-        p = apart[:, j]
-        basis = divided_differences(p, np.append(wanted, length[j]))
-        deviation = state.copy()
-        deviation[:, 0] -= steady[:, j]
-        weights = newton_weights(p, deviation)
-        if wanted.size:
-            parts.append(np.real(np.einsum("bk,bkm->bm", weights, basis[:, :, :-1])) + steady[:, j, None])
-        state = _derivatives(p, weights, basis[:, :, -1])
+    deviation = _deviations(apart, steady, start, length)
+    weights = newton_weights(apart, deviation)
+    basis = divided_differences(apart[:, segment], since)
+    rise = steady[:, segment]
+    for k, part in enumerate(basis):
+        rise = rise + (weights[..., k][:, segment] * part).real
+    return rise
+
+
+def _deviations(poles: PoleArray, steady: FloatArray, start: FloatArray, length: FloatArray) -> FloatArray:
+    """Deviation from the steady rise, and its derivatives, at each segment's beginning, shape (B, S, n)."""
+    order = poles.shape[-1]
+    basis = np.moveaxis(divided_differences(poles, length), 0, -1)
+    # Column i of the transition over a segment is what becomes of the i-th unit vector.
+    columns = []
+    for i in range(order):
+        unit = np.zeros(poles.shape, dtype=poles.dtype)
+        unit[..., i] = 1.0
+        columns.append(_derivatives(poles, newton_weights(poles, unit), basis))
+    transition = np.stack(columns, axis=-1)
+    result = np.empty((*steady.shape, order))
+    state = start.copy()
+    for j in range(steady.shape[1]):
+        state[:, 0] -= steady[:, j]
+        result[:, j] = state
+        state = (transition[:, j] @ state[:, :, None])[:, :, 0]
         state[:, 0] += steady[:, j]
-    return np.concatenate(parts, axis=1) if parts else np.empty((len(start), 0))
+    return result
 
 
 def newton_weights(poles: PoleArray, state: PoleArray) -> PoleArray:
-    """Give d_k from z and its derivatives, shape (B, n)."""
-    rest = state
-    weights = np.empty_like(state)
-    for k in range(poles.shape[1]):
-        weights[:, k] = rest[:, 0]
-        rest = rest[:, 1:] - poles[:, k, None] * rest[:, :-1]
+    """Give d_k from z and its derivatives, shape (..., n)."""
+    rest = state.astype(poles.dtype)
+    weights = np.empty_like(rest)
+    for k in range(poles.shape[-1]):
+        weights[..., k] = rest[..., 0]
+        rest = rest[..., 1:] - poles[..., k, None] * rest[..., :-1]
     return weights
 
 
-def _derivatives(poles: PoleArray, weights: PoleArray, basis: PoleArray) -> PoleArray:
+def _derivatives(poles: PoleArray, weights: PoleArray, basis: PoleArray) -> FloatArray:
     """Rise and derivatives from the basis' values: d/dt exp[p1..pk] = pk exp[p1..pk] + exp[p1..p(k-1)]."""
-    state = np.empty_like(weights)
-    for k in range(poles.shape[1]):
-        state[:, k] = np.sum(weights * basis, axis=1)
+    state = np.empty(weights.shape)
+    for k in range(poles.shape[-1]):
+        state[..., k] = np.sum(weights * basis, axis=-1).real
         shifted = np.zeros_like(weights)
-        shifted[:, :-1] = weights[:, 1:]
+        shifted[..., :-1] = weights[..., 1:]
         weights = weights * poles + shifted
-    return np.real(state).astype(weights.dtype)
+    return state
 
 
 def mixed_poles(poles: PoleArray, share: FloatArray) -> ComplexArray:
