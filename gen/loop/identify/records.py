@@ -19,7 +19,7 @@ GROWTH = 0.03
 """Largest block, as a share of the time since PWM changed."""
 FINEST = 1.0 / 180.0
 """Largest block, as a share of the run."""
-MOST_SEGMENTS = 800
+MOST_SEGMENTS = 400
 """A run with more changes of PWM is averaged over windows of this share of it (see `response.mixed_poles`)."""
 
 
