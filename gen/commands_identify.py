@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import click
+
+from gen.progress import progress_line
 
 
 @click.command(epilog="Example:  gen identify cold_*.csv --out coeffs.json --report identification.html")
@@ -49,7 +49,7 @@ def identify(
     fault = name_fault(name)
     if fault:
         raise InputError(fault, place="--name")
-    with _progress() as progress:
+    with progress_line() as progress:
         progress("reading")
         data = read_data(runs, ambient)
         found = run(data, progress, max_order, sample_time)
@@ -73,19 +73,6 @@ def identify(
     click.echo(f"{out}: {len(found)} component(s)")
 
 
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """A line that says what is being done, on a terminal only."""
-    from rich.console import Console
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda _: None
-        return
-    with console.status("") as status:
-        yield lambda message: status.update(message)
-
-
 @click.command(epilog="Example:  gen study examples/my1016/study.json")
 @click.argument("tables", type=click.Path(path_type=Path), default=Path("examples/my1016/study.json"))
 @click.option("--tables-only", is_flag=True, help="Leave out the comparison with gen identify.")
@@ -102,7 +89,7 @@ def study(tables: Path, tables_only: bool) -> None:
     if not tables_only:
         from gen.study.compare import compare
 
-        with _progress() as progress:
+        with progress_line() as progress:
             found = compare(numbers, progress)
         click.echo("")
         click.echo(comparison(numbers, found))
