@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gen.verify.avr import simulator
 from gen.verify.avr.compile import ArduinoCore
+from gen.verify.avr.shim import SHIM_FOLDER
 from gen.verify.avr.simulator import MARKER_OVERHEAD, EmulatedMega, EmulationFailed, Stop
 
 from .conftest import Emulate
@@ -287,7 +288,7 @@ def test_unreadable_firmware_is_an_error(cache: Path, tmp_path: Path) -> None:
 
 
 def test_shim_compiles_without_warnings(tmp_path: Path) -> None:
-    source = simulator.MAILBOX_FOLDER / "shim.c"
-    command = ["gcc", "-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-c", str(source)]
-    done = subprocess.run([*command, "-o", str(tmp_path / "shim.o")], capture_output=True, text=True, check=False)
+    sources = map(str, SHIM_FOLDER.glob("*.c"))
+    command = ["gcc", "-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", *sources, "-lsimavr"]
+    done = subprocess.run([*command, "-o", str(tmp_path / "shim.so")], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
