@@ -259,8 +259,10 @@ def _memory(
 
 
 def state_bytes(program: Program) -> int:
-    """Bytes of the model's states on the board (checked there at compile time)."""
-    return sum(np.dtype(list(state_fields(component))).itemsize for component in program.components)
+    """Bytes of the model's states on the board, with its phase where it has one (checked there at compile time)."""
+    return (program.speed == "fast") + sum(
+        np.dtype(list(state_fields(component))).itemsize for component in program.components
+    )
 
 
 def _idle_timers(wiring: Wiring) -> list[int]:
