@@ -30,7 +30,7 @@
 #define FREQUENCY_HZ 16000000u
 #define MESSAGE_SIZE 256
 #define PATTERN_SIZE 256
-#define CHIPS 16
+#define CHIPS 32
 #define PROBES 16
 #define WAVES 2
 #define PORTS 12 /* A..L without I */
