@@ -104,7 +104,7 @@ struct encoder {
 	const struct avr_regbit_t *sense; /* its ISC bits, both */
 	avr_cycle_count_t start, span, batch; /* batch = 0: every edge at its own time */
 	uint32_t count, edges;
-	uint64_t risen;
+	uint64_t risen, owed; /* owed: interrupts of a batch that are still to be raised */
 };
 
 /* Timer 5 on its external clock: see counter.c. */
