@@ -157,8 +157,8 @@ class DeviceMega(EmulatedMega):
             Where.
         batch_s
             0: every pulse comes at its own time. Else the interrupts of the pulses that fall due within this time, s,
-            are raised together at its end, each when the firmware has taken the one before: as many, and each handled by
-            the firmware, but not spaced as on the motor, with the pin at rest, and none can be lost. It spares the
+            are raised together at its end, each when the firmware has taken the one before: as many, and each handled
+            by the firmware, but not spaced as on the motor, with the pin at rest, and none can be lost. It spares the
             firmware a return to sleep for every pulse, and the emulator most of its work. On pin 47 (the input of
             Timer 5) it plays no role: the count is exact at every read.
         """
