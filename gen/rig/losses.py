@@ -24,12 +24,15 @@ class Operation:
         Supply over nominal voltage.
     load_Nm
         Torque at the shaft.
+    stalled
+        The load holds the rotor at rest against the drive.
     """
 
     speed: float
     duty: float
     voltage: float = 1.0
     load_Nm: float = 0.0
+    stalled: bool = False
 
 
 @dataclass(frozen=True)
@@ -74,31 +77,35 @@ class Heat:
 
 
 def heat(motor: MotorParameters, now: Operation, condition: Condition = HEALTHY) -> Heat:
-    """Heat at every node but the winding's copper loss (`copper`), and the mean armature current.
+    """Heat at every node but the winding's copper loss, and the mean armature current.
 
-    What friction and iron take as torque at the shaft the current supplies, so that the heat here and in `copper`,
-    and the shaft's power, add up to the electrical power.
+    The current supplies the torque that friction, iron and load take; ripple and arcs are paid for by the supply beside
+    that mean current.
     """
-    losses, electrical, s = motor.losses, motor.electrical, now.speed
-    omega = s * electrical.rated_speed_rpm * RPM
-    lost, arc, edge = _brush_fault(motor.faults.brush, s)
-    kept = 1.0 - condition.brush_fault * lost
-    brush = condition.losses * condition.friction * kept * losses.brush_friction_Nm / (1.0 + s / losses.brush_friction_s0)
+    losses, electrical, fault, s = motor.losses, motor.electrical, motor.faults, now.speed
+    rated = electrical.rated_speed_rpm * RPM
+    omega = s * rated
+    kept = 1.0 - condition.brush_fault * _contact_lost(fault.brush, s)
+    arc = condition.brush_fault * fault.brush.arc_W * s**fault.brush.arc_exponent
+    edge = condition.brush_fault * fault.brush.edge_W * s**fault.brush.edge_exponent
+    brush = (
+        condition.losses * condition.friction * kept * losses.brush_friction_Nm / (1.0 + s / losses.brush_friction_s0)
+    )
     bearing = condition.losses * (
         losses.bearing_dry_Nm
         + losses.bearing_viscous_Nm * s
-        + condition.bearing_fault * _bearing_fault(motor.faults.bearing, s)
+        + condition.bearing_fault * _bearing_fault(fault.bearing, s)
     )
     iron = condition.losses * (losses.iron_hysteresis_Nm + losses.iron_eddy_Nm * s)
     windage = losses.windage_W * s**3
-    arc *= condition.brush_fault
-    edge *= condition.brush_fault
-    drag = brush + bearing + iron + ((windage + arc + edge) / omega if omega > 0.0 else 0.0)
-    if omega > 0.0:
+    if now.stalled:
+        current = now.duty * now.voltage * electrical.nominal_voltage_V / electrical.resistance_ohm
+    elif now.duty > 0.0 and s > 0.0:
+        drag = brush + bearing + iron + (windage + edge) / omega
         current = (drag + now.load_Nm) / electrical.torque_constant_Nm_per_A
     else:
-        # At rest, friction and load hold the rotor; the current is what drives against them, limited by the winding.
-        current = now.duty * now.voltage * electrical.nominal_voltage_V / electrical.resistance_ohm
+        # Without drive the rotor's own energy pays for friction, for the fraction of a second that it takes.
+        current = 0.0
     swing = 4.0 * now.duty * (1.0 - now.duty)
     ripple = (losses.ripple_eddy_W * swing + losses.ripple_current_W * swing**2) * now.voltage**2
     face = brush * omega + losses.contact_drop_V * current * kept
@@ -107,11 +114,11 @@ def heat(motor: MotorParameters, now: Operation, condition: Condition = HEALTHY)
         + losses.contact_drop_V * current * (1.0 - kept)
         + iron * omega
         + (1.0 - losses.ripple_in_brush * kept - losses.ripple_in_magnet - losses.ripple_in_casing) * ripple
-        + (1.0 - motor.faults.brush.arc_in_casing) * arc,
+        + (1.0 - fault.brush.arc_in_casing) * arc,
         brush=losses.brush_keeps * face + losses.ripple_in_brush * kept * ripple + edge,
         bearing=bearing * omega,
         magnet=losses.ripple_in_magnet * ripple,
-        casing=losses.ripple_in_casing * ripple + motor.faults.brush.arc_in_casing * arc,
+        casing=losses.ripple_in_casing * ripple + fault.brush.arc_in_casing * arc,
         air=windage,
         current_A=current,
     )
@@ -123,13 +130,11 @@ def resistance(motor: MotorParameters, winding_degC: float) -> float:
     return electrical.resistance_ohm * (1.0 + electrical.resistance_per_K * (winding_degC - 25.0))
 
 
-def no_load_speed(motor: MotorParameters, duty: float, voltage: float) -> float:
-    """Speed over rated speed that the drive settles at without load: in proportion to the mean voltage."""
-    return duty * voltage
-
-
 def settled_speed(motor: MotorParameters, duty: float, voltage: float, load_Nm: float) -> float:
-    """Speed over rated speed that the drive settles at; a load torque makes it sag by R T / k**2, at most to rest."""
+    """Speed over rated speed that the drive settles at.
+
+    In proportion to the mean voltage without load; a load torque makes it sag by R T / k**2, at most to rest.
+    """
     electrical = motor.electrical
     slope = electrical.resistance_ohm / electrical.torque_constant_Nm_per_A**2 / (electrical.rated_speed_rpm * RPM)
     return max(0.0, duty * voltage - slope * load_Nm)
@@ -140,7 +145,7 @@ def _bearing_fault(fault: BearingFault, s: float) -> float:
     return fault.dry_Nm * (fault.rough + (1.0 - fault.rough) * math.exp(-s / fault.s0)) + fault.skid_Nm * s**2
 
 
-def _brush_fault(fault: BrushFault, s: float) -> tuple[float, float, float]:
-    """Share of contact lost, heat of arcs and heat of the rubbing edge, W."""
+def _contact_lost(fault: BrushFault, s: float) -> float:
+    """Share of the brushes' contact and friction that is lost."""
     bounce = fault.bounce * math.exp(-(((s - fault.bounce_s) / fault.bounce_width) ** 2))
-    return 1.0 - (1.0 - fault.lost) * (1.0 - bounce), fault.arc_W * s**fault.arc_exponent, fault.edge_W * s**fault.edge_exponent
+    return 1.0 - (1.0 - fault.lost) * (1.0 - bounce)

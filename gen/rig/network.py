@@ -28,7 +28,7 @@ class Network:
     def __init__(self, capacities_J_per_K: Mapping[str, float], paths: Sequence[HeatPath]) -> None:
         self.nodes = tuple(capacities_J_per_K)
         self.capacities = np.array(list(capacities_J_per_K.values()))
-        self._paths = tuple(paths)
+        self.paths = tuple(paths)
         n = len(self.nodes)
         place = {name: index for index, name in enumerate(self.nodes)}
         # Row k of `_spread` is what path k, at 1 W/K, adds to the n x (n + 1) matrix [-G, g], flattened.
@@ -43,7 +43,7 @@ class Network:
 
     def conductances(self, speed: float) -> Floats:
         """W/K of each path at a speed as a fraction of the rated one, shape (paths,)."""
-        return np.array([path.at(speed) for path in self._paths])
+        return np.array([path.at(speed) for path in self.paths])
 
     def flows(self, conductances: Floats) -> Floats:
         """``[-G, g]`` in W/K, shape (n, n + 1): heat into each node from every node's temperature and ambient's."""

@@ -16,6 +16,8 @@ from gen.rig.response import Held, held, network, no_load
 
 #: Full severity of each fault.
 BROKEN = {"bearing": Condition(bearing_fault=1.0), "brush": Condition(brush_fault=1.0)}
+#: The hottest casing of all fault runs, degC: the bearing fault at 70 % speed.
+HOTTEST_CASING = 75.0
 _COLUMN = {name: NODES.index(name) for name in NODES}
 
 
@@ -122,9 +124,9 @@ def _fault_residuals(parameters: MotorParameters, targets: Targets) -> list[Floa
         parts.append(_above(target.casing_at_least[known] + 0.2, casing[known], 0.03))
         parts.append(_above(np.full(known.sum() - 1, 0.15), np.diff(casing[known]), 0.05))
         parts.append(_above(casing, 10.0, 1.0))
+        parts.append(_above(broken["casing"], HOTTEST_CASING, 0.2))
         if kind == "bearing":
-            parts.append((broken["casing"][6:7] - 75.0) / 0.3)
-            parts.append(_above(broken["casing"], 75.0, 0.3))
+            parts.append((broken["casing"][speeds == 0.7] - HOTTEST_CASING) / 0.3)
     return parts
 
 
