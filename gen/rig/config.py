@@ -52,24 +52,28 @@ class Fault:
 
 @dataclass(frozen=True)
 class HiddenPart:
-    """A hot part that carries no sensor: it takes over a share of a node's heat and passes it on to the node later.
+    """A hot part that carries no sensor: it takes over a share of one node's heat and passes it on later.
 
-    The node's settled temperature stays the same; after cut-off it goes on rising while the part cools into it.
+    Settled temperatures stay as they are when it passes the heat to the very node that it took it from; after cut-off
+    that node then goes on being heated.
 
     Attributes
     ----------
-    node
-        The neighbour.
+    heat_from
+        Whose heat it takes.
     share
-        Part of the node's heat that is made in the hidden part instead, 0..1.
+        Part of that heat that is made in the hidden part instead, 0..1.
+    node
+        The neighbour that it passes heat to.
     capacity_J_per_K, conductance_W_per_K
-        Its heat capacity, and the heat path between the two.
+        Its heat capacity, and the heat path to the neighbour.
     """
 
-    node: str = "winding"
-    share: float = 0.8
-    capacity_J_per_K: float = 100.0
-    conductance_W_per_K: float = 0.2
+    heat_from: str = "brush"
+    share: float = 0.9
+    node: str = "brush"
+    capacity_J_per_K: float = 30.0
+    conductance_W_per_K: float = 0.05
 
 
 @dataclass(frozen=True)
@@ -125,8 +129,9 @@ class MotorConfig:
         for path in self.coupling:
             if not {path.a, path.b} <= known or path.a == path.b:
                 raise ValueError(f"no heat path can join {path.a!r} and {path.b!r}; expected two of {sorted(known)}")
-        if self.hidden is not None and (self.hidden.node not in NODES or not 0.0 <= self.hidden.share <= 1.0):
-            raise ValueError(f"expected one of {NODES} and a share of 0..1 for the hidden part")
+        hidden = self.hidden
+        if hidden is not None and not ({hidden.node, hidden.heat_from} <= set(NODES) and 0.0 <= hidden.share <= 1.0):
+            raise ValueError(f"expected nodes among {NODES} and a share of 0..1 for the hidden part")
 
     @property
     def nodes(self) -> tuple[str, ...]:

@@ -108,10 +108,13 @@ def heat(motor: MotorParameters, now: Operation, condition: Condition = HEALTHY)
         current = 0.0
     swing = 4.0 * now.duty * (1.0 - now.duty)
     ripple = (losses.ripple_eddy_W * swing + losses.ripple_current_W * swing**2) * now.voltage**2
-    face = brush * omega + losses.contact_drop_V * current * kept
+    mean_V = now.duty * now.voltage * electrical.nominal_voltage_V
+    # The contacts cannot take more voltage than there is.
+    contact = current * losses.contact_drop_V * mean_V / (mean_V + losses.contact_drop_V) if mean_V > 0.0 else 0.0
+    face = brush * omega + contact * kept
     return Heat(
         winding=(1.0 - losses.brush_keeps) * face
-        + losses.contact_drop_V * current * (1.0 - kept)
+        + contact * (1.0 - kept)
         + iron * omega
         + (1.0 - losses.ripple_in_brush * kept - losses.ripple_in_magnet - losses.ripple_in_casing) * ripple
         + (1.0 - fault.brush.arc_in_casing) * arc,

@@ -137,7 +137,9 @@ class Motor:
         goal = math.copysign(settled, pwm) if pwm else 0.0
         stalled = duty * voltage > 0.0 and settled == 0.0
         for _ in range(count):
-            self._advance(dt_s / count, goal, Operation(0.0, duty, voltage, load_Nm if duty else 0.0, stalled), airflow_m_s)
+            self._advance(
+                dt_s / count, goal, Operation(0.0, duty, voltage, load_Nm if duty else 0.0, stalled), airflow_m_s
+            )
         return Drive(self.time_s, self.speed_rpm, self._current, voltage * nominal)
 
     def _advance(self, h: float, goal: float, now: Operation, airflow: float) -> None:
@@ -155,7 +157,7 @@ class Motor:
         if copper or self.config.radiating_area_m2:
             watts = watts.copy()
             hidden = self.config.hidden
-            if hidden is not None and hidden.node == NODES[_WINDING]:
+            if hidden is not None and hidden.heat_from == NODES[_WINDING]:
                 watts[-1] += hidden.share * copper
                 copper -= hidden.share * copper
             watts[_WINDING] += copper
@@ -205,8 +207,8 @@ class Motor:
             base[: len(NODES)] = self._heat.nodes
             hidden = self.config.hidden
             if hidden is not None:
-                moved = hidden.share * base[NODES.index(hidden.node)]
-                base[NODES.index(hidden.node)] -= moved
+                moved = hidden.share * base[NODES.index(hidden.heat_from)]
+                base[NODES.index(hidden.heat_from)] -= moved
                 base[-1] = moved
             self._base = base
         return self._heat
@@ -218,9 +220,7 @@ class Motor:
 
     def _propagator(self, speed: float, airflow: float, h: float) -> tuple[Floats, Floats]:
         """Make what a step multiplies state, ambient and heat with, and keep it."""
-        conductances = self._network.conductances(speed)
-        conductances *= cooling_factors(self.config, self._network.paths, speed, airflow)
-        rates = self._network.rates(conductances)
+        rates = self._network.rates(conductances(self.config, self._network, speed, airflow))
         grow = propagator(rates, h)
         made = (grow @ rates, grow / self._network.capacities)
         if len(self._propagators) >= _KEPT:
@@ -229,16 +229,16 @@ class Motor:
         return made
 
 
-def cooling_factors(config: MotorConfig, paths: tuple[HeatPath, ...], speed: float, airflow_m_s: float) -> Floats:
-    """Factors on the heat paths: standstill and airflow change what leads to ambient, shape (paths,)."""
+def conductances(config: MotorConfig, network: Network, speed: float, airflow_m_s: float = 0.0) -> Floats:
+    """W/K of each heat path at a speed over rated speed and an airflow over the casing, shape (paths,)."""
+    made = network.conductances(speed)
     rest = 1.0 + (config.standstill_cooling - 1.0) * math.exp(-speed / 0.02)
     blown = 1.0 + config.airflow_per_m_s * airflow_m_s
-    return np.array(
-        [
-            (rest if AMBIENT in (path.a, path.b) else 1.0) * (blown if {path.a, path.b} == {"casing", AMBIENT} else 1.0)
-            for path in paths
-        ]
-    )
+    if rest != 1.0 or blown != 1.0:
+        for k, path in enumerate(network.paths):
+            ends = {path.a, path.b}
+            made[k] *= (rest if AMBIENT in ends else 1.0) * (blown if ends == {"casing", AMBIENT} else 1.0)
+    return made
 
 
 def _network(config: MotorConfig) -> Network:

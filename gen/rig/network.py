@@ -29,10 +29,13 @@ class Network:
         self.nodes = tuple(capacities_J_per_K)
         self.capacities = np.array(list(capacities_J_per_K.values()))
         self.paths = tuple(paths)
+        self._still = np.array([path.still_W_per_K for path in paths])
+        self._forced = np.array([path.forced_W_per_K for path in paths])
+        self._exponent = np.array([path.exponent for path in paths])
         n = len(self.nodes)
         place = {name: index for index, name in enumerate(self.nodes)}
         # Row k of `_spread` is what path k, at 1 W/K, adds to the n x (n + 1) matrix [-G, g], flattened.
-        spread = np.zeros((len(paths), n, n + 1))
+        spread = np.zeros((len(paths), n, n + 1), dtype=np.float64)
         for k, path in enumerate(paths):
             a, b = (n if name == AMBIENT else place[name] for name in (path.a, path.b))
             for here, there in ((a, b), (b, a)):
@@ -43,16 +46,17 @@ class Network:
 
     def conductances(self, speed: float) -> Floats:
         """W/K of each path at a speed as a fraction of the rated one, shape (paths,)."""
-        return np.array([path.at(speed) for path in self.paths])
+        return np.asarray(self._still + self._forced * np.power(speed, self._exponent), dtype=np.float64)
 
     def flows(self, conductances: Floats) -> Floats:
         """``[-G, g]`` in W/K, shape (n, n + 1): heat into each node from every node's temperature and ambient's."""
         n = len(self.nodes)
-        return (conductances @ self._spread).reshape(n, n + 1)
+        flows: Floats = (conductances @ self._spread).reshape(n, n + 1)
+        return flows
 
     def rates(self, conductances: Floats) -> Floats:
         """`flows` over the capacities, 1/s, shape (n, n + 1)."""
-        return self.flows(conductances) / self.capacities[:, None]
+        return np.asarray(self.flows(conductances) / self.capacities[:, None], dtype=np.float64)
 
 
 def steady(flows: Floats, heat_W: Floats, ambient_degC: float) -> Floats:

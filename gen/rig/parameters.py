@@ -43,12 +43,6 @@ class HeatPath(_Part):
     forced_W_per_K: NotNegative = 0.0
     exponent: Positive = 0.8
 
-    def at(self, speed: float) -> float:
-        """Conductance, W/K, at a speed as a fraction of the rated one."""
-        if not self.forced_W_per_K:
-            return self.still_W_per_K
-        return self.still_W_per_K + self.forced_W_per_K * float(speed**self.exponent)
-
 
 class Losses(_Part):
     """Where heat comes from. s is speed / rated speed, d the PWM's duty, v the supply / nominal voltage."""
@@ -56,8 +50,8 @@ class Losses(_Part):
     #: Brush friction torque: falls with speed as ``torque / (1 + s / s0)``, since carbon glides on an air film.
     brush_friction_Nm: Positive
     brush_friction_s0: Positive
-    #: Voltage across the sliding contacts; times the current it is heat.
-    contact_drop_V: NotNegative
+    #: Voltage across the sliding contacts, ``u * drop / (u + drop)`` at mean voltage u; times the current it is heat.
+    contact_drop_V: Positive
     #: What the brushes keep of the heat made at their faces; the commutator (winding) takes the rest.
     brush_keeps: Share
     #: Bearing friction torque ``dry + viscous * s``.

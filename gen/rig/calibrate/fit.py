@@ -82,9 +82,12 @@ def settled(parameters: MotorParameters, speeds: Floats, condition: Condition = 
 
 def calibrate(targets: Targets) -> Floats:
     """Find the unknowns' logarithms."""
-    solution = least_squares(
-        lambda x: _residual(x, targets), np.clip(GUESSES, *BOUNDS), bounds=BOUNDS, x_scale=0.3, max_nfev=200
-    )
+
+    def residual(x: Floats) -> Floats:
+        return _residual(x, targets)
+
+    start = np.clip(GUESSES, *BOUNDS)
+    solution = least_squares(residual, start, bounds=BOUNDS, x_scale=0.3, max_nfev=200)
     return np.asarray(solution.x)
 
 
@@ -95,12 +98,20 @@ def _residual(x: Floats, targets: Targets) -> Floats:
     for name in MEASURED:
         limit = 0.20 if name == "brush" else 0.11
         end = healthy.end_K[name]
-        parts += [end / 0.25, _beyond(end, 1.5, 0.05), _beyond(healthy.settled_K[name], 1.8, 0.02), healthy.time_63[name] / 0.04]
+        parts += [
+            end / 0.25,
+            _beyond(end, 1.5, 0.05),
+            _beyond(healthy.settled_K[name], 1.8, 0.02),
+            healthy.time_63[name] / 0.04,
+        ]
         parts.append(_beyond(healthy.time_63[name], limit, 0.003))
         # Shapes count little: the brush's transfer function has no zeros and so cannot start as fast as a heated body.
-        scaled = targets.curves[name] * ((targets.end_degC[name] - targets.ambient_degC) / targets.curves[name][:, -1])[:, None]
+        scaled = (
+            targets.curves[name]
+            * ((targets.end_degC[name] - targets.ambient_degC) / targets.curves[name][:, -1])[:, None]
+        )
         parts.append(((healthy.curves[name] - scaled)[:, 60::90] / 4.0).ravel())
-    # The air that bathes the brush is not far from the casing, and the winding that hardly any current heats is near it.
+    # The air that bathes the brush is not far from the casing, nor is the winding, which hardly any current heats.
     at = {name: values[:, -1] for name, values in healthy.curves.items()}
     parts.append(_above(at["air"] - at["casing"], 5.0, 0.5))
     parts.append(_above(at["winding"] - at["brush"], 10.0, 2.0))

@@ -20,9 +20,7 @@ def print_tables(parameters: MotorParameters, targets: Targets) -> None:
     healthy = compare(parameters, targets)
     console.print(_table("Motor minus Table 4.1 at 10 800 s, K", targets.speeds, healthy.end_K, "+.2f"))
     console.print(_table("Settled motor minus Table 4.1, K", targets.speeds, healthy.settled_K, "+.2f"))
-    times = {
-        name: np.array([time_to_63(targets.time_s, curve) for curve in healthy.curves[name]]) for name in MEASURED
-    }
+    times = {name: np.array([time_to_63(targets.time_s, curve) for curve in healthy.curves[name]]) for name in MEASURED}
     console.print(_table("Time to 63 % of the rise at 10 800 s, s", targets.speeds, times, ".0f"))
     percent = {name: 100.0 * values for name, values in healthy.time_63.items()}
     console.print(_table("The same against the Table 4.3 transfer functions, %", targets.speeds, percent, "+.1f"))
