@@ -34,6 +34,8 @@ _FIRMWARE_BYTES = 8
 """End of the EEPROM: the firmware's CRC and its complement."""
 _RECORD_FIXED = 4 + 4 + 2 + 4
 """Bytes of a copy beside the measured temperatures and the states: identity, number, PWM, CRC."""
+_START_MS = 5000
+"""How long the model's start waits for thermocouples that are not believed yet."""
 _MARGIN = 1.25
 """The encoder's fastest pulse train over the nominal one."""
 
@@ -79,6 +81,7 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
     chips = _chips(coefficients, wiring.thermocouples)
     names = [component.name for component in document.components]
     pulses = _encoder(wiring.encoder, document.input.nominal_speed_rpm, sample_ms) if wiring.encoder else None
+    start_samples = max(2 * CONFIRMATIONS * read_samples, math.ceil(_START_MS / sample_ms))
     row_samples = max(1, round(wiring.row_every_s / program.model.sample_time))
     columns = _columns(coefficients, chips, pulses is not None)
     return {
@@ -90,7 +93,8 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         "ring_bytes": 1 << math.ceil(math.log2(max(256, 2 * _row_bytes(columns)))),
         "ambient_column": _ambient_column(coefficients),
         "late_ms": max(2, sample_ms // 25),
-        "start_samples": max(2 * CONFIRMATIONS * read_samples, math.ceil(5000 / sample_ms)),
+        "start_samples": start_samples,
+        "start_s": f"{start_samples * sample_ms / 1000:g}",
         "led": wiring.led_pin,
         "button": wiring.button_pin,
         "chips": chips,

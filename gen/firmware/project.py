@@ -18,6 +18,7 @@ from gen.firmware.context import Context, project_context
 from gen.firmware.device import device_context, sketch_files
 from gen.firmware.report import report_html
 from gen.firmware.vectors import reference_vectors
+from gen.firmware.wiring_svg import parts, wiring_svg
 from gen.lowering.lower import Program
 
 PROJECT = {
@@ -32,6 +33,7 @@ PROJECT = {
 VERIFICATION = "verification.json"
 REPORT = "report.html"
 MANIFEST = "manifest.json"
+WIRING = "wiring.svg"
 
 
 def project_files(
@@ -49,7 +51,11 @@ def project_files(
         What `gen verify` found for this coefficient file, or None.
     """
     context = project_context(coefficients, program, source_name) | _sketch_context(coefficients, program)
-    files = render.library(context) | render.render(PROJECT | sketch_files(context["device"]), context)
+    device = context["device"]
+    device["parts"] = parts(device)
+    files = render.library(context) | render.render(PROJECT | sketch_files(device), context)
+    if device["parts"]:
+        files[WIRING] = wiring_svg(f"Wiring of {program.model.name}", device)
     if verification is not None:
         files[VERIFICATION] = json.dumps(verification, indent=1) + "\n"
     files[MANIFEST] = json.dumps(_manifest(coefficients, program, files), indent=1) + "\n"
