@@ -233,6 +233,7 @@ def _comments(found: dict[str, Any], options: dict[str, Any]) -> list[str]:
     return [
         f"# emulated: {found['tool']}, encoder {options['encoder']}, seed {options['seed']}",
         f"# motor_fault: {fault}",
+        f"# power_on: {-found['time_zero_s']:.2f} s",
         f"# elf_sha256: {options['elf_sha256']}",
     ]
 

@@ -13,8 +13,11 @@ from gen.emulate.board import Board
 from gen.emulate.led import Seen, read_led
 from gen.emulate.session import Session
 from gen.record import Part
+from gen.verify.avr.simulator import EmulatedMega
 
 Array = NDArray[np.float64]
+
+_RAM_END = 0x21FF
 
 
 @dataclass(frozen=True)
@@ -102,6 +105,7 @@ def summary(results: Results, board: Board, session: Session, settings: dict[str
         "wall_s": round(session.wall_s, 3),
         "rows": session.recorder.rows,
         "garbled_lines": session.recorder.garbled,
+        "time_zero_s": session.time_zero_s,
         "restarts_s": session.restarts_s,
         "alarms": [asdict(alarm) for alarm in results.alarms],
         "disbelieved": [asdict(item) for item in results.disbelieved],
@@ -110,12 +114,23 @@ def summary(results: Results, board: Board, session: Session, settings: dict[str
         "measured_minus_model_K": _differences(results.columns),
         "board": {
             "awake_share": round(1.0 - mega.asleep / mega.cycle, 6),
-            "stack_bytes": mega.stack_use().deepest,
+            "stack_bytes": deepest_stack(mega),
             "pulses": mega.pulses_sent,
             "thermocouples": {name: asdict(mega.chip_counts(n)) for name, n in board.chip_numbers.items()},
             "eeprom": asdict(mega.eeprom_counts),
         },
     }
+
+
+def deepest_stack(mega: EmulatedMega) -> int:
+    """Give the deepest stack since the start, in bytes, of a firmware that fills its free RAM with one byte at start.
+
+    What `EmulatedMega.stack_use` painted is gone then. A frame that is reserved and never written to is not seen.
+    """
+    floor = mega.sram_address("_end")
+    memory = np.frombuffer(mega.peek(floor, _RAM_END + 1 - floor), dtype=np.uint8)
+    used = np.flatnonzero(memory != memory[0])
+    return int(memory.size - used[0]) if used.size else 0
 
 
 def _text_columns(part: Part) -> dict[str, list[str]]:

@@ -53,8 +53,11 @@ class Session:
         The serial line's output as a run file.
     sent
         The same, byte for byte.
+    time_zero_s
+        Simulated time, since power-on, at which the board's time 0 lies, s: it checks itself and waits for its sensors
+        before. Known to some hundredths, from when its first row came; None without a row.
     restarts_s
-        When the firmware started again, s.
+        When the firmware started again, s, simulated time.
     seconds
         Simulated time.
     wall_s
@@ -63,6 +66,7 @@ class Session:
 
     recorder: Recorder = field(default_factory=Recorder)
     sent: bytearray = field(default_factory=bytearray)
+    time_zero_s: float | None = None
     restarts_s: list[float] = field(default_factory=list)
     seconds: float = 0.0
     wall_s: float = 0.0
@@ -199,5 +203,8 @@ class _Runner:
             return
         session.sent += sent
         session.recorder.feed(sent, board.seconds)
+        if session.time_zero_s is None and session.recorder.rows:
+            first = session.recorder.parts[0].rows[0]
+            session.time_zero_s = round(board.seconds - float(first.split(",")[0]), 2)
         if self._terminal is not None:
             self._terminal.write(sent)

@@ -272,6 +272,10 @@ def test_a_driven_level_outlives_a_reset(open_board: OpenBoard) -> None:
     mega.press_reset()
     asked.start()
     assert asked.ask("b") == "0"
+    mega.drive_pin(22, None)
+    mega.press_reset()
+    asked.start()
+    assert asked.ask("b") == "1"  # the pull-up, which the firmware sets anew
 
 
 def test_the_clock_can_start_just_before_it_rolls_over(open_board: OpenBoard) -> None:

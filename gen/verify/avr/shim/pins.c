@@ -55,12 +55,15 @@ void mega_pins_reset(struct gen_mega *mega)
 {
 	for (int i = 0; i < PORTS; i++) {
 		avr_ioport_t *port = mega->ports[i];
-		for (uint8_t bit = 0; port && bit < 8; bit++)
+		for (uint8_t bit = 0; port && bit < 8; bit++) {
 			if (port->external.pull_mask >> bit & 1) {
 				uint32_t level = port->external.pull_value >> bit & 1;
 				port->io.irq[bit].value = !level; /* else simavr sees no change */
 				avr_raise_irq(port->io.irq + bit, level);
+			} else {
+				port->io.irq[bit].value = 0; /* as PIN says: a pull-up set again is a change */
 			}
+		}
 	}
 }
 
