@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,10 +16,11 @@ from gen.errors import CheckFailed, InputError
 
 if TYPE_CHECKING:
     from gen.coefficients import Coefficients
-    from gen.emulate.board import Board, EncoderMode
+    from gen.coefficients.wiring import Wiring
+    from gen.emulate.board import Board
     from gen.emulate.rig import RigPlant
-    from gen.emulate.session import Session
-    from gen.lowering.program import Arithmetic, ScheduleKind
+    from gen.emulate.session import Event, Session
+    from gen.record.profile import Profile
 
 _EEPROM_BYTES = 4096
 _PATH = click.Path(path_type=Path)
@@ -99,12 +101,13 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
         if path is not None and not path.resolve().parent.is_dir():
             raise InputError("cannot be written: its folder does not exist", file=str(path))
     loaded = load(coefficients)
+    wanted = _wanted(loaded, coefficients, options)
     with ExitStack() as stack:
-        board, plant = _board(loaded, coefficients, stack, options)
-        session = _run(board, stack, options)
+        board = _board(loaded, coefficients, wanted, stack, options)
+        session = _run(board, wanted, stack, options)
         results = results_of(loaded.document, board, session)
         found = summary(results, board, session, _settings(loaded, options))
-        found["true_at_end_degC"] = {name: round(value, 3) for name, value in plant.temperatures.items()}
+        found["true_at_end_degC"] = {name: round(value, 3) for name, value in wanted.plant.temperatures.items()}
         picture = plot_svg(results, _title(loaded, options)) if plot is not None and session.recorder.rows else None
         if options["eeprom"] is not None:
             write_bytes(options["eeprom"], board.mega.eeprom)
@@ -120,69 +123,84 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
     _tell(found)
 
 
-def _board(
-    loaded: Coefficients, coefficients: Path, stack: ExitStack, options: dict[str, Any]
-) -> tuple[Board, RigPlant]:
-    from gen.emulate.board import Board
-    from gen.emulate.firmware import Firmware, build_firmware, cache_folder
+@dataclass(frozen=True)
+class _Wanted:
+    """What the options ask for; all faults in them have been found when it is made."""
+
+    wiring: Wiring
+    plant: RigPlant
+    profile: Profile
+    events: list[Event]
+    image: bytes | None
+
+
+def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -> _Wanted:
+    from gen.emulate.options import check_profile, parse_events
+    from gen.record.profile import parse_profile
+
+    wiring = loaded.document.wiring
+    if wiring is None or not wiring.thermocouples:
+        raise InputError("has no thermocouples: there is nothing to emulate", file=str(coefficients), place="$.wiring")
+    if options["elf"] is not None and not options["elf"].is_file():
+        raise InputError("there is no such file; expected a firmware for the Mega", file=str(options["elf"]))
+    profile = parse_profile(options["profile"])
+    check_profile(profile, options["duration"])
+    names = ("button", "reset", "power_cut", "brown_out", "send", "flood")
+    events = parse_events(options["duration"], **{name: options[name] for name in names})
+    try:
+        plant = _plant(wiring, options)
+    except InputError as error:
+        raise InputError(error.message, file=error.file or str(coefficients), place=error.place) from error
+    return _Wanted(wiring, plant, profile, events, _eeprom_image(options["eeprom"]))
+
+
+def _plant(wiring: Wiring, options: dict[str, Any]) -> RigPlant:
     from gen.emulate.options import parse_sensor_faults, parse_signal, parse_start
     from gen.emulate.rig import RigPlant
     from gen.rig import Fault, MotorConfig, sensors
     from gen.rig.signals import value
 
-    wiring = loaded.document.wiring
-    if wiring is None or not wiring.thermocouples:
-        raise InputError("has no thermocouples: there is nothing to emulate", file=str(coefficients), place="$.wiring")
     channels = [chip.channel for chip in wiring.thermocouples]
-    faults = (Fault(options["fault"], options["fault_start"], options["fault_severity"]),) if options["fault"] else ()
-    motor = MotorConfig(faults=faults)
+    fault = Fault(options["fault"], options["fault_start"], options["fault_severity"]) if options["fault"] else None
+    motor = MotorConfig(faults=(fault,) if fault is not None else ())
     ambient = parse_signal(options["ambient"], "--ambient", column="ambient_degC", straight=True)
-    image = _eeprom_image(options["eeprom"])
-    try:
-        plant = RigPlant(
-            channels,
-            motor=motor,
-            sensors=sensors(options["seed"], tolerance_K=options["sensor_tolerance"]),
-            sensor_faults=parse_sensor_faults(options["sensor_fault"], channels),
-            start_degC=parse_start(options["start"], motor, value(ambient, 0.0)),
-            ambient_degC=ambient,
-            load_Nm=parse_signal(options["load"], "--load", column="load_Nm", straight=False),
-            pulses_per_revolution=wiring.encoder.pulses_per_revolution if wiring.encoder is not None else 0,
-            seed=options["seed"],
-        )
-    except InputError as error:
-        raise InputError(error.message, file=error.file or str(coefficients), place=error.place) from error
-    arithmetic: Arithmetic = options["arithmetic"]
-    schedule: ScheduleKind = options["schedule"]
+    return RigPlant(
+        channels,
+        motor=motor,
+        sensors=sensors(options["seed"], tolerance_K=options["sensor_tolerance"]),
+        sensor_faults=parse_sensor_faults(options["sensor_fault"], channels),
+        start_degC=parse_start(options["start"], motor, value(ambient, 0.0)),
+        ambient_degC=ambient,
+        load_Nm=parse_signal(options["load"], "--load", column="load_Nm", straight=False),
+        pulses_per_revolution=wiring.encoder.pulses_per_revolution if wiring.encoder is not None else 0,
+        seed=options["seed"],
+    )
+
+
+def _board(
+    loaded: Coefficients, coefficients: Path, wanted: _Wanted, stack: ExitStack, options: dict[str, Any]
+) -> Board:
+    from gen.emulate.board import Board
+    from gen.emulate.firmware import build_firmware, cache_folder
+
     cache = cache_folder()
-    if options["elf"] is not None:
-        if not options["elf"].is_file():
-            raise InputError("there is no such file; expected a firmware for the Mega", file=str(options["elf"]))
-        firmware = Firmware(options["elf"], cache)
-    else:
-        firmware = build_firmware(loaded, arithmetic, schedule, coefficients.name, cache)
-    encoder: EncoderMode = options["encoder"]
-    options["elf_sha256"] = hashlib.sha256(firmware.elf.read_bytes()).hexdigest()
-    board = Board(firmware.elf, firmware.cache, wiring, plant, encoder=encoder)
+    elf: Path | None = options["elf"]
+    if elf is None:
+        elf = build_firmware(loaded, options["arithmetic"], options["schedule"], coefficients.name, cache).elf
+    options["elf_sha256"] = hashlib.sha256(elf.read_bytes()).hexdigest()
+    board = Board(elf, cache, wanted.wiring, wanted.plant, encoder=options["encoder"])
     stack.callback(board.close)
-    if image is not None:
-        board.mega.eeprom = image
+    if wanted.image is not None:
+        board.mega.eeprom = wanted.image
     if options["clock"] is not None:
         board.mega.start_clock_at(options["clock"])
-    return board, plant
+    return board
 
 
-def _run(board: Board, stack: ExitStack, options: dict[str, Any]) -> Session:
-    from gen.emulate.options import check_profile, parse_events
+def _run(board: Board, wanted: _Wanted, stack: ExitStack, options: dict[str, Any]) -> Session:
     from gen.emulate.session import run_session
     from gen.emulate.terminal import PseudoTerminal
-    from gen.record.profile import parse_profile
 
-    duration = options["duration"]
-    profile = parse_profile(options["profile"])
-    check_profile(profile, duration)
-    names = ("button", "reset", "power_cut", "brown_out", "send", "flood")
-    events = parse_events(duration, **{name: options[name] for name in names})
     pace: float | None = options["time_lapse"]
     terminal = None
     if options["pty"] is not None:
@@ -190,9 +208,15 @@ def _run(board: Board, stack: ExitStack, options: dict[str, Any]) -> Session:
         pace = pace or 1.0
         click.echo(f"{options['pty']}: waiting until it is opened (it leads to {terminal.name})", err=True)
         terminal.wait()
-    with _progress(duration) as progress:
+    with _progress(options["duration"]) as progress:
         session = run_session(
-            board, duration, profile=profile, events=events, terminal=terminal, pace=pace, progress=progress
+            board,
+            options["duration"],
+            profile=wanted.profile,
+            events=wanted.events,
+            terminal=terminal,
+            pace=pace,
+            progress=progress,
         )
     if terminal is not None:
         terminal.drain()

@@ -15,8 +15,9 @@ from gen.coefficients import load
 from gen.coefficients.wiring import Wiring
 from gen.emulate.board import Board, EncoderMode
 from gen.emulate.firmware import Firmware, build_firmware
-from gen.emulate.plant import STEP_S, BenchPlant
+from gen.emulate.plant import STEP_S, BenchPlant, Plant
 from gen.emulate.results import results_of, summary
+from gen.emulate.rig import RigPlant
 from gen.emulate.session import Event, Session, run_session
 from gen.emulate.terminal import PseudoTerminal
 from gen.runs import read_run
@@ -36,7 +37,7 @@ def firmware(cache: Path) -> Firmware:
 
 @pytest.fixture
 def make_board(firmware: Firmware) -> MakeBoard:
-    def make(plant: BenchPlant | None = None, encoder: EncoderMode = "batched") -> Board:
+    def make(plant: Plant | None = None, encoder: EncoderMode = "batched") -> Board:
         wiring = COEFFICIENTS.document.wiring
         assert isinstance(wiring, Wiring)
         return Board(firmware.elf, firmware.cache, wiring, plant or bench(), encoder=encoder)
@@ -139,6 +140,14 @@ def test_gen_log_hears_every_row_of_the_emulated_board(make_board: MakeBoard, tm
     assert "0 garbled" in stdout
     assert out.read_text(encoding="utf-8") == session.recorder.parts[0].text()
     assert len(read_run(out).time_s) == session.recorder.rows >= 58
+
+
+def test_the_same_seed_gives_the_same_bytes(make_board: MakeBoard) -> None:
+    sent = []
+    for seed in (7, 7, 8):
+        plant = RigPlant(TEMPERATURES, pulses_per_revolution=500, seed=seed)
+        sent.append(bytes(run_session(make_board(plant), 10.0, profile=((0.0, 153),)).sent))
+    assert sent[0] == sent[1] != sent[2]
 
 
 def test_the_pace_is_kept(make_board: MakeBoard) -> None:
