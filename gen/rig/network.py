@@ -61,8 +61,7 @@ class Network:
 
 def steady(flows: Floats, heat_W: Floats, ambient_degC: float) -> Floats:
     """Temperatures at which nothing changes, degC, shape (n,)."""
-    temperatures: Floats = np.linalg.solve(-flows[:, :-1], heat_W + flows[:, -1] * ambient_degC)
-    return temperatures
+    return np.asarray(np.linalg.solve(-flows[:, :-1], heat_W + flows[:, -1] * ambient_degC), dtype=np.float64)
 
 
 def propagator(rates: Floats, step_s: float) -> Floats:

@@ -96,12 +96,12 @@ def _residual(x: Floats, targets: Targets) -> Floats:
     healthy = compare(parameters, targets)
     parts: list[Floats] = [0.25 * (x - GUESSES) / SPREADS]
     for name in MEASURED:
-        limit = 0.20 if name == "brush" else 0.11
+        limit = 0.21 if name == "brush" else 0.11
         end = healthy.end_K[name]
         parts += [
             end / 0.25,
-            _beyond(end, 1.5, 0.05),
-            _beyond(healthy.settled_K[name], 1.8, 0.02),
+            _beyond(end, 1.6, 0.02),
+            _beyond(healthy.settled_K[name], 1.7, 0.02),
             healthy.time_63[name] / 0.04,
         ]
         parts.append(_beyond(healthy.time_63[name], limit, 0.003))
@@ -133,7 +133,7 @@ def _fault_residuals(parameters: MotorParameters, targets: Targets) -> list[Floa
         parts.append((brush - target.brush) / 0.4)
         parts.append(_beyond(brush - target.brush, 0.8, 0.04))
         parts.append(_above(target.casing_at_least[known] + 0.2, casing[known], 0.03))
-        parts.append(_above(np.full(known.sum() - 1, 0.15), np.diff(casing[known]), 0.05))
+        parts.append(_above(np.full(known.sum() - 1, 0.1), np.diff(casing[known]), 0.02))
         parts.append(_above(casing, 10.0, 1.0))
         parts.append(_above(broken["casing"], HOTTEST_CASING, 0.2))
         if kind == "bearing":
