@@ -11,6 +11,10 @@ from gen.coefficients.base import Celsius, Counts, Name, Number, Part, Positive,
 from gen.coefficients.schedule import ScheduleEntry
 from gen.coefficients.wiring import Wiring
 
+SKETCH_FILES = frozenset(["board", "config", "console", "crc32", "device", "drive", "encoder"])
+SKETCH_FILES |= {"indicator", "memory", "observer", "output", "selftest", "thermocouples"}
+"""Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
+
 CountRange = tuple[Counts, Counts]
 CelsiusRange = tuple[Celsius, Celsius]
 ColumnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
@@ -136,6 +140,8 @@ class Document(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Document:
+        if self.name.lower() in SKETCH_FILES:
+            raise fault(f'"{self.name}" is the name of a file of the sketch; expected another name', "name")
         self._check_ranges()
         names = [component.name for component in self.components]
         _unique(names, "components")

@@ -10,7 +10,7 @@ from gen.firmware.context import Context
 from gen.firmware.pins import label
 
 _ROW = 20
-_GAP = 18
+_GAP = 20
 _TOP = 56
 _BOARD_X, _BOARD_WIDTH = 24, 150
 _LANES_X, _LANE = 196, 13
@@ -104,7 +104,7 @@ def _is_pin(to: str) -> bool:
 
 def _places(devices: list[Part]) -> list[tuple[int, Part, Terminal]]:
     """Every terminal with its height, from top to bottom."""
-    found, y = [], _TOP
+    found, y = [], _TOP + _ROW // 2  # halfway between the board's rows, so that no two wires lie on one line
     for part in devices:
         y += _ROW
         for terminal in part.terminals:
