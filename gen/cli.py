@@ -108,12 +108,14 @@ def verify(
 ) -> None:
     """Prove the generated C++ equal to the reference, bit for bit, and measure error and cost."""
     from gen.coefficients import load
-    from gen.files import write_text
+    from gen.files import check_writable, write_text
     from gen.verify.report import print_results
     from gen.verify.verify import summary
     from gen.verify.verify import verify as run
 
     loaded = load(coefficients)
+    if json_file is not None:
+        check_writable(json_file)
     arithmetics: tuple[Arithmetic, ...] = ("fixed", "float") if arithmetic == "all" else (arithmetic,)
     schedules: tuple[ScheduleKind, ...] = ("table", "onboard") if schedule == "all" else (schedule,)
     with _progress() as progress:

@@ -35,6 +35,23 @@ def write_bytes(path: Path, data: bytes) -> None:
         raise InputError(f"cannot be written: {error.strerror}", file=str(path)) from error
 
 
+def check_writable(path: Path) -> None:
+    """Find out before long work that a file could not be written at its end.
+
+    Raises
+    ------
+    InputError
+        If the path is a folder, or its folder is missing or takes no new file.
+    """
+    if path.is_dir():
+        raise InputError("is a folder; expected the name of a file", file=str(path))
+    try:
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror}", file=str(path)) from error
+
+
 def replace_folder(folder: Path, files: Mapping[str, str]) -> None:
     """Put a new tree in a folder's place; an old one by this tool is removed.
 

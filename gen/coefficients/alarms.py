@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from math import ceil, floor
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
@@ -30,9 +32,24 @@ class Rule(Part):
     requires: Annotated[
         str | None, Field(description="The rule is evaluated only while this earlier rule's alarm is raised.")
     ] = None
+    stop_motor: Annotated[bool, Field(description="The sketch stops the motor while this rule's alarm is raised.")] = (
+        False
+    )
 
 
-class Deviation(Rule):
+class ModelRule(Rule):
+    """A rule that compares the measured temperature with the model's."""
+
+    beyond: Annotated[
+        Literal["model", "error_band"],
+        Field(
+            description="What the threshold or slack is counted from: the model's temperature, or the end of the error "
+            "band that provenance.error declares for the component at the present PWM."
+        ),
+    ] = "model"
+
+
+class Deviation(ModelRule):
     """Measured minus model beyond a threshold, upwards (above_model) or downwards (below_model)."""
 
     kind: Literal["above_model", "below_model"]
@@ -51,7 +68,7 @@ class OverTemperature(Rule):
     hysteresis_K: NotNegative = 0.0
 
 
-class Cusum(Rule):
+class Cusum(ModelRule):
     """The one-sided cumulated sum of (measured minus model minus slack), in K s, over a threshold."""
 
     kind: Literal["cusum"]
@@ -59,6 +76,11 @@ class Cusum(Rule):
     slack_K: NotNegative
     threshold_K_s: Positive
 
+
+#: The board keeps a bit for each rule.
+MOST_RULES = 16
+#: Longest time that a rule can wait, in samples: the board counts in 16 bits.
+MOST_SAMPLES = 65534
 
 KINDS = ("above_model", "below_model", "over_temperature", "cusum")
 
@@ -76,3 +98,17 @@ AlarmRule = Annotated[
     | Annotated[Cusum, Tag("tag:cusum")],
     Discriminator(_kind, custom_error_type="alarm", custom_error_message="not an alarm rule"),
 ]
+
+
+def window_counts(rule: Rule, full_scale: int) -> range:
+    """The |PWM| counts at which a rule is evaluated, empty if its speed range holds no whole count.
+
+    Parameters
+    ----------
+    rule
+        The rule.
+    full_scale
+        The count that is 100 %.
+    """
+    low, high = (Fraction(str(percent)) * full_scale / 100 for percent in rule.speed_percent)
+    return range(ceil(low), floor(high) + 1)

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from gen.coefficients.alarms import AlarmRule
+from gen.coefficients.alarms import MOST_RULES, MOST_SAMPLES, AlarmRule, window_counts
 from gen.coefficients.base import Celsius, Counts, Name, Number, Part, Positive, fault, listed, ordered
 from gen.coefficients.schedule import ScheduleEntry
 from gen.coefficients.wiring import Wiring
@@ -136,7 +136,7 @@ class Document(Part):
     components: Annotated[tuple[ComponentEntry, ...], Field(min_length=1, max_length=16)]
     provenance: Provenance | None = None
     wiring: Wiring | None = None
-    alarms: tuple[AlarmRule, ...] = ()
+    alarms: Annotated[tuple[AlarmRule, ...], Field(max_length=MOST_RULES)] = ()
 
     @model_validator(mode="after")
     def _check(self) -> Document:
@@ -183,7 +183,7 @@ class Document(Part):
             channels.add(thermocouple.channel)
         for i, alarm in enumerate(self.alarms):
             _known(alarm.component, names, "alarms", i, "component")
-            ordered(*alarm.speed_percent, "alarms", i, "speed_percent")
+            self._check_window(alarm, "alarms", i)
             earlier = [rule.name for rule in self.alarms[:i]]
             if alarm.requires is not None and alarm.requires not in earlier:
                 expected = listed(earlier) if earlier else "none, as this is the first rule"
@@ -193,6 +193,16 @@ class Document(Part):
                     i,
                     "requires",
                 )
+
+    def _check_window(self, alarm: AlarmRule, *at: str | int) -> None:
+        ordered(*alarm.speed_percent, *at, "speed_percent")
+        if not window_counts(alarm, self.input.full_scale):
+            low, high = alarm.speed_percent
+            raise fault(f"found [{low:g}, {high:g}], which no whole PWM count lies in", *at, "speed_percent")
+        for key in ("persistence_s", "settle_s"):
+            longest = MOST_SAMPLES * self.sample_time_s
+            if getattr(alarm, key) > longest:
+                raise fault(f"found {getattr(alarm, key):g}, expected at most {longest:g}", *at, key)
 
 
 def _unique(names: list[str], key: str) -> None:

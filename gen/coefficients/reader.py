@@ -9,6 +9,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from gen.coefficients import jsontext
+from gen.coefficients.alarm_checks import check_alarms
 from gen.coefficients.checks import check_model
 from gen.coefficients.convert import to_model
 from gen.coefficients.document import Accuracy, Document
@@ -79,7 +80,8 @@ def parse(raw: bytes) -> Coefficients:
     """
     document = parse_document(raw)
     model = to_model(document)
-    return Coefficients(document, model, check_model(model), hashlib.sha256(raw).hexdigest())
+    warnings = check_model(model) + check_alarms(document)
+    return Coefficients(document, model, warnings, hashlib.sha256(raw).hexdigest())
 
 
 def parse_document(raw: bytes) -> Document:

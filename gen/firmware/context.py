@@ -10,7 +10,9 @@ import numpy as np
 from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware import avr_advance
+from gen.firmware.alarms_cpp import alarm_context
 from gen.firmware.onboard_cpp import helpers, schedule_source
+from gen.lowering.alarms import lower_alarms
 from gen.lowering.dynamics import domain_rows
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.formats import RESIDUE_BITS
@@ -81,7 +83,7 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "tapes": [schedule_source(name, tape) for tape in program.onboard],
         "float_components": [c for c in program.components if isinstance(c, FloatComponent)],
         "schedule_comments": _schedule_comments(program),
-    }
+    } | alarm_context(lower_alarms(coefficients), model)
 
 
 def _shape(program: Program, shape: Shape) -> Context:

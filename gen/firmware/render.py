@@ -15,6 +15,9 @@ LIBRARY = {
     "lib/NAME/src/NAME.cpp": "lib/model/src/model.cpp.j2",
     "lib/NAME/src/NAME_model.h": "lib/model/src/model_state.h.j2",
     "lib/NAME/src/NAME_platform.h": "lib/model/src/platform.h.j2",
+    "lib/NAME/src/NAME_alarms.h": "lib/model/src/alarms.h.j2",
+    "lib/NAME/src/NAME_alarms.cpp": "lib/model/src/alarms.cpp.j2",
+    "lib/NAME/src/NAME_alarms_state.h": "lib/model/src/alarms_state.h.j2",
 }
 _BY_ARITHMETIC = {
     "fixed": {

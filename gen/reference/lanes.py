@@ -29,6 +29,9 @@ class ComponentLanes(Protocol):
     def rise(self) -> NDArray[np.float64]:
         """Temperature rise of every lane, in K."""
 
+    def rise_mK(self) -> Integers:
+        """The same in thousandths of a kelvin, rounded down, as the board gives it out."""
+
     def saturations(self) -> Integers:
         """How often each lane's words were limited."""
 
@@ -65,6 +68,15 @@ class FixedLanes:
         """See :class:`ComponentLanes`."""
         scale = 2.0 ** (RESIDUE_BITS - self._component.layout.fraction_bits[0])
         return np.asarray((self._state[0] >> RESIDUE_BITS) * scale, dtype=np.float64)
+
+    def rise_mK(self) -> Integers:
+        """See :class:`ComponentLanes`."""
+        bits = self._component.layout.fraction_bits[0] - RESIDUE_BITS
+        high = self._state[0] >> RESIDUE_BITS
+        fraction = high & ((1 << bits) - 1)
+        sixteenth = fraction >> (bits - 16) if bits >= 16 else fraction << (16 - bits)
+        thousandths: Integers = (high >> bits) * 1000 + (sixteenth * 1000 >> 16)
+        return thousandths
 
     def saturations(self) -> Integers:
         """See :class:`ComponentLanes`."""
@@ -119,6 +131,12 @@ class FloatLanes:
     def rise(self) -> NDArray[np.float64]:
         """See :class:`ComponentLanes`."""
         return self._step.rise(self._state, self._steady).astype(np.float64)
+
+    def rise_mK(self) -> Integers:
+        """See :class:`ComponentLanes`."""
+        scaled = self._step.rise(self._state, self._steady) * np.float32(1000.0)
+        whole = np.trunc(scaled).astype(np.int64)
+        return np.asarray(whole - (whole.astype(np.float32) > scaled), dtype=np.int64)
 
     def saturations(self) -> Integers:
         """See :class:`ComponentLanes`."""

@@ -69,6 +69,11 @@ class ReferenceModel:
         """Rise of every component as the board gives it out, shape (components, L), in K."""
         return np.array([component.rise() for component in self._components])
 
+    @property
+    def rises_mK(self) -> Integers:
+        """The same in thousandths of a kelvin, rounded down, as integers."""
+        return np.array([component.rise_mK() for component in self._components])
+
     def state_record(self) -> Record:
         """The state words alone, shape (L,); the record's other fields are 0."""
         record = np.zeros(self.lanes, dtype=record_type(self._program))

@@ -22,7 +22,7 @@ from gen.verify.profiles import RECORD_TYPE, Profile
 
 Records = NDArray[np.void]
 
-_WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
+WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
 _SANITIZE = ("-O1", "-g", "-fsanitize=undefined,address", "-fno-sanitize-recover=all")
 #: The host's builds: name -> compiler and flags. No contraction: the board has no fused multiply-add.
 HOST_BUILDS: Mapping[str, tuple[str, tuple[str, ...]]] = {
@@ -77,7 +77,7 @@ class HostRunner:
             str(toolchain.program(compiler)),
             "-std=gnu++11",
             "-ffp-contract=off",
-            *_WARNINGS,
+            *WARNINGS,
             *flags,
             f"-I{library.include}",
             str(library.folder / "verify_host.cpp"),

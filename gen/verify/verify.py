@@ -14,11 +14,13 @@ from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware import render
 from gen.firmware.context import project_context
+from gen.lowering.alarms import lower_alarms
 from gen.lowering.lower import Program, lower
 from gen.lowering.program import Arithmetic, ScheduleKind
 from gen.model.exact import ExactSolution
 from gen.reference.model import ReferenceModel
 from gen.verify import compare
+from gen.verify.alarms import AlarmCampaign, compare_alarms
 from gen.verify.compare import Mismatch
 from gen.verify.profiles import Integers, Profile, campaign, every_command
 from gen.verify.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
@@ -31,6 +33,8 @@ Mutation = Callable[[dict[str, str]], Files]
 HOST_LANES, HOST_LENGTH = 64, 16_400
 #: One 10 800 s run on the emulated board, cut into lanes with their own starts.
 AVR_LANES, AVR_LENGTH = 8, 5_400
+#: The same for the alarm rules.
+ALARM_LANES, ALARM_LENGTH = 24, 1_800
 #: Lanes judged against the exact solution over 10 800 s each.
 ACCURACY_LANES, ACCURACY_LENGTH = 12, 43_200
 
@@ -152,6 +156,12 @@ def _combination(
         targets.append(_compared(program, board.name, board.run, profile, expected))
         cost = board.cost(profile) if targets[-1].differing == 0 else None
         helpers = board.helper_symbols()
+    progress(f"{label}: alarms")
+    rules = lower_alarms(coefficients)
+    hosts = host_builds if target in ("host", "all") else ()
+    length = max(300, int(ALARM_LENGTH * scale))
+    for name, given, difference in compare_alarms(library, rules, ALARM_LANES, length, hosts, board=target != "host"):
+        targets.append(_alarm_result(name, given, difference))
     progress(f"{label}: exact solution")
     return CombinationResult(
         program.arithmetic,
@@ -188,6 +198,13 @@ def _compared(
         str(still),
         {"start_mK": int(short.start_mK[still.lane]), "pwm": short.pwm[still.lane].tolist()},
     )
+
+
+def _alarm_result(name: str, given: AlarmCampaign, difference: Mismatch | None) -> TargetResult:
+    words = given.expected.size * len(given.expected.dtype.names or ())
+    if difference is None:
+        return TargetResult(name, given.expected.size, words, 0)
+    return TargetResult(name, given.expected.size, words, difference.differing, str(difference))
 
 
 def measured_error(program: Program, lanes: int, length: int = ACCURACY_LENGTH) -> dict[str, float]:

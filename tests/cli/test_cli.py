@@ -57,6 +57,15 @@ def test_bad_input_is_one_line_with_file_and_place_and_exit_2(command: str, tmp_
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("place", ["", "missing/v.json"])
+def test_verify_finds_an_unwritable_output_before_its_work(place: str, tmp_path: Path) -> None:
+    begin = time.perf_counter()
+    done = gen("verify", COEFFICIENTS, "--json", tmp_path / place)
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"error: {tmp_path / place}: ")
+    assert time.perf_counter() - begin < 30.0  # the work itself takes minutes
+
+
 def test_a_bad_option_is_usage_and_exit_2() -> None:
     done = gen("build", COEFFICIENTS, "--arithmetic", "double")
     assert done.returncode == 2

@@ -1,0 +1,186 @@
+// Alarm rules of my1016, see my1016_alarms.h. Whole numbers only: every target raises the same alarms at the same samples.
+#include "my1016_alarms.h"
+
+#include "my1016_alarms_state.h"
+#include "my1016_platform.h"
+
+my1016_AlarmState my1016_alarm_state;
+
+// What a rule compares with its threshold.
+enum { ABOVE_MODEL, BELOW_MODEL, MEASURED };
+
+static const uint8_t NONE = 255;
+
+// A range of |PWM| with a threshold, in thousandths of a kelvin (of a degree for MEASURED).
+struct Segment {
+    uint8_t low, high;  // |PWM|, both included
+    int32_t trip;       // the condition begins above it; for a sum: the slack
+    int32_t clear;      // and ends at or below it
+};
+
+struct Rule {
+    uint8_t quantity;
+    uint8_t component;
+    uint8_t first, segments;  // in SEGMENTS
+    uint8_t requires;         // the rule whose alarm must be raised, or NONE
+    uint16_t settle;          // samples since PWM entered the segments
+    uint16_t start_wait;      // samples within the segments after a start whose slopes are not known
+    uint16_t persistence;     // samples before the alarm
+    int32_t sum_limit;        // thousandths of a kelvin times samples; 0: not a sum
+};
+
+static const Segment SEGMENTS[] PROGMEM = {
+    // fault: $.alarms[0], |PWM| from .speed_percent, then .threshold_K, .hysteresis_K
+    {77, 178, 5000L, 4000L},
+    // fault_at_rated_speed: $.alarms[1], |PWM| from .speed_percent, then .threshold_K, .hysteresis_K
+    {255, 255, 0L, -1000L},
+    // bearing_fault: $.alarms[2], |PWM| from .speed_percent, then .threshold_K, .hysteresis_K
+    {176, 181, 0L, -1000L},
+    // brush_fault: $.alarms[3], |PWM| from .speed_percent, then .threshold_K, .hysteresis_K
+    {176, 181, 0L, -1000L},
+};
+
+static const Rule RULES[MY1016_ALARMS] PROGMEM = {
+    // fault: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
+    {ABOVE_MODEL, MY1016_CASING, 0, 1, NONE, 2400u, 0u, 240u, 0L},
+    // fault_at_rated_speed: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
+    {ABOVE_MODEL, MY1016_BRUSH, 1, 1, NONE, 2400u, 36600u, 240u, 0L},
+    // bearing_fault: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
+    {ABOVE_MODEL, MY1016_BRUSH, 2, 1, 0, 2400u, 31080u, 240u, 0L},
+    // brush_fault: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
+    {BELOW_MODEL, MY1016_BRUSH, 3, 1, 0, 2400u, 31080u, 240u, 0L},
+};
+
+// |PWM|; what does not fit a byte is in no segment but the last.
+static uint8_t magnitude(int16_t pwm) {
+    const uint16_t counts = pwm < 0 ? (uint16_t)(0u - (uint16_t)pwm) : (uint16_t)pwm;
+    return (uint8_t)(counts > 255u ? 255u : counts);
+}
+
+// The rule's segment at a |PWM|; false if it has none there.
+static bool find(const Rule &rule, uint8_t pwm, Segment *segment) {
+    for (uint8_t i = 0; i < rule.segments; ++i) {
+        memcpy_P(segment, &SEGMENTS[rule.first + i], sizeof *segment);
+        if (pwm >= segment->low && pwm <= segment->high) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static int32_t compared(const Rule &rule, const my1016_Sample *sample) {
+    const int32_t measured = sample->measured_mC[rule.component];
+    if (rule.quantity == MEASURED) {
+        return measured;
+    }
+    const int32_t above = measured - my1016_temperature_mC(rule.component, sample->ambient_mC);
+    return rule.quantity == ABOVE_MODEL ? above : -above;
+}
+
+// Whether the condition holds, given whether it held at the last sample.
+static bool holds(const Rule &rule, const Segment &segment, my1016_AlarmTimers *timers, int32_t value) {
+    if (rule.sum_limit == 0) {
+        return value > (timers->held ? segment.clear : segment.trip);
+    }
+    // One-sided cumulated sum, kept within 0..sum_limit.
+    const int32_t sum = timers->sum + (value - segment.trip);
+    timers->sum = sum < 0 ? 0 : sum > rule.sum_limit ? rule.sum_limit : sum;
+    return timers->sum == rule.sum_limit;
+}
+
+// Counts the waiting times; false while the rule sleeps.
+static bool awake(const Rule &rule, my1016_AlarmTimers *timers) {
+    bool slept = false;
+    if (timers->start_wait > 0) {
+        --timers->start_wait;
+        slept = true;
+    }
+    if (timers->settled < rule.settle) {
+        ++timers->settled;
+        slept = true;
+    }
+    return !slept && (rule.requires == NONE || ((my1016_alarm_state.latched >> rule.requires) & 1u));
+}
+
+static void evaluate(uint8_t number, int16_t pwm, const my1016_Sample *sample) {
+    my1016_AlarmTimers *const timers = &my1016_alarm_state.timers[number];
+    const uint16_t bit = (uint16_t)(1u << number);
+    Rule rule;
+    Segment segment;
+    memcpy_P(&rule, &RULES[number], sizeof rule);
+    const bool inside = find(rule, magnitude(pwm), &segment);
+    if (!inside) {
+        timers->settled = 0;
+    }
+    if (!inside || !awake(rule, timers)) {
+        timers->held = 0;
+        my1016_alarm_state.active &= (uint16_t)~bit;
+        my1016_alarm_state.asleep |= bit;
+        return;
+    }
+    my1016_alarm_state.asleep &= (uint16_t)~bit;
+    if (!((sample->valid >> rule.component) & 1u)) {
+        return;
+    }
+    if (!holds(rule, segment, timers, compared(rule, sample))) {
+        timers->held = 0;
+        my1016_alarm_state.active &= (uint16_t)~bit;
+        return;
+    }
+    if (timers->held <= rule.persistence) {
+        ++timers->held;
+    }
+    if (timers->held > rule.persistence) {
+        my1016_alarm_state.active |= bit;
+        my1016_alarm_state.latched |= bit;
+    }
+}
+
+extern "C" void my1016_alarms_begin(uint8_t trusted) {
+    my1016_alarm_state = my1016_AlarmState();
+    my1016_alarm_state.asleep = (uint16_t)(15u);
+    for (uint8_t rule = 0; rule < MY1016_ALARMS; ++rule) {
+        my1016_alarm_state.timers[rule].start_wait = trusted ? 0 : pgm_read_word(&RULES[rule].start_wait);
+    }
+}
+
+extern "C" void my1016_alarms_step(int16_t pwm, const my1016_Sample *sample) {
+    for (uint8_t rule = 0; rule < MY1016_ALARMS; ++rule) {
+        evaluate(rule, pwm, sample);
+    }
+}
+
+extern "C" void my1016_alarms_reset(void) {
+    my1016_alarm_state.latched = 0;
+    for (uint8_t rule = 0; rule < MY1016_ALARMS; ++rule) {
+        my1016_alarm_state.timers[rule].held = 0;
+        my1016_alarm_state.timers[rule].sum = 0;
+    }
+    my1016_alarm_state.active = 0;
+}
+
+static const char name_fault[] PROGMEM = "fault";
+static const char name_fault_at_rated_speed[] PROGMEM = "fault_at_rated_speed";
+static const char name_bearing_fault[] PROGMEM = "bearing_fault";
+static const char name_brush_fault[] PROGMEM = "brush_fault";
+
+extern "C" const char *my1016_alarm_name(uint8_t rule) {
+    switch (rule) {
+        case MY1016_ALARM_FAULT_AT_RATED_SPEED:
+            return name_fault_at_rated_speed;
+        case MY1016_ALARM_BEARING_FAULT:
+            return name_bearing_fault;
+        case MY1016_ALARM_BRUSH_FAULT:
+            return name_brush_fault;
+        default:
+            return name_fault;
+    }
+}
+
+extern "C" uint16_t my1016_alarms(void) { return my1016_alarm_state.latched; }
+
+extern "C" uint16_t my1016_alarms_active(void) { return my1016_alarm_state.active; }
+
+extern "C" uint16_t my1016_alarms_asleep(void) { return my1016_alarm_state.asleep; }
+
+extern "C" uint8_t my1016_alarms_stop(void) { return (my1016_alarm_state.latched & 0u) != 0; }

@@ -1,0 +1,220 @@
+"""Alarm rules as the board evaluates them: whole counts, samples and thousandths of a kelvin.
+
+Every rule has segments, ranges of |PWM| with a threshold each; where no segment holds the rule is not evaluated.
+Usually there is one.  A threshold that is counted from the declared error band has as many as the band has steps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from gen.coefficients import Coefficients
+from gen.coefficients.alarm_checks import declared_deviation_K, quantity
+from gen.coefficients.alarms import MOST_SAMPLES, AlarmRule, Cusum, Deviation, OverTemperature, window_counts
+from gen.coefficients.document import Document
+from gen.model import Component, ThermalModel
+
+Array = NDArray[np.float64]
+
+#: A start from measured temperatures alone knows no slopes: rules wait until what that can do has fallen below this.
+START_MARGIN_K = 0.5
+_START_STEP_S = 30.0
+_START_LEVELS = 9
+_START_TIMES = 12
+#: Largest sum that a CUSUM may need, in thousandths of a kelvin times samples: far from the 32 bits' end.
+MOST_SUM = 2**30
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A range of |PWM| in which a rule has one threshold.
+
+    Attributes
+    ----------
+    low, high
+        |PWM| in counts, both included.
+    trip_mK, clear_mK
+        The condition begins above trip and ends at or below clear, in thousandths of a kelvin (of a degree
+        Celsius for an over-temperature). For a CUSUM both are the slack.
+    """
+
+    low: int
+    high: int
+    trip_mK: int
+    clear_mK: int
+
+
+@dataclass(frozen=True)
+class LoweredRule:
+    """One rule.
+
+    Attributes
+    ----------
+    name, description
+        From the coefficient file.
+    quantity
+        What is compared: "above" (measured minus model), "below" (model minus measured) or "measured".
+    component
+        Index of the component.
+    segments
+        Not overlapping, in the order of |PWM|.
+    settle, start_wait, persistence
+        In samples: since PWM entered the segments, within the segments since a start whose slopes are unknown, and
+        before the alarm.
+    requires
+        Index of the rule whose alarm must be raised, or None.
+    stops
+        Whether the motor stops while this alarm is raised.
+    sum_limit
+        A CUSUM's threshold in thousandths of a kelvin times samples, or None for other rules.
+    """
+
+    name: str
+    description: str
+    quantity: str
+    component: int
+    segments: tuple[Segment, ...]
+    settle: int
+    start_wait: int
+    persistence: int
+    requires: int | None
+    stops: bool
+    sum_limit: int | None
+
+    @property
+    def needs_model(self) -> bool:
+        """Whether the model's temperature takes part."""
+        return self.quantity != "measured"
+
+
+def lower_alarms(coefficients: Coefficients) -> tuple[LoweredRule, ...]:
+    """Lower every rule of a coefficient file, in its order.
+
+    Parameters
+    ----------
+    coefficients
+        A checked coefficient file.
+    """
+    document, model = coefficients.document, coefficients.model
+    names = [rule.name for rule in document.alarms]
+    components = {component.name: component for component in model.components}
+    rules = []
+    for rule in document.alarms:
+        counts = window_counts(rule, document.input.full_scale)
+        wait = 0
+        if not isinstance(rule, OverTemperature):
+            wait = start_wait(model, components[rule.component], counts)
+        sum_limit = None
+        if isinstance(rule, Cusum):
+            sum_limit = max(1, min(MOST_SUM, round(rule.threshold_K_s * 1000.0 / model.sample_time)))
+        rules.append(
+            LoweredRule(
+                name=rule.name,
+                description=rule.description,
+                quantity=quantity(rule),
+                component=model.component_names.index(rule.component),
+                segments=_segments(document, rule),
+                settle=_samples(rule.settle_s, model),
+                start_wait=wait,
+                persistence=_samples(rule.persistence_s, model),
+                requires=None if rule.requires is None else names.index(rule.requires),
+                stops=rule.stop_motor,
+                sum_limit=sum_limit,
+            )
+        )
+    return tuple(rules)
+
+
+def start_wait(model: ThermalModel, component: Component, counts: range) -> int:
+    """Samples at some |PWM| after which a start with unknown slopes no longer matters.
+
+    A motor on its way from rest to a steady state, or back, has slopes that a start from its measured temperature
+    takes as zero. The error that this causes then develops at any one level for any time, and decays at the given
+    levels; the wait is the time after which it stays below :data:`START_MARGIN_K` in every case tried.
+
+    Parameters
+    ----------
+    model, component
+        The component in question; for order 1 there are no slopes and nothing to wait for.
+    counts
+        The levels at which time is counted.
+    """
+    if component.order == 1:
+        return 0
+    low, high = model.domain_pwm
+    levels = np.unique(np.linspace(low, high, _START_LEVELS).round().astype(np.int64))
+    matrices, _ = component.state_matrices(levels)
+    cases = []
+    for matrix, steady in zip(matrices, component.steady_rise(levels), strict=True):
+        rest = np.zeros(component.order)
+        rest[0] = steady
+        unknown = _responses(matrix) @ rest  # the way down; the way up is its mirror image
+        unknown[:, 0] = 0.0
+        cases.append(unknown)
+    errors = np.concatenate(cases).T
+    later = np.concatenate([np.hstack(list(_responses(matrix) @ errors)) for matrix in matrices], axis=1)
+    inside, _ = component.state_matrices(np.array([counts[0], counts[len(counts) // 2], counts[-1]]))
+    return max(_fading_time(matrix, later, model) for matrix in inside)
+
+
+def _responses(matrix: Array) -> Array:
+    """Transition matrices over times that span the component's way to rest, shape (times, n, n)."""
+    slowest = 1.0 / np.abs(np.linalg.eigvals(matrix).real).min()
+    times = np.concatenate([[0.0], np.geomspace(slowest / 100.0, slowest * 3.0, _START_TIMES)])
+    return np.array([expm(matrix * time) for time in times])
+
+
+def _fading_time(matrix: Array, errors: Array, model: ThermalModel) -> int:
+    """Samples after which every error, shape (n, cases), stays below the margin."""
+    step = expm(matrix * _START_STEP_S)
+    most = int(MOST_SAMPLES * model.sample_time / _START_STEP_S)
+    last, below = 0, 0
+    for number in range(1, most):
+        errors = step @ errors
+        if np.abs(errors[0]).max() > START_MARGIN_K:
+            last, below = number, 0
+        else:
+            below += 1
+        if below > max(20, last):
+            break
+    return min(MOST_SAMPLES, int(np.ceil((last + 1) * _START_STEP_S / model.sample_time)))
+
+
+def _samples(seconds: float, model: ThermalModel) -> int:
+    return min(MOST_SAMPLES, int(np.ceil(seconds / model.sample_time - 1e-9)))
+
+
+def _segments(document: Document, rule: AlarmRule) -> tuple[Segment, ...]:
+    counts = window_counts(rule, document.input.full_scale)
+    if isinstance(rule, OverTemperature):
+        base, clear = rule.limit_degC, rule.hysteresis_K
+    elif isinstance(rule, Cusum):
+        base, clear = rule.slack_K, 0.0
+    else:
+        base, clear = rule.threshold_K, rule.hysteresis_K
+    extra = dict.fromkeys(counts, 0.0)
+    if not isinstance(rule, OverTemperature) and rule.beyond == "error_band":
+        extra = _error_band(document, rule, counts)
+    segments = []
+    for value, group in groupby(counts, key=lambda pwm: extra[pwm]):
+        members = list(group)
+        trip = round((base + value) * 1000.0)
+        segments.append(Segment(members[0], members[-1], trip, trip - round(clear * 1000.0)))
+    return tuple(segments)
+
+
+def _error_band(document: Document, rule: Deviation | Cusum, counts: range) -> dict[int, float]:
+    """The band's end on the rule's side at each |PWM|, which may lie on the other side of the model.
+
+    Where nothing is declared the widest end holds, and not less than the model itself.
+    """
+    bands = document.provenance.error if document.provenance else ()
+    found = {pwm: declared_deviation_K(bands, rule, pwm) for pwm in counts}
+    everywhere = (declared_deviation_K(bands, rule, pwm) for pwm in range(document.input.full_scale + 1))
+    widest = max((value for value in everywhere if value is not None), default=0.0)
+    return {pwm: max(0.0, widest) if value is None else value for pwm, value in found.items()}

@@ -1,0 +1,147 @@
+"""The alarm rules, sample by sample as the board evaluates them, for many runs at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.alarms import LoweredRule
+
+Integers = NDArray[np.int64]
+Record = NDArray[np.void]
+
+
+class ReferenceAlarms:
+    """A model's rules over L independent lanes.
+
+    Parameters
+    ----------
+    rules
+        What the board evaluates.
+    trusted
+        For each lane, whether the model starts with the right slopes, shape (L,).
+
+    Attributes
+    ----------
+    latched, active, asleep
+        Bit masks of the rules, shape (L,).
+    """
+
+    def __init__(self, rules: Sequence[LoweredRule], trusted: NDArray[np.bool_]) -> None:
+        self._rules = tuple(rules)
+        lanes = len(trusted)
+        self.latched = np.zeros(lanes, dtype=np.int64)
+        self.active = np.zeros(lanes, dtype=np.int64)
+        self.asleep = np.full(lanes, (1 << len(rules)) - 1, dtype=np.int64)
+        self._settled = np.zeros((len(rules), lanes), dtype=np.int64)
+        self._held = np.zeros((len(rules), lanes), dtype=np.int64)
+        self._sum = np.zeros((len(rules), lanes), dtype=np.int64)
+        self._wait = np.array([np.where(trusted, 0, rule.start_wait) for rule in rules], dtype=np.int64).reshape(
+            len(rules), lanes
+        )
+
+    def advance(self, record: Record) -> None:
+        """Go on from what a board keeps, shape (L,), see :func:`alarm_record_type`."""
+        for number, rule in enumerate(self._rules):
+            self._settled[number] = record[f"{rule.name}.settled"]
+            self._wait[number] = record[f"{rule.name}.start_wait"]
+            self._held[number] = record[f"{rule.name}.held"]
+            self._sum[number] = record[f"{rule.name}.sum"]
+        self.latched, self.active, self.asleep = (
+            record[mask].astype(np.int64) for mask in ("latched", "active", "asleep")
+        )
+
+    def reset(self, lanes: NDArray[np.bool_]) -> None:
+        """Forget the alarms raised in the lanes that are marked, shape (L,)."""
+        for values in (self.latched, self.active, *self._held, *self._sum):
+            values[lanes] = 0
+
+    def step(self, pwm: Integers, measured_mC: Integers, model_mC: Integers, valid: Integers) -> None:
+        """Evaluate every rule after a sample.
+
+        Parameters
+        ----------
+        pwm
+            What acted over the sample, shape (L,).
+        measured_mC, model_mC
+            Measured and modelled temperatures, shape (components, L), in thousandths of a degree Celsius.
+        valid
+            Bit masks of the components whose measurement passed its checks, shape (L,).
+        """
+        magnitude = np.minimum(np.abs(pwm), 255)
+        for number, rule in enumerate(self._rules):
+            inside, trip, clear = _thresholds(rule, magnitude)
+            awake = self._awake(number, rule, inside)
+            self._settled[number][~inside] = 0
+            asleep = ~inside | ~awake
+            seen = ~asleep & (((valid >> rule.component) & 1) == 1)
+            value = measured_mC[rule.component]
+            if rule.needs_model:
+                value = value - model_mC[rule.component]
+                value = value if rule.quantity == "above" else -value
+            holds = seen & self._holds(number, rule, value, trip, clear, seen)
+            released = asleep | (seen & ~holds)
+            self._held[number] = np.where(released, 0, np.minimum(self._held[number] + holds, rule.persistence + 1))
+            self._mark(number, "asleep", on=asleep, off=~asleep)
+            raised = holds & (self._held[number] > rule.persistence)
+            self._mark(number, "active", on=raised, off=released)
+            self._mark(number, "latched", on=raised, off=np.zeros_like(raised))
+
+    def record(self) -> Record:
+        """What the board keeps, shape (L,), see :func:`alarm_record_type`."""
+        record = np.zeros(len(self.latched), dtype=alarm_record_type(self._rules))
+        for number, rule in enumerate(self._rules):
+            record[f"{rule.name}.settled"] = self._settled[number]
+            record[f"{rule.name}.start_wait"] = self._wait[number]
+            record[f"{rule.name}.held"] = self._held[number]
+            record[f"{rule.name}.sum"] = self._sum[number]
+        record["latched"], record["active"], record["asleep"] = self.latched, self.active, self.asleep
+        return record
+
+    def _awake(self, number: int, rule: LoweredRule, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        waiting = inside & (self._wait[number] > 0)
+        settling = inside & (self._settled[number] < rule.settle)
+        self._wait[number] -= waiting
+        self._settled[number] += settling
+        awake: NDArray[np.bool_] = ~waiting & ~settling
+        if rule.requires is not None:
+            awake &= ((self.latched >> rule.requires) & 1) == 1
+        return awake
+
+    def _holds(
+        self, number: int, rule: LoweredRule, value: Integers, trip: Integers, clear: Integers, seen: NDArray[np.bool_]
+    ) -> NDArray[np.bool_]:
+        if rule.sum_limit is None:
+            above: NDArray[np.bool_] = value > np.where(self._held[number] > 0, clear, trip)
+            return above
+        total = np.clip(self._sum[number] + value - trip, 0, rule.sum_limit)
+        self._sum[number] = np.where(seen, total, self._sum[number])
+        full: NDArray[np.bool_] = self._sum[number] == rule.sum_limit
+        return full
+
+    def _mark(self, number: int, mask: str, *, on: NDArray[np.bool_], off: NDArray[np.bool_]) -> None:
+        values = getattr(self, mask)
+        values |= np.where(on, 1 << number, 0)
+        values &= np.where(off, ~(1 << number), -1)
+
+
+def alarm_record_type(rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
+    """The board's alarm structure, byte by byte, packed and little endian."""
+    timers = [
+        (f"{rule.name}.{field}", kind)
+        for rule in rules
+        for field, kind in (("settled", "<u2"), ("start_wait", "<u2"), ("held", "<u2"), ("sum", "<i4"))
+    ]
+    return np.dtype([*timers, *((mask, "<u2") for mask in ("latched", "active", "asleep"))])
+
+
+def _thresholds(rule: LoweredRule, magnitude: Integers) -> tuple[NDArray[np.bool_], Integers, Integers]:
+    inside = np.zeros(len(magnitude), dtype=bool)
+    trip, clear = np.zeros_like(magnitude), np.zeros_like(magnitude)
+    for segment in rule.segments:
+        here = (magnitude >= segment.low) & (magnitude <= segment.high)
+        inside |= here
+        trip[here], clear[here] = segment.trip_mK, segment.clear_mK
+    return inside, trip, clear

@@ -1,0 +1,94 @@
+"""Rules in whole counts, samples and thousandths; the wait after a start without slopes."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from gen.coefficients import Coefficients, parse
+from gen.errors import InputError
+from gen.lowering.alarms import START_MARGIN_K, Segment, lower_alarms, start_wait
+from gen.model.exact import ExactSolution
+from tests.verify_helpers import ROOT, example
+
+
+def changed(**rule: object) -> Coefficients:
+    document = json.loads((ROOT / "examples" / "two_mass" / "coeffs.json").read_text())
+    document["alarms"] = [{"name": "rule", "component": "housing", "kind": "above_model", "threshold_K": 2.0} | rule]
+    return parse(json.dumps(document).encode())
+
+
+def test_the_studys_rules_in_board_units() -> None:
+    rule = lower_alarms(example("my1016"))[0]
+    assert rule.segments == (Segment(77, 178, 5000, 4000),)  # 30..70 % of 255 is 76.5..178.5
+    assert (rule.settle, rule.persistence) == (2400, 240)  # 600 s and 60 s at 0.25 s
+
+
+def test_a_threshold_beyond_the_error_band_follows_its_steps() -> None:
+    # The band is -1.5..2.0 K up to PWM 127 and -3.0..0.5 K above; nothing is declared below 25: the widest holds there.
+    (above,) = lower_alarms(changed(beyond="error_band", hysteresis_K=0.5))
+    assert above.segments == (Segment(0, 24, 5000, 4500), Segment(25, 127, 3500, 3000), Segment(128, 255, 5000, 4500))
+    (below,) = lower_alarms(changed(kind="below_model", beyond="error_band", speed_percent=[20, 100]))
+    assert below.segments == (Segment(51, 127, 4000, 4000), Segment(128, 255, 2500, 2500))
+
+
+def test_a_band_on_the_other_side_of_the_model_moves_the_threshold_there() -> None:
+    document = json.loads((ROOT / "examples" / "two_mass" / "coeffs.json").read_text())
+    band = {"component": "housing", "pwm": [0, 255], "model_minus_measured_K": [3.0, 4.0]}
+    document["provenance"]["error"] = [band]
+    document["alarms"] = [
+        {"name": "rule", "component": "housing", "kind": "above_model", "threshold_K": 2.0, "beyond": "error_band"}
+    ]
+    (rule,) = lower_alarms(parse(json.dumps(document).encode()))
+    assert rule.segments == (Segment(0, 255, -1000, -1000),)  # healthy is at least 3 K below the model
+
+
+@pytest.mark.parametrize(
+    ("rule", "warned"),
+    [
+        ({"threshold_K": 3.1}, False),
+        ({"threshold_K": 3.0}, True),
+        ({"threshold_K": 2.0, "speed_percent": [10, 40]}, False),
+        ({"threshold_K": 1.9, "kind": "below_model", "speed_percent": [10, 40]}, True),
+        ({"threshold_K": 1.0, "beyond": "error_band"}, False),
+    ],
+)
+def test_a_threshold_inside_the_declared_error_is_warned_of(rule: dict[str, object], warned: bool) -> None:
+    warnings = [text for text in changed(**rule).warnings if text.startswith("$.alarms[0].threshold_K")]
+    assert bool(warnings) == warned
+
+
+@pytest.mark.parametrize(
+    ("rule", "place"),
+    [
+        ({"settle_s": 20_000}, r"\$\.alarms\[0\]\.settle_s.*expected at most 16383\.5"),
+        ({"persistence_s": 16_384}, r"\$\.alarms\[0\]\.persistence_s"),
+        ({"speed_percent": [50.1, 50.15]}, r"\$\.alarms\[0\]\.speed_percent.*no whole PWM count"),
+    ],
+)
+def test_what_the_board_cannot_hold_is_refused(rule: dict[str, object], place: str) -> None:
+    with pytest.raises(InputError, match=place):
+        changed(**rule)
+
+
+def test_the_wait_outlasts_what_unknown_slopes_can_do() -> None:
+    """The exact solution: a motor on its way to full speed, restarted in mid-run from its temperature alone."""
+    model = example("my1016").model
+    brush = model.components[0]
+    solution = ExactSolution(model)
+    wait = start_wait(model, brush, range(150, 151)) * model.sample_time
+    times = np.arange(0.0, 40_000.0, 30.0)
+    worst = 0.0
+    for before in (51, 150, 255):
+        for first in range(10, 200, 30):
+            pwm = np.where(np.arange(times.size) < first, before, 150)
+            warm = solution.simulate_times(times, pwm)["brush"]
+            cold = solution.simulate_times(times[first:], pwm[first:], {"brush": float(warm[first])})["brush"]
+            error = np.abs(cold - warm[first:])
+            settled = times[first:] - times[first] >= wait
+            assert error[settled].max() <= START_MARGIN_K
+            worst = max(worst, float(error.max()))
+    assert worst > 5.0  # without the wait it matters
+    assert start_wait(model, model.components[1], range(150, 151)) == 0

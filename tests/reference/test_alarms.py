@@ -1,0 +1,163 @@
+"""The alarm rules, held against what the coefficient file says in words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gen.lowering.alarms import LoweredRule, Segment
+from gen.reference.alarms import ReferenceAlarms
+
+RULE = LoweredRule(
+    name="rule",
+    description="",
+    quantity="above",
+    component=0,
+    segments=(Segment(77, 178, 5000, 4000),),
+    settle=3,
+    start_wait=0,
+    persistence=2,
+    requires=None,
+    stops=False,
+    sum_limit=None,
+)
+EAGER = replace(RULE, settle=0, persistence=0)
+MODEL = 40_000
+
+
+class Bench:
+    """One lane with one component whose model stays at 40 degC."""
+
+    def __init__(self, *rules: LoweredRule, trusted: bool = True) -> None:
+        self.alarms = ReferenceAlarms(rules, np.array([trusted]))
+
+    def step(self, deviation_mK: int, pwm: int = 100, *, valid: bool = True) -> tuple[int, int, int]:
+        one = np.array([pwm]), np.array([[MODEL + deviation_mK]]), np.array([[MODEL]]), np.array([int(valid)])
+        self.alarms.step(*one)
+        return int(self.alarms.latched[0]), int(self.alarms.active[0]), int(self.alarms.asleep[0])
+
+    def run(self, deviations: list[int], pwm: int = 100) -> list[int]:
+        return [self.step(value, pwm)[1] for value in deviations]
+
+
+def test_a_condition_must_exceed_its_threshold_and_then_ends_at_the_clear_level() -> None:
+    assert Bench(EAGER).run([5000, 5001, 4001, 4000, 4001, 5000, 5001]) == [0, 1, 1, 0, 0, 0, 1]
+
+
+def test_a_rule_settles_then_persists_then_latches() -> None:
+    bench = Bench(RULE)
+    assert bench.run([9000] * 7) == [
+        0,
+        0,
+        0,
+        0,
+        0,
+        1,
+        1,
+    ]  # 3 samples of settling; at 0.25 s two samples later it has held
+    assert bench.step(0) == (1, 0, 0)  # the condition is over, the alarm stays
+
+
+def test_a_dip_starts_the_persistence_anew() -> None:
+    bench = Bench(replace(RULE, settle=0))
+    assert bench.run([9000, 9000, 0, 9000, 9000, 9000]) == [0, 0, 0, 0, 0, 1]
+
+
+def test_leaving_the_speed_range_puts_the_rule_to_sleep_until_it_has_settled_again() -> None:
+    bench = Bench(RULE)
+    bench.run([9000] * 6)
+    assert bench.step(9000, pwm=179) == (1, 0, 1)
+    assert bench.run([9000] * 6) == [0, 0, 0, 0, 0, 1]
+    for pwm, asleep in ((77, 0), (178, 0), (-100, 0), (76, 1), (-179, 1), (-32768, 1)):
+        assert Bench(EAGER).step(0, pwm)[2] == asleep
+
+
+def test_the_direction_of_rotation_does_not_matter() -> None:
+    bench = Bench(RULE)
+    assert [bench.step(9000, pwm)[1] for pwm in (100, -100, 120, -77, 178, 100)] == [0, 0, 0, 0, 0, 1]
+
+
+def test_missing_samples_leave_a_rule_as_it_is() -> None:
+    bench = Bench(replace(RULE, settle=0))
+    bench.run([9000, 9000])
+    for _ in range(50):
+        assert bench.step(-500_000, valid=False) == (0, 0, 0)
+    assert bench.step(9000) == (1, 1, 0)
+    assert bench.step(-500_000, valid=False) == (1, 1, 0)
+
+
+def test_an_over_temperature_needs_no_model() -> None:
+    rule = replace(EAGER, quantity="measured", segments=(Segment(0, 255, 80_000, 78_000),))
+    assert Bench(rule, trusted=False).run([40_000, 40_001, 38_001, 38_000], pwm=0) == [0, 1, 1, 0]
+
+
+def test_below_mirrors_above() -> None:
+    deviations = [0, 5001, -5001, 4500, -4500, -3999, 12_000]
+    below = Bench(replace(EAGER, quantity="below")).run(deviations)
+    assert below == Bench(EAGER).run([-value for value in deviations])
+
+
+def test_an_untrusted_start_waits_within_the_speed_range() -> None:
+    bench = Bench(replace(EAGER, start_wait=3), trusted=False)
+    assert [bench.step(9000, pwm)[2] for pwm in (100, 0, 100, 0, 0, 100, 100)] == [1, 1, 1, 1, 1, 1, 0]
+    assert Bench(replace(EAGER, start_wait=3)).step(9000)[1] == 1
+
+
+def test_a_rule_that_requires_another_wakes_when_that_alarm_is_raised() -> None:
+    second = replace(EAGER, name="second", quantity="below", requires=0, segments=(Segment(0, 255, 1000, 1000),))
+    bench = Bench(EAGER, second)
+    assert bench.step(-2000) == (0, 0, 2)
+    assert bench.step(9000) == (1, 1, 0)
+    assert bench.step(-2000) == (3, 2, 0)
+
+
+def test_a_reset_forgets_alarms_and_sums_and_asks_for_persistence_again() -> None:
+    bench = Bench(replace(RULE, settle=0), replace(EAGER, name="sum", sum_limit=8000))
+    bench.run([9000] * 3)
+    assert bench.alarms.latched[0] == 3
+    bench.alarms.reset(np.array([True]))
+    assert bench.step(9000) == (0, 0, 0)
+    assert bench.run([9000, 9000]) == [2, 3]  # the sum is full after two samples, the persistence over after three
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.integers(-20_000, 20_000), min_size=1, max_size=60), st.integers(1, 50_000))
+def test_a_sum_is_the_textbook_cusum(deviations: list[int], limit: int) -> None:
+    rule = replace(EAGER, sum_limit=limit, segments=(Segment(0, 255, 2000, 2000),))
+    bench = Bench(rule)
+    total, expected = 0, []
+    for value in deviations:
+        total = min(limit, max(0, total + value - 2000))
+        expected.append(int(total >= limit))
+    assert bench.run(deviations) == expected
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.data())
+def test_lanes_do_not_touch_each_other(data: st.DataObject) -> None:
+    rules = (
+        RULE,
+        replace(EAGER, name="sum", sum_limit=7000, segments=(Segment(0, 99, 500, 500), Segment(100, 255, 900, 900))),
+    )
+    steps = data.draw(
+        st.lists(
+            st.tuples(*[st.tuples(st.integers(-12_000, 12_000), st.integers(-255, 255), st.booleans())] * 3),
+            max_size=40,
+        )
+    )
+    together = ReferenceAlarms(rules, np.array([True, False, True]))
+    alone = [Bench(*rules, trusted=trusted) for trusted in (True, False, True)]
+    for step in steps:
+        measured = np.array([[MODEL + lane[0] for lane in step]])
+        together.step(
+            np.array([lane[1] for lane in step]),
+            measured,
+            np.full((1, 3), MODEL),
+            np.array([int(lane[2]) for lane in step]),
+        )
+        for bench, (deviation, pwm, valid) in zip(alone, step, strict=True):
+            bench.step(deviation, pwm, valid=valid)
+        assert together.record().tolist() == [bench.alarms.record()[0].item() for bench in alone]
