@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from gen.emulate.results import Results
 
-_POINTS = 4000
+_POINTS = 1500
 
 
 def plot_svg(results: Results, title: str) -> str:

@@ -26,7 +26,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define GEN_MEGA_ABI 2
+#define GEN_MEGA_ABI 3
 #define FREQUENCY_HZ 16000000u
 #define MESSAGE_SIZE 256
 #define PATTERN_SIZE 256
@@ -145,6 +145,7 @@ struct gen_mega {
 	int timers_lost; /* a reset dropped the cycle timers */
 	avr_cycle_count_t limit;
 	avr_cycle_count_t asleep; /* cycles slept */
+	avr_cycle_count_t woke, longest_awake;
 	void (*core_reset)(avr_t *);
 	struct records records;
 	struct uart uart;
