@@ -181,6 +181,11 @@ class Document(Part):
             if thermocouple.channel in channels:
                 raise fault(f'"{thermocouple.channel}" has a thermocouple already; expected one each', *at)
             channels.add(thermocouple.channel)
+        profile = self.wiring.drive.profile if self.wiring and self.wiring.drive else None
+        for i, step in enumerate(profile.steps if profile else ()):
+            full = self.input.full_scale
+            at = ("wiring", "drive", "profile", "steps", i, "pwm")
+            _within((step.pwm, step.pwm), (-full, full), "the input's full scale", *at)
         for i, alarm in enumerate(self.alarms):
             _known(alarm.component, names, "alarms", i, "component")
             self._check_window(alarm, "alarms", i)

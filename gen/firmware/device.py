@@ -62,7 +62,6 @@ def sketch_files(device: Context) -> dict[str, str]:
     files = {f"src/{name}": f"src/{name}.j2" for name in names}
     if device["chips"]:
         files |= {f"lib/NAME/src/NAME_sensors.{end}": f"lib/model/src/sensors.{end}.j2" for end in ("h", "cpp")}
-    files |= {f"lib/NAME/src/NAME_alarms.{end}": f"lib/model/src/alarms.{end}.j2" for end in ("h", "cpp")}
     return files
 
 
@@ -113,7 +112,6 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         "memory": _memory(wiring, chips, names, program, coefficients.sha256, sample_ms),
         "idle_timers": _idle_timers(wiring),
         "alarms": [alarm.name for alarm in document.alarms],
-        "valid_type": "uint8_t" if len(names) <= 8 else "uint16_t",
     }
 
 

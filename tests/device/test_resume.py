@@ -50,7 +50,8 @@ int main() {
         }
         for (int i = cut + 1; i < SAMPLES && i < cut + 60; ++i) {
             NAME_step(next_pwm(i));
-            if (memcmp(&NAME_model.state, &kept[i].state, sizeof kept[i].state) || NAME_flags() != (kept[i].flags & 0x7F)) {
+            const bool same = memcmp(&NAME_model.state, &kept[i].state, sizeof kept[i].state) == 0;
+            if (!same || NAME_flags() != (kept[i].flags & 0x7F)) {
                 printf("differs %d samples after sample %d\\n", i - cut, cut);
                 return 1;
             }

@@ -20,6 +20,8 @@ from gen.firmware.device import device_context
 from gen.lowering.lower import lower
 from gen.lowering.sensors import CONFIRMATIONS, NOISE_COUNTS, SensorLimits, reading_samples, sensor_limits
 from gen.reference.sensors import SensorCheck, SensorCode
+from gen.verify.avr.compile import build_elf
+from gen.verify.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 from tests.device.variants import variant
 from tests.verify_helpers import example
 
@@ -49,6 +51,39 @@ int main() {
     return 0;
 }
 """
+BOARD_MAIN = """
+#include "mailbox.h"
+#include <avr/interrupt.h>
+#include "my1016_sensors.h"
+struct Input {
+    uint8_t channel;
+    uint16_t word;
+    uint8_t finished;
+    int32_t model_mC;
+    uint8_t pad;
+} gen_input;
+struct Output {
+    uint8_t code;
+    int32_t value;
+} gen_output;
+int main() {
+    cli();
+    my1016_sensors_begin();
+    for (;;) {
+        GEN_MAILBOX_NEXT();
+        if (gen_input.channel == 0xFF) {
+            my1016_sensors_begin();
+        } else if (gen_input.channel == 0xFE) {
+            my1016_sensors_model_set();
+        } else {
+            const Input &in = gen_input;
+            gen_output.code = my1016_sensors_check(in.channel, in.word, in.finished, in.model_mC);
+            gen_output.value = my1016_sensors_mC(in.channel);
+        }
+        GEN_MAILBOX_DONE();
+    }
+}
+"""
 RECORD = np.dtype([("channel", "u1"), ("word", "<u2"), ("finished", "u1"), ("model_mC", "<i4"), ("pad", "u1")])
 FORGET, MODEL_SET = 0xFF, 0xFE
 LIMITS = SensorLimits("brush", lowest=0, highest=1000, step=5, stuck_samples=12, stuck_mK=3000)
@@ -74,6 +109,7 @@ class Cpp:
         for path, text in files.items():
             (folder / path).write_text(text)
         (folder / "main.cpp").write_text(MAIN)
+        self._folder = folder
         self._binary = folder / "sensors"
         flags = ["-std=gnu++11", "-O1", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
         flags += ["-fsanitize=undefined,address", "-fno-sanitize-recover=all"]
@@ -89,6 +125,21 @@ class Cpp:
         done = subprocess.run([str(self._binary)], input=records.tobytes(), capture_output=True, check=True)
         numbers = [int(number) for number in done.stdout.split()]
         return list(zip(numbers[::2], numbers[1::2], strict=True))
+
+    def run_on_board(self, steps: Sequence[Step]) -> tuple[list[tuple[int, int]], int]:
+        """The same on the emulated Mega, and the most cycles of a check."""
+        records = np.array([(*step, 0) for step in steps], dtype=RECORD)
+        (self._folder / "avr.cpp").write_text(BOARD_MAIN)
+        sources = [self._folder / "avr.cpp", self._folder / "my1016_sensors.cpp"]
+        elf = build_elf(sources, [MAILBOX_FOLDER, self._folder], self._folder / "avr.elf", optimisation="-Os")
+        with EmulatedMega(elf, self._folder) as mega:
+            places = [mega.sram_address(name) for name in ("gen_input", "gen_output")]
+            output, cycles = mega.run_records(
+                records, places[0], RECORD.itemsize, places[1], 5, len(records), len(records) * 20_000
+            )
+        judged = records["channel"] < MODEL_SET
+        codes, values = output[:, 0], np.ascontiguousarray(output[:, 1:]).view("<i4")[:, 0]
+        return list(zip(codes[judged].tolist(), values[judged].tolist(), strict=True)), int(cycles[judged].max())
 
 
 @pytest.fixture(scope="module")
@@ -146,6 +197,14 @@ def test_the_boards_checks_equal_the_reference(cpp: Cpp, seed: int) -> None:
     found = cpp.run(steps)
     assert found == by_reference(cpp.limits, steps)
     assert {code for code, _ in found} == set(range(9))
+
+
+def test_the_emulated_boards_checks_equal_the_reference(cpp: Cpp) -> None:
+    steps = random_steps(7, 10_000)
+    found, cycles = cpp.run_on_board(steps)
+    assert found == by_reference(cpp.limits, steps)
+    print(f"\na check takes at most {cycles} cycles")
+    assert cycles < 2000
 
 
 words = st.one_of(st.integers(0, 0xFFFF), st.integers(180, 220).map(word))

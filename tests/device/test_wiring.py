@@ -82,6 +82,16 @@ def test_a_fault_in_the_wiring_gets_its_place(wiring: dict[str, Any], place: str
     assert message in caught.value.message
 
 
+def test_a_profile_keeps_to_the_full_scale() -> None:
+    tree = copy.deepcopy(BASE)
+    tree["input"]["full_scale"] = tree["domain"]["pwm"][1] = tree["validity"]["pwm"][1] = 200
+    tree["provenance"]["error"] = []
+    tree["wiring"]["drive"]["profile"] = {"steps": [{"duration_s": 1, "pwm": 200}, {"duration_s": 1, "pwm": -201}]}
+    with pytest.raises(InputError) as caught:
+        parse(json.dumps(tree).encode())
+    assert caught.value.place == "$.wiring.drive.profile.steps[1].pwm"
+
+
 @pytest.mark.parametrize("name", ["drive", "config", "Board", "output"])
 def test_a_model_may_not_have_the_name_of_a_file_of_the_sketch(name: str) -> None:
     tree = copy.deepcopy(BASE)
