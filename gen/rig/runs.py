@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -61,7 +61,7 @@ class Setup:
     current_noise_A, voltage_noise_V
         Standard deviation of the meters' noise.
     decoys
-        Further columns that have nothing to do with the motor, as functions of time.
+        Further columns that have nothing to do with the motor.
     comments
         Comment lines that a log would carry.
     seed
@@ -79,7 +79,7 @@ class Setup:
     channels: tuple[str, ...] = CHANNELS
     current_noise_A: float = 0.02
     voltage_noise_V: float = 0.02
-    decoys: Mapping[str, Callable[[float], float]] = field(default_factory=dict)
+    decoys: Mapping[str, Signal] = field(default_factory=dict)
     comments: Mapping[str, str] = field(default_factory=dict)
     seed: int = 0
 
@@ -221,4 +221,4 @@ def _extras(setup: Setup, time_s: Floats, current: Floats, voltage: Floats, spee
         "speed_rpm": np.round(speed / 0.48) * 0.48,
     }
     extras = {name: logged[name] for name in setup.channels}
-    return extras | {name: np.array([decoy(t) for t in time_s.tolist()]) for name, decoy in setup.decoys.items()}
+    return extras | {name: np.array([value(decoy, t) for t in time_s.tolist()]) for name, decoy in setup.decoys.items()}

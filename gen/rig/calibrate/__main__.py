@@ -7,7 +7,9 @@ from pathlib import Path
 
 import click
 
+from gen.errors import InputError
 from gen.files import write_text
+from gen.rig.calibrate.document import fill
 from gen.rig.calibrate.fit import calibrate
 from gen.rig.calibrate.report import print_tables
 from gen.rig.calibrate.targets import load
@@ -21,13 +23,22 @@ ABOUT = (
 
 
 @click.command()
-@click.option("--write", is_flag=True, help="Fit anew (some 30 s) and write gen/rig/my1016.json.")
+@click.option("--write", is_flag=True, help="Fit anew (2 to 3 minutes) and write gen/rig/my1016.json.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw the comparison into this SVG.")
-def main(write: bool, plot: Path | None) -> None:
+@click.option("--doc", type=click.Path(path_type=Path), help="Renew the tables in this Markdown file.")
+def main(write: bool, plot: Path | None, doc: Path | None) -> None:
     """Compare the simulated motor with the study; fit it anew on request.
 
-    Example: python -m gen.rig.calibrate --plot docs/rig.svg
+    Example: python -m gen.rig.calibrate --plot docs/rig.svg --doc docs/rig.md
     """
+    try:
+        _run(write, plot, doc)
+    except InputError as error:
+        click.echo(f"Error: {error}", err=True)
+        raise SystemExit(2) from error
+
+
+def _run(write: bool, plot: Path | None, doc: Path | None) -> None:
     targets = load()
     parameters = my1016()
     if write:
@@ -39,6 +50,8 @@ def main(write: bool, plot: Path | None) -> None:
         from gen.rig.calibrate.plot import draw  # matplotlib takes long to load
 
         write_text(plot, draw(parameters, targets))
+    if doc:
+        fill(doc, parameters, targets)
 
 
 if __name__ == "__main__":

@@ -87,7 +87,7 @@ def calibrate(targets: Targets) -> Floats:
         return _residual(x, targets)
 
     start = np.clip(GUESSES, *BOUNDS)
-    solution = least_squares(residual, start, bounds=BOUNDS, x_scale=0.3, max_nfev=200)
+    solution = least_squares(residual, start, bounds=BOUNDS, x_scale=0.3, max_nfev=500)
     return np.asarray(solution.x)
 
 
@@ -101,10 +101,10 @@ def _residual(x: Floats, targets: Targets) -> Floats:
         parts += [
             end / 0.25,
             _beyond(end, 1.6, 0.02),
-            _beyond(healthy.settled_K[name], 1.7, 0.02),
+            _beyond(healthy.settled_K[name], 1.75, 0.01),
             healthy.time_63[name] / 0.04,
         ]
-        parts.append(_beyond(healthy.time_63[name], limit, 0.003))
+        parts.append(_beyond(healthy.time_63[name], limit, 0.002))
         # Shapes count little: the brush's transfer function has no zeros and so cannot start as fast as a heated body.
         scaled = (
             targets.curves[name]
@@ -115,9 +115,9 @@ def _residual(x: Floats, targets: Targets) -> Floats:
     at = {name: values[:, -1] for name, values in healthy.curves.items()}
     parts.append(_above(at["air"] - at["casing"], 5.0, 0.5))
     parts.append(_above(at["winding"] - at["brush"], 10.0, 2.0))
-    slow = [held(parameters, no_load(s)) for s in (0.03, 0.1)]
+    slow = [held(parameters, no_load(s)) for s in (0.004, 0.03, 0.1)]
     currents = np.concatenate([healthy.current_A, [point.heat.current_A for point in slow]])
-    parts.append(_above(currents, targets.current_A_max - 0.04, 0.01))
+    parts.append(_above(currents, targets.current_A_max - 0.03, 0.005))
     parts += _fault_residuals(parameters, targets)
     return np.concatenate(parts)
 
@@ -131,7 +131,7 @@ def _fault_residuals(parameters: MotorParameters, targets: Targets) -> list[Floa
         brush, casing = (broken[name] - healthy[name] for name in ("brush", "casing"))
         known = np.isfinite(target.casing_at_least)
         parts.append((brush - target.brush) / 0.4)
-        parts.append(_beyond(brush - target.brush, 0.8, 0.04))
+        parts.append(_beyond(brush - target.brush, 0.85, 0.03))
         parts.append(_above(target.casing_at_least[known] + 0.2, casing[known], 0.03))
         parts.append(_above(np.full(known.sum() - 1, 0.1), np.diff(casing[known]), 0.02))
         parts.append(_above(casing, 10.0, 1.0))

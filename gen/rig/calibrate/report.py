@@ -48,7 +48,7 @@ def explain_fall(parameters: MotorParameters) -> str:
     watts = [sum(point.heat.nodes) + point.copper_W for point in (low, high)]
     return (
         f"Brush from 60 to 100 % speed: {-total:+.1f} K, of which {-heat_part:+.1f} K because the heat goes from "
-        f"{watts[0]:.1f} to {watts[1]:.1f} W and {heat_part - total:+.1f} K because convection rises"
+        f"{watts[0]:.1f} to {watts[1]:.1f} W and {heat_part - total:+.1f} K because convection rises."
     )
 
 
