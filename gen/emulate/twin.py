@@ -21,6 +21,7 @@ from gen.reference.alarms import ReferenceAlarms
 from gen.reference.model import ReferenceModel
 
 _COUNT_MC = 250
+_COLD_MK = 2000  # as the emitted config.h has it: a start within so much of ambient is a cold motor's
 
 
 def alarm_times(
@@ -63,7 +64,8 @@ def alarm_times(
     valid = np.full(len(plants), (1 << len(names)) - 1, dtype=np.int64)
     measured, ambient = _read([plant.step(0, step_s).words for plant in plants], names)
     model = ReferenceModel(program, {name: (measured[i] - ambient).tolist() for i, name in enumerate(names)})
-    alarms = ReferenceAlarms(rules, np.zeros(len(plants), dtype=np.bool_))
+    cold = np.all(np.abs(measured - ambient) <= _COLD_MK, axis=0)
+    alarms = ReferenceAlarms(rules, cold)
     first = np.full((len(plants), len(rules)), np.nan)
     bits = 1 << np.arange(len(rules))
     for sample in range(1, round(duration_s / step_s) + 1):

@@ -23,7 +23,9 @@ _TITLES = {"brush": "Brush", "bearing": "Bearing", "magnet": "Magnet", "casing":
 
 def draw(parameters: MotorParameters, targets: Targets) -> str:
     """Draw settled temperatures over speed, steps from cold, and both faults; returns SVG text."""
-    with matplotlib.rc_context({"svg.hashsalt": "rig", "svg.fonttype": "none", "font.size": 8, "axes.grid": True, "grid.alpha": 0.3}):
+    with matplotlib.rc_context(
+        {"svg.hashsalt": "rig", "svg.fonttype": "none", "font.size": 8, "axes.grid": True, "grid.alpha": 0.3}
+    ):
         figure = Figure(figsize=(12, 9), layout="constrained")
         axes = figure.subplots(3, 4)
         healthy = compare(parameters, targets)
