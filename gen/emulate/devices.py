@@ -245,4 +245,12 @@ class DeviceMega(EmulatedMega):
         To be called before the firmware runs: it runs up to ``main``, where static data have been set.
         """
         self.run_to("main", FREQUENCY_HZ)
+        self._set_millis(milliseconds)
+
+    def hold_up(self, milliseconds: int) -> None:
+        """Let ``millis()`` jump ahead, as if the firmware's loop had been held up for so long."""
+        address = self.sram_address("timer0_millis")
+        self._set_millis(int.from_bytes(self.peek(address, 4), "little") + milliseconds)
+
+    def _set_millis(self, milliseconds: int) -> None:
         self.poke(self.sram_address("timer0_millis"), (milliseconds % 2**32).to_bytes(4, "little"))

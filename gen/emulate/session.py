@@ -14,7 +14,7 @@ from gen.emulate.terminal import PseudoTerminal
 from gen.record import Recorder
 from gen.record.profile import Profile
 
-EventKind = Literal["press", "release", "reset", "power_cut", "brown_out", "send", "flood", "command"]
+EventKind = Literal["press", "release", "reset", "power_cut", "brown_out", "send", "flood", "command", "held_up"]
 
 _FLOOD = b"\xa5no command at all, only noise on the line\n"
 _SLOWEST_PACE = 1e-3
@@ -31,7 +31,7 @@ class Event:
     kind
         ``press`` and ``release`` of the button; ``reset`` by the board's own button; ``power_cut`` and ``brown_out``,
         for `duration_s`; ``send``: `data` on the serial line; ``flood``: noise on it without a pause for `duration_s`;
-        ``command``: PWM `pwm`.
+        ``command``: PWM `pwm`; ``held_up``: the firmware's loop for `duration_s`, by its own clock.
     duration_s, data, pwm
         See `kind`.
     """
@@ -190,6 +190,8 @@ class _Runner:
             bits_per_byte = 10
             count = round(event.duration_s * self._board.wiring.serial_baud / bits_per_byte)
             mega.uart_send((_FLOOD * (count // len(_FLOOD) + 1))[:count])
+        elif event.kind == "held_up":
+            mega.hold_up(round(event.duration_s * 1000.0))
         else:
             self._board.command(event.pwm)
 

@@ -287,6 +287,14 @@ def test_the_clock_can_start_just_before_it_rolls_over(open_board: OpenBoard) ->
     assert 400 <= int(asked.ask("m")) <= 700
 
 
+def test_a_loop_that_is_held_up_finds_the_clock_ahead(open_board: OpenBoard) -> None:
+    asked = Asked(open_board, STUDY)
+    mega = asked.start()
+    before = int(asked.ask("m"))
+    mega.hold_up(400)
+    assert 400 <= int(asked.ask("m")) - before <= 410
+
+
 def test_another_controllers_pwm_is_on_its_pin(open_board: OpenBoard) -> None:
     asked = Asked(open_board, STUDY)
     mega = asked.start()
