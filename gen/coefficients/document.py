@@ -11,7 +11,7 @@ from gen.coefficients.base import Celsius, Counts, Name, Number, Part, Positive,
 from gen.coefficients.schedule import ScheduleEntry
 from gen.coefficients.wiring import Wiring
 
-SKETCH_FILES = frozenset(["board", "config", "console", "crc32", "device", "drive", "encoder"])
+SKETCH_FILES = frozenset(["board", "commands", "config", "console", "crc32", "device", "drive", "encoder"])
 SKETCH_FILES |= {"indicator", "memory", "observer", "output", "selftest", "thermocouples"}
 """Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
 
@@ -184,8 +184,8 @@ class Document(Part):
         profile = self.wiring.drive.profile if self.wiring and self.wiring.drive else None
         for i, step in enumerate(profile.steps if profile else ()):
             full = self.input.full_scale
-            at = ("wiring", "drive", "profile", "steps", i, "pwm")
-            _within((step.pwm, step.pwm), (-full, full), "the input's full scale", *at)
+            place = ("wiring", "drive", "profile", "steps", i, "pwm")
+            _within((step.pwm, step.pwm), (-full, full), "the input's full scale", *place)
         for i, alarm in enumerate(self.alarms):
             _known(alarm.component, names, "alarms", i, "component")
             self._check_window(alarm, "alarms", i)

@@ -11,10 +11,11 @@ from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware import avr_advance
 from gen.firmware.alarms_cpp import alarm_context
-from gen.firmware.onboard_cpp import helpers, schedule_source
+from gen.firmware.onboard_cpp import helpers
+from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.dynamics import domain_rows
-from gen.lowering.float32 import FloatComponent
+from gen.lowering.float32 import LIMIT_BITS, ONBOARD_STEADY_SHIFT, Column, FloatComponent, column_words
 from gen.lowering.formats import RESIDUE_BITS
 from gen.lowering.lower import AnyComponent, Program, Shape
 from gen.lowering.program import FixedComponent, rounded_up
@@ -51,6 +52,7 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
             "saturates": program.components[number].saturates,
             "bound": bound_text(program.components[number]),
         }
+        | _onboard_words(program.components[number])
         for number, component in enumerate(model.components)
     ]
     return {
@@ -80,8 +82,11 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "shifts": _shift_totals(program),
         "rows": _rows(program),
         "helpers": helpers(program.onboard),
-        "tapes": [schedule_source(name, tape) for tape in program.onboard],
-        "float_components": [c for c in program.components if isinstance(c, FloatComponent)],
+        "tapes": schedule_sources(name, program.onboard),
+        "columns": _columns(program),
+        "limit_bits": LIMIT_BITS,
+        "steady_shift": ONBOARD_STEADY_SHIFT,
+        "limit_literals": _limit_literals,
         "schedule_comments": _schedule_comments(program),
     } | alarm_context(lower_alarms(coefficients), model)
 
@@ -99,7 +104,7 @@ def _shape(program: Program, shape: Shape) -> Context:
         "start_mK": component.start_range_mK,
         "comments": [line for member in shape.members for line in _proof_lines(program.components[member])],
     }
-    return common | (_fixed_shape(component) if isinstance(component, FixedComponent) else {})
+    return common | (_fixed_shape(component) if isinstance(component, FixedComponent) else _float_shape(component))
 
 
 def _fixed_shape(component: FixedComponent) -> Context:
@@ -114,6 +119,38 @@ def _fixed_shape(component: FixedComponent) -> Context:
         "rest_shift": f"<< {output_bits - 22}" if output_bits >= 22 else f">> {22 - output_bits}",
         "fraction_shift": f">> {output_bits - 16}" if output_bits >= 16 else f"<< {16 - output_bits}",
     }
+
+
+def _float_shape(component: FloatComponent) -> Context:
+    return {
+        "fraction_bits": component.fraction_bits,
+        "chain_shifts": component.chain_shifts,
+        "start_factor": component.literal(float(component.start_factor)),
+        "carry_factor": component.literal(float(component.carry_factor)) if component.order > 1 else "",
+    }
+
+
+def _onboard_words(component: AnyComponent) -> Context:
+    """How a schedule on board turns what it computed into words (float32)."""
+    if isinstance(component, FixedComponent):
+        return {}
+    constant = component.literal(float(component.steady_constant))
+    return {"steady_constant": constant, "chain_shifts": component.chain_shifts}
+
+
+def _limit_literals(shift: int) -> str:
+    """The first value that an accumulator does not take, in C++, and the number before it."""
+    end = np.float32(2.0 ** (LIMIT_BITS + shift))
+    below = np.nextafter(end, np.float32(0.0))
+    return f"{FloatComponent.literal(float(end))}, {FloatComponent.literal(float(below))}"
+
+
+def _columns(program: Program) -> list[Column]:
+    """The float table's columns in the order of the board's coefficients; empty where there is no such table."""
+    if program.onboard:
+        return []
+    members = [program.components[member] for shape in program.shapes for member in shape.members]
+    return [column for item in members if isinstance(item, FloatComponent) for column in column_words(item)]
 
 
 def bound_text(component: AnyComponent) -> str:
@@ -147,8 +184,8 @@ def _shift_totals(program: Program) -> list[int]:
 
 
 def _rows(program: Program) -> list[Context]:
-    """The table, one entry for each |PWM| of the domain; empty where the board computes its coefficients."""
-    if program.onboard:
+    """The fixed table, one entry for each |PWM| of the domain; empty where the board computes its coefficients."""
+    if program.onboard or program.arithmetic == "float":
         return []
     return [
         {
@@ -162,14 +199,10 @@ def _rows(program: Program) -> list[Context]:
 
 
 def _literals(component: AnyComponent, row: int) -> Context:
-    if isinstance(component, FixedComponent):
-        return {
-            "rates": [f"{int(rate)}UL" for rate in component.rates[row]],
-            "steady": f"{int(component.steady[row])}L",
-        }
+    assert isinstance(component, FixedComponent)
     return {
-        "rates": [component.literal(float(rate)) for rate in component.rates[row]],
-        "steady": component.literal(float(component.steady[row])),
+        "rates": [f"{int(rate)}UL" for rate in component.rates[row]],
+        "steady": f"{int(component.steady[row])}L",
     }
 
 

@@ -26,7 +26,7 @@ from gen.lowering.sensors import (
 from gen.reference.lanes import state_fields
 
 #: Modules of the sketch that every project has.
-_ALWAYS = ("board", "console", "crc32", "drive", "output", "selftest")
+_ALWAYS = ("board", "commands", "console", "crc32", "drive", "output", "selftest")
 EEPROM_BYTES = 4096
 EEPROM_CYCLES = 100_000
 """Erase and write cycles that the ATmega2560's data sheet promises for a byte of EEPROM."""
@@ -36,6 +36,8 @@ _RECORD_FIXED = 4 + 4 + 2 + 4
 """Bytes of a copy beside the measured temperatures and the states: identity, number, PWM, CRC."""
 _START_MS = 5000
 """How long the model's start waits for thermocouples that are not believed yet."""
+_LINE_BYTES = 110
+"""Longest line that is not a row (output.h)."""
 _MARGIN = 1.25
 """The encoder's fastest pulse train over the nominal one."""
 
@@ -89,7 +91,7 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         "row_every": f"{row_samples * program.model.sample_time:g}",
         "columns": columns,
         "row_bytes": _row_bytes(columns),
-        "ring_bytes": 1 << math.ceil(math.log2(max(256, 2 * _row_bytes(columns)))),
+        "ring_bytes": 1 << math.ceil(math.log2(_row_bytes(columns) + max(_row_bytes(columns), 2 * _LINE_BYTES))),
         "ambient_column": _ambient_column(coefficients),
         "late_ms": max(2, sample_ms // 25),
         "start_samples": start_samples,
@@ -177,17 +179,19 @@ def _stuck_text(limits: SensorLimits, sample_time: float) -> str:
 
 
 def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> Context:
-    per_minute, pulses = 60_000, encoder.pulses_per_revolution * sample_ms
-    shared = math.gcd(per_minute, pulses)
-    fastest = nominal_rpm * _MARGIN / 60.0 * encoder.pulses_per_revolution * sample_ms / 1000.0
-    factor, divisor = per_minute // shared, pulses // shared
+    fastest_rpm = nominal_rpm * _MARGIN
+    fastest = fastest_rpm / 60.0 * encoder.pulses_per_revolution * sample_ms / 1000.0
+    # pulses * factor must fit 32 bits; the clock of micros() has steps of 4 us
+    shift = max(2, math.ceil(math.log2(fastest_rpm * _MARGIN * sample_ms * 1000.0)) - 32)
+    factor = max(1, round(60e6 / 2**shift / encoder.pulses_per_revolution))
     return _pin(encoder.pin, "$.wiring.encoder.pin") | {
         "counter": encoder.counts_in_hardware,
         "interrupt": INTERRUPTS.get(encoder.pin),
         "pulses_per_revolution": encoder.pulses_per_revolution,
+        "shift": shift,
+        "unit_us": 2**shift,
         "factor": factor,
-        "divisor": divisor,
-        "most": min((2**32 - 1 - divisor // 2) // factor, 65535 * divisor // factor),
+        "most": (2**32 - 1) // factor,
         "wide": fastest >= 65535.0,
         "stall_pwm": encoder.stall_pwm,
         "stall_samples": max(1, math.ceil(encoder.stall_s * 1000.0 / sample_ms)),

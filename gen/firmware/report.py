@@ -17,7 +17,7 @@ from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware.charts import Chart, plain, power, response_charts, schedule_charts, scientific, svg
 from gen.lowering.dynamics import domain_rows
-from gen.lowering.float32 import FloatComponent
+from gen.lowering.float32 import LOW_BITS, FloatComponent
 from gen.lowering.formats import RESIDUE_BITS, WORD_BITS
 from gen.lowering.lower import AnyComponent, Program
 from gen.lowering.program import FixedComponent, rounded_up
@@ -173,19 +173,19 @@ def _(component: FixedComponent) -> list[Cells]:
 
 @words.register
 def _(component: FloatComponent) -> list[Cells]:
-    name, grid = component.name, f"{power(2, component.range_bits - 24)} K"
+    name, low = component.name, LOW_BITS
     result = []
-    for i, magnitude in enumerate(_magnitudes(component)):
-        kind = "float32 base + low" if i == 0 else "float32 high + low"
-        room = _headroom(component.range_bits - log2(magnitude)) if i == 0 and magnitude else "floating"
-        resolution = f"base: {grid}" if i == 0 else "24 bits each"
-        result.append((name, f"x{i + 1}", "K", _range(component, i), kind, resolution, room))
+    for i, (bits, magnitude) in enumerate(zip(component.fraction_bits, _magnitudes(component), strict=True)):
+        room = _headroom(31 - bits - log2(magnitude)) if magnitude else "saturates"
+        kind = f"int{32 + low}, Q{bits + low}"
+        result.append((name, f"x{i + 1}", "K", _range(component, i), kind, f"{power(2, -bits - low)} K", room))
     for i in range(component.order):
         span = _span(float(component.rates[:, i].min()), float(component.rates[:, i].max()))
         result.append((name, f"R{i}", "1", span, "float32", "24 bits", "floating"))
-    span = _span(float(component.steady.min()), float(component.steady.max()))
-    room = _headroom(component.range_bits - log2(float(np.abs(component.steady).max()) + component.grid))
-    return [*result, (name, "S", "K", span, "float32", grid, room)]
+    bits = component.fraction_bits[0]
+    span = _span(float(component.steady.min()) * 2.0**-bits, float(component.steady.max()) * 2.0**-bits)
+    room = _headroom(31.0 - log2(int(np.abs(component.steady).max()) + 1))
+    return [*result, (name, "S", "K", span, f"int32, Q{bits}", f"{power(2, -bits)} K", room)]
 
 
 def constants(program: Program) -> list[Cells]:
@@ -201,14 +201,14 @@ def constants(program: Program) -> list[Cells]:
         member = f"{at}.{places[number]}."
         formats = {row[1]: row[4] for row in words(component)}
         for i in range(component.order):
-            rate = f"{member}{'' if fixed else 'nested.'}rate[{i}]"
+            rate = f"{member}rate[{i}]" if fixed or program.onboard else f"TABLE[|PWM|], {component.name}.R{i}"
             origin = f"{path}.poles, $.sample_time_s"
             result.append((component.name, f"R{i}", "1", formats[f"R{i}"], origin, f"{file}: {rate}"))
-        steady = f"{file}: {member}steady"
-        result.append((component.name, "S", "K", formats["S"], f"{path}.gain, {path}.poles", steady))
-        end = f"{places[number].partition('[')[0].upper()}_start()" if fixed else f"{component.name}_LOWEST, _HIGHEST"
+        steady = f"{member}steady" if fixed or program.onboard else f"TABLE[|PWM|], {component.name}.S"
+        result.append((component.name, "S", "K", formats["S"], f"{path}.gain, {path}.poles", f"{file}: {steady}"))
+        end = f"{places[number].partition('[')[0].upper()}_start()" if fixed else "rest()"
         place = f"{source}_step.h: {model.name}_{end}"
-        kind, domain = "int32" if fixed else "float32, in K", "$.domain.temperature_degC, $.domain.ambient_degC"
+        kind, domain = "int32", "$.domain.temperature_degC, $.domain.ambient_degC"
         start = "start {}..{}".format(*component.start_range_mK)
         result.append((component.name, start, "mK", kind, domain, place))
     for tape in program.onboard:

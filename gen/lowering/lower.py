@@ -17,7 +17,6 @@ from gen.lowering.onboard import OnboardComponent, compile_component, tuned
 from gen.lowering.program import Arithmetic, FixedComponent, ScheduleKind, rounded_up
 from gen.lowering.reach import SwitchedRecursion
 from gen.model import Component, ThermalModel
-from gen.reference.float32 import FloatStep
 from gen.reference.onboard import evaluate
 
 AnyComponent = FixedComponent | FloatComponent
@@ -140,18 +139,15 @@ def _float_rows(
     lowered: FloatComponent, exact: Dynamics, tape: OnboardComponent, rows: NDArray[np.int64]
 ) -> FloatComponent:
     rates, steady = evaluate(tape, rows)
-    return float32.with_rows(lowered, exact, rates, FloatStep(lowered).on_grid(steady))
+    return float32.with_rows(lowered, exact, rates, steady)
+
+
+def _formats(component: AnyComponent) -> object:
+    return component.layout if isinstance(component, FixedComponent) else component.fraction_bits
 
 
 def _shapes(components: list[AnyComponent]) -> tuple[Shape, ...]:
-    integers = [component for component in components if isinstance(component, FixedComponent)]
-    if len(integers) < len(components):  # float32 constants differ from component to component
-        return tuple(Shape(component.name, (number,)) for number, component in enumerate(components))
-    return _fixed_shapes(integers)
-
-
-def _fixed_shapes(components: list[FixedComponent]) -> tuple[Shape, ...]:
-    keys = [(c.order, c.substeps, c.layout, c.start_range_mK, c.saturates) for c in components]
+    keys = [(c.order, c.substeps, _formats(c), c.start_range_mK, c.saturates) for c in components]
     first = {key: index for index, key in reversed(list(enumerate(keys)))}
     order = sorted(range(len(components)), key=lambda index: (first[keys[index]], index))
     groups = [tuple(members) for _, members in groupby(order, key=lambda index: first[keys[index]])]

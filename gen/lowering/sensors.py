@@ -18,6 +18,8 @@ NOISE_COUNTS = 4
 """What two samples of a constant temperature may differ by: 1 K, twice the scatter that users of the chip report."""
 CONFIRMATIONS = 4
 """Consistent samples in a row before a level is believed: at the start, after a fault and after a jump."""
+_JITTER_MS = 5
+"""By what two samples may follow one another sooner than planned: steps of millis() and work between them."""
 _STUCK_S = 300.0
 _STUCK_K = 3.0
 _HOTTER_K = 100.0
@@ -58,7 +60,7 @@ def reading_samples(sample_time: float) -> int:
     sample_time
         The model's, in s.
     """
-    return math.ceil(CONVERSION_MS / round(sample_time * 1000.0))
+    return math.ceil((CONVERSION_MS + _JITTER_MS) / round(sample_time * 1000.0))
 
 
 def sensor_limits(coefficients: Coefficients) -> tuple[SensorLimits, ...]:

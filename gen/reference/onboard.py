@@ -183,7 +183,7 @@ def _float_step(step: Step, x: Integers, args: list[NDArray[Any]]) -> NDArray[An
             result = -args[0]
         case "positive_outside":
             outside = (args[1] < step.table[0]) | (args[1] > step.table[1])
-            result = np.where(outside & (args[0] < 0), single(0), args[0])
+            result = np.where(outside & np.signbit(args[0]), single(0), args[0])
         case _:
             raise ValueError(f"no step {step.op}")
     return result

@@ -83,8 +83,7 @@ def heat(motor: MotorParameters, now: Operation, condition: Condition = HEALTHY)
     that mean current.
     """
     losses, electrical, fault, s = motor.losses, motor.electrical, motor.faults, now.speed
-    rated = electrical.rated_speed_rpm * RPM
-    omega = s * rated
+    omega = s * electrical.rated_speed_rpm * RPM
     kept = 1.0 - condition.brush_fault * _contact_lost(fault.brush, s)
     arc = condition.brush_fault * fault.brush.arc_W * s**fault.brush.arc_exponent
     edge = condition.brush_fault * fault.brush.edge_W * s**fault.brush.edge_exponent

@@ -310,4 +310,4 @@ def test_limits_come_from_the_file_or_the_domain() -> None:
     assert (ambient.lowest, ambient.highest) == (0, 60 * 4)
     assert (brush.step, brush.stuck_samples, brush.stuck_mK) == (5, 1200, 3000)
     assert ambient.stuck_samples == 0
-    assert [reading_samples(t) for t in (0.05, 0.1, 0.22, 0.25, 3.0)] == [5, 3, 1, 1, 1]
+    assert [reading_samples(t) for t in (0.05, 0.1, 0.22, 0.25, 3.0)] == [5, 3, 2, 1, 1]

@@ -17,7 +17,7 @@ from gen.emulate.devices import ResetCause
 from gen.lowering.lower import lower
 from gen.reference.model import ReferenceModel
 from gen.verify.avr.compile import sizes
-from tests.device.board import ONES, OPEN, ZEROS, Board, word
+from tests.device.board import ONES, OPEN, ZEROS, Board, Said, word
 from tests.device.conftest import Open
 from tests.device.variants import CHANNELS, VARIANTS, variant
 
@@ -95,6 +95,20 @@ def test_a_bad_sample_is_flagged_at_once_and_used_nowhere(power_up: Open, bad: i
     assert max(model) - min(model) < 0.05  # the model runs on
 
 
+def test_a_frozen_sensor_is_flagged_once_the_model_moves(power_up: Open) -> None:
+    board = power_up("soon_stuck")  # 20 s, 0.1 K
+    board.started()
+    assert {row["sensors"] for row in board.hear(30.0).rows} == {"00000"}  # at PWM 0 the model of a cold motor stays
+    board.send("255")
+    rows = board.hear(60.0).rows
+    first = next(row for row in rows if row["sensors"][3] == "6")
+    assert float(first["casing_model_degC"]) == pytest.approx(30.1, abs=0.01)
+    assert first["casing_degC"] == ""
+    assert rows[-1]["sensors"][1:] == "6660"  # the ambient has no model
+    board.set_celsius("casing", 30.5)
+    assert board.hear(3.0).rows[-1]["casing_degC"] == "30.50"
+
+
 def test_without_the_ambient_the_last_one_goes_on(power_up: Open) -> None:
     board = warm(power_up())
     board.started()
@@ -136,6 +150,8 @@ NO_COMMANDS = [
     "rows 0",
     "rows",
     "resets",
+    "12\0",
+    "1\t2",
     "-",
 ]
 
@@ -183,6 +199,19 @@ def test_a_flood_on_the_serial_line_changes_nothing(power_up: Open) -> None:
     assert board.resets == 0
     board.send("7")
     assert board.hear(1.0).rows[-1]["pwm"] == "7"
+
+
+@pytest.mark.parametrize("line", ["?", "reset", "rows 4", "nonsense", "1000"])
+def test_rows_come_before_answers(power_up: Open, line: str) -> None:
+    board = warm(power_up())
+    board.started()
+    board.hear(1.0)
+    board.uart_send((line + "\n").encode() * 3000, byte_cycles=1389)  # at the line's own speed
+    said = board.hear(3000 * (len(line) + 1) * 1389 / 16e6)
+    times = [float(row["time_s"]) for row in said.rows]
+    assert np.diff(times).max(initial=0.0) <= 1.0
+    assert not any(int(row["flags"]) & (LATE | DROPPED) for row in said.rows)
+    assert board.resets == 0
 
 
 def test_a_number_that_lost_a_digit_is_not_obeyed(power_up: Open) -> None:
@@ -245,26 +274,19 @@ def test_the_clock_may_roll_over(power_up: Open) -> None:
     assert board.resets == 0
 
 
-@pytest.mark.parametrize("name", ["my1016", "counted"])
-def test_speed_comes_from_the_pulses_and_a_stall_is_flagged(power_up: Open, name: str) -> None:
+@pytest.mark.parametrize(("name", "pin"), [("my1016", 2), ("counted", 47)])
+def test_speed_comes_from_the_pulses_and_a_stall_is_flagged(power_up: Open, name: str, pin: int) -> None:
     board = power_up(name)
-    pin = 2 if name == "my1016" else 47
-    sample = variant(name).model.sample_time
     board.attach_encoder(pin)
     board.started()
     board.send("200")
-    for _ in range(round(4 / sample)):
-        board.send_pulses(round(22_000 * sample), sample)
-        said = board.hear(sample)
-    assert said.rows[-1]["speed_rpm"] != "0" if said.rows else True
-    rows = board.hear(0.0).rows or said.rows
-    board.send_pulses(round(22_000 * 3.0), 3.0)
-    rows = board.hear(3.0).rows
-    assert float(rows[-1]["speed_rpm"]) == pytest.approx(2640, rel=0.005)
+    board.send_pulses(5 * 22_000, 5.0)
+    rows = board.hear(5.0).rows
+    assert float(rows[len(rows) // 2]["speed_rpm"]) == pytest.approx(2640, rel=0.005)
     assert not any(int(row["flags"]) & STALL for row in rows)
-    after = board.hear(4.0).rows
-    stalled = [float(row["time_s"]) for row in after if int(row["flags"]) & STALL]
-    assert stalled[0] - float(rows[-1]["time_s"]) == pytest.approx(2.0, abs=1.1)
+    rows = board.hear(4.0).rows
+    stalled = [float(row["time_s"]) for row in rows if int(row["flags"]) & STALL]
+    assert 1.0 <= stalled[0] - float(rows[0]["time_s"]) <= 2.3  # 2 s after the last pulse, up to 1 s before that row
     board.send("30")  # too little to turn it: no stall
     assert not int(board.hear(1.0).rows[-1]["flags"]) & STALL
 
@@ -323,6 +345,38 @@ def test_an_alarm_that_says_so_stops_the_motor_until_reset(power_up: Open) -> No
     assert board.hear(1.0).rows[-1]["pwm"] == "0"  # it does not start by itself
     board.send("200")
     assert board.hear(1.0).rows[-1]["pwm"] == "200"
+
+
+def follow(board: Board, seconds: float, excess: float) -> Said:
+    """Run on with thermocouples that read what the model says, the casing's so many kelvins more."""
+    whole = Said()
+    for _ in range(round(seconds / 5.0)):
+        said = board.hear(5.0)
+        whole.rows += said.rows
+        whole.events += said.events
+        for channel in CHANNELS[:-1]:
+            model = float(said.rows[-1][f"{channel}_model_degC"])
+            board.set_celsius(channel, model + (excess if channel == "casing" else 0.0))
+    return whole
+
+
+def test_a_hot_casing_raises_the_studys_alarm(power_up: Open) -> None:
+    """The whole way: PWM 50 %, 600 s to settle, 60 s of persistence; the jump itself is not believed at first."""
+    board = power_up()
+    board.started()
+    board.send("128")
+    assert {row["sensors"] for row in follow(board, 300.0, 0.0).rows} == {"00000"}
+    said = follow(board, 60.0, 8.0)
+    assert "00050" in {row["sensors"] for row in said.rows}
+    assert said.rows[-1]["sensors"] == "00000"
+    said = follow(board, 340.0, 8.0)
+    (event,) = [event for event in said.events if "alarm" in event]
+    assert event.endswith(" alarm fault")
+    assert 655 <= float(event.split()[0]) <= 670
+    assert said.rows[-1]["alarms"] == "1"
+    board.send("reset")
+    assert follow(board, 5.0, 8.0).rows[-1]["alarms"] == "0"
+    assert follow(board, 70.0, 8.0).rows[-1]["alarms"] == "1"  # the casing is still hot
 
 
 def test_the_self_test_knows_the_flash(power_up: Open, tmp_path: Path) -> None:

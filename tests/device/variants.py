@@ -29,6 +29,11 @@ def _often_copied(tree: Tree) -> None:
     tree["wiring"]["memory"] = {"interval_s": 60}
 
 
+def _soon_stuck(tree: Tree) -> None:
+    for chip in tree["wiring"]["thermocouples"]:
+        chip |= {"stuck_s": 20, "stuck_K": 0.1}
+
+
 def _profile(tree: Tree) -> None:
     steps = [{"duration_s": 1, "pwm": 100}, {"duration_s": 2, "pwm": -50}]
     tree["wiring"]["drive"]["profile"] = {"steps": steps}
@@ -66,6 +71,7 @@ VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "my1016": _as_it_is,
     "no_wiring": _no_wiring,
     "often_copied": _often_copied,
+    "soon_stuck": _soon_stuck,
     "profile": _profile,
     "observed": _observed,
     "counted": _counted,

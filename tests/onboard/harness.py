@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen import toolchain
-from gen.firmware.onboard_cpp import helpers, math_header, schedule_source
+from gen.firmware.onboard_cpp import helpers, math_header
+from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.bounds import StateRanges, state_ranges
 from gen.lowering.dynamics import Dynamics, dynamics
 from gen.lowering.fixed import lower_component
@@ -101,7 +102,7 @@ def write(folder: Path, components: tuple[OnboardComponent, ...]) -> Sources:
     arithmetic = components[0].arithmetic
     rate, steady = ("uint32_t", "int32_t") if arithmetic == "fixed" else ("float", "float")
     write_header(folder, arithmetic, helpers(components))
-    text = f'#include "{NAME}_onboard_math.h"\n' + "".join(schedule_source(NAME, c) for c in components)
+    text = f'#include "{NAME}_onboard_math.h"\n' + "".join(schedule_sources(NAME, components))
     (folder / "schedule.h").write_text(text, encoding="utf-8")
     calls, place = [], 0
     for c in components:

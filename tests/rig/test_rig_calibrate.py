@@ -14,6 +14,7 @@ from gen.rig.calibrate.__main__ import main
 from gen.rig.calibrate.targets import time_to_63
 from gen.rig.calibrate.unknowns import GUESSES, UNKNOWNS, motor
 from gen.rig.response import held, no_load
+from gen.runs import read_run
 
 PAGE = Path(__file__).parents[2] / "docs" / "rig.md"
 
@@ -26,6 +27,17 @@ def test_the_documentation_holds_the_numbers_of_the_stored_motor(tmp_path: Path)
     assert result.exit_code == 0, result.output
     assert copy.read_text(encoding="utf-8") == PAGE.read_text(encoding="utf-8")
     assert ElementTree.parse(picture).getroot().tag.endswith("svg")
+
+
+def test_the_pages_example_runs_and_shows_the_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code = PAGE.read_text(encoding="utf-8").split("```python")[1].split("```")[0]
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    exec(code, names)
+    run = read_run("run.csv")
+    assert run.time_s[-1] == 10_800.0
+    assert run.temps["casing"][7200] > 70.0
+    assert (tmp_path / "truth.csv").is_file()
 
 
 def test_a_page_without_marks_is_refused_and_left_alone(tmp_path: Path) -> None:
