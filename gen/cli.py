@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
@@ -15,7 +14,9 @@ import click
 from gen import __version__
 from gen.commands.emulate import emulate
 from gen.commands.log import log
+from gen.commands_identify import identify, study
 from gen.errors import CheckFailed, InputError
+from gen.progress import progress_line
 
 if TYPE_CHECKING:
     from gen.lowering.program import Arithmetic, ScheduleKind
@@ -118,7 +119,7 @@ def verify(
         check_writable(json_file)
     arithmetics: tuple[Arithmetic, ...] = ("fixed", "float") if arithmetic == "all" else (arithmetic,)
     schedules: tuple[ScheduleKind, ...] = ("table", "onboard") if schedule == "all" else (schedule,)
-    with _progress() as progress:
+    with progress_line() as progress:
         results = run(loaded, arithmetics, schedules, target, progress=progress, scale=scale)
     found = summary(loaded, results)
     if json_file is not None:
@@ -167,6 +168,8 @@ def _progress() -> Iterator[Callable[[str], None]]:
         return
     with console.status("") as status:
         yield lambda text: status.update(text)
+cli.add_command(identify)
+cli.add_command(study)
 
 
 def main() -> None:

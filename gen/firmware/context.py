@@ -16,7 +16,7 @@ from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.dynamics import domain_rows
 from gen.lowering.float32 import LIMIT_BITS, ONBOARD_STEADY_SHIFT, Column, FloatComponent, column_words
-from gen.lowering.formats import RESIDUE_BITS
+from gen.lowering.formats import CARRY_FACTOR, RESIDUE_BITS, start_scale
 from gen.lowering.lower import AnyComponent, Program, Shape
 from gen.lowering.program import FixedComponent, rounded_up
 
@@ -74,13 +74,15 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "zeroed": _zeroed(program),
         "components": components,
         "carried": [component for component in components if component["order"] > 1],
-        "carry_type": f"{name}_Word",
+        "carry_factor": CARRY_FACTOR,
+        "start_members": _start_members(program),
         "saturates": program.saturates,
         "saturation_argument": f", &{name}_model.saturations",
         "shapes": shapes,
         "avr": avr_advance.block(program) if program.arithmetic == "fixed" else None,
         "shifts": _shift_totals(program),
         "rows": _rows(program),
+        "row_bytes": _row_bytes(program),
         "helpers": helpers(program.onboard),
         "tapes": schedule_sources(name, program.onboard),
         "columns": _columns(program),
@@ -116,7 +118,9 @@ def _fixed_shape(component: FixedComponent) -> Context:
         "product_shifts": layout.product_shifts,
         "chain_shifts": layout.chain_shifts,
         "output_bits": output_bits,
-        "rest_shift": f"<< {output_bits - 22}" if output_bits >= 22 else f">> {22 - output_bits}",
+        "carry_byte": layout.carry_byte,
+        "carry_bits": layout.chain_shifts[-1] % 8 if component.order > 1 else 0,
+        "carry_place": 8 * layout.carry_byte - layout.chain_shifts[-1] // 8 * 8 if component.order > 1 else 0,
         "fraction_shift": f">> {output_bits - 16}" if output_bits >= 16 else f"<< {16 - output_bits}",
     }
 
@@ -181,6 +185,24 @@ def _shift_totals(program: Program) -> list[int]:
         if component.order == 4:
             totals.add(shifts[0] + shifts[1] + 1)
     return sorted(totals)
+
+
+def _start_members(program: Program) -> dict[tuple[str, str, str], list[str]]:
+    """Limits and factors of the start values as literals, and whose they are."""
+    members: dict[tuple[str, str, str], list[str]] = {}
+    for component in program.components:
+        if isinstance(component, FixedComponent):
+            scale = start_scale(component.layout)
+            low, high = component.start_range_mK
+            arguments = (f"{low}L", f"{high}L", f"{scale.whole}L, {scale.fraction}u")
+            members.setdefault(arguments, []).append(component.name)
+    return members
+
+
+def _row_bytes(program: Program) -> int:
+    """How many bytes of a row of the table the board copies at a time: a part of the row, in whole words."""
+    words = sum(component.order + 1 for component in program.components)
+    return 4 * max(part for part in range(1, 7) if words % part == 0)
 
 
 def _rows(program: Program) -> list[Context]:

@@ -20,7 +20,7 @@ from gen.lowering.program import Arithmetic
 _OPERATORS = {"mul": "*", "div": "/", "add": "+", "sub": "-"}
 #: What a step calls, and what that calls in turn.
 _HELPERS = {
-    "times_div": ("div",),
+    "div_signed": ("div_signed", "div"),
     "mul_modulo": ("mul",),
     "mul_signed": ("mul_signed", "mul"),
     "mul_signed_modulo": ("mul_signed", "mul"),
@@ -109,10 +109,6 @@ class SchedulePrinter:
         number = step.args[place]
         return self._ref(number) if self._component.steps[number].unsigned else f"(uint32_t){self._ref(number)}"
 
-    def _quotient(self, step: Step, factor: str, flags: int) -> str:
-        numerator, divisor = self._as_unsigned(step, 0), self._as_unsigned(step, len(step.args) - 1)
-        return f"{self._name}_divide({numerator}, {factor}, {divisor}, {step.shift - DIVIDE_SHIFT}, {flags})"
-
     def _format(self, number: int) -> str:
         return f", Q{self._component.steps[number].q}" if self._fixed else ""
 
@@ -158,17 +154,14 @@ class SchedulePrinter:
 
     def _fixed_expression(self, number: int, step: Step, a: list[str]) -> str:
         name, s = self._name, step.shift
-        flags = int(step.round)  # 1: to nearest; 2: the numerator is unsigned
-        if step.op in ("div", "times_div") and self._component.steps[step.args[0]].unsigned:
-            flags += 2
         match step.op:
             case "constant":
                 return f"{int(step.table[0])}{'UL' if step.unsigned else 'L'}"
             case "row":
-                table = self._table(number, "uint32_t", [_pattern(v) for v in step.table])
+                table = self._table(number, "uint32_t", [pattern(v) for v in step.table])
                 return f"(int32_t)pgm_read_dword(&{table}[{a[0]}])"
             case "exponential":
-                table = self._table(number, "uint32_t", [_pattern(v) for v in step.table])
+                table = self._table(number, "uint32_t", [pattern(v) for v in step.table])
                 return f"{name}_exponential({table}, {a[0]}, {s})"
             case "times":
                 return f"{name}_times({a[0]}, {a[1]}, {s})"
@@ -177,9 +170,11 @@ class SchedulePrinter:
             case "mul_signed" | "mul_signed_modulo":
                 return f"{name}_mul_signed({a[0]}, {a[1]}, {s})"
             case "div":
-                return self._quotient(step, "1", flags)
-            case "times_div":
-                return self._quotient(step, a[1], flags)
+                rest = f"{self._as_unsigned(step, 1)}, {step.shift - DIVIDE_SHIFT}, {str(step.round).lower()}"
+                return f"{name}_divide({self._as_unsigned(step, 0)}, {rest})"
+            case "div_signed":
+                rest = f"{self._as_unsigned(step, 1)}, {step.shift - DIVIDE_SHIFT}, {str(step.round).lower()}"
+                return f"{name}_divide_signed({a[0]}, {rest})"
             case "add" | "sub" | "add_modulo" | "sub_modulo":
                 sign = "-" if step.op.startswith("sub") else "+"
                 mixed = step.unsigned or any(self._component.steps[i].unsigned for i in step.args)
@@ -231,7 +226,8 @@ def _held(x: str, step: Step) -> str:
     return text
 
 
-def _pattern(value: float) -> str:
+def pattern(value: float) -> str:
+    """A literal of a word's 32 bits."""
     return f"0x{int(value) & 0xFFFFFFFF:08X}UL"
 
 

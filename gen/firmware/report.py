@@ -206,8 +206,7 @@ def constants(program: Program) -> list[Cells]:
             result.append((component.name, f"R{i}", "1", formats[f"R{i}"], origin, f"{file}: {rate}"))
         steady = f"{member}steady" if fixed or program.onboard else f"TABLE[|PWM|], {component.name}.S"
         result.append((component.name, "S", "K", formats["S"], f"{path}.gain, {path}.poles", f"{file}: {steady}"))
-        end = f"{places[number].partition('[')[0].upper()}_start()" if fixed else "rest()"
-        place = f"{source}_step.h: {model.name}_{end}"
+        place = f"{source}.cpp: {model.name}_start()" if fixed else f"{source}_step.h: {model.name}_rest()"
         kind, domain = "int32", "$.domain.temperature_degC, $.domain.ambient_degC"
         start = "start {}..{}".format(*component.start_range_mK)
         result.append((component.name, start, "mK", kind, domain, place))
