@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import click
 
 from gen import __version__
+from gen.commands.identify import identify, study
 from gen.commands.emulate import emulate
 from gen.commands.log import log
-from gen.commands_identify import identify, study
 from gen.errors import CheckFailed, InputError
 from gen.progress import progress_line
 
@@ -155,19 +155,6 @@ def simulate(
 
 cli.add_command(emulate)
 cli.add_command(log)
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """A line that says what is being done, on a terminal only."""
-    from rich.console import Console
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda _: None
-        return
-    with console.status("") as status:
-        yield lambda text: status.update(text)
 cli.add_command(identify)
 cli.add_command(study)
 
