@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import click
 
 from gen import __version__
-from gen.commands.identify import identify, study
 from gen.commands.emulate import emulate
+from gen.commands.identify import identify, study
 from gen.commands.log import log
 from gen.errors import CheckFailed, InputError
 from gen.progress import progress_line

@@ -66,7 +66,7 @@ def test_the_firmware_measures_what_the_plant_has_and_drives_what_it_is_told(mak
     assert {153, 154} & set(plant.pwm_seen) and {-51, -52} & set(plant.pwm_seen)
     assert session.seconds == pytest.approx(20.0, abs=0.001)
     rpm = [float(text) for text in column(session, "speed_rpm")][3:8]
-    assert rpm == pytest.approx([154 / 255 * PULSES_PER_S / 500 * 60] * 5, rel=0.01)
+    assert rpm == pytest.approx([153 / 255 * PULSES_PER_S / 500 * 60] * 5, rel=0.01)
 
 
 def test_true_and_batched_pulses_give_the_same_speed(make_board: MakeBoard) -> None:
