@@ -150,6 +150,17 @@ def test_the_same_seed_gives_the_same_bytes(make_board: MakeBoard) -> None:
     assert sent[0] == sent[1] != sent[2]
 
 
+def test_a_recorder_that_comes_late_can_ask_for_the_header(make_board: MakeBoard) -> None:
+    board = make_board()
+    board.mega.run_seconds(5.0)
+    assert b"time_s,pwm" in board.mega.uart_take()
+    session = run_session(board, 10.0, events=[Event(6.0, "send", data=b"?\n")])
+    assert session.recorder.headers == 1
+    assert session.recorder.garbled == 0
+    assert session.recorder.rows >= 3
+    assert session.recorder.parts[0].restarts == []
+
+
 def test_the_pace_is_kept(make_board: MakeBoard) -> None:
     session = run_session(make_board(), 4.0, pace=4.0)
     assert session.wall_s == pytest.approx(1.0, abs=0.4)
