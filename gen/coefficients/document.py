@@ -64,6 +64,7 @@ class Accuracy(Part):
 
     fixed_limit_K: Positive = 1e-5
     float_limit_K: Positive = 1e-3
+    fast_limit_K: Positive = 1e-4
 
 
 class PoleEntry(Part):

@@ -30,6 +30,7 @@ _BY_ARITHMETIC = {
         "lib/NAME/src/NAME_step.h": "lib/model/src/step_float.h.j2",
     },
 }
+_FAST = {"lib/NAME/src/NAME_step.h": "lib/model/src/step_fast.h.j2"}
 _BY_SCHEDULE = {
     "table": {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table.cpp.j2"},
     "onboard": {
@@ -72,4 +73,5 @@ def library(context: Context) -> dict[str, str]:
     sources = _BY_SCHEDULE[schedule]
     if (context["arithmetic"], schedule) == ("float", "table"):
         sources = {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table_float.cpp.j2"}
-    return render(LIBRARY | _BY_ARITHMETIC[context["arithmetic"]] | sources, context)
+    recursion = _FAST if context["speed"] == "fast" else _BY_ARITHMETIC[context["arithmetic"]]
+    return render(LIBRARY | recursion | sources, context)

@@ -118,13 +118,15 @@ def worst_error(
     state_maps = increments.state_map(exact.c, carry)
     from_board = np.linalg.inv(state_maps)
     disturbance = np.zeros((rows, 2 * n + 1, n))
-    q_total = q_error + np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
+    coefficients = np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
+    q_total = q_error + coefficients
     disturbance[:, 0, :] = q_total[:, None] * increments.injection(n)
     form_error = np.abs(increments.mismatch(exact.form, exact.exact, state_maps))
     form_rows = np.einsum("pij,pj->pi", form_error, ranges.true_distance)
     if n > 1:  # the carry is evaluated before it acts: what it would change in itself
         q_range = np.einsum("pj,pj->p", np.abs(exact.c), ranges.distance)
         form_rows[:, n - 2] += exact.c[:, n - 2].max() * q_range.max() * 2.0 * carry**2
+        form_rows[:, n - 2] += 2.0 * carry * coefficients.max()  # and both q come from the board's coefficients
     for i in range(n):
         disturbance[:, 1 + i, i] = chain_error[:, i]
         disturbance[:, 1 + n + i, i] = form_rows[:, i]

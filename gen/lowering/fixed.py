@@ -122,6 +122,9 @@ def prove(
     needed = formats.nested_ranges(ranges, np.maximum(integer_rates, exact.rates))
     if np.any(needed > (2.0**31 - 4.0) * np.array(layout.high_lsb)):
         return None
+    q_range = float(np.einsum("pj,pj->p", exact.c, ranges.distance).max())
+    if exact.order > 1 and not formats.carry_fits(layout, q_range):
+        return None
     q_error, chain_error = formats.rounding(layout, exact.rates, steady_excess)
     error = bounds.worst_error(
         recursion,

@@ -12,7 +12,7 @@ which the board then need not compute.  k is a multiple of 8, so that on an 8-bi
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -211,7 +211,12 @@ def carry_error(layout: Format, q_error: float) -> float:
 
 def carry_byte(layout: Format, q_range: float) -> int:
     """The finest :attr:`Format.carry_byte` with which the change of a q within +-``q_range`` (in K) fits 32 bits."""
-    return 1 if 2.0 * q_range < (2.0**39 - 2.0**10) * layout.residue_lsb[-1] else 2
+    return 1 if carry_fits(replace(layout, carry_byte=1), q_range) else 2
+
+
+def carry_fits(layout: Format, q_range: float) -> bool:
+    """Whether the change of a q within +-``q_range`` (in K) fits 32 bits from the layout's ``carry_byte`` on."""
+    return 2.0 * q_range < (2.0**31 - 4.0) * 2.0 ** (8 * layout.carry_byte) * layout.residue_lsb[-1]
 
 
 def feedback_sensitivity(c: Array) -> Array:

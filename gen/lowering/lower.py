@@ -9,17 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
-from gen.errors import CheckFailed
-from gen.lowering import bounds, fixed, float32
+from gen.errors import CheckFailed, InputError
+from gen.lowering import bounds, fast, fixed, float32
 from gen.lowering.dynamics import Dynamics, LoweringError, domain_rows, dynamics
+from gen.lowering.fast_format import BLOCK, FastComponent
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.onboard import OnboardComponent, compile_component, tuned
-from gen.lowering.program import Arithmetic, FixedComponent, ScheduleKind, rounded_up
+from gen.lowering.program import Arithmetic, FixedComponent, ScheduleKind, Speed, rounded_up
 from gen.lowering.reach import SwitchedRecursion
 from gen.model import Component, ThermalModel
 from gen.reference.onboard import evaluate
 
-AnyComponent = FixedComponent | FloatComponent
+AnyComponent = FixedComponent | FloatComponent | FastComponent
 
 #: Relative size of the terms that the float schedule leaves out where the usual one makes its bound too large.
 _FINE_TOLERANCE = 1e-7
@@ -62,6 +63,8 @@ class Program:
         In the order of the board's state.
     onboard
         How the board computes each component's coefficients; empty for a table.
+    speed
+        ``fast``: shorter words and products, fixed point and table only.
     """
 
     arithmetic: Arithmetic
@@ -70,6 +73,12 @@ class Program:
     components: tuple[AnyComponent, ...]
     shapes: tuple[Shape, ...]
     onboard: tuple[OnboardComponent, ...] = ()
+    speed: Speed = "normal"
+
+    @property
+    def label(self) -> str:
+        """The combination for people: arithmetic/schedule, and the speed unless it is the normal one."""
+        return f"{self.arithmetic}/{self.schedule}" + ("/fast" if self.speed == "fast" else "")
 
     @property
     def saturates(self) -> bool:
@@ -77,14 +86,35 @@ class Program:
         return any(component.saturates for component in self.components)
 
 
-def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: ScheduleKind) -> Program:
+def check_speed(arithmetic: str, schedule: str, speed: str) -> None:
+    """Refuse what the fast form is not made for.
+
+    Raises
+    ------
+    InputError
+        If `fast` is asked for together with float or a schedule that the board computes.
+    """
+    if speed == "fast" and arithmetic != "fixed":
+        raise InputError(f"--speed fast is for fixed-point arithmetic, not for --arithmetic {arithmetic}")
+    if speed == "fast" and schedule != "table":
+        raise InputError(f"--speed fast needs the rates of a table, not --schedule {schedule}")
+
+
+def lower(
+    coefficients: Coefficients, arithmetic: Arithmetic, schedule: ScheduleKind, speed: Speed = "normal"
+) -> Program:
     """Lower every component.
 
     Raises
     ------
     CheckFailed
         If a component cannot be lowered, or its proven error exceeds the file's limit; the message names it.
+    InputError
+        See :func:`check_speed`.
     """
+    check_speed(arithmetic, schedule, speed)
+    if speed == "fast":
+        return _lower_fast(coefficients)
     model = coefficients.model
     accuracy = coefficients.accuracy
     limit = accuracy.fixed_limit_K if arithmetic == "fixed" else accuracy.float_limit_K
@@ -98,24 +128,45 @@ def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: Schedule
                 onboard.append(tape)
         except LoweringError as error:
             raise CheckFailed(str(error)) from error
-        if lowered.proof is not None and lowered.proof.bound_K > limit:
-            raise CheckFailed(
-                f"component {component.name}: the guaranteed error bound of {rounded_up(lowered.proof.bound_K):.1e} K "
-                f"exceeds $.accuracy.{arithmetic}_limit_K = {limit:.1e} K"
-            )
+        _check_bound(lowered, limit, arithmetic)
         components.append(lowered)
     return Program(arithmetic, schedule, model, tuple(components), _shapes(components), tuple(onboard))
 
 
-def _table(model: ThermalModel, component: Component, arithmetic: Arithmetic, limit: float) -> AnyComponent:
+def _lower_fast(coefficients: Coefficients) -> Program:
+    model, limit = coefficients.model, coefficients.accuracy.fast_limit_K
+    components: list[AnyComponent] = []
+    turns = 0
+    for component in model.components:
+        try:
+            lowered = fast.lower_component(model, component, turns % BLOCK, limit)
+        except LoweringError as error:
+            raise CheckFailed(str(error)) from error
+        _check_bound(lowered, limit, "fast")
+        components.append(lowered)
+        turns += component.order == 1
+    return Program("fixed", "table", model, tuple(components), _shapes(components), speed="fast")
+
+
+def _check_bound(lowered: AnyComponent, limit: float, kind: str) -> None:
+    if lowered.proof is not None and lowered.proof.bound_K > limit:
+        raise CheckFailed(
+            f"component {lowered.name}: the guaranteed error bound of {rounded_up(lowered.proof.bound_K):.1e} K "
+            f"exceeds $.accuracy.{kind}_limit_K = {limit:.1e} K"
+        )
+
+
+def _table(
+    model: ThermalModel, component: Component, arithmetic: Arithmetic, limit: float
+) -> FixedComponent | FloatComponent:
     if arithmetic == "fixed":
         return fixed.lower_component(model, component, min(limit, fixed.TARGET_K))
     return float32.lower_component(model, component, limit)
 
 
 def _onboard(
-    model: ThermalModel, component: Component, lowered: AnyComponent, limit: float
-) -> tuple[AnyComponent, OnboardComponent]:
+    model: ThermalModel, component: Component, lowered: FixedComponent | FloatComponent, limit: float
+) -> tuple[FixedComponent | FloatComponent, OnboardComponent]:
     """The component with the coefficients that the board itself computes, and the tape that computes them."""
     exact = dynamics(model, component, lowered.substeps)
     rows = domain_rows(model)
@@ -143,7 +194,7 @@ def _float_rows(
 
 
 def _formats(component: AnyComponent) -> object:
-    return component.layout if isinstance(component, FixedComponent) else component.fraction_bits
+    return component.fraction_bits if isinstance(component, FloatComponent) else component.layout
 
 
 def _shapes(components: list[AnyComponent]) -> tuple[Shape, ...]:

@@ -8,9 +8,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.lowering.fast_format import FastComponent
 from gen.lowering.float32 import LOW_BITS, FloatComponent
 from gen.lowering.formats import RESIDUE_BITS
+from gen.lowering.lower import AnyComponent
 from gen.lowering.program import FixedComponent
+from gen.reference.fast import FastLanes, fast_coefficient_fields
 from gen.reference.fixed import FixedStep
 from gen.reference.float32 import FloatStep
 
@@ -153,14 +156,16 @@ def _thousandths(word: Integers, bits: int) -> Integers:
     return result
 
 
-def lanes_of(component: FixedComponent | FloatComponent, start_mK: Sequence[int]) -> ComponentLanes:
+def lanes_of(component: AnyComponent, start_mK: Sequence[int]) -> ComponentLanes:
     """A component's lanes at rest at the given rises, in thousandths of a kelvin."""
     if isinstance(component, FixedComponent):
         return FixedLanes(component, start_mK)
+    if isinstance(component, FastComponent):
+        return FastLanes(component, start_mK)
     return FloatLanes(component, start_mK)
 
 
-def state_fields(component: FixedComponent | FloatComponent) -> Fields:
+def state_fields(component: AnyComponent) -> Fields:
     """Names and types of the state's words, in the order of the board's structure."""
     low = "<u2" if isinstance(component, FixedComponent) else "u1"
     return [
@@ -170,7 +175,9 @@ def state_fields(component: FixedComponent | FloatComponent) -> Fields:
     ]
 
 
-def coefficient_fields(component: FixedComponent | FloatComponent) -> Fields:
+def coefficient_fields(component: AnyComponent) -> Fields:
     """Names and types of the coefficients' words, in the order of the board's structure."""
+    if isinstance(component, FastComponent):
+        return fast_coefficient_fields(component)
     rates = [(f"{component.name}.R{i}", "<u4") for i in range(component.order)]
     return [*rates, (f"{component.name}.S", "<i4")]

@@ -163,3 +163,23 @@ def test_simulate_measured_start_needs_a_measurement(tmp_path: Path) -> None:
     done = gen("simulate", COEFFICIENTS, run_file(tmp_path), "--start", "measured", "--out", tmp_path / "out.csv")
     assert done.returncode == 2
     assert "column bearing_degC" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("command", "options"),
+    [
+        ("build", ["--arithmetic", "float"]),
+        ("build", ["--schedule", "onboard"]),
+        ("verify", ["--arithmetic", "float"]),
+        ("verify", ["--schedule", "onboard"]),
+        ("simulate", ["run.csv"]),
+        ("simulate", ["run.csv", "--arithmetic", "float"]),
+    ],
+)
+def test_fast_is_for_fixed_point_with_a_table_only(command: str, options: list[str], tmp_path: Path) -> None:
+    done = gen(command, COEFFICIENTS, *options, "--speed", "fast", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert "--speed fast" in done.stderr
+    assert list(tmp_path.iterdir()) == []

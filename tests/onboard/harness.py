@@ -32,7 +32,9 @@ PLATFORM = """
 #define DEMO_PLATFORM_H
 #ifdef __AVR__
 #include <avr/pgmspace.h>
+#define DEMO_SMALL __attribute__((noinline, optimize("Os")))
 #else
+#define DEMO_SMALL
 #define PROGMEM
 #define pgm_read_byte(address) (*(address))
 #define pgm_read_dword(address) (*(address))

@@ -13,7 +13,7 @@ import pytest
 from gen.coefficients import Coefficients, parse
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.lower import lower
-from gen.lowering.program import Arithmetic
+from gen.lowering.program import Arithmetic, FixedComponent
 from gen.reference.model import SATURATED, ReferenceModel
 from gen.verify.compare import first_mismatch, reference_run
 from gen.verify.profiles import Profile
@@ -69,6 +69,7 @@ def test_saturation_is_counted_and_flagged_and_nothing_wraps(arithmetic: Arithme
     if isinstance(component, FloatComponent):
         whole = 2.0 ** (32 - component.fraction_bits[0])
     else:
+        assert isinstance(component, FixedComponent)
         whole = 2.0 ** (48 - component.layout.fraction_bits[0])
     assert largest_step < whole / 8.0
 
