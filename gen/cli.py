@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import click
 
 from gen import __version__
+from gen.commands.emulate import emulate
 from gen.commands.identify import identify, study
 from gen.commands.log import log
 from gen.errors import CheckFailed, InputError
@@ -190,6 +191,7 @@ def simulate(
     click.echo(f"{target}: {len(measured.time_s)} rows")
 
 
+cli.add_command(emulate)
 cli.add_command(log)
 cli.add_command(identify)
 cli.add_command(study)

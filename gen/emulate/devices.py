@@ -156,11 +156,11 @@ class DeviceMega(EmulatedMega):
         pin
             Where.
         batch_s
-            0: every edge comes at its own time. Else the pulses that fall due within this time, s, come together at
-            its end, each as soon as the firmware has taken the interrupt of the one before: as many, and each handled
-            by the firmware, but not spaced as on the motor, and none can be lost. It spares the firmware (and so the
-            emulator) a return to its main loop for every pulse. On pin 47 (the input of Timer 5) it plays no role: the
-            count is exact at every read.
+            0: every pulse comes at its own time. Else the interrupts of the pulses that fall due within this time, s,
+            are raised together at its end, each when the firmware has taken the one before: as many, and each handled
+            by the firmware, but not spaced as on the motor, with the pin at rest, and none can be lost. It spares the
+            firmware a return to sleep for every pulse, and the emulator most of its work. On pin 47 (the input of
+            Timer 5) it plays no role: the count is exact at every read.
         """
         place = port_pin(pin)
         batch = round(batch_s * FREQUENCY_HZ)
@@ -245,4 +245,12 @@ class DeviceMega(EmulatedMega):
         To be called before the firmware runs: it runs up to ``main``, where static data have been set.
         """
         self.run_to("main", FREQUENCY_HZ)
+        self._set_millis(milliseconds)
+
+    def hold_up(self, milliseconds: int) -> None:
+        """Let ``millis()`` jump ahead, as if the firmware's loop had been held up for so long."""
+        address = self.sram_address("timer0_millis")
+        self._set_millis(int.from_bytes(self.peek(address, 4), "little") + milliseconds)
+
+    def _set_millis(self, milliseconds: int) -> None:
         self.poke(self.sram_address("timer0_millis"), (milliseconds % 2**32).to_bytes(4, "little"))

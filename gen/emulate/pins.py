@@ -1,4 +1,8 @@
-"""The Arduino Mega's pin numbers: where each lies on the ATmega2560, and which timer makes its PWM."""
+"""The Arduino Mega's pin numbers: where each lies on the ATmega2560, and which timer makes its PWM.
+
+The map is the emulator's own, not the one that the generator has for the firmware (`gen.firmware.pins`): a wrong pin in
+one of them then shows as a sensor that does not answer. A test compares this one with the Arduino core's.
+"""
 
 from __future__ import annotations
 

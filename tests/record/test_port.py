@@ -19,6 +19,7 @@ from pathlib import Path
 
 import pytest
 
+from gen.cli import main
 from gen.errors import InputError
 from gen.record.port import Commander, record_port
 from gen.record.profile import parse_profile
@@ -163,12 +164,17 @@ def test_no_such_port_is_one_message_and_exit_2(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_nothing_is_written_when_nothing_came(ends: tuple[int, str], tmp_path: Path) -> None:
+def test_nothing_is_written_when_nothing_came(
+    ends: tuple[int, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("gen.record.port._ASK_AFTER_S", 0.1)
+    monkeypatch.setattr("gen.record.port._ASK_EVERY_S", 0.1)
     _, port = ends
-    done = log(port, tmp_path / "run.csv", "--duration", "0.1")
-    _, stderr = done.communicate(timeout=30)
-    assert done.returncode == 1
-    assert "no row came" in stderr
+    monkeypatch.setattr("sys.argv", ["gen", "log", port, "--out", str(tmp_path / "run.csv"), "--duration", "0.1"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 1
+    assert "no row came" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 

@@ -15,7 +15,7 @@ from gen.errors import CheckFailed
 SHIM_FOLDER = Path(__file__).with_name("shim")
 """The folder of the C sources."""
 
-_ABI = 2
+_ABI = 3
 
 _handle = _buffer = ctypes.c_void_p
 _bytes = ctypes.c_char_p
@@ -32,6 +32,7 @@ _SIGNATURES: dict[str, tuple[object, list[object]]] = {
     "gen_mega_message": (_bytes, [_handle]),
     "gen_mega_cycle": (_u64, [_handle]),
     "gen_mega_asleep": (_u64, [_handle]),
+    "gen_mega_longest_awake": (_u64, [_handle]),
     "gen_mega_pc": (_u32, [_handle]),
     "gen_mega_sp": (_u16, [_handle]),
     "gen_mega_ramend": (_u16, [_handle]),

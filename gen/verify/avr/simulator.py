@@ -135,6 +135,10 @@ class EmulatedMega:
         """Clock cycles that the chip spent in a sleep mode since the emulator was opened."""
         return int(self._library.gen_mega_asleep(self._open()))
 
+    def longest_awake(self) -> int:
+        """Give the longest stretch of clock cycles without sleep since this was asked for last, interrupts included."""
+        return int(self._library.gen_mega_longest_awake(self._open()))
+
     @property
     def stack_pointer(self) -> int:
         """The stack pointer: the address of the next free byte."""

@@ -1,10 +1,14 @@
 /* An encoder's pulses.
  *
- * The pulses of one call lie evenly in its span. Either every edge comes at its own time (pulse i rises at
- * (i + 1/4) span / count and falls half a pulse later), or, in batches, the pulses that fall due within a batch's length
- * come together at its end, one after the other, each as soon as the firmware has taken the interrupt of the one
- * before. Their number is the same; their spacing is not, and no pulse can be lost in a batch. On the input of Timer 5
- * (PL2, Arduino pin 47) nothing happens at a pulse: counter.c works the count out when the firmware reads it.
+ * The pulses of one call lie evenly in its span. Pulse i rises at (i + 1/4) span / count and falls half a pulse later;
+ * where the firmware has set its interrupt to one kind of edge only, both edges come together, which spares an event.
+ *
+ * In batches the pin rests: the interrupts of the pulses that fall due within a batch's length are raised at its end, one
+ * after the other, each when the firmware has taken the one before. Their number is the same; their spacing is not, and
+ * no pulse can be lost in a batch.
+ *
+ * On the input of Timer 5 (PL2, Arduino pin 47) nothing happens at a pulse: counter.c works the count out when the
+ * firmware reads it.
  */
 #include "mega.h"
 
@@ -13,10 +17,16 @@
 #include <string.h>
 
 #define EXTERNAL_INTERRUPTS 8
-#define TAKEN 24   /* cycles from a pulse of a batch to the next; an interrupt's handler is longer */
-#define WAITING 16 /* cycles to the next look while an interrupt waits */
 
-/* ---- every edge at its own time ---- */
+enum sense { LEVEL = 0, ANY_EDGE = 1, FALLING = 2, RISING = 3 };
+
+static enum sense sense_of(const struct gen_mega *mega)
+{
+	const struct avr_regbit_t *bits = mega->encoder.sense;
+	return bits ? (enum sense)(avr_regbit_get(mega->avr, bits[0]) | avr_regbit_get(mega->avr, bits[1]) << 1) : LEVEL;
+}
+
+/* ---- every pulse at its own time ---- */
 
 static avr_cycle_count_t edge_at(const struct encoder *encoder, uint32_t edge)
 {
@@ -39,15 +49,30 @@ static avr_cycle_count_t next_edge(avr_t *avr, avr_cycle_count_t when, void *par
 	struct gen_mega *mega = parameter;
 	struct encoder *encoder = &mega->encoder;
 	edge(mega);
+	if (encoder->level && sense_of(mega) >= FALLING)
+		edge(mega);
 	return encoder->edges < 2 * encoder->count ? edge_at(encoder, encoder->edges) : 0;
 }
 
 /* ---- in batches ---- */
 
-static int both_edges_count(const struct gen_mega *mega)
+static void raise_owed(struct gen_mega *mega)
 {
-	const struct avr_regbit_t *sense = mega->encoder.sense;
-	return sense && avr_regbit_get(mega->avr, sense[0]) && !avr_regbit_get(mega->avr, sense[1]);
+	struct encoder *encoder = &mega->encoder;
+	if (!avr_regbit_get(mega->avr, encoder->vector->enable)) {
+		encoder->owed = 0; /* as on the chip, where its flag can only be set once */
+	} else if (encoder->owed && !encoder->vector->pending) {
+		encoder->owed--;
+		avr_raise_interrupt(mega->avr, encoder->vector);
+	}
+}
+
+static void interrupt_taken(avr_irq_t *irq, uint32_t value, void *parameter)
+{
+	(void)irq;
+	struct gen_mega *mega = parameter;
+	if (!value && mega->encoder.owed)
+		raise_owed(mega);
 }
 
 /* The last batch comes one length early, so that it is over when the span ends. */
@@ -63,26 +88,27 @@ static avr_cycle_count_t batch_end(const struct encoder *encoder, avr_cycle_coun
 	return end < last ? end : last;
 }
 
-static avr_cycle_count_t next_of_batch(avr_t *avr, avr_cycle_count_t when, void *parameter)
+static avr_cycle_count_t next_batch(avr_t *avr, avr_cycle_count_t when, void *parameter)
 {
 	struct gen_mega *mega = parameter;
 	struct encoder *encoder = &mega->encoder;
 	avr_cycle_count_t now = avr->cycle, passed = now - encoder->start, whole = passed - passed % encoder->batch;
 	uint64_t due = passed >= last_batch(encoder) ? encoder->count : whole * encoder->count / encoder->span;
+	uint64_t pulses = due - encoder->edges / 2;
 	(void)when;
-	if (encoder->edges < 2 * due) {
-		if (encoder->vector && encoder->vector->pending)
-			return now + WAITING;
-		edge(mega);
-		if (encoder->level && !both_edges_count(mega))
-			edge(mega);
-	}
-	if (encoder->edges < 2 * due)
-		return now + TAKEN;
-	return encoder->edges < 2 * encoder->count ? batch_end(encoder, now) : 0;
+	encoder->edges = (uint32_t)(2 * due);
+	encoder->risen += pulses;
+	encoder->owed += sense_of(mega) == ANY_EDGE ? 2 * pulses : pulses;
+	raise_owed(mega);
+	return due < encoder->count ? batch_end(encoder, now) : 0;
 }
 
 /* ---- */
+
+static int in_batches(const struct encoder *encoder)
+{
+	return encoder->batch && encoder->vector;
+}
 
 static void encoder_arm(struct gen_mega *mega)
 {
@@ -90,8 +116,9 @@ static void encoder_arm(struct gen_mega *mega)
 	avr_cycle_count_t now = mega->avr->cycle;
 	if (!encoder->attached || encoder->counted || encoder->edges >= 2 * encoder->count)
 		return;
-	avr_cycle_count_t when = encoder->batch ? batch_end(encoder, now) : edge_at(encoder, encoder->edges);
-	avr_cycle_timer_register(mega->avr, when > now ? when - now : 1, encoder->batch ? next_of_batch : next_edge, mega);
+	avr_cycle_count_t when = in_batches(encoder) ? batch_end(encoder, now) : edge_at(encoder, encoder->edges);
+	avr_cycle_timer_register(mega->avr, when > now ? when - now : 1, in_batches(encoder) ? next_batch : next_edge,
+				 mega);
 }
 
 static void find_interrupt(struct gen_mega *mega)
@@ -106,12 +133,15 @@ static void find_interrupt(struct gen_mega *mega)
 			    interrupts->eint[i].port_pin == encoder->pin.bit) {
 				encoder->vector = &interrupts->eint[i].vector;
 				encoder->sense = interrupts->eint[i].isc;
+				avr_irq_register_notify(encoder->vector->irq + AVR_INT_IRQ_PENDING, interrupt_taken,
+							mega);
 			}
 	}
 }
 
 void mega_encoder_rearm(struct gen_mega *mega)
 {
+	mega->encoder.owed = 0;
 	encoder_arm(mega);
 }
 
@@ -147,7 +177,7 @@ int gen_mega_encoder_pulses(struct gen_mega *mega, uint32_t count, uint64_t span
 	if (!encoder->attached || count > span / 4 || encoder->batch > span / 4)
 		return -1;
 	avr_cycle_timer_cancel(mega->avr, next_edge, mega);
-	avr_cycle_timer_cancel(mega->avr, next_of_batch, mega);
+	avr_cycle_timer_cancel(mega->avr, next_batch, mega);
 	if (encoder->level)
 		mega_drive(mega, encoder->pin, encoder->level = 0);
 	encoder->risen = mega_encoder_risen(mega);

@@ -63,9 +63,15 @@ static avr_cycle_count_t at_limit(avr_t *avr, avr_cycle_count_t when, void *para
 	return 0;
 }
 
+/* Idle time passes in the cycle counter alone. simavr asks for it piece by piece, and again at every event. */
 static void count_sleep(avr_t *avr, avr_cycle_count_t cycles)
 {
-	of(avr)->asleep += cycles; /* idle time passes in the cycle counter alone */
+	struct gen_mega *mega = of(avr);
+	avr_cycle_count_t awake = avr->cycle - mega->woke;
+	if (awake > mega->longest_awake)
+		mega->longest_awake = awake;
+	mega->asleep += cycles;
+	mega->woke = avr->cycle + cycles;
 }
 
 /* ---- opening, resetting, closing ------------------------------------------------------------------------------ */
@@ -204,6 +210,14 @@ uint64_t gen_mega_cycle(const struct gen_mega *mega)
 uint64_t gen_mega_asleep(const struct gen_mega *mega) /* cycles spent in a sleep mode */
 {
 	return mega->asleep;
+}
+
+/* The longest stretch without sleep, in cycles, since it was asked for last. */
+uint64_t gen_mega_longest_awake(struct gen_mega *mega)
+{
+	avr_cycle_count_t longest = mega->longest_awake;
+	mega->longest_awake = 0;
+	return longest;
 }
 
 uint32_t gen_mega_pc(const struct gen_mega *mega) /* in bytes */

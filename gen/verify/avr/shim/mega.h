@@ -26,11 +26,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define GEN_MEGA_ABI 2
+#define GEN_MEGA_ABI 3
 #define FREQUENCY_HZ 16000000u
 #define MESSAGE_SIZE 256
 #define PATTERN_SIZE 256
-#define CHIPS 16
+#define CHIPS 32
 #define PROBES 16
 #define WAVES 2
 #define PORTS 12 /* A..L without I */
@@ -104,7 +104,7 @@ struct encoder {
 	const struct avr_regbit_t *sense; /* its ISC bits, both */
 	avr_cycle_count_t start, span, batch; /* batch = 0: every edge at its own time */
 	uint32_t count, edges;
-	uint64_t risen;
+	uint64_t risen, owed; /* owed: interrupts of a batch that are still to be raised */
 };
 
 /* Timer 5 on its external clock: see counter.c. */
@@ -145,6 +145,7 @@ struct gen_mega {
 	int timers_lost; /* a reset dropped the cycle timers */
 	avr_cycle_count_t limit;
 	avr_cycle_count_t asleep; /* cycles slept */
+	avr_cycle_count_t woke, longest_awake;
 	void (*core_reset)(avr_t *);
 	struct records records;
 	struct uart uart;
