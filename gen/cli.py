@@ -1,68 +1,23 @@
-"""The commands: parse, call, print; no logic."""
+"""The command line: its commands, and what their failures become."""
 
 from __future__ import annotations
 
-import json
 import os
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import click
 
 from gen import __version__
+from gen.commands.build import build
 from gen.commands.emulate import emulate
 from gen.commands.identify import identify, study
 from gen.commands.log import log
+from gen.commands.simulate import simulate
+from gen.commands.verify import verify
 from gen.errors import CheckFailed, InputError
-from gen.progress import progress_line
-
-if TYPE_CHECKING:
-    from gen.lowering.program import Arithmetic, ScheduleKind, Speed
-    from gen.reference.simulate import Start
-    from gen.verify.verify import Target
 
 # The matrices are small: threads of the linear algebra library would only wait for each other. Set before numpy loads.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
-_CommandType = TypeVar("_CommandType", bound=Callable[..., Any])
-_COEFFICIENTS = click.argument("coefficients", metavar="COEFFS", type=click.Path(path_type=Path))
-
-
-def _speed(*, default_all: bool) -> Callable[[_CommandType], _CommandType]:
-    """--speed, with `all` where both can be handled at once."""
-    return click.option(
-        "--speed",
-        type=click.Choice(["normal", "fast", "all"] if default_all else ["normal", "fast"]),
-        default="normal",
-        show_default=True,
-        help="fast: fewer cycles for a larger, still guaranteed error; fixed point with a table only.",
-    )
-
-
-def _options(*, default_all: bool) -> Callable[[_CommandType], _CommandType]:
-    """--arithmetic and --schedule, with `all` where several can be handled at once."""
-    arithmetic = ["fixed", "float", "all"] if default_all else ["fixed", "float"]
-    schedule = ["table", "onboard", "all"] if default_all else ["table", "onboard"]
-
-    def decorate(command: _CommandType) -> _CommandType:
-        command = click.option(
-            "--schedule",
-            type=click.Choice(schedule),
-            default="all" if default_all else "table",
-            show_default=True,
-            help="Coefficients of every PWM in flash, or evaluated on the board when PWM changes.",
-        )(command)
-        return click.option(
-            "--arithmetic",
-            type=click.Choice(arithmetic),
-            default="all" if default_all else "fixed",
-            show_default=True,
-            help="Fixed-point integers or float32.",
-        )(command)
-
-    return decorate
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -71,130 +26,8 @@ def cli() -> None:
     """Turn identified motor-temperature coefficients into proven firmware for the Arduino Mega 2560."""
 
 
-@cli.command(epilog="Example:  gen build examples/my1016/coeffs.json --out firmware_out")
-@_COEFFICIENTS
-@click.option("--out", type=click.Path(path_type=Path), default=Path("firmware_out"), show_default=True)
-@click.option(
-    "--verification",
-    type=click.Path(path_type=Path),
-    help="What `gen verify --json` wrote: its verdict goes into the report. Default: the one in --out.",
-)
-@_options(default_all=False)
-@_speed(default_all=False)
-def build(
-    coefficients: Path,
-    out: Path,
-    verification: Path | None,
-    arithmetic: Arithmetic,
-    schedule: ScheduleKind,
-    speed: Speed,
-) -> None:
-    """Write the complete PlatformIO project for a coefficient file."""
-    from gen.coefficients import load
-    from gen.files import replace_folder
-    from gen.firmware.project import kept_verification, project_files, read_verification
-    from gen.lowering.lower import check_speed, lower
-
-    check_speed(arithmetic, schedule, speed)
-    loaded = load(coefficients)
-    for warning in loaded.warnings:
-        click.echo(f"warning: {coefficients}: {warning}", err=True)
-    record = read_verification(verification, loaded) if verification else kept_verification(out, loaded)
-    program = lower(loaded, arithmetic, schedule, speed)
-    replace_folder(out, project_files(loaded, program, coefficients.name, record))
-    from gen.firmware.context import bound_text
-
-    click.echo(
-        f"{out}: {loaded.name}, arithmetic {arithmetic}, schedule {schedule}" + (", fast" if speed == "fast" else "")
-    )
-    for component in program.components:
-        click.echo(f"  {component.name}: never more than {bound_text(component)} from the exact solution")
-
-
-@cli.command(epilog="Example:  gen verify examples/my1016/coeffs.json --target all --json verification.json")
-@_COEFFICIENTS
-@_options(default_all=True)
-@_speed(default_all=True)
-@click.option("--target", type=click.Choice(["host", "avr", "all"]), default="all", show_default=True)
-@click.option("--json", "json_file", type=click.Path(path_type=Path), help="Write what was found as JSON.")
-@click.option(
-    "--scale", type=click.FloatRange(0.001, 10.0), default=1.0, help="Share of the full campaign.", hidden=True
-)
-def verify(
-    coefficients: Path,
-    arithmetic: Arithmetic | Literal["all"],
-    schedule: ScheduleKind | Literal["all"],
-    speed: Speed | Literal["all"],
-    target: Target,
-    json_file: Path | None,
-    scale: float,
-) -> None:
-    """Prove the generated C++ equal to the reference, bit for bit, and measure error and cost."""
-    from gen.coefficients import load
-    from gen.files import check_writable, write_text
-    from gen.lowering.lower import check_speed
-    from gen.verify.report import print_results
-    from gen.verify.verify import summary
-    from gen.verify.verify import verify as run
-
-    if speed == "fast":
-        check_speed("fixed" if arithmetic == "all" else arithmetic, "table" if schedule == "all" else schedule, speed)
-    loaded = load(coefficients)
-    if json_file is not None:
-        check_writable(json_file)
-    arithmetics: tuple[Arithmetic, ...] = ("fixed", "float") if arithmetic == "all" else (arithmetic,)
-    schedules: tuple[ScheduleKind, ...] = ("table", "onboard") if schedule == "all" else (schedule,)
-    speeds: tuple[Speed, ...] = ("normal", "fast") if speed == "all" else (speed,)
-    with progress_line() as progress:
-        results = run(loaded, arithmetics, schedules, target, progress=progress, scale=scale, speeds=speeds)
-    found = summary(loaded, results)
-    if json_file is not None:
-        write_text(json_file, json.dumps(found, indent=1) + "\n")
-    print_results(results)
-    if found["verdict"] != "equal":
-        raise CheckFailed(f"{found['differing']} of {found['words']} words differ")
-    click.echo(f"equal: {found['samples']} samples, {found['words']} words, none differs")
-
-
-@cli.command(epilog="Example:  gen simulate examples/my1016/coeffs.json run.csv --arithmetic fixed --out model.csv")
-@_COEFFICIENTS
-@click.argument("run", type=click.Path(path_type=Path))
-@click.option("--arithmetic", type=click.Choice(["exact", "fixed", "float"]), default="exact", show_default=True)
-@_speed(default_all=False)
-@click.option("--start", type=click.Choice(["auto", "ambient", "measured"]), default="auto", show_default=True)
-@click.option("--out", type=click.Path(path_type=Path), help="The CSV to write.  [default: RUN with .model.csv]")
-def simulate(
-    coefficients: Path,
-    run: Path,
-    arithmetic: Arithmetic | Literal["exact"],
-    speed: Speed,
-    start: Start,
-    out: Path | None,
-) -> None:
-    """Run the reference simulator on a run file and write the model's temperatures at the run's own times."""
-    from gen.coefficients import load
-    from gen.lowering.lower import check_speed
-    from gen.reference.simulate import simulate_run
-    from gen.runs import read_run
-    from gen.runs.writer import write_columns
-
-    check_speed(arithmetic, "table", speed)
-    loaded = load(coefficients)
-    measured = read_run(run, loaded.model.component_names, ambient=loaded.model.ambient_channel or "ambient_degC")
-    columns = simulate_run(loaded, measured, arithmetic, start, str(run), speed)
-    target = out or run.with_suffix(".model.csv")
-    write_columns(
-        target,
-        columns,
-        {"model": loaded.name, "arithmetic": arithmetic, **({"speed": speed} if speed == "fast" else {})},
-    )
-    click.echo(f"{target}: {len(measured.time_s)} rows")
-
-
-cli.add_command(emulate)
-cli.add_command(log)
-cli.add_command(identify)
-cli.add_command(study)
+for command in (build, verify, simulate, emulate, log, identify, study):
+    cli.add_command(command)
 
 
 def main() -> None:
