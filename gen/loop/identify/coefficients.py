@@ -61,8 +61,8 @@ def coefficient_text(data: Data, found: Mapping[str, Identified], settings: Sett
 
 
 FIXED_LIMIT_K, FLOAT_LIMIT_K = 1e-3, 1e-2
-"""Arithmetic errors up to which a build is accepted: a 250th and a 25th of a thermocouple amplifier's step of 0.25 K, far
-below what any identification can know."""
+"""Arithmetic errors up to which a build is accepted: a 250th and a 25th of a thermocouple amplifier's step of 0.25 K,
+far below what any identification can know."""
 HIGHEST_K = 3000.0
 """A steady rise over this at full scale is no result: the runs show no sign of settling."""
 
