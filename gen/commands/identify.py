@@ -44,7 +44,7 @@ def identify(
     from gen.loop.identify.coefficients import Settings, coefficient_text, usable
     from gen.loop.identify.data import read_data
     from gen.loop.identify.identify import identify as run
-    from gen.loop.identify.summary import summary, text
+    from gen.loop.identify.summary import summary, text, without_nan
 
     fault = name_fault(name)
     if fault:
@@ -64,7 +64,7 @@ def identify(
             page = report_html(data, found, loaded)
     write_text(out, written)
     if json_file is not None:
-        write_text(json_file, json.dumps(summary(data, found), indent=1, allow_nan=True) + "\n")
+        write_text(json_file, json.dumps(without_nan(summary(data, found)), indent=1, allow_nan=False) + "\n")
     if report is not None and page is not None:
         write_text(report, page)
     click.echo(text(data, found))

@@ -60,6 +60,9 @@ def coefficient_text(data: Data, found: Mapping[str, Identified], settings: Sett
         raise CheckFailed(f"the identified model is not one that can be built: {error}") from error
 
 
+FIXED_LIMIT_K, FLOAT_LIMIT_K = 1e-3, 1e-2
+"""Arithmetic errors up to which a build is accepted: a 250th and a 25th of a thermocouple amplifier's step of 0.25 K,
+far below what any identification can know."""
 HIGHEST_K = 3000.0
 """A steady rise over this at full scale is no result: the runs show no sign of settling."""
 
@@ -119,6 +122,7 @@ def _tree(data: Data, found: Mapping[str, Identified], settings: Settings) -> di
         "ambient": ambient,
         "validity": {"pwm": [low, high], "outside": "extrapolate" if still else "hold"},
         "domain": _domain(data, found, settings),
+        "accuracy": {"fixed_limit_K": FIXED_LIMIT_K, "float_limit_K": FLOAT_LIMIT_K},
         "components": [component_entry(name, item.model, *written) for name, item in found.items()],
         "provenance": {
             "source": "gen identify",

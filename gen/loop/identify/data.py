@@ -95,11 +95,13 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
             count = len(source.run.time_s)
             raise InputError(f"found {count} row(s), expected at least {FEWEST} to identify from", file=source.path)
     ambients = [_ambient(source, ambient, warnings) for source in sources]
+    stems = [source.name for source in sources]
+    labels = stems if len(set(stems)) == len(stems) else [source.path for source in sources]
     records: dict[str, tuple[Record, ...]] = {}
     for name in names:
         found = []
-        for source, around in zip(sources, ambients, strict=True):
-            record = _record(source, name, around, warnings)
+        for label, source, around in zip(labels, sources, ambients, strict=True):
+            record = _record(label, source, name, around, warnings)
             if record is not None:
                 found.append(record)
         reason = _useless(found)
@@ -170,7 +172,7 @@ def _from_start(source: Source, warnings: list[str]) -> float:
     return level
 
 
-def _record(source: Source, name: str, ambient: FloatArray | float, warnings: list[str]) -> Record | None:
+def _record(label: str, source: Source, name: str, ambient: FloatArray | float, warnings: list[str]) -> Record | None:
     run = source.run
     if name not in run.temps:
         return None
@@ -180,7 +182,7 @@ def _record(source: Source, name: str, ambient: FloatArray | float, warnings: li
         return None
     if good < 0.5 * len(run.time_s):
         warnings.append(f"{source.path}: {name}_degC is missing in {1.0 - good / len(run.time_s):.0%} of the rows")
-    return condense(source.name, run.time_s, run.pwm, run.temps[name], ambient)
+    return condense(label, run.time_s, run.pwm, run.temps[name], ambient)
 
 
 def _useless(records: list[Record]) -> str:

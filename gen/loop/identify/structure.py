@@ -95,12 +95,16 @@ CANDIDATES = (
 """From simple to rich."""
 
 
-def separated(poles: PoleArray, gap: float = 1e-3) -> PoleArray:
-    """Move poles that (nearly) coincide apart by a share `gap` of themselves.
+GAP = (0.0, 1e-6, 1e-5, 4e-4)
+"""By order - 1: share of themselves by which coinciding poles are moved apart. Divided differences of n poles lose
+gap^(n-1) of the 16 digits; what is left is below 1e-6. A response of 50 K changes by less than 1 mK up to order 3, and
+by less than 0.03 K at order 4."""
 
-    Divided differences lose digits with coinciding poles; the response changes by about gap^2 of itself.
-    """
+
+def separated(poles: PoleArray) -> PoleArray:
+    """Move poles that (nearly) coincide apart by a small share of themselves, see `GAP`."""
     result = poles
+    gap = GAP[poles.shape[-1] - 1]
     for i in range(poles.shape[-1]):
         for j in range(i):
             near = np.abs(result[..., i] - result[..., j]) < gap * np.abs(result[..., i])

@@ -25,6 +25,15 @@ def summary(data: Data, found: Mapping[str, Identified]) -> dict[str, Any]:
     }
 
 
+def without_nan(tree: Any) -> Any:  # noqa: ANN401
+    """Give the same tree with null in place of what JSON has no number for."""
+    if isinstance(tree, dict):
+        return {key: without_nan(value) for key, value in tree.items()}
+    if isinstance(tree, list):
+        return [without_nan(value) for value in tree]
+    return None if isinstance(tree, float) and not math.isfinite(tree) else tree
+
+
 def _component(item: Identified) -> dict[str, Any]:
     layout, fit = item.fit.layout, item.fit
     deviation, factor = item.spread.deviation, item.spread.factor
