@@ -67,19 +67,24 @@ const __FlashStringHelper *reset_cause() {
 }
 
 void doze(uint32_t until) {
+    uint32_t time = millis();
     do {
-        uint16_t counts = 0;
         uint8_t before, after;
         do {
             before = TCNT0;
             sleep_cpu();
             after = TCNT0;
-            counts = (uint16_t)(counts + (uint8_t)(after - before));
+            slept += (uint8_t)(after - before);
             // Pulses of the encoder wake the board too; only an overflow of Timer 0 brings a new millisecond. So long
-            // received bytes may wait: at 115200 baud 12, and the core's buffer holds 63.
-        } while (after >= before);
-        slept += counts;
-    } while ((int32_t)(millis() - until) < 0 && Serial.available() == 0);
+            // received bytes may wait: at 115200 baud 12, and the core's buffer holds 63. The same count again is a
+            // whole turn of the timer, for woken by its overflow alone the board reads it at the same place every time.
+        } while (after > before);
+        const uint32_t earlier = time;
+        time = millis();
+        if (after == before && time != earlier) {
+            slept += 256;
+        }
+    } while ((int32_t)(time - until) < 0 && Serial.available() == 0);
     if (millis() - window > WINDOW_MS) {
         earlier_share = sleep_share();
         window = millis();
