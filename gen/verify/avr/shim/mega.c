@@ -288,8 +288,11 @@ static int run(struct gen_mega *mega, uint64_t limit, int64_t place)
 		return STOP_ENDED;
 	if (avr->cycle >= limit)
 		return STOP_LIMIT;
-	if (avr->state == cpu_Stopped)
-		avr->state = mega->resume;
+	if (avr->state == cpu_Stopped) {
+		/* An interrupt that was raised in the moment of the stop found nobody asleep to wake. */
+		int woken = mega->resume == cpu_Sleeping && avr_has_pending_interrupts(avr);
+		avr->state = woken ? cpu_Running : mega->resume;
+	}
 	mega->limit = limit;
 	mega->stopped = 0;
 	arm(mega);
