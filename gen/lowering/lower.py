@@ -78,14 +78,31 @@ class Program:
         return any(component.saturates for component in self.components)
 
 
+def refuse_effects(coefficients: Coefficients, what: str) -> None:
+    """Refuse a file with effects that are more than changed entries of its model.
+
+    Raises
+    ------
+    CheckFailed
+        Naming the first of them.
+    """
+    for applied in coefficients.effects:
+        raise CheckFailed(
+            f'the effect "{applied.effect.name}" of component {applied.component} is not yet part of {what}; remove it '
+            "from $.effects, or use `gen simulate --arithmetic exact`"
+        )
+
+
 def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: ScheduleKind) -> Program:
     """Lower every component.
 
     Raises
     ------
     CheckFailed
-        If a component cannot be lowered, or its proven error exceeds the file's limit; the message names it.
+        If a component cannot be lowered, or its proven error exceeds the file's limit; the message names it. Also if
+        the file holds an effect that no firmware is emitted for.
     """
+    refuse_effects(coefficients, "the firmware")
     model = coefficients.model
     accuracy = coefficients.accuracy
     limit = accuracy.fixed_limit_K if arithmetic == "fixed" else accuracy.float_limit_K

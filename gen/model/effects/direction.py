@@ -1,0 +1,34 @@
+"""Other losses in reverse."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from gen.model.effects.base import Effect, Free, Moment, Parameters, Setting, Values, Variant
+
+
+class DirectionParameters(Parameters):
+    """Parameters."""
+
+    reverse_heating: Annotated[
+        float, Field(ge=-0.9, le=2.0, description="Relative change of the heating while PWM is negative.")
+    ]
+
+
+class Direction(Effect):
+    """Brushes off the neutral line, a fan made for one direction: it runs warmer one way round."""
+
+    name = "direction"
+    title = "dependence on the direction of rotation"
+    equation = "E' = d rate K/A(0) |PWM| - rate E while PWM < 0"
+    parameters = DirectionParameters
+    signature = "the error is there in one direction of rotation only"
+    lookalikes = {"schedule_error": "run the same speed for 2 h in each direction"}
+
+    def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
+        return [Variant({}, (Free("reverse_heating", 0.05, -0.9, 2.0),))]
+
+    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+        return p["reverse_heating"] * (m.heat * m.reverse)

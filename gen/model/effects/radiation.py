@@ -1,0 +1,46 @@
+"""Loss that grows faster than the rise."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from gen.model.effects.base import Effect, Free, Moment, Parameters, Setting, Values, Variant
+
+ZERO_C = 273.15
+
+
+class RadiationParameters(Parameters):
+    """Parameters."""
+
+    loss_K_per_s_1e8K4: Annotated[
+        float, Field(ge=0.0, le=1.0, description="Cooling k for each 1e8 K^4 of difference of T^4.")
+    ]
+
+
+class Radiation(Effect):
+    """Radiated heat, over the linear loss that the poles hold."""
+
+    name = "radiation"
+    title = "loss that grows faster than the rise (radiation)"
+    equation = "E' = -k ((T/100)^4 - (Ta/100)^4) - rate E,  T and Ta in kelvin"
+    parameters = RadiationParameters
+    signature = "the model is too warm where it is warmest, at every speed by the same curve over the temperature"
+    lookalikes = {
+        "temperature_dependent_loss": "cool down from hot at PWM 0: only a loss acts there, no heating",
+        "sensor_gain": "log a cool-down from hot together with a reference sensor",
+        "schedule_error": "reach the same temperature at another speed",
+        "airflow": "repeat the hottest run with the fan off, and log its contact",
+    }
+    feedback = True
+
+    def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
+        return [Variant({}, (Free("loss_K_per_s_1e8K4", 0.1 * setting.rate, 0.0, 1.0),))]
+
+    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+        surroundings = (m.ambient + ZERO_C) / 100.0
+        warm = surroundings + m.rise / 100.0
+        warm = warm * warm
+        surroundings = surroundings * surroundings
+        return -p["loss_K_per_s_1e8K4"] * (warm * warm - surroundings * surroundings)

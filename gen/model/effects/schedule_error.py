@@ -1,0 +1,89 @@
+"""Schedules that are wrong at some speeds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from gen.model.effects.base import Array, Effect, Free, Moment, Parameters, Setting, Values, Variant
+
+if TYPE_CHECKING:
+    from gen.model.dynamics import ThermalModel
+
+
+class ScheduleErrorParameters(Parameters):
+    """Parameters."""
+
+    pwm: Annotated[
+        tuple[Annotated[int, Field(ge=0, le=255)], ...], Field(min_length=1, description="|PWM| in counts, rising.")
+    ]
+    gain_factor: Annotated[
+        tuple[Annotated[float, Field(ge=0.02, le=20.0)], ...],
+        Field(min_length=1, description="Factor of the steady rise there; linear between, held outside."),
+    ]
+    rate_factor: Annotated[float, Field(ge=0.1, le=10.0, description="Factor of all poles, at every speed.")] = 1.0
+
+    @model_validator(mode="after")
+    def _check(self) -> ScheduleErrorParameters:
+        if len(self.pwm) != len(self.gain_factor):
+            raise ValueError(f"{len(self.gain_factor)} factors for {len(self.pwm)} PWM levels")
+        if any(b <= a for a, b in zip(self.pwm, self.pwm[1:], strict=False)):
+            raise ValueError("pwm must rise strictly")
+        return self
+
+
+class ScheduleError(Effect):
+    """Between identified speeds, and where a fit of the schedule was poor, gain and poles are off."""
+
+    name = "schedule_error"
+    title = "a wrong schedule at some speeds"
+    equation = (
+        "steady rise multiplied by c(|PWM|), poles by f:  E' = rate (f c - 1) K/A(0) |PWM| - (f - 1) rate T - rate E"
+    )
+    parameters = ScheduleErrorParameters
+    signature = "the steady error belongs to the speed, and comes back each time that the speed does"
+    lookalikes = {
+        "load_heating": "vary the load at constant PWM for 2 h",
+        "sensor_gain": "hold a reference sensor to the part: a gain that is wrong everywhere looks the same",
+        "radiation": "reach the same temperature at another speed",
+        "hidden_node": "log a cut-off from hot",
+        "direction": "run the same speed for 2 h in each direction",
+    }
+    feedback = True
+
+    def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
+        levels = tuple(level for level in setting.levels if level > 0)
+        if not levels:
+            return []
+        gains = tuple(Free(f"gain_factor[{i}]", 1.02, 0.02, 20.0, log=True) for i in range(len(levels)))
+        rate = Free("rate_factor", 1.02, 0.1, 10.0, log=True)
+        one = Variant({"pwm": (levels[0],)}, (gains[0], rate))
+        return [Variant({"pwm": levels, "rate_factor": 1.0}, gains), one, Variant({"pwm": levels}, (*gains, rate))]
+
+    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+        factor = interpolated(m.count, p["pwm"], p["gain_factor"])
+        f = p["rate_factor"]
+        return (f * factor - 1.0) * m.heat - (f - 1.0) * (m.rate * m.rise)
+
+    def folded(self, p: Values, model: ThermalModel, component: str) -> ThermalModel | None:  # noqa: D102
+        from gen.model.effects.tables import scaled
+
+        steady = np.asarray(interpolated(np.arange(256.0), p["pwm"], p["gain_factor"]) + np.zeros(256))
+        return scaled(model, component, steady, np.full(256, float(p["rate_factor"])))
+
+
+def interpolated(count: Array, levels: tuple[int, ...], factors: Any) -> Any:  # noqa: ANN401
+    """Linear interpolation whose values may be arrays of lanes; the end values hold outside."""
+    if len(levels) == 1:
+        return factors[0]
+    made: Any = 0.0
+    for i, level in enumerate(levels):
+        weight = np.ones_like(count)
+        if i > 0:
+            weight = weight * np.clip((count - levels[i - 1]) / (level - levels[i - 1]), 0.0, 1.0)
+        if i + 1 < len(levels):
+            weight = weight * np.clip((levels[i + 1] - count) / (levels[i + 1] - level), 0.0, 1.0)
+        made = made + weight * factors[i]
+    return made
