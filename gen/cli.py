@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import click
 
 from gen import __version__
+from gen.commands.refine import refine
 from gen.errors import CheckFailed, InputError
 
 if TYPE_CHECKING:
@@ -146,6 +147,9 @@ def simulate(
     target = out or run.with_suffix(".model.csv")
     write_columns(target, columns, {"model": loaded.name, "arithmetic": arithmetic})
     click.echo(f"{target}: {len(measured.time_s)} rows")
+
+
+cli.add_command(refine)
 
 
 @contextmanager

@@ -7,7 +7,7 @@ solved at every row of the run first, and only the difference is averaged: a cha
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.model.exact import ExactSolution
-from gen.model.extended import own_rate
+from gen.model.extended import ExtendedSolution, own_rate
 from gen.reference.simulate import held_over_gaps
 from gen.runs import Run, read_run
 from gen.runs.run import FloatArray
@@ -107,6 +107,18 @@ def condense(coefficients: Coefficients, path: Path) -> Condensed:
     InputError
         When the file is not a run, or holds no temperature of any component.
     """
+    run = read_measured(coefficients, path)
+    return _condensed(coefficients, run, {name: values for name, values in run.temps.items()}, str(path))
+
+
+def read_measured(coefficients: Coefficients, path: Path) -> Run:
+    """Read a run and keep the components that were measured in it.
+
+    Raises
+    ------
+    InputError
+        When the file is not a run, is too short, or holds no temperature of any component.
+    """
     model = coefficients.model
     run = read_run(path, model.component_names, ambient=model.ambient_channel or "ambient_degC")
     measured = {name: values for name, values in run.temps.items() if np.any(np.isfinite(values))}
@@ -115,23 +127,67 @@ def condense(coefficients: Coefficients, path: Path) -> Condensed:
         raise InputError(f"no component's temperature was measured; expected {expected}", file=str(path))
     if run.time_s.size < 8:
         raise InputError(f"found {run.time_s.size} rows, expected at least 8", file=str(path))
-    return _condensed(coefficients, run, measured, str(path))
+    return replace(run, temps=measured)
+
+
+def free_run(baseline: Coefficients, model: Coefficients, path: Path) -> tuple[Run, dict[str, FloatArray]]:
+    """Simulate a model, with its effects, along a run.
+
+    Parameters
+    ----------
+    baseline
+        Says from which temperatures a run starts.
+    model
+        What to simulate.
+    path
+        The run file.
+
+    Returns
+    -------
+    run, shown
+        The run with its measured components, and what their sensors would show, degC.
+    """
+    run = read_measured(baseline, path)
+    ambient, sensed = _ambients(baseline, run, str(path))
+    first, _ = _solved(baseline, run, run.temps, ambient)
+    own, _ = _ambients(model, run, str(path))
+    smooth = own if sensed is None else _smooth(sensed, run.time_s)
+    if model.model.ambient_channel is not None and sensed is not None:
+        own = smooth
+    start = {name: value + float(ambient[0] - own[0]) for name, value in first.items()}
+    channels = {k: held_over_gaps(v) for k, v in run.extras.items() if np.any(np.isfinite(v))}
+    for applied in model.effects:
+        column = applied.values.get("channel") or applied.values.get("source")
+        known = column is None or column in channels or column in model.model.component_names or column == "ambient_degC"
+        if not known:
+            raise InputError(
+                f'the effect "{applied.effect.name}" needs the column {column}', file=str(path), place="header"
+            )
+    shown = ExtendedSolution(model.model, model.effects).simulate_times(
+        run.time_s, run.pwm, own, smooth, channels, start
+    )
+    return run, {name: shown[name] for name in run.temps}
+
+
+def _ambients(coefficients: Coefficients, run: Run, name: str) -> tuple[FloatArray, FloatArray | None]:
+    """The ambient that the model counts from, and the measured one if there is one, degC."""
+    model = coefficients.model
+    sensed = None if run.ambient is None or np.all(np.isnan(run.ambient)) else held_over_gaps(run.ambient)
+    if model.ambient_channel is not None and sensed is not None:
+        return sensed, sensed
+    if model.ambient_fixed is not None:
+        return np.full(run.time_s.size, model.ambient_fixed), sensed
+    raise InputError(
+        f"the column {model.ambient_channel} is missing, and the coefficient file has no fixed ambient",
+        file=name,
+        place="header",
+    )
 
 
 def _condensed(coefficients: Coefficients, run: Run, measured: dict[str, FloatArray], name: str) -> Condensed:
     model = coefficients.model
     time = run.time_s
-    sensed = None if run.ambient is None or np.all(np.isnan(run.ambient)) else held_over_gaps(run.ambient)
-    if model.ambient_channel is not None and sensed is not None:
-        ambient = sensed
-    elif model.ambient_fixed is not None:
-        ambient = np.full(time.size, model.ambient_fixed)
-    else:
-        raise InputError(
-            f"the column {model.ambient_channel} is missing, and the coefficient file has no fixed ambient",
-            file=name,
-            place="header",
-        )
+    ambient, sensed = _ambients(coefficients, run, name)
     start_rise, base = _solved(coefficients, run, measured, ambient)
     index, edges = _bins(time)
     count = edges.size - 1

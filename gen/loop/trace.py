@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from gen.coefficients import Coefficients
-from gen.loop.evidence import TIE_LEVEL, Judgement, judge, p_better
+from gen.loop.evidence import LEAST_GAIN, LEVEL, TIE_LEVEL, Judgement, judge, p_better
 from gen.loop.fit import Fit, Term, fit
 from gen.loop.problem import Problem, problem
 from gen.loop.residual import Condensed
@@ -79,7 +79,16 @@ class Tracing:
     null: dict[str, Fit]
     considered: dict[str, list[Candidate]]
     tried: int
-    floor: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def level(self) -> float:
+        """The level of each test, corrected for the number of hypotheses."""
+        return LEVEL / max(self.tried, 1)
+
+    def own_ratio(self, name: str, fits: dict[str, Fit]) -> float:
+        """The same ratio as :meth:`ratio` at one component."""
+        variance = float(self.problem.noise_K[self.problem.components.index(name)]) ** 2
+        return float(np.sqrt((float(fits[name].loss[0]) + variance) / variance))
 
     def ratio(self, fits: dict[str, Fit]) -> float:
         """RMSE on left-out runs over the noise floor, all components together."""
@@ -114,7 +123,7 @@ def trace(
     considered: dict[str, list[Candidate]] = {}
     hypotheses = {name: _hypotheses(settings[name]) for name in whole.components}
     tried = sum(len(h) for h in hypotheses.values())
-    open_components = [name for name in whole.components]
+    open_components = [name for name in whole.components if worth_tracing(singles[name], null[name])]
     rounds = 0
     while open_components and rounds < MOST_EFFECTS + 2:
         rounds += 1
@@ -145,11 +154,21 @@ def trace(
             name
             for name in whole.components
             if len(terms[name]) < MOST_EFFECTS
+            and worth_tracing(singles[name], final[name])
             and (name in taken or any(c.judgement.accepted for c in results.get(name, [])))
         ]
     _prune(singles, terms, final, found)
     found.sort(key=lambda f: -_importance(whole, f, null))
     return Tracing(whole, found, final, null, considered, tried)
+
+
+def worth_tracing(single: Problem, fitted: Fit) -> bool:
+    """Whether an effect that explained all that is left could lower the RMSE by what an effect must at least."""
+    variance = float(single.noise_K[0]) ** 2
+    w = single.weight[:, 0, 0, :]
+    of_noise = variance * np.count_nonzero(w) / max(float(w.sum()), 1.0)
+    left = max(float(fitted.loss[0]) - of_noise, 0.0)
+    return float(np.sqrt(variance / (variance + left))) < 1.0 - LEAST_GAIN
 
 
 def setting(coefficients: Coefficients, runs: Sequence[Condensed], whole: Problem, name: str) -> Setting:

@@ -1,0 +1,1 @@
+"""Commands with more to them than a call; `gen.cli` registers them."""
