@@ -188,7 +188,13 @@ class Sensors:
 
 
 def write(
-    folder: Path, plan: Plan, true: dict[str, Array], physics: Physics, sensors: Sensors, random: np.random.Generator, fit: int
+    folder: Path,
+    plan: Plan,
+    true: dict[str, Array],
+    physics: Physics,
+    sensors: Sensors,
+    random: np.random.Generator,
+    fit: int,
 ) -> tuple[list[Path], list[Path], float]:
     """Write the run files.
 

@@ -42,10 +42,11 @@ def add(name: str, physics: Physics, random: np.random.Generator, base: Baseline
         k_ = random.uniform(0.3, 1.0) * mean[at] * (2.0 if at == "brush" or other == "brush" else 6.0)
         heats(lambda n, rises, k, plan, h: k_ * (rises[other] - rises[n]))
     elif name == "radiation":
-        full = ((AMBIENT + 40 + 273.15) ** 4 - (AMBIENT + 273.15) ** 4)
+        full = (AMBIENT + 40 + 273.15) ** 4 - (AMBIENT + 273.15) ** 4
         heats(
-            lambda n, rises, k, plan, h: -2.0 * size * mean[at] / full
-            * ((AMBIENT + rises[n] + 273.15) ** 4 - (AMBIENT + 273.15) ** 4)
+            lambda n, rises, k, plan, h: (
+                -2.0 * size * mean[at] / full * ((AMBIENT + rises[n] + 273.15) ** 4 - (AMBIENT + 273.15) ** 4)
+            )
         )
     elif name == "temperature_dependent_loss":
         alpha = random.uniform(0.0025, 0.006) * _sign(random)
@@ -58,17 +59,15 @@ def add(name: str, physics: Physics, random: np.random.Generator, base: Baseline
         physics.reading.append(lambda n, value, time, plan: value + off if n == at else value)
     elif name == "sensor_gain":
         g = _sign(random) * random.uniform(0.06, 0.2)
-        physics.reading.append(
-            lambda n, value, time, plan: AMBIENT + (1 + g) * (value - AMBIENT) if n == at else value
-        )
+        physics.reading.append(lambda n, value, time, plan: AMBIENT + (1 + g) * (value - AMBIENT) if n == at else value)
     elif name == "sensor_lag":
         physics.lag[at] = random.uniform(150.0, 600.0)
     elif name == "schedule_error":
         centre, width, g = random.uniform(70, 240), random.uniform(20, 45), _sign(random) * random.uniform(0.12, 0.35)
         heats(
-            lambda n, rises, k, plan, h: g
-            * np.exp(-(((np.abs(plan.pwm[k]) - centre) / width) ** 2))
-            * base.gain[n][np.abs(plan.pwm[k])]
+            lambda n, rises, k, plan, h: (
+                g * np.exp(-(((np.abs(plan.pwm[k]) - centre) / width) ** 2)) * base.gain[n][np.abs(plan.pwm[k])]
+            )
         )
     elif name == "drift":
         d = _sign(random) * random.uniform(1.5, 4.0)
@@ -78,9 +77,7 @@ def add(name: str, physics: Physics, random: np.random.Generator, base: Baseline
         heats(lambda n, rises, k, plan, h: np.where(plan.pwm[k] < 0, d, 0.0) * base.gain[n][np.abs(plan.pwm[k])])
     elif name == "supply_voltage":
         v0 = random.uniform(23.0, 25.0)
-        heats(
-            lambda n, rises, k, plan, h: ((plan.voltage[k] / v0) ** 2 - 1.0) * base.gain[n][np.abs(plan.pwm[k])]
-        )
+        heats(lambda n, rises, k, plan, h: ((plan.voltage[k] / v0) ** 2 - 1.0) * base.gain[n][np.abs(plan.pwm[k])])
     elif name == "initial_state":
         tau, g = random.uniform(300.0, 1500.0), random.uniform(0.3, 0.8)
         number = len(physics.hidden)
@@ -117,7 +114,9 @@ def outside(name: str, physics: Physics, random: np.random.Generator, base: Base
         number = len(physics.hidden)
         physics.hidden.append(np.zeros(runs))
         physics.inner.append(
-            lambda rises, k, plan, h: np.where(rises[at] > 28, (1 - h[number]) / 20, np.where(rises[at] < 20, -h[number] / 20, 0))
+            lambda rises, k, plan, h: np.where(
+                rises[at] > 28, (1 - h[number]) / 20, np.where(rises[at] < 20, -h[number] / 20, 0)
+            )
         )
         heats(lambda rises, k, plan, h: -2 * size * mean * h[number])
     elif name == "humidity":  # cooling by a channel that no effect takes for cooling
@@ -126,7 +125,9 @@ def outside(name: str, physics: Physics, random: np.random.Generator, base: Base
         number = len(physics.hidden)
         physics.hidden.append(np.zeros(runs))
         physics.inner.append(
-            lambda rises, k, plan, h: (np.abs(plan.pwm[k] - plan.pwm[max(k - 60, 0)]) > 20).astype(float) / 60 - h[number] / 1500
+            lambda rises, k, plan, h: (
+                (np.abs(plan.pwm[k] - plan.pwm[max(k - 60, 0)]) > 20).astype(float) / 60 - h[number] / 1500
+            )
         )
         heats(lambda rises, k, plan, h: 2 * size * mean * h[number])
     elif name == "saturating":  # the reading cannot pass a ceiling

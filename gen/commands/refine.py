@@ -51,9 +51,17 @@ _FILE = click.Path(path_type=Path)
     "--report refined.html --json refined-summary.json",
 )
 @click.argument("coefficients", metavar="COEFFS", type=_FILE)
-@click.option("--fit", "fit_runs", metavar="RUN...", type=_FILE, multiple=True, required=True, help="Runs to learn from.")
 @click.option(
-    "--test", "test_runs", metavar="RUN...", type=_FILE, multiple=True, required=True, help="Runs opened once, at the end."
+    "--fit", "fit_runs", metavar="RUN...", type=_FILE, multiple=True, required=True, help="Runs to learn from."
+)
+@click.option(
+    "--test",
+    "test_runs",
+    metavar="RUN...",
+    type=_FILE,
+    multiple=True,
+    required=True,
+    help="Runs opened once, at the end.",
 )
 @click.option("--out", type=_FILE, required=True, help="The refined coefficient file.")
 @click.option("--report", type=_FILE, help="Write the story with pictures, one HTML file.")

@@ -52,11 +52,15 @@ def excitation(coefficients: Coefficients, runs: Sequence[Condensed]) -> Excitat
     if len(runs) < 3:
         missing.append("with fewer than three runs a run can hardly be left out: log more")
     if stops == 0:
-        missing.append("no cut-off from hot: a hidden hot part and the cooling at standstill cannot be seen; log one for 2 h")
+        missing.append(
+            "no cut-off from hot: a hidden hot part and the cooling at standstill cannot be seen; log one for 2 h"
+        )
     if reverse == 0.0:
         missing.append("one direction of rotation only: run the same speed in reverse for 2 h")
     if held.size < 3:
-        missing.append("fewer than three speeds: a wrong schedule cannot be told from a sensor's gain; run others for 2 h")
+        missing.append(
+            "fewer than three speeds: a wrong schedule cannot be told from a sensor's gain; run others for 2 h"
+        )
     if not warm:
         missing.append("no warm start: log a run that begins warm")
     common = set.intersection(*(set(run.channels) for run in runs))

@@ -242,9 +242,7 @@ class _State:
 
 def _flat(array: FloatArray, problem: Problem) -> FloatArray:
     """(K, C, lanes, R) -> (C, lanes, K R)."""
-    full = np.broadcast_to(
-        array, (array.shape[0], len(problem.components), array.shape[2], problem.residual.shape[-1])
-    )
+    full = np.broadcast_to(array, (array.shape[0], len(problem.components), array.shape[2], problem.residual.shape[-1]))
     return np.ascontiguousarray(np.moveaxis(full, 0, 2)).reshape(full.shape[1], full.shape[2], -1)
 
 

@@ -18,6 +18,7 @@ from gen.loop.remains import Remains, remains
 from gen.loop.residual import Condensed, condense
 from gen.loop.score import Curve, Score, score, total
 from gen.loop.trace import Found, Tracing, trace
+from gen.model.effects.sensor_offset import SensorOffset
 
 EXPLAINED = 1.3
 """Explained: the RMSE on left-out runs is at most this many noise floors."""
@@ -123,7 +124,8 @@ def refine(
         runs.append(condense(baseline, path))
     runs, warnings = admitted(baseline, runs)
     tracing = trace(baseline, runs, progress)
-    effects = [entry(f, tracing) for f in _written(tracing)]
+    effects = [entry(f, tracing) for f in tracing.found]
+    effects += calibrations(tracing)
     verdict = judge_verdict(tracing)
     for effect in effects:
         effect["evidence"]["confident"] = verdict == "explained" and not effect["evidence"]["lookalikes"]
@@ -144,9 +146,7 @@ def refine(
                 getattr(errors, key)[str(path)] = scores
                 errors.curves[str(path)] = curve
     left = {name: remains(tracing, runs, name) for name in tracing.problem.components}
-    return Refinement(
-        text, before, after, effects, verdict, tracing, runs, excitation(baseline, runs), left, warnings
-    )
+    return Refinement(text, before, after, effects, verdict, tracing, runs, excitation(baseline, runs), left, warnings)
 
 
 def judge_verdict(tracing: Tracing) -> Verdict:
@@ -160,8 +160,32 @@ def judge_verdict(tracing: Tracing) -> Verdict:
     return "partly explained"
 
 
-def _written(tracing: Tracing) -> list[Found]:
-    return tracing.found
+def calibrations(tracing: Tracing) -> list[dict[str, Any]]:
+    """Offsets within the sensors' tolerance that were fitted beside accepted effects.
+
+    They are no finding of their own (so none is written for a component without an effect), but the effects' parameters
+    hold beside them only.
+    """
+    made = []
+    for name in dict.fromkeys(found.component for found in tracing.found):
+        final = tracing.final[name]
+        noise = float(tracing.problem.noise_K[tracing.problem.components.index(name)])
+        offset = float(final.offset[0])
+        if any(term.effect.name == "sensor_offset" for term in final.terms) or abs(offset) < 0.5 * noise:
+            continue
+        made.append(
+            {
+                "name": "sensor_offset",
+                "component": name,
+                "parameters": {"offset_K": offset},
+                "evidence": {
+                    "within_tolerance": True,
+                    "note": f"within the sensor's tolerance of {SensorOffset.TOLERANCE_K:g} K; fitted with the effects above",
+                    "lookalikes": [],
+                },
+            }
+        )
+    return made
 
 
 def entry(found: Found, tracing: Tracing) -> dict[str, Any]:

@@ -158,7 +158,9 @@ def free_run(baseline: Coefficients, model: Coefficients, path: Path) -> tuple[R
     channels = {k: held_over_gaps(v) for k, v in run.extras.items() if np.any(np.isfinite(v))}
     for applied in model.effects:
         column = applied.values.get("channel") or applied.values.get("source")
-        known = column is None or column in channels or column in model.model.component_names or column == "ambient_degC"
+        known = (
+            column is None or column in channels or column in model.model.component_names or column == "ambient_degC"
+        )
         if not known:
             raise InputError(
                 f'the effect "{applied.effect.name}" needs the column {column}', file=str(path), place="header"

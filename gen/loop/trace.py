@@ -146,10 +146,10 @@ def trace(
             terms[name] = _terms(best.fit, best.at)
             final[name] = fit(singles[name], terms[name])
         taken = {name for name, _, _ in accepted}
-        rises = {
-            name: _rise(singles[name], final[name]) for name in whole.components if terms[name]
+        rises = {name: _rise(singles[name], final[name]) for name in whole.components if terms[name]}
+        singles = {
+            name: one.with_others({k: v for k, v in rises.items() if k != name}) for name, one in singles.items()
         }
-        singles = {name: one.with_others({k: v for k, v in rises.items() if k != name}) for name, one in singles.items()}
         open_components = [
             name
             for name in whole.components

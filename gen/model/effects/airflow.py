@@ -32,7 +32,6 @@ class Airflow(Effect):
         "ambient": "switch the fan at constant ambient",
         "radiation": "repeat the hottest run with the fan off, and log its contact",
     }
-    feedback = True
 
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         made = []
@@ -43,4 +42,7 @@ class Airflow(Effect):
         return made
 
     def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
-        return -p["cooling_per_s"] * m.channels[p["channel"]] * m.rise
+        return 0.0 * m.rate
+
+    def per_rise(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+        return -p["cooling_per_s"] * m.channels[p["channel"]]

@@ -43,7 +43,7 @@ class Ambient(Effect):
             return []
         tau = Free("tau_s", 1.0 / setting.rate, 30.0, 40000.0, log=True)
         return [
-            Variant({"delayed": False}),
+            Variant({"delayed": False, "tau_s": None}),
             Variant({"delayed": True, "tau_s": None}),
             Variant({"delayed": True}, (tau,)),
         ]
@@ -51,7 +51,8 @@ class Ambient(Effect):
     def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
         if not p["delayed"]:
             return 0.0 * m.rate
-        return self.rate(p, m) * (m.measured_ambient - m.ambient)
+        rate = m.rate if p["tau_s"] is None else 1.0 / p["tau_s"]
+        return rate * (m.measured_ambient - m.ambient)
 
     def start(self, p: Values, rise: Any, ambient: Any, measured_ambient: Any) -> Any:  # noqa: ANN401, D102
         return ambient - measured_ambient

@@ -186,8 +186,8 @@ class Effect(ABC):
     needs: ClassVar[str] = ""
     lookalikes: ClassVar[Mapping[str, str]] = {}
     """Name of another effect -> the experiment that tells this one from it."""
-    feedback: ClassVar[bool] = False
-    """q depends on the component's own rise or on other components' (it cannot be computed beforehand)."""
+    nonlinear: ClassVar[bool] = False
+    """heat and per_rise are the tangent at the rise that they are given; else they do not depend on it."""
     heats: ClassVar[bool] = True
     """It has a state E; else it only stands between temperature and reading, or changes nothing but the start."""
 
@@ -196,13 +196,12 @@ class Effect(ABC):
         raise NotImplementedError
 
     def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401
-        """Heating q in K/s."""
+        """Heating in K/s, but for the part that is proportional to the component's own rise."""
         raise NotImplementedError
 
-    def rate(self, p: Values, m: Moment) -> Any:  # noqa: ANN401
-        """Rate at which E decays, in 1/s."""
-        tau = p.get("tau_s")
-        return m.rate if tau is None else 1.0 / tau
+    def per_rise(self, p: Values, m: Moment) -> Any:  # noqa: ANN401
+        """That part, for each K of rise, in 1/s: q = heat + per_rise T_rise. It needs the component's own rate."""
+        return 0.0
 
     def inner(self, p: Values, m: Moment) -> tuple[Any, Any] | None:
         """Target and time constant (s) of the inner state H, H' = (target - H)/tau; None without one."""

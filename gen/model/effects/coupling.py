@@ -36,7 +36,6 @@ class Coupling(Effect):
         "ambient": "hold the ambient constant for 2 h while the other part warms",
         "radiation": "reach the same own temperature with the other part cold and warm",
     }
-    feedback = True
 
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         made = []
@@ -51,9 +50,10 @@ class Coupling(Effect):
     def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
         source = p["source"]
         if source in m.others:
-            rise = m.others[source]
-        elif source.endswith("_degC"):
-            rise = m.channels[source] - m.ambient
-        else:
-            return p["conductance_per_s"] * m.channels[source]
-        return p["conductance_per_s"] * (rise - m.rise if p["exchange"] else rise)
+            return p["conductance_per_s"] * m.others[source]
+        if source.endswith("_degC"):
+            return p["conductance_per_s"] * (m.channels[source] - m.ambient)
+        return p["conductance_per_s"] * m.channels[source]
+
+    def per_rise(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+        return -p["conductance_per_s"] if p["exchange"] else 0.0

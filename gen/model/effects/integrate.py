@@ -1,8 +1,7 @@
 """Solving the effects' states along a run, for many runs and parameter sets at once.
 
 The baseline's rise is given (the exact solution); only what effects add is integrated. A step multiplies by exponentials
-(exact for a constant drive) and averages the drive over its two ends: second order in the step, and exact where
-the drive is held. All arrays have time first and then any lanes that broadcast: components, parameter sets, runs.
+(exact for a constant drive) and takes the mean of a drive that changes over the step: second order in its length. All arrays have time first and then any lanes that broadcast: components, parameter sets, runs.
 """
 
 from __future__ import annotations
@@ -16,6 +15,10 @@ import numpy as np
 from gen.model.effects.base import Array, Effect, Moment, Values
 
 Slot = tuple[Effect, Values]
+
+_NEWTON = 8
+"""Most rounds for a curved effect; each solves the whole course with the tangents at the last one."""
+_SETTLED_K = 1e-7
 
 
 @dataclass(frozen=True)
@@ -107,95 +110,64 @@ def readings(slots: Sequence[Slot], track: Track, *, shifted: bool = False) -> t
 
 
 def _states(slots: Sequence[Slot], track: Track, base: Array) -> Array:
-    whole = _moment(track, slice(None))
-    inner = [_inner(effect, p, whole, track) for effect, p in slots]
-    rates = [effect.rate(p, whole) for effect, p in slots]
-    phis = [_phi(rate, track.step) for rate in rates]
-    starts = [effect.begin(p, track.ambient[0], track.measured_ambient[0]) for effect, p in slots]
-    known = [None if slot[0].feedback else _known_heat(slot, whole, h) for slot, h in zip(slots, inner, strict=True)]
-    if all(q is not None for q in known):
-        total: Any = 0.0
-        for q, rate, phi, start in zip(known, rates, phis, starts, strict=True):
-            total = total + _recur(1.0 - phi * rate, phi * q, start)
-        return np.asarray(total)
-    return _coupled(slots, track, base, inner, rates, phis, starts, known)
+    """Sum of the effects' states, K.
+
+    States with a time constant of their own do not depend on the rise, and come first. The others all decay by the
+    component's own rate, so their sum is one state; what they add for each K of rise changes its rate.
+    """
+    m = _moment(track)
+    own: list[tuple[Effect, Values, Any]] = []
+    apart: Any = 0.0
+    start: Any = 0.0
+    for effect, p in slots:
+        inner = _inner(effect, p, m, track)
+        begin = effect.begin(p, track.ambient[0], track.measured_ambient[0])
+        if p.get("tau_s") is None:
+            own.append((effect, p, inner))
+            start = start + begin
+        else:
+            if inner is not None:
+                m.inner = _middle(inner)
+            rate = 1.0 / p["tau_s"]
+            phi = _phi(rate, track.step)
+            apart = apart + _recur(1.0 - phi * rate, phi * effect.heat(p, m), begin)
+    if not own:
+        return np.asarray(apart)
+    known = base + apart
+    total: Any = 0.0
+    curved = any(effect.nonlinear for effect, _, _ in own)
+    for _ in range(_NEWTON if curved else 1):
+        m.rise = _middle(known + total)
+        heat: Any = 0.0
+        share: Any = 0.0
+        for effect, p, inner in own:
+            if inner is not None:
+                m.inner = _middle(inner)
+            heat = heat + effect.heat(p, m)
+            share = share + effect.per_rise(p, m)
+        rate = m.rate - share
+        phi = _phi(rate, track.step)
+        latest = _recur(1.0 - phi * rate, phi * (heat + share * _middle(known)), start)
+        change = float(np.max(np.abs(latest - total)))
+        total = latest
+        if change < _SETTLED_K:
+            break
+    return np.asarray(apart + total)
 
 
-def _coupled(
-    slots: Sequence[Slot],
-    track: Track,
-    base: Array,
-    inner: list[Any],
-    rates: list[Any],
-    phis: list[Any],
-    starts: list[Any],
-    known: list[Any],
-) -> Array:
-    length = track.step.shape[0]
-    many = len(slots)
-    shape = np.broadcast_shapes(
-        base.shape[1:],
-        *(np.shape(array)[1:] for array in (*phis, *known) if array is not None),
-        *(_lanes(p) for _, p in slots),
-    )
-    states: list[Any] = [np.zeros(shape) + start for start in starts]
-    out = np.empty((length + 1, *shape))
-    out[0] = sum(states)
-    moments = [Moment() for _ in slots]
-    decay = [1.0 - phi * rate for phi, rate in zip(phis, rates, strict=True)]
-    free = [i for i in range(many) if known[i] is None]
-    for k in range(length):
-        total = out[k]
-        first: list[Any] = [None] * many
-        predicted: Any = 0.0
-        for i, (effect, p) in enumerate(slots):
-            if known[i] is not None:
-                first[i] = known[i][k]
-            else:
-                m = moments[i]
-                _fill(m, track, k)
-                m.rise, m.ambient = base[k] + total, track.ambient[k]
-                m.measured_ambient = track.measured_ambient[k]
-                m.others = {name: values[k] for name, values in track.others.items()}
-                if inner[i] is not None:
-                    m.inner = inner[i][k]
-                first[i] = effect.heat(p, m)
-            predicted = predicted + decay[i][k] * states[i] + phis[i][k] * first[i]
-        for i in free:
-            effect, p = slots[i]
-            m = moments[i]
-            m.rise, m.ambient = base[k + 1] + predicted, track.ambient[k + 1]
-            m.measured_ambient = track.measured_ambient[k + 1]
-            m.others = {name: values[k + 1] for name, values in track.others.items()}
-            if inner[i] is not None:
-                m.inner = inner[i][k + 1]
-            first[i] = 0.5 * (first[i] + effect.heat(p, m))
-        total = 0.0
-        for i in range(many):
-            states[i] = decay[i][k] * states[i] + phis[i][k] * first[i]
-            total = total + states[i]
-        out[k + 1] = total
-    return out
+def _middle(ends: Any) -> Any:  # noqa: ANN401
+    return 0.5 * (ends[1:] + ends[:-1])
 
 
-def _lanes(p: Values) -> tuple[int, ...]:
-    entries = [entry for value in p.values() for entry in (value if isinstance(value, list) else [value])]
-    return np.broadcast_shapes(*(entry.shape for entry in entries if isinstance(entry, np.ndarray)))
-
-
-def _moment(track: Track, at: Any) -> Moment:  # noqa: ANN401
+def _moment(track: Track) -> Moment:
     m = Moment()
-    _fill(m, track, at)
-    m.ambient = 0.5 * (track.ambient[1:] + track.ambient[:-1])
-    m.measured_ambient = 0.5 * (track.measured_ambient[1:] + track.measured_ambient[:-1])
+    m.rate, m.heat = track.rate, track.heat
+    m.pwm, m.count = track.pwm, track.count
+    m.reverse, m.standstill = track.reverse, track.standstill
+    m.channels = track.channels
+    m.ambient, m.measured_ambient = _middle(track.ambient), _middle(track.measured_ambient)
+    m.others = {name: _middle(values) for name, values in track.others.items()}
     return m
-
-
-def _fill(m: Moment, track: Track, at: Any) -> None:  # noqa: ANN401
-    m.rate, m.heat = track.rate[at], track.heat[at]
-    m.pwm, m.count = track.pwm[at], track.count[at]
-    m.reverse, m.standstill = track.reverse[at], track.standstill[at]
-    m.channels = {name: values[at] for name, values in track.channels.items()} if at != slice(None) else track.channels
 
 
 def _phi(rate: Any, step: Array) -> Any:  # noqa: ANN401
@@ -231,13 +203,6 @@ def _inner(effect: Effect, p: Values, whole: Moment, track: Track) -> Any:  # no
     target, tau = found
     kept = -np.expm1(-track.step / tau)
     return _recur(1.0 - kept, kept * target, effect.inner_start(p, track.measured_rise))
-
-
-def _known_heat(slot: Slot, whole: Moment, inner: Any) -> Any:  # noqa: ANN401
-    effect, p = slot
-    if inner is not None:
-        whole.inner = 0.5 * (inner[1:] + inner[:-1])
-    return effect.heat(p, whole)
 
 
 def _lagged(shown: Any, lag: Any, track: Track) -> Array:  # noqa: ANN401

@@ -33,7 +33,7 @@ class Radiation(Effect):
         "schedule_error": "reach the same temperature at another speed",
         "airflow": "repeat the hottest run with the fan off, and log its contact",
     }
-    feedback = True
+    nonlinear = True
 
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         return [Variant({}, (Free("loss_K_per_s_1e8K4", 0.1 * setting.rate, 0.0, 1.0),))]
@@ -41,6 +41,9 @@ class Radiation(Effect):
     def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
         surroundings = (m.ambient + ZERO_C) / 100.0
         warm = surroundings + m.rise / 100.0
-        warm = warm * warm
-        surroundings = surroundings * surroundings
-        return -p["loss_K_per_s_1e8K4"] * (warm * warm - surroundings * surroundings)
+        loss = p["loss_K_per_s_1e8K4"] * (warm**4 - surroundings**4)
+        return -loss - self.per_rise(p, m) * m.rise
+
+    def per_rise(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+        warm = (m.ambient + m.rise + ZERO_C) / 100.0
+        return -p["loss_K_per_s_1e8K4"] * (0.04 * warm**3)

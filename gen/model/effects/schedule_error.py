@@ -51,7 +51,6 @@ class ScheduleError(Effect):
         "hidden_node": "log a cut-off from hot",
         "direction": "run the same speed for 2 h in each direction",
     }
-    feedback = True
 
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         levels = tuple(level for level in setting.levels if level > 0)
@@ -64,8 +63,10 @@ class ScheduleError(Effect):
 
     def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
         factor = interpolated(m.count, p["pwm"], p["gain_factor"])
-        f = p["rate_factor"]
-        return (f * factor - 1.0) * m.heat - (f - 1.0) * (m.rate * m.rise)
+        return (p["rate_factor"] * factor - 1.0) * m.heat
+
+    def per_rise(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+        return (1.0 - p["rate_factor"]) * m.rate
 
     def folded(self, p: Values, model: ThermalModel, component: str) -> ThermalModel | None:  # noqa: D102
         from gen.model.effects.tables import scaled

@@ -35,7 +35,6 @@ class StandstillCooling(Effect):
         "airflow": "switch the fan while the motor runs",
         "radiation": "stop the motor from two different temperatures",
     }
-    feedback = True
 
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         if 0 not in setting.levels:
@@ -43,7 +42,10 @@ class StandstillCooling(Effect):
         return [Variant({}, (Free("cooling_factor", 1.3, 0.02, 50.0, log=True),))]
 
     def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
-        return (1.0 - p["cooling_factor"]) * (m.standstill * m.rate * m.rise)
+        return 0.0 * m.rate
+
+    def per_rise(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+        return (1.0 - p["cooling_factor"]) * (m.standstill * m.rate)
 
     def folded(self, p: Values, model: ThermalModel, component: str) -> ThermalModel | None:  # noqa: D102
         from gen.model.effects.tables import scaled

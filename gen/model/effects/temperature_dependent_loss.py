@@ -31,10 +31,12 @@ class TemperatureDependentLoss(Effect):
         "sensor_gain": "log a cool-down from hot at PWM 0: a sensor's gain shows there too",
         "schedule_error": "reach the same temperature at another speed",
     }
-    feedback = True
 
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         return [Variant({}, (Free("coefficient_per_K", 0.0005, -0.02, 0.02),))]
 
     def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
-        return m.heat * (p["coefficient_per_K"] * m.rise)
+        return 0.0 * m.heat
+
+    def per_rise(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+        return p["coefficient_per_K"] * m.heat
