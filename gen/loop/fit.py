@@ -20,6 +20,7 @@ from gen.runs.run import FloatArray
 
 _ITERATIONS = 14
 _STEP = 1e-4
+_ABSURD_K = 1e4
 _HOPELESS = 0.985
 """After a few steps a hypothesis that has not lowered any component's squared error below this share is given up."""
 
@@ -201,7 +202,10 @@ class _State:
         """Change of the reading, K, shape (C, lanes, K R)."""
         if not slots:
             return np.zeros((len(self.problem.components), 1, self.residual.shape[-1]))
-        change = readings(slots, self.problem.track)[1] - self.base
+        # A trial step may make a part heat itself without limit: no failure, only a bad fit.
+        with np.errstate(over="ignore", invalid="ignore"):
+            change = readings(slots, self.problem.track)[1] - self.base
+            change = np.clip(np.nan_to_num(change, nan=_ABSURD_K), -_ABSURD_K, _ABSURD_K)
         return _flat(0.5 * (change[1:] + change[:-1]), self.problem)
 
     def _loss(self, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
