@@ -10,6 +10,7 @@ import numpy as np
 from gen.coefficients import Coefficients
 from gen.loop.residual import Condensed
 from gen.model.effects.integrate import Track
+from gen.model.effects.response import Response, answer, response
 from gen.runs.run import FloatArray
 
 FOLDS = 5
@@ -35,6 +36,8 @@ class Problem:
         True for bins that fold f leaves out, shape (F, K, R).
     blocks
         Number of the block of each bin, shape (K, R), -1 for padding.
+    responses
+        Of the components of higher order than 1.
     """
 
     components: tuple[str, ...]
@@ -44,6 +47,7 @@ class Problem:
     noise_K: FloatArray
     left_out: np.ndarray
     blocks: np.ndarray
+    responses: dict[str, Response]
 
     def only(self, name: str) -> Problem:
         """The same with one component."""
@@ -54,7 +58,11 @@ class Problem:
             **{key: getattr(self.track, key)[:, part] for key in ("base", "fading", "rate", "heat")},
             measured_rise=self.track.measured_rise[part],
             others={other: rise for other, rise in self.track.others.items() if other != name},
+            response=self.responses.get(name),
         )
+        if track.response is not None:
+            faded = answer(track.response, 0.0, np.zeros((1, 1, 1, 1)), np.zeros((1, 1, 1, 1)), np.ones(track.base.shape[1:]))
+            track = replace(track, fading=faded)
         return replace(
             self,
             components=(name,),
@@ -148,6 +156,11 @@ def problem(coefficients: Coefficients, runs: Sequence[Condensed]) -> Problem:
         noise_K=np.maximum(np.asarray(noise), 1e-3),
         left_out=_folds(sizes, length),
         blocks=_blocks(sizes, length),
+        responses={
+            c.name: response(c, np.rint(pwm).astype(np.int64), track.step[:, 0, 0, :])
+            for c in model.components
+            if c.name in names and c.order > 1
+        },
     )
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gen.model.dynamics import Component, ThermalModel
 from gen.model.effects.base import Applied
+from gen.model.effects.response import response
 from gen.model.effects.integrate import Slot, Track, readings, start_shift
 from gen.model.exact import ExactSolution
 from gen.model.schedules import FloatArray
@@ -131,8 +132,12 @@ class ExtendedSolution:
     ) -> Track:
         rate = own_rate(component)
         heat = rate * component.steady_rise(np.arange(256))
+        own = None
+        if component.order > 1:
+            own = response(component, counts[:-1, None], shared.step[:, None])
         return replace(
             shared,
+            response=own,
             rate=rate[counts[:-1]],
             heat=heat[counts[:-1]],
             ambient=ambient,

@@ -260,7 +260,7 @@ def registry() -> Mapping[str, Effect]:
     from gen.model import effects
 
     for module in sorted(info.name for info in pkgutil.iter_modules([str(Path(effects.__file__).parent)])):
-        if module in ("base", "integrate", "tables"):
+        if module in ("base", "integrate", "response", "tables"):
             continue
         found = importlib.import_module(f"{effects.__name__}.{module}")
         for entry in vars(found).values():

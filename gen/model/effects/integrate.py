@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from gen.model.effects.base import Array, Effect, Moment, Values
+from gen.model.effects.response import Response, answer
 
 Slot = tuple[Effect, Values]
 
@@ -47,6 +48,8 @@ class Track:
         Rise of other components (K + 1).
     measured_rise
         Measured rise at the start, K, without the time axis.
+    response
+        Of a component of higher order than 1: how it answers to heat. None: by its rate alone.
     """
 
     step: Array
@@ -64,6 +67,7 @@ class Track:
     channels: dict[str, Array]
     others: dict[str, Array]
     measured_rise: Array
+    response: Response | None = None
 
 
 def start_shift(slots: Sequence[Slot], track: Track) -> Any:  # noqa: ANN401
@@ -113,7 +117,7 @@ def _states(slots: Sequence[Slot], track: Track, base: Array) -> Array:
     """Sum of the effects' states, K.
 
     States with a time constant of their own do not depend on the rise, and come first. The others all decay by the
-    component's own rate, so their sum is one state; what they add for each K of rise changes its rate.
+    component's own poles, so their sum is one state; what they add for each K of rise changes its rate.
     """
     m = _moment(track)
     own: list[tuple[Effect, Values, Any]] = []
@@ -145,9 +149,12 @@ def _states(slots: Sequence[Slot], track: Track, base: Array) -> Array:
                 m.inner = _middle(inner)
             heat = heat + effect.heat(p, m)
             share = share + effect.per_rise(p, m)
-        rate = m.rate - share
-        phi = _phi(rate, track.step)
-        latest = _recur(1.0 - phi * rate, phi * (heat + share * _middle(known)), start)
+        if track.response is not None:
+            latest = answer(track.response, heat, share, _middle(known), start)
+        else:
+            rate = m.rate - share
+            phi = _phi(rate, track.step)
+            latest = _recur(1.0 - phi * rate, phi * (heat + share * _middle(known)), start)
         change = float(np.max(np.abs(latest - total)))
         total = latest
         if change < _SETTLED_K:
