@@ -12,42 +12,22 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
+import sys
 import tempfile
 import time
-import zlib
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from plant import NAMES, Baseline, Physics, Sensors, plan, simulate, write
-from plant_effects import LIBRARY, OUTSIDE, add, outside
-
-from gen.coefficients import load
-from gen.loop.refine import refine
 
 ROOT = Path(__file__).parent.parent
-COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"
-RUNS, FIT, HOURS = 8, 6, 2.5
+sys.path.insert(0, str(ROOT))
 
-
-def make(folder: Path, kinds: tuple[str, ...], seed: int) -> tuple[list[Path], list[Path], float]:
-    """Write the run files of one trial; give fit, test and the noise floor in K, offsets of the sensors not counted."""
-    random = np.random.default_rng([seed, *(zlib.crc32(kind.encode()) for kind in kinds)])
-    base = Baseline.of(COEFFICIENTS)
-    profile = plan(random, RUNS, HOURS, "ambient" in kinds)
-    if "initial_state" in kinds:
-        profile.start = random.uniform(8.0, 28.0, RUNS) * (random.random(RUNS) < 0.7)
-    physics = Physics()
-    for kind in kinds:
-        if kind in OUTSIDE:
-            outside(kind, physics, random, base, RUNS)
-        else:
-            add(kind, physics, random, base, RUNS, profile.start)
-    true = simulate(base, profile, physics)
-    sensors = Sensors(float(random.uniform(0.1, 0.3)), {name: float(random.normal(0.0, 0.3)) for name in NAMES})
-    fit, test, floor = write(folder, profile, true, physics, sensors, random, FIT)
-    return fit, test, float(np.hypot(floor, np.sqrt(np.mean([o**2 for o in sensors.offset.values()]))))
+from gen.coefficients import load  # noqa: E402
+from gen.loop.refine import refine  # noqa: E402
+from tests.loop.plant import COEFFICIENTS  # noqa: E402
+from tests.loop.plant_effects import LIBRARY, OUTSIDE, make  # noqa: E402
 
 
 def trial(kinds: tuple[str, ...], seed: int) -> dict[str, Any]:
@@ -94,6 +74,13 @@ def campaign(share: float) -> list[tuple[tuple[str, ...], int]]:
     for seed in range(count(10)):
         made += [((name,), 2000 + seed) for name in OUTSIDE]
     return made
+
+
+def group(kinds: tuple[str, ...]) -> str:
+    """Which part of the campaign a trial belongs to."""
+    if len(kinds) == 1:
+        return "outside" if kinds[0] in OUTSIDE else "single"
+    return "pair" if kinds else "nothing"
 
 
 def table(results: list[dict[str, Any]]) -> str:
@@ -150,6 +137,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--share", type=float, default=1.0)
     parser.add_argument("--part", default="0/1")
+    parser.add_argument("--only", choices=["single", "nothing", "pair", "outside"])
     parser.add_argument("--out", type=Path)
     parser.add_argument("--table", type=Path, nargs="+")
     options = parser.parse_args()
@@ -158,7 +146,8 @@ def main() -> None:
         return
     part, parts = (int(x) for x in options.part.split("/"))
     results = []
-    for kinds, seed in campaign(options.share)[part::parts]:
+    wanted = [(k, s) for k, s in campaign(options.share) if options.only in (None, group(k))]
+    for kinds, seed in wanted[part::parts]:
         results.append(trial(kinds, seed))
         print(json.dumps(results[-1]), flush=True)
         if options.out:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import ConfigDict, Field, ValidationError, model_validator
 
 from gen.coefficients.base import Part, fault, listed
 from gen.model.effects import Applied, registry
@@ -23,7 +23,7 @@ def _schema(schema: dict[str, Any]) -> None:
 class EffectEntry(Part):
     """A named effect at a component, beside the baseline's schedules."""
 
-    model_config = {**Part.model_config, "json_schema_extra": _schema}
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, json_schema_extra=_schema)
 
     name: Annotated[str, Field(description="Name of the effect.")]
     component: Annotated[str, Field(description="The component that it acts on.")]

@@ -264,8 +264,8 @@ def _finished(
     spread = np.full(numbers.shape, np.inf)
     if free:
         spread = _spread(state, best, residual[:, 0], w)
-    for i, f in enumerate(free):
-        if f.log:
+    for i, parameter in enumerate(free):
+        if parameter.log:
             numbers[:, i] = np.exp(numbers[:, i])
     return Fit(
         terms=terms,

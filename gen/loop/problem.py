@@ -61,7 +61,9 @@ class Problem:
             response=self.responses.get(name),
         )
         if track.response is not None:
-            faded = answer(track.response, 0.0, np.zeros((1, 1, 1, 1)), np.zeros((1, 1, 1, 1)), np.ones(track.base.shape[1:]))
+            faded = answer(
+                track.response, 0.0, np.zeros((1, 1, 1, 1)), np.zeros((1, 1, 1, 1)), np.ones(track.base.shape[1:])
+            )
             track = replace(track, fading=faded)
         return replace(
             self,

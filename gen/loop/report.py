@@ -98,7 +98,9 @@ def _component(found: Refinement, name: str) -> dict[str, Any]:
         "residual": [
             _over("time", "over time", found.runs, name, *_residual(found.runs, name, "time")),
             _over("speed", "over speed", found.runs, name, *_residual(found.runs, name, "speed")),
-            _over("temp", "over the model's temperature", found.runs, name, *_residual(found.runs, name, "temperature")),
+            _over(
+                "temp", "over the model's temperature", found.runs, name, *_residual(found.runs, name, "temperature")
+            ),
         ],
     }
 
@@ -198,7 +200,9 @@ def _courses(found: Refinement) -> Iterable[Chart]:
             )
             kind = "test" if run in found.before.test else "fit"
             title = f"{name}, {kind} run {run.rsplit('/', 1)[-1]}"
-            yield Chart(f"course-{number}-{name}", title, f"Temperatures of {title}.", "time (h)", "temperature", "degC", series)
+            yield Chart(
+                f"course-{number}-{name}", title, f"Temperatures of {title}.", "time (h)", "temperature", "degC", series
+            )
 
 
 def _next(found: Refinement) -> list[str]:
@@ -211,5 +215,7 @@ def _next(found: Refinement) -> list[str]:
         for name, left in found.remains.items():
             if left.shares and left.rms_K > left.noise_K:
                 key, share = next(iter(left.shares.items()))
-                asked.append(f"{name}: what is left goes with {key} ({share:.0%} of its variance); vary it alone, the rest held")
+                asked.append(
+                    f"{name}: what is left goes with {key} ({share:.0%} of its variance); vary it alone, the rest held"
+                )
     return list(dict.fromkeys([*asked, *found.excitation.missing]))

@@ -108,7 +108,7 @@ def condense(coefficients: Coefficients, path: Path) -> Condensed:
         When the file is not a run, or holds no temperature of any component.
     """
     run = read_measured(coefficients, path)
-    return _condensed(coefficients, run, {name: values for name, values in run.temps.items()}, str(path))
+    return _condensed(coefficients, run, dict(run.temps), str(path))
 
 
 def read_measured(coefficients: Coefficients, path: Path) -> Run:
@@ -309,7 +309,7 @@ def _resolution(values: FloatArray) -> float:
 
 def _smooth(values: FloatArray, time: FloatArray) -> FloatArray:
     """Mean over two minutes: a room changes slowly, its sensor's noise does not matter."""
-    half = max(int(round(60.0 / max(float(np.median(np.diff(time))), 1e-6))), 0)
+    half = round(60.0 / max(float(np.median(np.diff(time))), 1e-6))
     if half == 0 or values.size <= 2 * half + 1:
         return values
     total = np.concatenate([[0.0], np.cumsum(values)])

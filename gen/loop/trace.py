@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from gen.model.effects.sensor_offset import SensorOffset
 
 MOST_EFFECTS = 3
 """Most effects at one component: what is left after three is said to be unexplained."""
+SEEDS = 3
+"""First effects that are each tried with every second one."""
 _NEAR = 1.02
 
 
@@ -104,6 +106,10 @@ def trace(
 ) -> Tracing:
     """Explain the residual of a baseline in some runs.
 
+    Each hypothesis is fitted to each component whose residual is over the sensor's noise. Of those that the left-out runs
+    cannot tell from the best, the one that other components support as well is taken. Where a rest is left, the three
+    best are each tried with every second effect, which finds pairs that hide each other, then a third is tried.
+
     Parameters
     ----------
     coefficients
@@ -115,51 +121,125 @@ def trace(
     """
     whole = problem(coefficients, runs)
     singles = {name: whole.only(name) for name in whole.components}
-    settings = {name: setting(coefficients, runs, whole, name) for name in whole.components}
-    terms: dict[str, list[Term]] = {name: [] for name in whole.components}
     null = {name: fit(one, []) for name, one in singles.items()}
+    hypotheses = {name: _hypotheses(setting(coefficients, runs, whole, name)) for name in whole.components}
+    tried = sum(len(h) for h in hypotheses.values())
     final = dict(null)
     found: list[Found] = []
     considered: dict[str, list[Candidate]] = {}
-    hypotheses = {name: _hypotheses(settings[name]) for name in whole.components}
-    tried = sum(len(h) for h in hypotheses.values())
-    open_components = [name for name in whole.components if worth_tracing(singles[name], null[name])]
-    rounds = 0
-    while open_components and rounds < MOST_EFFECTS + 2:
-        rounds += 1
-        fresh = [name for name in open_components if not terms[name]]
-        results: dict[str, list[Candidate]] = {}
-        if fresh:
-            results |= _first_round(whole, fresh, hypotheses, null, tried, progress)
-        for name in open_components:
-            if name in fresh:
-                continue
+    for name, one in singles.items():
+        if worth_tracing(one, null[name]):
+            considered[name] = _first_round(
+                one, hypotheses[name], null[name], tried, lambda e, n=name: progress(f"{n}: {e}?")
+            )
+    for name, chosen in _choose(singles, considered).items():
+        found.append(Found(name, chosen[0], chosen[1]))
+        final[name] = chosen[0].fit
+    _extend_everywhere(singles, found, final, null, tried)
+    for name, one in singles.items():
+        for _ in range(MOST_EFFECTS - 1):
+            if name not in considered or not worth_tracing(one, final[name]):
+                break
             progress(f"{name}: a further effect?")
-            results[name] = _further(singles[name], terms[name], final[name], hypotheses[name], tried)
-        for name, candidates in results.items():
-            considered.setdefault(name, candidates)
-        accepted = _choose(singles, results)
-        if not accepted:
-            break
-        for name, best, ties in accepted:
-            found.append(Found(name, best, ties))
-            terms[name] = _terms(best.fit, best.at)
-            final[name] = fit(singles[name], terms[name])
-        taken = {name for name, _, _ in accepted}
-        rises = {name: _rise(singles[name], final[name]) for name in whole.components if terms[name]}
-        singles = {
-            name: one.with_others({k: v for k, v in rises.items() if k != name}) for name, one in singles.items()
-        }
-        open_components = [
-            name
-            for name in whole.components
-            if len(terms[name]) < MOST_EFFECTS
-            and worth_tracing(singles[name], final[name])
-            and (name in taken or any(c.judgement.accepted for c in results.get(name, [])))
-        ]
-    _prune(singles, terms, final, found)
-    found.sort(key=lambda f: -_importance(whole, f, null))
+            before = len(final[name].terms)
+            own = [f for f in found if f.component == name]
+            if before <= 1 and not any(f.candidate.effect.everywhere for f in own):
+                better = _pair(one, hypotheses[name], null[name], final[name], considered[name], tried)
+            else:
+                better = _third(one, hypotheses[name], final[name], tried)
+            if not better:
+                break
+            if len(better) == 2:
+                found = [f for f in found if f.component != name]
+            found += [Found(name, candidate, ties) for candidate, ties in better]
+            final[name] = better[-1][0].fit
+    _couple(whole, singles, final)
+    _prune(singles, final, found)
+    found.sort(key=lambda f: -_importance(whole, f))
     return Tracing(whole, found, final, null, considered, tried)
+
+
+def _pair(
+    single: Problem,
+    hypotheses: Sequence[tuple[Effect, Variant]],
+    null: Fit,
+    current: Fit,
+    first: Sequence[Candidate],
+    tried: int,
+) -> list[tuple[Candidate, list[Candidate]]]:
+    """The best two effects together, if they beat what there is."""
+    seeds: dict[str, Candidate] = {}
+    for candidate in first:
+        if float(candidate.loss) < 0.9 * float(null.loss[0]) and len(seeds) < SEEDS:
+            seeds.setdefault(candidate.label, candidate)
+    pairs: list[tuple[Candidate, Candidate, list[Candidate]]] = []
+    for seed in seeds.values():
+        further = _further(single, _terms(seed.fit), seed.fit, hypotheses, tried * SEEDS)
+        good = [c for c in further if c.judgement.accepted and _material(c)]
+        if good:
+            ties = _tied(single, good)
+            pairs.append((seed, ties[0], ties[1:]))
+    for seed, second, ties in sorted(pairs, key=lambda pair: pair[1].loss):
+        together = judge(single, 0, null, second.fit, tried * SEEDS, 0)
+        left = [r for r in together.reasons if "worse" not in r]
+        gains = p_better(single, 0, current, second.fit) < TIE_LEVEL / SEEDS
+        if left or not gains or float(second.fit.loss[0]) > 0.9 * float(current.loss[0]):
+            continue
+        alone = replace(seed, fit=second.fit, judgement=replace(seed.judgement, reasons=()))
+        others = [c for c in ties if c.effect.name not in (seed.effect.name, second.effect.name)]
+        return [(alone, []), (second, _distinct(others))]
+    return []
+
+
+def _third(
+    single: Problem, hypotheses: Sequence[tuple[Effect, Variant]], current: Fit, tried: int
+) -> list[tuple[Candidate, list[Candidate]]]:
+    good = [
+        c
+        for c in _further(single, _terms(current), current, hypotheses, tried)
+        if c.judgement.accepted and _material(c)
+    ]
+    if not good:
+        return []
+    ties = _tied(single, good)
+    return [(ties[0], _distinct([c for c in ties[1:] if c.effect.name != ties[0].effect.name]))]
+
+
+def _distinct(candidates: Sequence[Candidate]) -> list[Candidate]:
+    best: dict[str, Candidate] = {}
+    for candidate in candidates:
+        best.setdefault(candidate.effect.name, candidate)
+    return list(best.values())
+
+
+def _extend_everywhere(
+    singles: dict[str, Problem], found: list[Found], final: dict[str, Fit], null: dict[str, Fit], tried: int
+) -> None:
+    """What acts on most components by its nature acts on the others, too, even where another effect hides it."""
+    for name in {f.candidate.effect.name for f in found if f.candidate.effect.everywhere}:
+        own = [f for f in found if f.candidate.effect.name == name]
+        if 2 * len(own) < len(singles):
+            continue
+        pattern = own[0].candidate
+        for component, one in singles.items():
+            if any(f.component == component for f in own):
+                continue
+            start = tuple(f.start for f in pattern.variant.free)
+            made = fit(one, [Term(pattern.effect, pattern.variant, start)])
+            verdict = judge(one, 0, null[component], made, tried, 0)
+            found[:] = [f for f in found if f.component != component]
+            found.append(Found(component, Candidate(pattern.effect, pattern.variant, made, 0, verdict), []))
+            final[component] = made
+
+
+def _couple(whole: Problem, singles: dict[str, Problem], final: dict[str, Fit]) -> None:
+    """Fit once more where a component's source is another one whose own effects were found meanwhile."""
+    changed = {name: _rise(singles[name], f) for name, f in final.items() if f.terms}
+    for name, f in list(final.items()):
+        sources = {str(term.variant.fixed.get("source")) for term in f.terms}
+        if sources & set(changed):
+            singles[name] = singles[name].with_others({k: v for k, v in changed.items() if k != name})
+            final[name] = fit(singles[name], _terms(f))
 
 
 def worth_tracing(single: Problem, fitted: Fit) -> bool:
@@ -215,47 +295,37 @@ def _starts(variant: Variant) -> list[tuple[float, ...]]:
 
 
 def _first_round(
-    whole: Problem,
-    names: Sequence[str],
-    hypotheses: dict[str, list[tuple[Effect, Variant]]],
-    null: dict[str, Fit],
+    single: Problem,
+    hypotheses: Sequence[tuple[Effect, Variant]],
+    null: Fit,
     tried: int,
     progress: Callable[[str], None],
-) -> dict[str, list[Candidate]]:
-    """Each hypothesis at each component; those that only differ in the component are fitted in one go."""
-    results: dict[str, list[Candidate]] = {name: [] for name in names}
-    singles = {name: whole.only(name) for name in names}
-    for name in names:
-        for effect, variant in hypotheses[name]:
-            progress(f"{name}: {effect.name}?")
-            best: Fit | None = None
-            for start in _starts(variant):
-                made = fit(singles[name], [Term(effect, variant, start)])
-                if best is None or float(np.mean(made.error**2)) < float(np.mean(best.error**2)):
-                    best = made
-            if best is not None:
-                verdict = judge(singles[name], 0, null[name], best, tried, 0)
-                results[name].append(Candidate(effect, variant, best, 0, verdict))
-        results[name].sort(key=_penalised)
-    return results
+) -> list[Candidate]:
+    """Each hypothesis alone, best first."""
+    made = []
+    for effect, variant in hypotheses:
+        progress(effect.name)
+        best = min((fit(single, [Term(effect, variant, start)]) for start in _starts(variant)), key=_training)
+        made.append(Candidate(effect, variant, best, 0, judge(single, 0, null, best, tried, 0)))
+    return sorted(made, key=_penalised)
+
+
+def _training(fitted: Fit) -> float:
+    return float(np.mean(fitted.error**2))
 
 
 def _further(
     single: Problem, terms: list[Term], current: Fit, hypotheses: Sequence[tuple[Effect, Variant]], tried: int
 ) -> list[Candidate]:
+    """Each hypothesis beside the terms that there are, all fitted together, best first."""
     have = {term.effect.name for term in terms}
+    added = sum(len(term.variant.free) for term in terms)
     made = []
     for effect, variant in hypotheses:
-        if effect.name in have and effect.name not in ("coupling", "load_heating"):
+        if effect.name in have:
             continue
-        best: Fit | None = None
-        for start in _starts(variant):
-            new = fit(single, [*terms, Term(effect, variant, start)])
-            if best is None or float(np.mean(new.error**2)) < float(np.mean(best.error**2)):
-                best = new
-        if best is not None:
-            added = sum(len(term.variant.free) for term in terms)
-            made.append(Candidate(effect, variant, best, 0, judge(single, 0, current, best, tried, added)))
+        best = min((fit(single, [*terms, Term(effect, variant, start)]) for start in _starts(variant)), key=_training)
+        made.append(Candidate(effect, variant, best, 0, judge(single, 0, current, best, tried, added)))
     return sorted(made, key=_penalised)
 
 
@@ -272,32 +342,21 @@ def _material(candidate: Candidate) -> bool:
 
 def _choose(
     singles: dict[str, Problem], results: dict[str, list[Candidate]]
-) -> list[tuple[str, Candidate, list[Candidate]]]:
-    """The best accepted hypothesis of the component with the largest gain, and of those that agree with it."""
+) -> dict[str, tuple[Candidate, list[Candidate]]]:
+    """For each component the best accepted hypothesis; of those tied, the one that most components share."""
     ties: dict[str, list[Candidate]] = {}
     for name, candidates in results.items():
         accepted = [c for c in candidates if c.judgement.accepted and _material(c)]
         if accepted:
             ties[name] = _tied(singles[name], accepted)
-    if not ties:
-        return []
-
-    def gain(candidate: Candidate) -> float:
-        return float(np.log(candidate.judgement.before_K / candidate.judgement.after_K))
 
     def support(candidate: Candidate) -> tuple[int, float]:
-        return sum(any(_same(candidate, other) for other in ties[name]) for name in ties), -_penalised(candidate)
+        return sum(any(_same(candidate, other) for other in near) for near in ties.values()), -_penalised(candidate)
 
-    lead = max(ties, key=lambda name: gain(ties[name][0]))
-    best = max(ties[lead], key=support)
-    chosen = []
+    chosen = {}
     for name, near in ties.items():
-        for candidate in near:
-            if _same(best, candidate):
-                others = [c for c in near if c.effect.name != candidate.effect.name]
-                distinct = {c.label: c for c in reversed(others)}
-                chosen.append((name, candidate, list(distinct.values())[::-1]))
-                break
+        best = max(near, key=support)
+        chosen[name] = (best, _distinct([c for c in near if c.effect.name != best.effect.name]))
     return chosen
 
 
@@ -320,11 +379,11 @@ def _tied(single: Problem, accepted: Sequence[Candidate]) -> list[Candidate]:
     return tied
 
 
-def _terms(fitted: Fit, c: int) -> list[Term]:
+def _terms(fitted: Fit) -> list[Term]:
     made, at = [], 0
     for term in fitted.terms:
         count = len(term.variant.free)
-        made.append(Term(term.effect, term.variant, tuple(float(x) for x in fitted.numbers[c, at : at + count])))
+        made.append(Term(term.effect, term.variant, tuple(float(x) for x in fitted.numbers[0, at : at + count])))
         at += count
     return made
 
@@ -335,31 +394,25 @@ def _rise(single: Problem, fitted: Fit) -> np.ndarray:
     return np.asarray(np.broadcast_to(rise, (rise.shape[0], 1, 1, single.residual.shape[-1]))[:, 0, 0, :])
 
 
-def _prune(
-    singles: dict[str, Problem], terms: dict[str, list[Term]], final: dict[str, Fit], found: list[Found]
-) -> None:
+def _prune(singles: dict[str, Problem], final: dict[str, Fit], found: list[Found]) -> None:
     """Drop an effect that a later one has made needless: without it the left-out error is no larger."""
-    for name, own in terms.items():
+    for name, single in singles.items():
         at = 0
-        while len(own) > 1 and at < len(own):
-            rest = [term for i, term in enumerate(own) if i != at]
-            without = fit(singles[name], rest)
-            variance = float(singles[name].noise_K[0]) ** 2
-            kept = (float(without.loss[0]) + variance) > 1.05**2 * (float(final[name].loss[0]) + variance)
-            if kept and p_better(singles[name], 0, without, final[name]) < TIE_LEVEL:
+        while len(final[name].terms) > 1 and at < len(final[name].terms):
+            terms = _terms(final[name])
+            without = fit(single, [term for i, term in enumerate(terms) if i != at])
+            variance = float(single.noise_K[0]) ** 2
+            grows = (float(without.loss[0]) + variance) > 1.05**2 * (float(final[name].loss[0]) + variance)
+            if grows and p_better(single, 0, without, final[name]) < TIE_LEVEL:
                 at += 1
                 continue
-            dropped = own[at].effect.name
-            own[:] = rest
+            dropped = terms[at].effect.name
             final[name] = without
-            for i, entry in enumerate(found):
-                if entry.component == name and entry.candidate.effect.name == dropped:
-                    del found[i]
-                    break
+            found[:] = [f for f in found if (f.component, f.candidate.effect.name) != (name, dropped)]
             at = 0
 
 
-def _importance(whole: Problem, entry: Found, null: dict[str, Fit]) -> float:
+def _importance(whole: Problem, entry: Found) -> float:
     j = entry.candidate.judgement
     c = whole.components.index(entry.component)
     return (j.before_K**2 - j.after_K**2) / float(whole.noise_K[c]) ** 2

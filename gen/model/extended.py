@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from gen.model.dynamics import Component, ThermalModel
 from gen.model.effects.base import Applied
-from gen.model.effects.response import response
 from gen.model.effects.integrate import Slot, Track, readings, start_shift
+from gen.model.effects.response import response
 from gen.model.exact import ExactSolution
 from gen.model.schedules import FloatArray
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Moment, Parameters, Setting, Values, Variant
+from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Values, Variant
 
 WORDS = ("fan", "air", "flow", "wind", "cool", "blow")
 
@@ -27,7 +28,7 @@ class Airflow(Effect):
     parameters = AirflowParameters
     needs = "a channel with the fan's contact or the air's speed"
     signature = "the temperature falls faster while the channel is on, the more the warmer the part is"
-    lookalikes = {
+    lookalikes: ClassVar[Mapping[str, str]] = {
         "standstill_cooling": "switch the fan while the motor runs",
         "ambient": "switch the fan at constant ambient",
         "radiation": "repeat the hottest run with the fan off, and log its contact",
@@ -41,8 +42,8 @@ class Airflow(Effect):
                 made.append(Variant({"channel": channel}, (Free("cooling_per_s", min(start, 0.05), 0.0, 0.1),)))
         return made
 
-    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+    def heat(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         return 0.0 * m.rate
 
-    def per_rise(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+    def per_rise(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         return -p["cooling_per_s"] * m.channels[p["channel"]]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Moment, Parameters, Setting, Tau, Values, Variant
+from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Tau, Values, Variant
 
 if TYPE_CHECKING:
     from gen.model.dynamics import ThermalModel
@@ -32,7 +33,8 @@ class Ambient(Effect):
     parameters = AmbientParameters
     needs = "a measured ambient"
     signature = "all components are off by the same, also with the motor at rest, and follow the ambient sensor"
-    lookalikes = {
+    everywhere = True
+    lookalikes: ClassVar[Mapping[str, str]] = {
         "drift": "log the ambient at rest for 2 h: only the ambient comes back",
         "sensor_offset": "log a night at rest with the ambient sensor beside the others",
         "coupling": "hold the ambient constant for 2 h while the other part warms",
@@ -48,21 +50,21 @@ class Ambient(Effect):
             Variant({"delayed": True}, (tau,)),
         ]
 
-    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+    def heat(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         if not p["delayed"]:
             return 0.0 * m.rate
         rate = m.rate if p["tau_s"] is None else 1.0 / p["tau_s"]
         return rate * (m.measured_ambient - m.ambient)
 
-    def start(self, p: Values, rise: Any, ambient: Any, measured_ambient: Any) -> Any:  # noqa: ANN401, D102
+    def start(self, p: Values, rise: Lanes, ambient: Lanes, measured_ambient: Lanes) -> Lanes:  # noqa: D102
         return ambient - measured_ambient
 
-    def begin(self, p: Values, ambient: Any, measured_ambient: Any) -> Any:  # noqa: ANN401, D102
+    def begin(self, p: Values, ambient: Lanes, measured_ambient: Lanes) -> Lanes:  # noqa: D102
         return measured_ambient - ambient if p["delayed"] else 0.0
 
     def reading(  # noqa: D102
-        self, p: Values, temperature: Any, ambient: Any, measured_ambient: Any, elapsed: Any
-    ) -> Any:  # noqa: ANN401
+        self, p: Values, temperature: Lanes, ambient: Lanes, measured_ambient: Lanes, elapsed: Lanes
+    ) -> Lanes:
         return temperature if p["delayed"] else temperature + (measured_ambient - ambient)
 
     def folded(self, p: Values, model: ThermalModel, component: str) -> ThermalModel | None:  # noqa: D102

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from gen.model.dynamics import ThermalModel
 
 Array = NDArray[np.float64]
+Lanes = Any
+"""A number, or an array of them: one for each lane of a fit, and for each step where time comes first."""
 Values = Mapping[str, Any]
 """Parameters by name: numbers (or arrays of them, one for each lane of a fit), texts, None, lists of these."""
 
@@ -74,7 +76,7 @@ class Variant:
     fixed: Mapping[str, Any] = field(default_factory=dict)
     free: tuple[Free, ...] = ()
 
-    def values(self, numbers: Any) -> dict[str, Any]:  # noqa: ANN401
+    def values(self, numbers: Lanes) -> dict[str, Any]:
         """Put fixed and free together; `numbers` holds one number or array for each free parameter, in order."""
         made: dict[str, Any] = dict(self.fixed)
         for free, number in zip(self.free, numbers, strict=True):
@@ -188,6 +190,8 @@ class Effect(ABC):
     """Name of another effect -> the experiment that tells this one from it."""
     nonlinear: ClassVar[bool] = False
     """heat and per_rise are the tangent at the rise that they are given; else they do not depend on it."""
+    everywhere: ClassVar[bool] = False
+    """Where it acts on one component it acts on all (the room's temperature)."""
     heats: ClassVar[bool] = True
     """It has a state E; else it only stands between temperature and reading, or changes nothing but the start."""
 
@@ -195,35 +199,35 @@ class Effect(ABC):
         """Hypotheses worth a fit for these data; none where a channel is missing."""
         raise NotImplementedError
 
-    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401
+    def heat(self, p: Values, m: Moment) -> Lanes:
         """Heating in K/s, but for the part that is proportional to the component's own rise."""
         raise NotImplementedError
 
-    def per_rise(self, p: Values, m: Moment) -> Any:  # noqa: ANN401
+    def per_rise(self, p: Values, m: Moment) -> Lanes:
         """That part, for each K of rise, in 1/s: q = heat + per_rise T_rise. It needs the component's own rate."""
         return 0.0
 
-    def inner(self, p: Values, m: Moment) -> tuple[Any, Any] | None:
+    def inner(self, p: Values, m: Moment) -> tuple[Lanes, Lanes] | None:
         """Target and time constant (s) of the inner state H, H' = (target - H)/tau; None without one."""
         return None
 
-    def inner_start(self, p: Values, rise: Any) -> Any:  # noqa: ANN401
+    def inner_start(self, p: Values, rise: Lanes) -> Lanes:
         """H at the start, given the measured rise there in K."""
         return 0.0
 
-    def start(self, p: Values, rise: Any, ambient: Any, measured_ambient: Any) -> Any:  # noqa: ANN401
+    def start(self, p: Values, rise: Lanes, ambient: Lanes, measured_ambient: Lanes) -> Lanes:
         """What the true rise at the start differs by from the one read off the sensor, in K."""
         return 0.0
 
-    def begin(self, p: Values, ambient: Any, measured_ambient: Any) -> Any:  # noqa: ANN401
+    def begin(self, p: Values, ambient: Lanes, measured_ambient: Lanes) -> Lanes:
         """E at the start, in K."""
         return 0.0
 
-    def reading(self, p: Values, temperature: Any, ambient: Any, measured_ambient: Any, elapsed: Any) -> Any:  # noqa: ANN401
+    def reading(self, p: Values, temperature: Lanes, ambient: Lanes, measured_ambient: Lanes, elapsed: Lanes) -> Lanes:
         """What the sensor shows at a temperature in degC; `elapsed` in s since the start."""
         return temperature
 
-    def lag(self, p: Values) -> Any:  # noqa: ANN401
+    def lag(self, p: Values) -> Lanes:
         """Time constant of the sensor in s, None without lag."""
         return None
 

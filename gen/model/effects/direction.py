@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Moment, Parameters, Setting, Values, Variant
+from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Values, Variant
 
 
 class DirectionParameters(Parameters):
@@ -25,10 +26,10 @@ class Direction(Effect):
     equation = "E' = d rate K/A(0) |PWM| - rate E while PWM < 0"
     parameters = DirectionParameters
     signature = "the error is there in one direction of rotation only"
-    lookalikes = {"schedule_error": "run the same speed for 2 h in each direction"}
+    lookalikes: ClassVar[Mapping[str, str]] = {"schedule_error": "run the same speed for 2 h in each direction"}
 
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         return [Variant({}, (Free("reverse_heating", 0.05, -0.9, 2.0),))]
 
-    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+    def heat(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         return p["reverse_heating"] * (m.heat * m.reverse)

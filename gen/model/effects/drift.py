@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Parameters, Setting, Values, Variant
+from gen.model.effects.base import Effect, Free, Lanes, Parameters, Setting, Values, Variant
 
 
 class DriftParameters(Parameters):
@@ -23,7 +24,7 @@ class Drift(Effect):
     equation = "reading = T + d t,  t since the start of the run"
     parameters = DriftParameters
     signature = "the error grows with the time since switching on, whatever the motor does"
-    lookalikes = {
+    lookalikes: ClassVar[Mapping[str, str]] = {
         "ambient": "log the ambient, and a run at rest for 2 h",
         "sensor_offset": "repeat the run on another day",
         "schedule_error": "run one speed for twice as long: a drift goes on in the steady state",
@@ -34,6 +35,6 @@ class Drift(Effect):
         return [Variant({}, (Free("drift_K_per_h", 0.2, -20.0, 20.0),))]
 
     def reading(  # noqa: D102
-        self, p: Values, temperature: Any, ambient: Any, measured_ambient: Any, elapsed: Any
-    ) -> Any:  # noqa: ANN401
+        self, p: Values, temperature: Lanes, ambient: Lanes, measured_ambient: Lanes, elapsed: Lanes
+    ) -> Lanes:
         return temperature + p["drift_K_per_h"] * (elapsed / 3600.0)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Moment, Parameters, Setting, Tau, Values, Variant
+from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Tau, Values, Variant
 
 
 class HiddenNodeParameters(Parameters):
@@ -31,7 +32,7 @@ class HiddenNode(Effect):
     equation = "H' = ((|PWM|/full)^n - H)/tau_node;  E' = g H - rate E  (exchange: g (H - (|PWM|/full)^n))"
     parameters = HiddenNodeParameters
     signature = "the temperature goes on rising after a cut-off from hot"
-    lookalikes = {
+    lookalikes: ClassVar[Mapping[str, str]] = {
         "standstill_cooling": "log a cut-off from hot for 2 h: a hidden part lifts the temperature first, then it "
         "fades; another cooling changes the rate throughout",
         "schedule_error": "log a cut-off from hot",
@@ -51,9 +52,9 @@ class HiddenNode(Effect):
             Variant({"exponent": 1, "exchange": False}, (g, node, tau)),
         ]
 
-    def inner(self, p: Values, m: Moment) -> tuple[Any, Any] | None:  # noqa: D102
+    def inner(self, p: Values, m: Moment) -> tuple[Lanes, Lanes] | None:  # noqa: D102
         return m.pwm ** p["exponent"], p["node_tau_s"]
 
-    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+    def heat(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         warm = m.inner - m.pwm ** p["exponent"] if p["exchange"] else m.inner
         return p["heating_K_per_s"] * warm

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Moment, Parameters, Setting, Values, Variant
+from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Values, Variant
 
 
 class InitialStateParameters(Parameters):
@@ -29,7 +30,7 @@ class InitialState(Effect):
     equation = "E' = k T_rise(0) exp(-t/tau) - rate E"
     parameters = InitialStateParameters
     signature = "the error arises in the first minutes of runs that start warm, and in no run that starts cold"
-    lookalikes = {
+    lookalikes: ClassVar[Mapping[str, str]] = {
         "hidden_node": "start a run from cold",
         "standstill_cooling": "log a cut-off from hot within a run",
         "sensor_lag": "start a run from cold",
@@ -39,11 +40,11 @@ class InitialState(Effect):
         k = Free("soak_per_s", 0.2 * setting.rate, -0.05, 0.05)
         return [Variant({}, (k, Free("soak_tau_s", 0.3 / setting.rate, 5.0, 40000.0, log=True)))]
 
-    def inner(self, p: Values, m: Moment) -> tuple[Any, Any] | None:  # noqa: D102
+    def inner(self, p: Values, m: Moment) -> tuple[Lanes, Lanes] | None:  # noqa: D102
         return 0.0 * m.rate, p["soak_tau_s"]
 
-    def inner_start(self, p: Values, rise: Any) -> Any:  # noqa: ANN401, D102
+    def inner_start(self, p: Values, rise: Lanes) -> Lanes:  # noqa: D102
         return rise
 
-    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+    def heat(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         return p["soak_per_s"] * m.inner

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from gen.model.effects.base import Array, Effect, Moment, Values
+from gen.model.effects.base import Array, Effect, Lanes, Moment, Values
 from gen.model.effects.response import Response, answer
 
 Slot = tuple[Effect, Values]
@@ -70,9 +70,9 @@ class Track:
     response: Response | None = None
 
 
-def start_shift(slots: Sequence[Slot], track: Track) -> Any:  # noqa: ANN401
+def start_shift(slots: Sequence[Slot], track: Track) -> Lanes:
     """How far the true rise at the start lies from the measured one, K."""
-    shift: Any = 0.0
+    shift: Lanes = 0.0
     for effect, p in slots:
         rise = track.measured_rise + shift
         shift = shift + effect.start(p, rise, track.ambient[0], track.measured_ambient[0])
@@ -104,7 +104,7 @@ def readings(slots: Sequence[Slot], track: Track, *, shifted: bool = False) -> t
     heating = [slot for slot in slots if slot[0].heats]
     added = _states(heating, track, base) if heating else 0.0
     rise = np.asarray(base + added)
-    shown: Any = rise + track.ambient
+    shown: Lanes = rise + track.ambient
     for effect, p in slots:
         lag = effect.lag(p)
         if lag is not None:
@@ -121,8 +121,8 @@ def _states(slots: Sequence[Slot], track: Track, base: Array) -> Array:
     """
     m = _moment(track)
     own: list[tuple[Effect, Values, Any]] = []
-    apart: Any = 0.0
-    start: Any = 0.0
+    apart: Lanes = 0.0
+    start: Lanes = 0.0
     for effect, p in slots:
         inner = _inner(effect, p, m, track)
         begin = effect.begin(p, track.ambient[0], track.measured_ambient[0])
@@ -138,12 +138,12 @@ def _states(slots: Sequence[Slot], track: Track, base: Array) -> Array:
     if not own:
         return np.asarray(apart)
     known = base + apart
-    total: Any = 0.0
+    total: Lanes = 0.0
     curved = any(effect.nonlinear for effect, _, _ in own)
     for _ in range(_NEWTON if curved else 1):
         m.rise = _middle(known + total)
-        heat: Any = 0.0
-        share: Any = 0.0
+        heat: Lanes = 0.0
+        share: Lanes = 0.0
         for effect, p, inner in own:
             if inner is not None:
                 m.inner = _middle(inner)
@@ -162,7 +162,7 @@ def _states(slots: Sequence[Slot], track: Track, base: Array) -> Array:
     return np.asarray(apart + total)
 
 
-def _middle(ends: Any) -> Any:  # noqa: ANN401
+def _middle(ends: Lanes) -> Lanes:
     return 0.5 * (ends[1:] + ends[:-1])
 
 
@@ -177,14 +177,14 @@ def _moment(track: Track) -> Moment:
     return m
 
 
-def _phi(rate: Any, step: Array) -> Any:  # noqa: ANN401
+def _phi(rate: Lanes, step: Array) -> Lanes:
     """(1 - exp(-rate h))/rate, with its limit h for a rate of 0."""
     x = rate * step
     small = np.abs(x) < 1e-12
     return np.where(small, step, -np.expm1(-x) / np.where(small, 1.0, x) * step)
 
 
-def _recur(factor: Any, added: Any, start: Any) -> Array:  # noqa: ANN401
+def _recur(factor: Lanes, added: Lanes, start: Lanes) -> Array:
     """x[k + 1] = factor[k] x[k] + added[k]."""
     length = np.shape(factor)[0]
     shape = np.broadcast_shapes(np.shape(factor)[1:], np.shape(added)[1:], np.shape(start))
@@ -202,7 +202,7 @@ def _recur(factor: Any, added: Any, start: Any) -> Array:  # noqa: ANN401
     return out
 
 
-def _inner(effect: Effect, p: Values, whole: Moment, track: Track) -> Any:  # noqa: ANN401
+def _inner(effect: Effect, p: Values, whole: Moment, track: Track) -> Lanes:
     """The inner state at the ends of the steps, None without one."""
     found = effect.inner(p, whole)
     if found is None:
@@ -212,7 +212,7 @@ def _inner(effect: Effect, p: Values, whole: Moment, track: Track) -> Any:  # no
     return _recur(1.0 - kept, kept * target, effect.inner_start(p, track.measured_rise))
 
 
-def _lagged(shown: Any, lag: Any, track: Track) -> Array:  # noqa: ANN401
+def _lagged(shown: Lanes, lag: Lanes, track: Track) -> Array:
     """y' = (x - y)/lag with x straight between the ends of a step: exact."""
     h = track.step
     kept = np.exp(-h / lag)

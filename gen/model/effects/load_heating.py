@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Moment, Parameters, Setting, Tau, Values, Variant
+from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Tau, Values, Variant
 
 
 class LoadHeatingParameters(Parameters):
@@ -26,7 +27,7 @@ class LoadHeating(Effect):
     parameters = LoadHeatingParameters
     needs = "a channel in A"
     signature = "the residual follows the current squared, at one and the same PWM"
-    lookalikes = {
+    lookalikes: ClassVar[Mapping[str, str]] = {
         "supply_voltage": "vary the load at constant supply voltage, and log both",
         "schedule_error": "vary the load at constant PWM for 2 h",
         "temperature_dependent_loss": "vary the load at constant PWM for 2 h",
@@ -42,5 +43,5 @@ class LoadHeating(Effect):
             made.append(Variant({"channel": channel}, (free, tau)))
         return made
 
-    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+    def heat(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         return p["heating_K_per_s_A2"] * m.channels[p["channel"]] ** 2

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from gen.model.dynamics import Component
-from gen.model.effects.base import Array
+from gen.model.effects.base import Array, Lanes
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,7 @@ def response(component: Component, counts: NDArray[np.int64], step: Array) -> Re
     return Response(np.ascontiguousarray(solved[..., :n, :n]), np.ascontiguousarray(solved[..., :n, n]))
 
 
-def answer(own: Response, heat: Any, share: Any, base: Array, start: Any) -> Array:  # noqa: ANN401
+def answer(own: Response, heat: Lanes, share: Lanes, base: Array, start: Lanes) -> Array:
     """E for q = heat + share (base + E).
 
     Parameters

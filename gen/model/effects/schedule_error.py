@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from gen.model.effects.base import Array, Effect, Free, Moment, Parameters, Setting, Values, Variant
+from gen.model.effects.base import Array, Effect, Free, Lanes, Moment, Parameters, Setting, Values, Variant
 
 if TYPE_CHECKING:
     from gen.model.dynamics import ThermalModel
@@ -44,7 +45,7 @@ class ScheduleError(Effect):
     )
     parameters = ScheduleErrorParameters
     signature = "the steady error belongs to the speed, and comes back each time that the speed does"
-    lookalikes = {
+    lookalikes: ClassVar[Mapping[str, str]] = {
         "load_heating": "vary the load at constant PWM for 2 h",
         "sensor_gain": "hold a reference sensor to the part: a gain that is wrong everywhere looks the same",
         "radiation": "reach the same temperature at another speed",
@@ -59,13 +60,17 @@ class ScheduleError(Effect):
         gains = tuple(Free(f"gain_factor[{i}]", 1.02, 0.02, 20.0, log=True) for i in range(len(levels)))
         rate = Free("rate_factor", 1.02, 0.1, 10.0, log=True)
         one = Variant({"pwm": (levels[0],)}, (gains[0], rate))
-        return [Variant({"pwm": levels, "rate_factor": 1.0}, gains), one, Variant({"pwm": levels}, (*gains, rate))]
+        made = [one, Variant({"pwm": levels, "rate_factor": 1.0}, gains), Variant({"pwm": levels}, (*gains, rate))]
+        if len(levels) > 5:
+            knots = tuple(int(x) for x in np.rint(np.linspace(levels[0], levels[-1], 5)))
+            made.append(Variant({"pwm": knots, "rate_factor": 1.0}, gains[:5]))
+        return made
 
-    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+    def heat(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         factor = interpolated(m.count, p["pwm"], p["gain_factor"])
         return (p["rate_factor"] * factor - 1.0) * m.heat
 
-    def per_rise(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+    def per_rise(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         return (1.0 - p["rate_factor"]) * m.rate
 
     def folded(self, p: Values, model: ThermalModel, component: str) -> ThermalModel | None:  # noqa: D102
@@ -75,11 +80,11 @@ class ScheduleError(Effect):
         return scaled(model, component, steady, np.full(256, float(p["rate_factor"])))
 
 
-def interpolated(count: Array, levels: tuple[int, ...], factors: Any) -> Any:  # noqa: ANN401
+def interpolated(count: Array, levels: tuple[int, ...], factors: Lanes) -> Lanes:
     """Linear interpolation whose values may be arrays of lanes; the end values hold outside."""
     if len(levels) == 1:
         return factors[0]
-    made: Any = 0.0
+    made: Lanes = 0.0
     for i, level in enumerate(levels):
         weight = np.ones_like(count)
         if i > 0:

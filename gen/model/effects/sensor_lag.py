@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Parameters, Setting, Values, Variant
+from gen.model.effects.base import Effect, Free, Lanes, Parameters, Setting, Values, Variant
 
 
 class SensorLagParameters(Parameters):
@@ -23,7 +24,7 @@ class SensorLag(Effect):
     equation = "reading' = (T - reading)/lag"
     parameters = SensorLagParameters
     signature = "the error is proportional to the temperature's slope, and gone in every steady state"
-    lookalikes = {
+    lookalikes: ClassVar[Mapping[str, str]] = {
         "hidden_node": "step PWM up and down within minutes: a sensor's lag is the same at every temperature",
         "schedule_error": "dip the sensor into warm water and log it",
     }
@@ -32,5 +33,5 @@ class SensorLag(Effect):
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         return [Variant({}, (Free("lag_s", 0.05 / setting.rate, 1.0, 3000.0, log=True),))]
 
-    def lag(self, p: Values) -> Any:  # noqa: ANN401, D102
+    def lag(self, p: Values) -> Lanes:  # noqa: D102
         return p["lag_s"]

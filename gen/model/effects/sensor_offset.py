@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Parameters, Setting, Values, Variant
+from gen.model.effects.base import Effect, Free, Lanes, Parameters, Setting, Values, Variant
 
 
 class SensorOffsetParameters(Parameters):
@@ -23,7 +24,7 @@ class SensorOffset(Effect):
     equation = "reading = T + offset"
     parameters = SensorOffsetParameters
     signature = "the reading differs from ambient by the same in every run, also when the motor has been cold for long"
-    lookalikes = {
+    lookalikes: ClassVar[Mapping[str, str]] = {
         "ambient": "log a night at rest with the ambient sensor beside the others",
         "sensor_gain": "log one steady state cold and one hot",
         "drift": "repeat the run on another day",
@@ -35,10 +36,10 @@ class SensorOffset(Effect):
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         return [Variant({}, (Free("offset_K", 0.5, -30.0, 30.0),))]
 
-    def start(self, p: Values, rise: Any, ambient: Any, measured_ambient: Any) -> Any:  # noqa: ANN401, D102
+    def start(self, p: Values, rise: Lanes, ambient: Lanes, measured_ambient: Lanes) -> Lanes:  # noqa: D102
         return -p["offset_K"]
 
     def reading(  # noqa: D102
-        self, p: Values, temperature: Any, ambient: Any, measured_ambient: Any, elapsed: Any
-    ) -> Any:  # noqa: ANN401
+        self, p: Values, temperature: Lanes, ambient: Lanes, measured_ambient: Lanes, elapsed: Lanes
+    ) -> Lanes:
         return temperature + p["offset_K"]

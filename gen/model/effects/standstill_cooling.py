@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Moment, Parameters, Setting, Values, Variant
+from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Values, Variant
 
 if TYPE_CHECKING:
     from gen.model.dynamics import ThermalModel
@@ -29,7 +30,7 @@ class StandstillCooling(Effect):
     equation = "poles(0) multiplied by f:  E' = -(f - 1) rate T_rise - rate E while PWM = 0"
     parameters = StandstillCoolingParameters
     signature = "the error arises while PWM is 0 and the part is warm, and fades while the motor turns"
-    lookalikes = {
+    lookalikes: ClassVar[Mapping[str, str]] = {
         "hidden_node": "log a cut-off from hot for 2 h: a hidden part lifts the temperature first, then it fades; "
         "another cooling changes the rate throughout",
         "airflow": "switch the fan while the motor runs",
@@ -41,10 +42,10 @@ class StandstillCooling(Effect):
             return []
         return [Variant({}, (Free("cooling_factor", 1.3, 0.02, 50.0, log=True),))]
 
-    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+    def heat(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         return 0.0 * m.rate
 
-    def per_rise(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+    def per_rise(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         return (1.0 - p["cooling_factor"]) * (m.standstill * m.rate)
 
     def folded(self, p: Values, model: ThermalModel, component: str) -> ThermalModel | None:  # noqa: D102

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Moment, Parameters, Setting, Values, Variant
+from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Values, Variant
 
 
 class SupplyVoltageParameters(Parameters):
@@ -28,7 +29,7 @@ class SupplyVoltage(Effect):
     parameters = SupplyVoltageParameters
     needs = "a channel in V"
     signature = "the error follows the supply's voltage, at one and the same PWM"
-    lookalikes = {
+    lookalikes: ClassVar[Mapping[str, str]] = {
         "load_heating": "vary the load at constant supply voltage, and log both",
         "schedule_error": "repeat a speed at another supply voltage",
     }
@@ -42,5 +43,5 @@ class SupplyVoltage(Effect):
                 made.append(Variant({"channel": channel}, (Free("sensitivity", 0.7, -3.0, 3.0), nominal)))
         return made
 
-    def heat(self, p: Values, m: Moment) -> Any:  # noqa: ANN401, D102
+    def heat(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         return p["sensitivity"] * ((m.channels[p["channel"]] / p["nominal_V"]) ** 2 - 1.0) * m.heat

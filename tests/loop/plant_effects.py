@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
-from plant import AMBIENT, NAMES, Array, Baseline, Physics, Plan
+
+from tests.loop.plant import AMBIENT, COEFFICIENTS, NAMES, Array, Baseline, Physics, Sensors, plan, simulate, write
+
+Part = Callable[..., Array]
 
 
 def _sign(random: np.random.Generator) -> float:
@@ -20,8 +27,8 @@ def add(name: str, physics: Physics, random: np.random.Generator, base: Baseline
     mean = {n: float(np.median(base.rate[n][51:])) for n in NAMES}
     size = random.uniform(4.0, 12.0)  # K in the steady state, about
 
-    def heats(function) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
-        physics.heat.append(lambda n, rises, k, plan, h: function(n, rises, k, plan, h) if n == at else 0.0)
+    def heats(function: Part) -> None:
+        physics.heat.append(lambda n, rises, k, plan, h: function(n, rises, k, plan, h) if n == at else 0.0 * rises[n])
 
     if name == "ambient":
         physics.ambient_matters = True
@@ -95,10 +102,10 @@ def outside(name: str, physics: Physics, random: np.random.Generator, base: Base
     mean = float(np.median(base.rate[at][51:]))
     size = random.uniform(4.0, 10.0)
 
-    def heats(function) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
-        physics.heat.append(lambda n, rises, k, plan, h: function(rises, k, plan, h) if n == at else 0.0)
+    def heats(function: Part) -> None:
+        physics.heat.append(lambda n, rises, k, plan, h: function(rises, k, plan, h) if n == at else 0.0 * rises[n])
 
-    def shows(function) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
+    def shows(function: Part) -> None:
         physics.reading.append(lambda n, value, time, plan: function(value, time, plan) if n == at else value)
 
     if name == "sine":  # something periodic in the building
@@ -161,4 +168,25 @@ LIBRARY = (
     "initial_state",
 )
 OUTSIDE = ("sine", "bursts", "per_run", "thermostat", "humidity", "switching", "saturating", "memory")
-_ = Plan
+
+
+RUNS, FIT, HOURS = 8, 6, 2.5
+
+
+def make(folder: Path, kinds: tuple[str, ...], seed: int) -> tuple[list[Path], list[Path], float]:
+    """Write the run files of one trial; give fit, test and the noise floor in K, offsets of the sensors not counted."""
+    random = np.random.default_rng([seed, *(zlib.crc32(kind.encode()) for kind in kinds)])
+    base = Baseline.of(COEFFICIENTS)
+    profile = plan(random, RUNS, HOURS, "ambient" in kinds)
+    if "initial_state" in kinds:
+        profile.start = random.uniform(8.0, 28.0, RUNS) * (random.random(RUNS) < 0.7)
+    physics = Physics()
+    for kind in kinds:
+        if kind in OUTSIDE:
+            outside(kind, physics, random, base, RUNS)
+        else:
+            add(kind, physics, random, base, RUNS, profile.start)
+    true = simulate(base, profile, physics)
+    sensors = Sensors(float(random.uniform(0.1, 0.3)), {name: float(random.normal(0.0, 0.3)) for name in NAMES})
+    fit, test, floor = write(folder, profile, true, physics, sensors, random, FIT)
+    return fit, test, float(np.hypot(floor, np.sqrt(np.mean([o**2 for o in sensors.offset.values()]))))

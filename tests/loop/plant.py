@@ -13,16 +13,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.coefficients import load
 from gen.runs import Run, write_run
 
+COEFFICIENTS = Path(__file__).parents[2] / "examples" / "my1016" / "coeffs.json"
 NAMES = ("brush", "bearing", "magnet", "casing")
 STEP = 2.0
 EVERY = 3
 """Integration steps for each row of a run file."""
 AMBIENT = 30.0
-Array = np.ndarray
+Array = NDArray[Any]
 
 
 @dataclass
@@ -238,6 +240,3 @@ def write(
         write_run(path, run)
         paths.append(path)
     return paths[:fit], paths[fit:], float(np.sqrt(np.mean(squares)))
-
-
-Planted = Callable[[np.random.Generator, Baseline, int], tuple[Physics, str, dict[str, Any]]]
