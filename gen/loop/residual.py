@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
@@ -191,7 +192,7 @@ def _condensed(coefficients: Coefficients, run: Run, measured: dict[str, FloatAr
     time = run.time_s
     ambient, sensed = _ambients(coefficients, run, name)
     start_rise, base = _solved(coefficients, run, measured, ambient)
-    index, edges = _bins(time)
+    index, edges = _bins(time, run.pwm)
     count = edges.size - 1
     step = np.diff(time)
     at = index[:-1]
@@ -259,12 +260,18 @@ def _solved(
     return first, solution.simulate_times(run.time_s, run.pwm, first)
 
 
-def _bins(time: FloatArray) -> tuple[np.ndarray, FloatArray]:
-    """Bin of each row, and the bins' ends; every bin holds a row, so a long gap is one bin."""
+def _bins(time: FloatArray, pwm: NDArray[np.int64]) -> tuple[NDArray[np.int64], FloatArray]:
+    """Bin of each row, and the bins' ends; every bin holds a row, so a long gap is one bin.
+
+    Where PWM is held for long, a change begins a bin.
+    """
     span = float(time[-1] - time[0])
     typical = float(np.median(np.diff(time)))
     width = max(min(span / BINS, LONGEST_BIN_S), typical)
     raw = np.floor((time - time[0]) / width).astype(np.int64)
+    changed = np.diff(pwm, prepend=pwm[0]) != 0
+    if np.count_nonzero(changed) <= BINS // 4:
+        raw = raw + np.cumsum(changed)
     starts = np.concatenate([[0], np.flatnonzero(np.diff(raw)) + 1])
     index = np.cumsum(np.diff(raw, prepend=raw[0]) > 0)
     if starts[-1] == time.size - 1 and starts.size > 1:  # the last row alone ends the bin before it
@@ -274,7 +281,7 @@ def _bins(time: FloatArray) -> tuple[np.ndarray, FloatArray]:
 
 
 def _binned(
-    residual: FloatArray, time: FloatArray, index: np.ndarray, count: int
+    residual: FloatArray, time: FloatArray, index: NDArray[np.int64], count: int
 ) -> tuple[FloatArray, float, float, int]:
     """Means, and the scatter about each bin's own straight line."""
     good = np.isfinite(residual)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -129,9 +130,7 @@ def trace(
     considered: dict[str, list[Candidate]] = {}
     for name, one in singles.items():
         if worth_tracing(one, null[name]):
-            considered[name] = _first_round(
-                one, hypotheses[name], null[name], tried, lambda e, n=name: progress(f"{n}: {e}?")
-            )
+            considered[name] = _first_round(one, hypotheses[name], null[name], tried, partial(_say, progress, name))
     for name, chosen in _choose(singles, considered).items():
         found.append(Found(name, chosen[0], chosen[1]))
         final[name] = chosen[0].fit
@@ -157,6 +156,10 @@ def trace(
     _prune(singles, final, found)
     found.sort(key=lambda f: -_importance(whole, f))
     return Tracing(whole, found, final, null, considered, tried)
+
+
+def _say(progress: Callable[[str], None], component: str, effect: str) -> None:
+    progress(f"{component}: {effect}?")
 
 
 def _pair(
@@ -350,12 +353,12 @@ def _choose(
         if accepted:
             ties[name] = _tied(singles[name], accepted)
 
-    def support(candidate: Candidate) -> tuple[int, float]:
-        return sum(any(_same(candidate, other) for other in near) for near in ties.values()), -_penalised(candidate)
+    def support(candidate: Candidate) -> int:
+        return sum(any(_same(candidate, other) for other in near) for near in ties.values())
 
     chosen = {}
     for name, near in ties.items():
-        best = max(near, key=support)
+        best = max(near, key=support)  # the first of equals, so the best of the ties
         chosen[name] = (best, _distinct([c for c in near if c.effect.name != best.effect.name]))
     return chosen
 
@@ -368,15 +371,15 @@ def _same(one: Candidate, other: Candidate) -> bool:
 
 
 def _tied(single: Problem, accepted: Sequence[Candidate]) -> list[Candidate]:
-    """Those that the left-out runs cannot tell from the best."""
+    """Those that the left-out runs cannot tell from the best: first those as good, the simplest of them first."""
     best = accepted[0]
     variance = float(single.noise_K[0]) ** 2
-    tied = []
-    for candidate in accepted:
-        near = (candidate.loss + variance) <= _NEAR**2 * (best.loss + variance)
-        if candidate is best or near or p_better(single, 0, candidate.fit, best.fit) > TIE_LEVEL:
-            tied.append(candidate)
-    return tied
+
+    def near(candidate: Candidate) -> bool:
+        return (candidate.loss + variance) <= _NEAR**2 * (best.loss + variance)
+
+    tied = [c for c in accepted if near(c) or p_better(single, 0, c.fit, best.fit) > TIE_LEVEL]
+    return sorted(tied, key=lambda c: (not near(c), len(c.variant.free) if near(c) else 0, c.loss))
 
 
 def _terms(fitted: Fit) -> list[Term]:
