@@ -138,6 +138,7 @@ def main() -> None:
     parser.add_argument("--share", type=float, default=1.0)
     parser.add_argument("--part", default="0/1")
     parser.add_argument("--only", choices=["single", "nothing", "pair", "outside"])
+    parser.add_argument("--seed", type=int, default=0, help="added to every trial's seed: other magnitudes and profiles")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--table", type=Path, nargs="+")
     options = parser.parse_args()
@@ -148,7 +149,7 @@ def main() -> None:
     results = []
     wanted = [(k, s) for k, s in campaign(options.share) if options.only in (None, group(k))]
     for kinds, seed in wanted[part::parts]:
-        results.append(trial(kinds, seed))
+        results.append(trial(kinds, seed + options.seed))
         print(json.dumps(results[-1]), flush=True)
         if options.out:
             options.out.write_text(json.dumps(results), encoding="utf-8")
