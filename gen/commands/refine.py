@@ -76,7 +76,8 @@ def refine(
 ) -> None:
     """Trace what a model misses in measured runs to a physical effect, and add it to the model.
 
-    Verdicts: "explained" (what is left is near the sensors' noise), "partly explained", "nothing missing", "unexplained".
+    Verdicts: "explained" (what is left is near the sensors' noise), "partly explained", "nothing missing" and
+    "unexplained".
     """
     from gen.coefficients import load
     from gen.files import write_text

@@ -69,9 +69,10 @@ def _signatures(coefficients: Coefficients, runs: Sequence[Condensed]) -> list[s
         if not tripped:
             continue
         some = "in these runs only" if len(tripped) < len(shares) else "in every run at these speeds"
+        side = "over" if rule.kind == "above_model" else "under"
         warnings.append(
             f'the residual looks like the fault that the rule "{rule.name}" watches for ({rule.component} '
-            f"{'over' if rule.kind == 'above_model' else 'under'} the model by more than {rule.threshold_K:g} K), {some}: "
+            f"{side} the model by more than {rule.threshold_K:g} K), {some}: "
             f"{', '.join(tripped)}; refine with runs of a motor known to be healthy only"
         )
     return warnings

@@ -155,7 +155,7 @@ def judge_verdict(tracing: Tracing) -> Verdict:
     worst = max(tracing.own_ratio(name, tracing.final) for name in tracing.problem.components)
     if not tracing.found:
         return "nothing missing" if max(null, worst) <= NOTHING else "unexplained"
-    if final <= EXPLAINED and worst <= NOTHING:
+    if final <= EXPLAINED and worst <= NOTHING and not any(found.candidate.by_stretch for found in tracing.found):
         return "explained"
     return "partly explained"
 
@@ -180,7 +180,7 @@ def calibrations(tracing: Tracing) -> list[dict[str, Any]]:
                 "parameters": {"offset_K": offset},
                 "evidence": {
                     "within_tolerance": True,
-                    "note": f"within the sensor's tolerance of {SensorOffset.TOLERANCE_K:g} K; fitted with the effects above",
+                    "note": f"within the sensor's tolerance of {SensorOffset.TOLERANCE_K:g} K; fitted with the others",
                     "lookalikes": [],
                 },
             }
@@ -215,6 +215,7 @@ def entry(found: Found, tracing: Tracing) -> dict[str, Any]:
             "left_out_rmse_K": {"before": judgement.before_K, "after": judgement.after_K},
             "p_value": judgement.p_value,
             "level": tracing.level,
+            "judged_on": "stretches of runs, as each speed was run once" if candidate.by_stretch else "whole runs",
             "intervals_95": intervals,
             "lookalikes": [
                 {

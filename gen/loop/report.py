@@ -19,8 +19,8 @@ from gen.model.effects import registry
 
 _SENTENCES = {
     "explained": "With the effects below, what is left on runs that were left out is near the sensors' noise.",
-    "partly explained": "The effects below lower the error on left-out runs by more than chance, but something is left: the "
-    "names are the nearest in the library, not certain.",
+    "partly explained": "The effects below lower the error on left-out runs by more than chance, but something is "
+    "left: the names are the nearest in the library, not certain.",
     "nothing missing": "The residual is near the sensors' noise; no effect is added.",
     "unexplained": "Something is missing, and no effect of the library explains it on left-out runs.",
 }
@@ -114,7 +114,7 @@ def _distinct(candidates: Iterable[Candidate]) -> list[Candidate]:
 
 def _considered(candidate: Candidate) -> tuple[str, str, str, str]:
     judgement = candidate.judgement
-    why = "; ".join(judgement.reasons) or "accepted: " + candidate.effect.signature
+    why = "; ".join(judgement.reasons) or "passes; its signature: " + candidate.effect.signature
     return candidate.label, f"{judgement.after_K:.2f}", f"{judgement.p_value:.1e}", why
 
 

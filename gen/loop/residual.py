@@ -242,7 +242,7 @@ def _condensed(coefficients: Coefficients, run: Run, measured: dict[str, FloatAr
 def _solved(
     coefficients: Coefficients, run: Run, measured: dict[str, FloatArray], ambient: FloatArray
 ) -> tuple[dict[str, float], dict[str, FloatArray]]:
-    """Start and baseline: the first measured temperature, improved by what the first minute's samples say on average."""
+    """Start and baseline: the first measured temperature, its noise averaged over the first minute."""
     model = coefficients.model
     first = {}
     for name, values in measured.items():

@@ -34,6 +34,8 @@ class Candidate:
     at: int
     """Index of its component in the fit."""
     judgement: Judgement
+    by_stretch: bool = False
+    """Judged on left-out stretches of runs, as each speed was run once only."""
 
     @property
     def loss(self) -> float:
@@ -107,9 +109,10 @@ def trace(
 ) -> Tracing:
     """Explain the residual of a baseline in some runs.
 
-    Each hypothesis is fitted to each component whose residual is over the sensor's noise. Of those that the left-out runs
-    cannot tell from the best, the one that other components support as well is taken. Where a rest is left, the three
-    best are each tried with every second effect, which finds pairs that hide each other, then a third is tried.
+    Each hypothesis is fitted to each component whose residual is over the sensor's noise. Of those that the
+    left-out runs cannot tell from the best, the one that other components support as well is taken. Where a
+    rest is left, the three best are each tried with every second effect, which finds pairs that hide each
+    other, then a third is tried.
 
     Parameters
     ----------
@@ -152,6 +155,13 @@ def trace(
                 found = [f for f in found if f.component != name]
             found += [Found(name, candidate, ties) for candidate, ties in better]
             final[name] = better[-1][0].fit
+    if _each_speed_once(runs):
+        for name, one in singles.items():
+            if name in considered and len(final[name].terms) == 0:
+                entry = _by_stretch(one, hypotheses[name], tried)
+                if entry is not None:
+                    found.append(Found(name, entry, []))
+                    final[name] = entry.fit
     _couple(whole, singles, final)
     _prune(singles, final, found)
     found.sort(key=lambda f: -_importance(whole, f))
@@ -160,6 +170,34 @@ def trace(
 
 def _say(progress: Callable[[str], None], component: str, effect: str) -> None:
     progress(f"{component}: {effect}?")
+
+
+def _each_speed_once(runs: Sequence[Condensed]) -> bool:
+    """Whether each run has one speed of its own, so that leaving out a run leaves out its speed."""
+    speeds = []
+    for run in runs:
+        moving = run.pwm[run.pwm > 0]
+        if moving.size == 0 or np.ptp(moving) > 1.0:
+            return False
+        speeds.append(float(np.rint(moving[0])))
+    return len(runs) >= 2 and len(set(speeds)) == len(speeds)
+
+
+def _by_stretch(single: Problem, hypotheses: Sequence[tuple[Effect, Variant]], tried: int) -> Candidate | None:
+    """A wrong schedule, judged on left-out stretches (thirds of each run): a weaker test, and said to be one."""
+    length = single.blocks.shape[0]
+    sizes = np.sum(single.blocks >= 0, axis=0)
+    thirds = np.minimum(np.arange(length)[:, None] * 3 // np.maximum(sizes, 1), 2)
+    cut = replace(single, left_out=np.stack([thirds == f for f in range(3)]))
+    null = fit(cut, [])
+    made = []
+    for effect, variant in hypotheses:
+        if effect.name == "schedule_error":
+            fitted = fit(cut, [Term(effect, variant, tuple(f.start for f in variant.free))])
+            verdict = judge(cut, 0, null, fitted, tried, 0)
+            made.append(Candidate(effect, variant, fitted, 0, verdict, by_stretch=True))
+    good = [c for c in sorted(made, key=_penalised) if c.judgement.accepted]
+    return good[0] if good else None
 
 
 def _pair(

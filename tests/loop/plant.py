@@ -1,8 +1,8 @@
 """Run files of a motor with a planted effect, by a generator that shares no code with the effects in ``gen``.
 
 The baseline's transfer functions are integrated by Runge-Kutta of order 4 at 2 s, with the effect inside the
-differential equation; sensors quantise to 0.25 K, are noisy and off by a few tenths. Every run has current, voltage, fan,
-ambient, humidity and vibration columns, whether or not the effect knows of them.
+differential equation; sensors quantise to 0.25 K, are noisy and off by a few tenths. Every run has current,
+voltage, fan, ambient, humidity and vibration columns, whether or not the effect knows of them.
 """
 
 from __future__ import annotations

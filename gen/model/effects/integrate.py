@@ -1,7 +1,8 @@
 """Solving the effects' states along a run, for many runs and parameter sets at once.
 
-The baseline's rise is given (the exact solution); only what effects add is integrated. A step multiplies by exponentials
-(exact for a constant drive) and takes the mean of a drive that changes over the step: second order in its length. All arrays have time first and then any lanes that broadcast: components, parameter sets, runs.
+The baseline's rise is given (the exact solution); only what effects add is integrated. A step multiplies by
+exponentials (exact for a constant drive) and takes the mean of a drive that changes over the step: second order in its
+length. All arrays have time first and then any lanes that broadcast: components, parameter sets, runs.
 """
 
 from __future__ import annotations
