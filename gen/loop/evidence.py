@@ -112,6 +112,8 @@ def _parameters(found: Fit, c: int, added: int) -> list[str]:
     for i, free in enumerate(found.free[added:], start=added):
         value, spread = float(found.numbers[c, i]), float(found.spread[c, i])
         first = i == added
+        if free.low == free.high:
+            continue
         if first:
             size = abs(np.log(value)) if free.log else abs(value)
             if free.name == "nominal_V":

@@ -15,6 +15,7 @@ from gen.loop.problem import Problem, problem
 from gen.loop.residual import Condensed
 from gen.model.effects import Effect, Setting, Variant, registry
 from gen.model.effects.integrate import readings
+from gen.model.effects.schedule_error import ScheduleError
 from gen.model.effects.sensor_offset import SensorOffset
 
 MOST_EFFECTS = 3
@@ -155,15 +156,16 @@ def trace(
                 found = [f for f in found if f.component != name]
             found += [Found(name, candidate, ties) for candidate, ties in better]
             final[name] = better[-1][0].fit
+    _couple(whole, singles, final)
+    _prune(singles, final, found)
+    _judge_again(singles, final, null, found, tried)
     if _each_speed_once(runs):
         for name, one in singles.items():
-            if name in considered and len(final[name].terms) == 0:
-                entry = _by_stretch(one, hypotheses[name], tried)
+            if name in considered and not final[name].terms:
+                entry = _by_stretch(one, setting(coefficients, runs, whole, name), tried)
                 if entry is not None:
                     found.append(Found(name, entry, []))
                     final[name] = entry.fit
-    _couple(whole, singles, final)
-    _prune(singles, final, found)
     found.sort(key=lambda f: -_importance(whole, f))
     return Tracing(whole, found, final, null, considered, tried)
 
@@ -183,21 +185,33 @@ def _each_speed_once(runs: Sequence[Condensed]) -> bool:
     return len(runs) >= 2 and len(set(speeds)) == len(speeds)
 
 
-def _by_stretch(single: Problem, hypotheses: Sequence[tuple[Effect, Variant]], tried: int) -> Candidate | None:
+def _judge_again(
+    singles: dict[str, Problem], final: dict[str, Fit], null: dict[str, Fit], found: list[Found], tried: int
+) -> None:
+    """All of a component's effects together must pass the test against none, whatever the way to them was."""
+    for name, single in singles.items():
+        own = [f for f in found if f.component == name]
+        if not own or any(f.candidate.effect.everywhere for f in own):
+            continue
+        if any("worse" not in r for r in judge(single, 0, null[name], final[name], tried, 0).reasons):
+            found[:] = [f for f in found if f.component != name]
+            final[name] = null[name]
+
+
+def _by_stretch(single: Problem, known: Setting, tried: int) -> Candidate | None:
     """A wrong schedule, judged on left-out stretches (thirds of each run): a weaker test, and said to be one."""
+    effect = registry()["schedule_error"]
+    variant = effect.local(known) if isinstance(effect, ScheduleError) else None
+    if variant is None:
+        return None
     length = single.blocks.shape[0]
     sizes = np.sum(single.blocks >= 0, axis=0)
     thirds = np.minimum(np.arange(length)[:, None] * 3 // np.maximum(sizes, 1), 2)
     cut = replace(single, left_out=np.stack([thirds == f for f in range(3)]))
-    null = fit(cut, [])
-    made = []
-    for effect, variant in hypotheses:
-        if effect.name == "schedule_error":
-            fitted = fit(cut, [Term(effect, variant, tuple(f.start for f in variant.free))])
-            verdict = judge(cut, 0, null, fitted, tried, 0)
-            made.append(Candidate(effect, variant, fitted, 0, verdict, by_stretch=True))
-    good = [c for c in sorted(made, key=_penalised) if c.judgement.accepted]
-    return good[0] if good else None
+    fitted = fit(cut, [Term(effect, variant, tuple(f.start for f in variant.free))])
+    verdict = judge(cut, 0, fit(cut, []), fitted, tried, 0)
+    candidate = Candidate(effect, variant, fitted, 0, verdict, by_stretch=True)
+    return candidate if verdict.accepted else None
 
 
 def _pair(

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from gen.model.dynamics import ThermalModel
 
 
+REACH = 20
+"""How far from a speed its own correction is believed, in counts."""
+
+
 class ScheduleErrorParameters(Parameters):
     """Parameters."""
 
@@ -57,7 +61,7 @@ class ScheduleError(Effect):
         levels = tuple(level for level in setting.levels if level > 0)
         if not levels:
             return []
-        gains = tuple(Free(f"gain_factor[{i}]", 1.02, 0.02, 20.0, log=True) for i in range(len(levels)))
+        gains = tuple(Free(f"gain_factor[{i}]", 1.0, 0.02, 20.0, log=True) for i in range(len(levels)))
         rate = Free("rate_factor", 1.02, 0.1, 10.0, log=True)
         one = Variant({"pwm": (levels[0],)}, (gains[0], rate))
         made = [one, Variant({"pwm": levels, "rate_factor": 1.0}, gains), Variant({"pwm": levels}, (*gains, rate))]
@@ -65,6 +69,24 @@ class ScheduleError(Effect):
             knots = tuple(int(x) for x in np.rint(np.linspace(levels[0], levels[-1], 5)))
             made.append(Variant({"pwm": knots, "rate_factor": 1.0}, gains[:5]))
         return made
+
+    def local(self, setting: Setting) -> Variant | None:
+        """A factor at each speed that was run, 1 again :data:`REACH` counts away: nothing is said of other speeds."""
+        levels = tuple(level for level in setting.levels if level > 0)
+        if not levels:
+            return None
+        pwm: list[int] = []
+        known: list[bool] = []
+        for level in levels:
+            for count, own in ((level - REACH, False), (level, True), (level + REACH, False)):
+                if 0 < count <= 255 and (not pwm or count > pwm[-1]):
+                    pwm.append(count)
+                    known.append(own)
+        free = tuple(
+            Free(f"gain_factor[{i}]", 1.0, 0.02 if own else 1.0, 20.0 if own else 1.0, log=True)
+            for i, own in enumerate(known)
+        )
+        return Variant({"pwm": tuple(pwm), "rate_factor": 1.0}, free)
 
     def heat(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
         factor = interpolated(m.count, p["pwm"], p["gain_factor"])
