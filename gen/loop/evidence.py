@@ -1,7 +1,7 @@
 """Is an improvement on runs left out more than chance?
 
 The test: on every run that a fit did not see, the squared residual without and with the effect is compared in blocks
-(six a run, whole runs left out in turn); a one-sided t-test on the blocks' differences gives p. The level is 1 %,
+(six a run, whole runs left out in turn); a one-sided t-test on the blocks' differences gives p. The level is 5 %,
 divided by the number of hypotheses tried (Bonferroni).
 """
 
@@ -15,7 +15,7 @@ from scipy import stats
 from gen.loop.fit import Fit
 from gen.loop.problem import Problem
 
-LEVEL = 0.01
+LEVEL = 0.05
 LEAST_GAIN = 0.05
 """An effect must lower the left-out RMSE, the sensor's noise included, by this share: less is not worth its cost."""
 WORSE_RUN = 1.05

@@ -95,7 +95,7 @@ def fit(problem: Problem, terms: Sequence[Term]) -> Fit:
     count = len(problem.components)
     low = np.array([_to(f, f.low) for f in free])
     high = np.array([_to(f, f.high) for f in free])
-    tolerance = 0.0 if any(isinstance(term.effect, SensorOffset) for term in terms) else SensorOffset.TOLERANCE_K
+    tolerance = 0.0 if any(isinstance(term.effect, SensorOffset) for term in terms) else problem.tolerance_K
     scale = np.array([1.0 if f.log else max(abs(s), 1e-9) for f, s in zip(free, start, strict=True)])
     u = np.broadcast_to(np.array([_to(f, s) for f, s in zip(free, start, strict=True)]), (count, lanes, len(free)))
     weights = _weights(problem)

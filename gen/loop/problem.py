@@ -11,6 +11,7 @@ from gen.coefficients import Coefficients
 from gen.loop.residual import Condensed
 from gen.model.effects.integrate import Track
 from gen.model.effects.response import Response, answer, response
+from gen.model.effects.sensor_offset import SensorOffset
 from gen.runs.run import FloatArray
 
 FOLDS = 5
@@ -38,6 +39,8 @@ class Problem:
         Number of the block of each bin, shape (K, R), -1 for padding.
     responses
         Of the components of higher order than 1.
+    tolerance_K
+        Largest sensor offset that is fitted beside every hypothesis, K.
     """
 
     components: tuple[str, ...]
@@ -48,6 +51,7 @@ class Problem:
     left_out: np.ndarray
     blocks: np.ndarray
     responses: dict[str, Response]
+    tolerance_K: float = SensorOffset.TOLERANCE_K
 
     def only(self, name: str) -> Problem:
         """The same with one component."""

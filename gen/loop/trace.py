@@ -20,6 +20,10 @@ from gen.model.effects.sensor_offset import SensorOffset
 
 MOST_EFFECTS = 3
 """Most effects at one component: what is left after three is said to be unexplained."""
+WARM_K = 3.0
+"""A rise at which a start counts as warm."""
+STRETCHES = 18
+"""Blocks of each run where only stretches can be left out."""
 SEEDS = 3
 """First effects that are each tried with every second one."""
 _NEAR = 1.02
@@ -140,7 +144,8 @@ def trace(
         final[name] = chosen[0].fit
     _extend_everywhere(singles, found, final, null, tried)
     for name, one in singles.items():
-        for _ in range(MOST_EFFECTS - 1):
+        # Steps from cold at one speed each are too alike to tell two effects apart.
+        for _ in range(0 if _each_speed_once(runs) else MOST_EFFECTS - 1):
             if name not in considered or not worth_tracing(one, final[name]):
                 break
             progress(f"{name}: a further effect?")
@@ -159,6 +164,10 @@ def trace(
     _couple(whole, singles, final)
     _prune(singles, final, found)
     _judge_again(singles, final, null, found, tried)
+    for name, one in singles.items():
+        if final[name].terms and abs(float(final[name].offset[0])) > 0.95 * one.tolerance_K:
+            # Drawn to its limit the offset stands for something else; it is no calibration.
+            final[name] = fit(replace(one, tolerance_K=0.0), _terms(final[name]))
     if _each_speed_once(runs):
         for name, one in singles.items():
             if name in considered and not final[name].terms:
@@ -207,7 +216,10 @@ def _by_stretch(single: Problem, known: Setting, tried: int) -> Candidate | None
     length = single.blocks.shape[0]
     sizes = np.sum(single.blocks >= 0, axis=0)
     thirds = np.minimum(np.arange(length)[:, None] * 3 // np.maximum(sizes, 1), 2)
-    cut = replace(single, left_out=np.stack([thirds == f for f in range(3)]))
+    number = np.arange(length)[:, None] * STRETCHES // np.maximum(sizes, 1) + STRETCHES * np.arange(sizes.size)
+    blocks = np.where(single.blocks >= 0, number, -1)
+    # A constant offset cannot be told from a schedule by steps from cold.
+    cut = replace(single, left_out=np.stack([thirds == f for f in range(3)]), blocks=blocks, tolerance_K=0.0)
     fitted = fit(cut, [Term(effect, variant, tuple(f.start for f in variant.free))])
     verdict = judge(cut, 0, fit(cut, []), fitted, tried, 0)
     candidate = Candidate(effect, variant, fitted, 0, verdict, by_stretch=True)
@@ -320,8 +332,16 @@ def setting(coefficients: Coefficients, runs: Sequence[Condensed], whole: Proble
         levels=_levels(counts, spans),
         rate=float(middle) if middle else float(np.median(whole.track.rate[:, c])),
         ambient_fixed=None if model.ambient_channel is not None else model.ambient_fixed,
+        varying=frozenset(key for key in whole.track.channels if _varies(runs, key)),
+        reverse=any(bool(np.any(run.reverse > 0.5)) for run in runs),
+        warm=any(run.traces[name].start_rise > WARM_K for run in runs if name in run.traces),
         ambient_measured=all(run.measured_ambient is not None for run in runs),
     )
+
+
+def _varies(runs: Sequence[Condensed], key: str) -> bool:
+    values = np.concatenate([run.channels[key] for run in runs])
+    return bool(np.std(values) > 0.01 * np.sqrt(np.mean(values**2)))
 
 
 def _levels(counts: np.ndarray, spans: np.ndarray) -> tuple[int, ...]:
@@ -345,7 +365,7 @@ def _hypotheses(known: Setting) -> list[tuple[Effect, Variant]]:
 def _starts(variant: Variant) -> list[tuple[float, ...]]:
     plain = tuple(f.start for f in variant.free)
     if not any("tau" in f.name for f in variant.free):
-        return [plain]
+        return [plain, *variant.also]
     return [plain, tuple(max(f.start * 0.2, f.low) if "tau" in f.name else f.start for f in variant.free)]
 
 

@@ -37,7 +37,11 @@ class Airflow(Effect):
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         made = []
         for channel, mean in setting.channels.items():
-            if any(word in channel.lower() for word in WORDS) and not channel.lower().endswith(("_degc", "_a", "_v")):
+            if (
+                channel in setting.varying
+                and any(word in channel.lower() for word in WORDS)
+                and not channel.lower().endswith(("_degc", "_a", "_v"))
+            ):
                 start = 0.1 * setting.rate / max(abs(mean), 1e-3)
                 made.append(Variant({"channel": channel}, (Free("cooling_per_s", min(start, 0.05), 0.0, 0.1),)))
         return made

@@ -71,10 +71,13 @@ class Variant:
         Parameters that are not fitted: a channel's name, ``tau_s: None``, a list of PWM levels.
     free
         The others.
+    also
+        Further starts, where a fit from one may end in a wrong place.
     """
 
     fixed: Mapping[str, Any] = field(default_factory=dict)
     free: tuple[Free, ...] = ()
+    also: tuple[tuple[float, ...], ...] = ()
 
     def values(self, numbers: Lanes) -> dict[str, Any]:
         """Put fixed and free together; `numbers` holds one number or array for each free parameter, in order."""
@@ -107,6 +110,10 @@ class Setting:
         Ambient in degC as the model has it, None where the model reads it already.
     ambient_measured
         The runs hold a measured ambient.
+    varying
+        The extra channels that change.
+    reverse, warm
+        Some run has PWM < 0; some run starts warm.
     """
 
     component: str
@@ -116,10 +123,14 @@ class Setting:
     rate: float
     ambient_fixed: float | None
     ambient_measured: bool
+    varying: frozenset[str]
+    reverse: bool
+    warm: bool
 
     def ending(self, *suffixes: str) -> list[str]:
-        """Extra channels whose unit (the end of the name) is one of these, without temperatures of the model."""
-        return [name for name in self.channels if name.lower().endswith(tuple(s.lower() for s in suffixes))]
+        """Extra channels that change and whose unit (the end of the name) is one of these."""
+        wanted = tuple(s.lower() for s in suffixes)
+        return [name for name in self.channels if name in self.varying and name.lower().endswith(wanted)]
 
 
 class Moment:

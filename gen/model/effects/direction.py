@@ -29,6 +29,8 @@ class Direction(Effect):
     lookalikes: ClassVar[Mapping[str, str]] = {"schedule_error": "run the same speed for 2 h in each direction"}
 
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
+        if not setting.reverse:
+            return []
         return [Variant({}, (Free("reverse_heating", 0.05, -0.9, 2.0),))]
 
     def heat(self, p: Values, m: Moment) -> Lanes:  # noqa: D102

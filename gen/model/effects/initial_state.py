@@ -37,6 +37,8 @@ class InitialState(Effect):
     }
 
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
+        if not setting.warm:
+            return []
         k = Free("soak_per_s", 0.2 * setting.rate, -0.05, 0.05)
         return [Variant({}, (k, Free("soak_tau_s", 0.3 / setting.rate, 5.0, 40000.0, log=True)))]
 

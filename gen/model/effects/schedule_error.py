@@ -29,6 +29,11 @@ class ScheduleErrorParameters(Parameters):
         Field(min_length=1, description="Factor of the steady rise there; linear between, held outside."),
     ]
     rate_factor: Annotated[float, Field(ge=0.1, le=10.0, description="Factor of all poles, at every speed.")] = 1.0
+    peak_factor: Annotated[
+        float, Field(ge=0.02, le=20.0, description="Factor of the steady rise at the middle of a bump.")
+    ] = 1.0
+    middle_pwm: Annotated[float, Field(ge=0.0, le=255.0, description="|PWM| at the bump's middle, counts.")] = 128.0
+    width_pwm: Annotated[float, Field(ge=5.0, le=128.0, description="Where the bump has fallen to 1/e, counts.")] = 40.0
 
     @model_validator(mode="after")
     def _check(self) -> ScheduleErrorParameters:
@@ -45,7 +50,8 @@ class ScheduleError(Effect):
     name = "schedule_error"
     title = "a wrong schedule at some speeds"
     equation = (
-        "steady rise multiplied by c(|PWM|), poles by f:  E' = rate (f c - 1) K/A(0) |PWM| - (f - 1) rate T - rate E"
+        "steady rise multiplied by c(|PWM|) (a table, and a bump), poles by f:  "
+        "E' = rate (f c - 1) K/A(0) |PWM| - (f - 1) rate T - rate E"
     )
     parameters = ScheduleErrorParameters
     signature = "the steady error belongs to the speed, and comes back each time that the speed does"
@@ -64,10 +70,18 @@ class ScheduleError(Effect):
         gains = tuple(Free(f"gain_factor[{i}]", 1.0, 0.02, 20.0, log=True) for i in range(len(levels)))
         rate = Free("rate_factor", 1.02, 0.1, 10.0, log=True)
         one = Variant({"pwm": (levels[0],)}, (gains[0], rate))
+        bump = (
+            Free("peak_factor", 1.0, 0.02, 20.0, log=True),
+            Free("middle_pwm", 130.0, float(levels[0]), float(levels[-1])),
+            Free("width_pwm", 35.0, 10.0, 90.0, log=True),
+        )
+        flat = {"pwm": (levels[0],), "gain_factor": (1.0,), "rate_factor": 1.0}
         made = [one, Variant({"pwm": levels, "rate_factor": 1.0}, gains), Variant({"pwm": levels}, (*gains, rate))]
         if len(levels) > 5:
             knots = tuple(int(x) for x in np.rint(np.linspace(levels[0], levels[-1], 5)))
             made.append(Variant({"pwm": knots, "rate_factor": 1.0}, gains[:5]))
+        if len(levels) > 2:
+            made.append(Variant(flat, bump, also=((1.0, 80.0, 35.0), (1.0, 180.0, 35.0), (1.0, 225.0, 35.0))))
         return made
 
     def local(self, setting: Setting) -> Variant | None:
@@ -89,7 +103,7 @@ class ScheduleError(Effect):
         return Variant({"pwm": tuple(pwm), "rate_factor": 1.0}, free)
 
     def heat(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
-        factor = interpolated(m.count, p["pwm"], p["gain_factor"])
+        factor = _factor(m.count, p)
         return (p["rate_factor"] * factor - 1.0) * m.heat
 
     def per_rise(self, p: Values, m: Moment) -> Lanes:  # noqa: D102
@@ -98,8 +112,15 @@ class ScheduleError(Effect):
     def folded(self, p: Values, model: ThermalModel, component: str) -> ThermalModel | None:  # noqa: D102
         from gen.model.effects.tables import scaled
 
-        steady = np.asarray(interpolated(np.arange(256.0), p["pwm"], p["gain_factor"]) + np.zeros(256))
+        steady = np.asarray(_factor(np.arange(256.0), p) + np.zeros(256))
         return scaled(model, component, steady, np.full(256, float(p["rate_factor"])))
+
+
+def _factor(count: Array, p: Values) -> Lanes:
+    factor = interpolated(count, p["pwm"], p["gain_factor"])
+    if "peak_factor" not in p:
+        return factor
+    return factor * (1.0 + (p["peak_factor"] - 1.0) * np.exp(-(((count - p["middle_pwm"]) / p["width_pwm"]) ** 2)))
 
 
 def interpolated(count: Array, levels: tuple[int, ...], factors: Lanes) -> Lanes:
