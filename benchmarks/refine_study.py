@@ -125,10 +125,11 @@ def outlier() -> None:
         f"""
 The magnet's outlier: at 20 % and 2160 s the study's table implies a measured rise {off:.1f} K over the curve that it
 identified. That curve's mean squared error over the same 10800 s is {mse:g} K^2, so the recording can have been
-{off:.0f} K off for {longest:.0f} s at most. Heat cannot do that: the part warms by {slope:.3f} K/s at its fastest, which
-is {slope * longest:.1f} K in that time. So it is no missing heat path, ambient or schedule. It can be a disturbed reading
-of that one thermocouple (its neighbours show nothing), a row read off elsewhere, or a misprint; the same number stands
-behind the table of the averaged-pole model. What would tell: the raw recording about 2160 s, or the run again."""
+{off:.0f} K off for {longest:.0f} s at most. Heat cannot do that: at its fastest the part warms by {slope:.3f} K/s,
+{slope * longest:.1f} K in that time. So it is no missing heat path, ambient or schedule. It can be a disturbed
+reading of that one thermocouple (its neighbours show nothing), a row read off elsewhere, or a misprint; the same
+number stands behind the table of the averaged-pole model. What would tell: the raw recording about 2160 s, or the
+run again."""
     )
 
 

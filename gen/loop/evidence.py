@@ -1,8 +1,8 @@
 """Is an improvement on runs left out more than chance?
 
 The test: on every run that a fit did not see, the squared residual without and with the effect is compared in blocks
-(six a run, whole runs left out in turn); a one-sided t-test on the blocks' differences gives p. The level is 5 %,
-divided by the number of hypotheses tried (Bonferroni).
+(six a run, more where runs are few; whole runs left out in turn); a one-sided test on the blocks' differences gives p.
+The level is 5 %, divided by the number of hypotheses tried (Bonferroni).
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ LEAST_GAIN = 0.05
 WORSE_RUN = 1.05
 """No left-out run may get worse by more than this factor (beside a third of the noise)."""
 TIE_LEVEL = 0.05
+SAME = 0.2
+"""An effect's size must have one sign in every fold, and the smallest be at least this share of the largest."""
 
 
 @dataclass(frozen=True)
@@ -115,10 +117,13 @@ def _parameters(found: Fit, c: int, added: int) -> list[str]:
         if free.low == free.high:
             continue
         if first:
-            size = abs(np.log(value)) if free.log else abs(value)
             if free.name == "nominal_V":
                 continue
-            if not np.isfinite(spread) or (size < 2.0 * spread and "[" not in free.name):
+            each = found.folds[c, :, i]
+            steady = bool(np.all(each > 0.0) or np.all(each < 0.0)) and np.min(np.abs(each)) > SAME * np.max(
+                np.abs(each)
+            )
+            if not np.isfinite(spread) or (not steady and "[" not in free.name):
                 reasons.append(f"{free.name} cannot be told from no effect")
         edge = 1.001 if free.log else 1.0
         if first and not free.log and value >= free.high * 0.999 / edge:

@@ -46,6 +46,8 @@ class Fit:
         Free parameters in order, fitted to all runs, shape (C, n).
     spread
         Their standard errors in the fit's own scale (relative for logarithmic ones), shape (C, n).
+    folds
+        Free parameters of each fold's fit, in the fit's own scale, shape (C, F, n).
     offset
         The tolerated sensor offset, K, shape (C,).
     error
@@ -59,6 +61,7 @@ class Fit:
     terms: tuple[Term, ...]
     numbers: FloatArray
     spread: FloatArray
+    folds: FloatArray
     offset: FloatArray
     error: FloatArray
     left_out: FloatArray
@@ -271,6 +274,7 @@ def _finished(
         terms=terms,
         numbers=numbers,
         spread=spread,
+        folds=best.u[:, 1:].copy(),
         offset=best.offset[:, 0],
         error=np.moveaxis(residual[:, 0], 0, 1),
         left_out=np.moveaxis(left_out, 0, 1),

@@ -17,6 +17,8 @@ from gen.runs.run import FloatArray
 FOLDS = 5
 BLOCKS = 6
 """Blocks of each run for the test of an improvement."""
+LEAST_BLOCKS = 36
+"""Blocks that there shall be at least: few runs are cut finer."""
 
 
 @dataclass(frozen=True)
@@ -185,7 +187,7 @@ def _folds(sizes: Sequence[int], length: int) -> np.ndarray:
 
 
 def _blocks(sizes: Sequence[int], length: int) -> np.ndarray:
-    many = BLOCKS if len(sizes) > 1 else 3 * BLOCKS
+    many = max(BLOCKS, -(-LEAST_BLOCKS // len(sizes)))
     made = np.full((length, len(sizes)), -1)
     for r, size in enumerate(sizes):
         made[:size, r] = np.arange(size) * many // size + many * r
