@@ -23,7 +23,7 @@ def table(record: dict[str, Any]) -> str:
     for item in record["combinations"]:
         cost = item["cost"]
         lines.append(
-            f"| {item['arithmetic']}/{item['schedule']} | {rounded_up(max(item['error_K'].values())):.1e} K "
+            f"| {item['arithmetic']}/{item['schedule']}{'/fast' if item.get('speed') == 'fast' else ''} | {rounded_up(max(item['error_K'].values())):.1e} K "
             f"| {rounded_up(max(item['bound_K'].values())):.1e} K | {cost['cycles_constant']} "
             f"| {cost['cycles_change']} | {cost['flash_bytes']} B | {cost['ram_bytes']} B | {cost['stack_bytes']} B |"
         )
@@ -40,11 +40,7 @@ def main() -> None:
     """Rewrite the README's figures."""
     record = json.loads(Path(sys.argv[1]).read_text())
     text = README.read_text()
-    means = [
-        round(item["cost"]["cycles_constant_mean"]) for item in record["combinations"] if item["arithmetic"] == "float"
-    ]
     text = between(text, "table", f"\n\n{table(record)}\n\n")
-    text = between(text, "mean", " and ".join(str(mean) for mean in sorted(set(means))))
     samples, words = f"{record['samples']:,}", f"{record['words']:,}"
     text = between(text, "equal", f"**{samples} samples, {words} words compared, {record['differing']} differ.**")
     README.write_text(text)

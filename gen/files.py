@@ -15,17 +15,39 @@ MARK = "manifest.json"
 
 
 def write_text(path: Path, text: str) -> None:
+    """Write one UTF-8 file beside its place, then rename it."""
+    write_bytes(path, text.encode())
+
+
+def write_bytes(path: Path, data: bytes) -> None:
     """Write one file beside its place, then rename it."""
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
         try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(text)
+            with os.fdopen(handle, "wb") as file:
+                file.write(data)
             Path(name).chmod(0o644)
             Path(name).replace(path)
         except BaseException:
             Path(name).unlink(missing_ok=True)
             raise
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror}", file=str(path)) from error
+
+
+def check_writable(path: Path) -> None:
+    """Find out before long work that a file could not be written at its end.
+
+    Raises
+    ------
+    InputError
+        If the path is a folder, or its folder is missing or takes no new file.
+    """
+    if path.is_dir():
+        raise InputError("is a folder; expected the name of a file", file=str(path))
+    try:
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", file=str(path)) from error
 

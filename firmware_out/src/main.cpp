@@ -1,113 +1,211 @@
-// The sketch: every 250 ms the model takes one step, and once a second its temperatures go out on the serial line
-// as rows of a run file (`time_s,pwm,...`). Send a number and a newline to tell it the PWM that now acts.
+// The device: every 250 ms it reads the sensors, checks their samples, moves the model of the healthy motor on by one sample,
+// compares, and says what it found. Between the samples it sleeps.
 //
-// The tick has three places: before the step, where the sensors will be read; the step; and after it, where the
-// measured temperatures will be compared with the model's and alarms raised.
+// A tick has this order: sensors and their checks; the model, with the PWM that acted over the sample that ends now; the
+// alarms; the PWM that acts from now on; then everything that is told to people.
 #include <Arduino.h>
-
+#include <avr/wdt.h>
 #include <my1016.h>
+#include <my1016_alarms.h>
+#include <my1016_sensors.h>
 
-static const uint32_t BAUD = 115200;
-static const int32_t AMBIENT_MC = 30000;  // from $.ambient.fixed_degC, in thousandths of a degree
-static const uint8_t ROW_TICKS = 4;  // ticks between two rows
-static const uint8_t ROW_BYTES = 16 + 12 * MY1016_COMPONENTS;  // no longer than this, so that it fits behind the last row
+#include "board.h"
+#include "commands.h"
+#include "config.h"
+#include "console.h"
+#include "device.h"
+#include "drive.h"
+#include "encoder.h"
+#include "indicator.h"
+#include "memory.h"
+#include "output.h"
+#include "selftest.h"
+#include "thermocouples.h"
 
-static uint32_t tick_due;
-static uint32_t ticks;
-static uint8_t ticks_to_row;
-static int16_t pwm;
+using device::now;
 
-// Prints thousandths as a decimal number.
-static void print_thousandths(int32_t value) {
-    if (value < 0) {
-        Serial.print('-');
-        value = -value;
+device::Now device::now;
+
+static uint32_t tick_due;  // milliseconds, as millis() counts them
+static uint32_t indicator_due;
+static uint32_t read_at;           // the last reading of the thermocouples
+static uint16_t samples_to_start;  // how long the start still waits for them
+
+// What each thermocouple is on.
+static const uint8_t component_of[MY1016_SENSORS] PROGMEM = {
+    MY1016_BRUSH,
+    MY1016_BEARING,
+    MY1016_MAGNET,
+    MY1016_CASING,
+    MY1016_COMPONENTS,  // none: the ambient
+};
+
+// Reads the thermocouples and keeps only what passes its checks. Too early a reading would not only be unfinished, it would
+// begin the conversion anew: it is left out.
+static void read_thermocouples(uint32_t time) {
+    const bool finished = time - read_at >= config::CONVERSION_MS;
+    if (finished) {
+        read_at = time;
     }
-    Serial.print(value / 1000);
-    Serial.print('.');
-    const int16_t rest = (int16_t)(value % 1000);
-    if (rest < 100) {
-        Serial.print('0');
-    }
-    if (rest < 10) {
-        Serial.print('0');
-    }
-    Serial.print(rest);
-}
-
-static void print_header() {
-    Serial.println(F("# model: my1016"));
-    Serial.println(F("# coefficients_sha256: 9ef57c76389da99307b100ae5e00bf54ac82196c1fdc36e8b43851183adf39a8"));
-    Serial.print(F("time_s,pwm"));
-    for (uint8_t component = 0; component < MY1016_COMPONENTS; ++component) {
-        Serial.print(',');
-        Serial.print((const __FlashStringHelper *)my1016_component_name(component));
-        Serial.print(F("_model_degC"));
-    }
-    Serial.println(F(",flags"));
-}
-
-static void print_row() {
-    print_thousandths((int32_t)(ticks * MY1016_SAMPLE_MS));
-    Serial.print(',');
-    Serial.print(pwm);
-    for (uint8_t component = 0; component < MY1016_COMPONENTS; ++component) {
-        Serial.print(',');
-        print_thousandths(my1016_temperature_mC(component, AMBIENT_MC));
-    }
-    Serial.print(',');
-    Serial.println(my1016_flags());
-}
-
-// Takes what has arrived of a command, "-255".."255" and a newline; never waits. Anything else in a line voids it.
-static void read_command() {
-    static int16_t number;
-    static bool negative, digits, valid = true;
-    while (Serial.available() > 0) {
-        const char c = (char)Serial.read();
-        if (c >= '0' && c <= '9' && number <= 255) {
-            number = (int16_t)(number * 10 + (c - '0'));
-            digits = true;
-        } else if (c == '-' && !digits && !negative) {
-            negative = true;
-        } else if (c == '\n' || c == '\r') {
-            if (digits && valid && number <= 255) {
-                pwm = negative ? (int16_t)-number : number;
-            }
-            number = 0;
-            negative = digits = false;
-            valid = true;
+    now.sample.valid = 0;
+    now.flags |= device::AMBIENT;
+    for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
+        const uint8_t component = pgm_read_byte(&component_of[channel]);
+        const uint16_t word = finished ? thermocouples::read(channel) : 0;
+        const int32_t model_mC = component < MY1016_COMPONENTS ? my1016_temperature_mC(component, now.sample.ambient_mC) : 0;
+        if (my1016_sensors_check(channel, word, finished, model_mC) != MY1016_SAMPLE_OK) {
+            continue;
+        }
+        if (component < MY1016_COMPONENTS) {
+            now.sample.valid = (uint16_t)(now.sample.valid | 1u << component);
+            now.sample.measured_mC[component] = my1016_sensors_mC(channel);
         } else {
-            valid = false;
+            now.sample.ambient_mC = my1016_sensors_mC(channel);
+            now.flags &= (uint16_t)~device::AMBIENT;
         }
     }
 }
 
-void setup() {
-    Serial.begin(BAUD);
-    my1016_begin();
-    print_header();
-    tick_due = millis() + MY1016_SAMPLE_MS;
+static bool every_sample_is_valid() {
+    for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
+        if (my1016_sensors_code(channel) != MY1016_SAMPLE_OK) {
+            return false;
+        }
+    }
+    return true;
 }
 
-void loop() {
-    read_command();
-    if ((int32_t)(millis() - tick_due) < 0) {  // the difference is right across the rollover of millis()
-        return;
+// True if every part is measured and at ambient temperature: then it is at rest, too.
+static bool is_cold() {
+    for (uint8_t component = 0; component < MY1016_COMPONENTS; ++component) {
+        const int32_t rise_mK = now.sample.measured_mC[component] - now.sample.ambient_mC;
+        if (!(now.sample.valid & (1u << component)) || rise_mK > config::COLD_MK || rise_mK < -config::COLD_MK) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// The model's start. After a reset the motor may be hot: the states come from EEPROM if the copy there is still true, else
+// from the measured temperatures, at rest. A part that is not measured starts at ambient temperature.
+static void start() {
+    now.started = true;
+    const bool resumed = memory::resume();
+    if (memory::firmware_is_new()) {
+        console::event(F("firmware is new"));
+    }
+    if (!resumed) {
+        for (uint8_t component = 0; component < MY1016_COMPONENTS; ++component) {
+            if (now.sample.valid & (1u << component)) {
+                my1016_start(component, now.sample.measured_mC[component] - now.sample.ambient_mC);
+            }
+        }
+    }
+    my1016_sensors_model_set();
+    my1016_alarms_begin(resumed || is_cold());
+    console::event(resumed ? F("start from memory") : now.sample.valid ? F("start from measured") : F("start from ambient"));
+}
+
+static void pass_sample() {
+    now.milliseconds = (uint16_t)(now.milliseconds + MY1016_SAMPLE_MS % 1000);
+    now.seconds += MY1016_SAMPLE_MS / 1000;
+    if (now.milliseconds >= 1000) {
+        now.milliseconds = (uint16_t)(now.milliseconds - 1000);
+        ++now.seconds;
+    }
+}
+
+static void tick(uint32_t time) {
+    const uint32_t began = micros();
+    now.flags &= device::AMBIENT;  // between two readings of the sensors it stays
+    if (time - tick_due > config::LATE_MS) {
+        now.flags |= device::LATE;
+        if (now.late < 0xFFFFu) {
+            ++now.late;
+        }
     }
     tick_due += MY1016_SAMPLE_MS;
 
-    // Before the step: read and check the sensors here.
+    read_thermocouples(time);
+    encoder::sample(drive::pwm());
+    now.rpm = encoder::rpm();
+    now.flags |= encoder::stalled() ? device::STALL : 0;
 
-    my1016_step(pwm);
-    ++ticks;
+    if (now.started) {
+        pass_sample();
+        my1016_step(drive::pwm());
+        my1016_alarms_step(drive::pwm(), &now.sample);
+    } else {
+        if (!every_sample_is_valid() && samples_to_start > 0) {
+            --samples_to_start;
+            return;
+        }
+        start();
+    }
 
-    // After the step: compare measured and modelled temperatures and raise alarms here.
+    const bool stop = my1016_alarms_stop();
+    drive::update(stop);
+    now.flags |= my1016_flags();
+    now.flags |= stop ? device::STOPPED : 0;
+    memory::update();
+    now.flags |= memory::failed() ? device::MEMORY : 0;
+    console::sample();
+    const uint32_t took = micros() - began;
+    if (took > now.longest_us) {
+        now.longest_us = took;
+    }
+}
 
-    if (ticks_to_row > 0) {
-        --ticks_to_row;
-    } else if (Serial.availableForWrite() >= (ROW_BYTES < SERIAL_TX_BUFFER_SIZE ? ROW_BYTES : SERIAL_TX_BUFFER_SIZE - 1)) {
-        ticks_to_row = ROW_TICKS - 1;
-        print_row();
+static void indicate() {
+    indicator::show(my1016_alarms(), !every_sample_is_valid());
+    if (indicator::update()) {
+        my1016_alarms_reset();
+        console::event(F("alarms reset by the button"));
+    }
+}
+
+static bool is_due(uint32_t when, uint32_t time) {
+    return (int32_t)(time - when) >= 0;  // right across the rollover of millis()
+}
+
+void setup() {
+    board::begin();
+    console::begin();
+    my1016_begin();
+    my1016_alarms_begin(0);
+    now.sample.ambient_mC = config::AMBIENT_MC;
+    drive::begin();
+    thermocouples::begin();
+    my1016_sensors_begin();
+    samples_to_start = config::START_SAMPLES;
+    encoder::begin();
+    indicator::begin();
+    selftest::begin(selftest::flash_crc());
+    memory::begin(selftest::crc());
+    const uint32_t time = millis();
+    tick_due = time + MY1016_SAMPLE_MS;
+    read_at = time;
+    indicator_due = time;
+}
+
+void loop() {
+    const uint32_t time = millis();
+    if (is_due(tick_due, time)) {
+        tick(time);
+        wdt_reset();  // only here: a board that takes no samples is reset
+    }
+    if (is_due(indicator_due, time)) {
+        indicator_due = time + indicator::SLOT_MS;
+        indicate();
+    }
+    commands::receive();
+    const bool writing = console::work();
+    const bool sent = output::drain();
+    if (!selftest::work()) {
+        uint32_t until = is_due(tick_due, indicator_due) ? tick_due : indicator_due;
+        if (writing || !sent) {
+            until = millis() + 2;  // the UART sends 23 bytes meanwhile at 115200 baud
+        }
+        board::doze(until);
     }
 }

@@ -12,6 +12,10 @@ from gen.coefficients.effects import EffectEntry
 from gen.coefficients.schedule import ScheduleEntry
 from gen.coefficients.wiring import Wiring
 
+SKETCH_FILES = frozenset(["board", "commands", "config", "console", "crc32", "device", "drive", "encoder"])
+SKETCH_FILES |= {"indicator", "memory", "observer", "output", "selftest", "thermocouples"}
+"""Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
+
 CountRange = tuple[Counts, Counts]
 CelsiusRange = tuple[Celsius, Celsius]
 ColumnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
@@ -61,6 +65,7 @@ class Accuracy(Part):
 
     fixed_limit_K: Positive = 1e-5
     float_limit_K: Positive = 1e-3
+    fast_limit_K: Positive = 1e-4
 
 
 class PoleEntry(Part):
@@ -140,6 +145,8 @@ class Document(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Document:
+        if self.name.lower() in SKETCH_FILES:
+            raise fault(f'"{self.name}" is the name of a file of the sketch; expected another name', "name")
         self._check_ranges()
         names = [component.name for component in self.components]
         _unique(names, "components")
@@ -181,6 +188,11 @@ class Document(Part):
             if thermocouple.channel in channels:
                 raise fault(f'"{thermocouple.channel}" has a thermocouple already; expected one each', *at)
             channels.add(thermocouple.channel)
+        profile = self.wiring.drive.profile if self.wiring and self.wiring.drive else None
+        for i, step in enumerate(profile.steps if profile else ()):
+            full = self.input.full_scale
+            place = ("wiring", "drive", "profile", "steps", i, "pwm")
+            _within((step.pwm, step.pwm), (-full, full), "the input's full scale", *place)
         for i, alarm in enumerate(self.alarms):
             _known(alarm.component, names, "alarms", i, "component")
             self._check_window(alarm, "alarms", i)

@@ -1,4 +1,4 @@
-"""The board's wiring: which pin of the Mega carries what."""
+"""The board's wiring: which pin of the Mega carries what, and what is plausible on it."""
 
 from __future__ import annotations
 
@@ -6,23 +6,66 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from gen.coefficients.base import Part, fault
+from gen.coefficients.base import Celsius, NotNegative, Part, Positive, fault
 
 Pin = Annotated[int, Field(ge=0, le=69, description="Arduino pin number of the Mega 2560 (54..69 are A0..A15).")]
+Duty = Annotated[int, Field(ge=-255, le=255)]
 
 _PWM_PINS = frozenset([*range(2, 14), 44, 45, 46])
 _INTERRUPT_PINS = frozenset([2, 3, 18, 19, 20, 21])
+COUNTER_PIN = 47
+"""The one header pin that clocks a timer which the Arduino core does not need (T5 of Timer 5)."""
+_COUNTER_TIMER_PINS = frozenset([44, 45, 46])
 _SHARED = frozenset(["so", "sck"])
 """Roles that several thermocouple amplifiers may share: only the selected one drives or reads its line."""
 
+MAX6675_HIGHEST = 1023.75
+"""What the largest count of a MAX6675 means, in degC."""
+
 
 class Thermocouple(Part):
-    """One MAX6675 on bit-banged SPI."""
+    """One MAX6675 on bit-banged SPI, and what is plausible from it; a sample beyond that is not used."""
 
     channel: Annotated[str, Field(description='A component\'s name, or "ambient".')]
     cs: Pin
     so: Pin
     sck: Pin
+    min_degC: Annotated[
+        Celsius | None,
+        Field(description="Lowest plausible temperature; without it the domain's lowest (ambient: 10 K less)."),
+    ] = None
+    max_degC: Annotated[
+        Celsius | None,
+        Field(
+            le=MAX6675_HIGHEST,
+            description="Highest plausible temperature; without it 100 K over the domain's highest, so that an "
+            "over-temperature is still seen (ambient: 10 K over).",
+        ),
+    ] = None
+    max_rate_K_per_s: Annotated[
+        Positive, Field(le=1000, description="A change faster than this, beyond 1 K of noise, is a jump.")
+    ] = 5.0
+    stuck_s: Annotated[
+        Positive | None,
+        Field(
+            le=1e6,
+            description="The same count for this long is a stuck sensor, provided that the model moved by stuck_K "
+            "meanwhile. Without it 300 s; ambient, for which there is no model, is not checked.",
+        ),
+    ] = None
+    stuck_K: Annotated[
+        NotNegative | None,
+        Field(
+            le=1000,
+            description="See stuck_s; 0: time alone decides. Without it 3 K; ambient 0.",
+        ),
+    ] = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Thermocouple:
+        if self.min_degC is not None and self.max_degC is not None and self.min_degC >= self.max_degC:
+            raise fault(f"found {self.max_degC:g}, expected more than min_degC, which is {self.min_degC:g}", "max_degC")
+        return self
 
 
 class Encoder(Part):
@@ -30,6 +73,46 @@ class Encoder(Part):
 
     pin: Pin
     pulses_per_revolution: Annotated[int, Field(ge=1, le=65535)]
+    method: Annotated[
+        Literal["interrupt", "counter"] | None,
+        Field(description="counter: Timer 5 counts, on pin 47 only. Without it: counter on pin 47, else interrupt."),
+    ] = None
+    stall_pwm: Annotated[int, Field(ge=1, le=255, description="|PWM| from which on the motor must turn.")] = 51
+    stall_s: Annotated[Positive, Field(le=3600, description="No pulse for this long at such a PWM is a stall.")] = 2.0
+
+    @property
+    def counts_in_hardware(self) -> bool:
+        """Whether Timer 5 counts the pulses."""
+        return self.method == "counter" or (self.method is None and self.pin == COUNTER_PIN)
+
+    @model_validator(mode="after")
+    def _check(self) -> Encoder:
+        if self.counts_in_hardware and self.pin != COUNTER_PIN:
+            raise fault(f"pin {self.pin} is no counter's input; expected {COUNTER_PIN}", "pin")
+        if not self.counts_in_hardware and self.pin not in _INTERRUPT_PINS:
+            raise fault(
+                f"pin {self.pin} has no external interrupt; expected one of 2, 3, 18, 19, 20, 21 "
+                f"(or {COUNTER_PIN}, counted in hardware)",
+                "pin",
+            )
+        return self
+
+
+class ProfileStep(Part):
+    """One step of a profile."""
+
+    duration_s: Annotated[Positive, Field(le=1e6)]
+    pwm: Duty
+
+
+class Profile(Part):
+    """What the board commands by itself when told `profile on`."""
+
+    steps: Annotated[tuple[ProfileStep, ...], Field(min_length=1, max_length=200)]
+    repeat: Annotated[bool, Field(description="Start again after the last step; otherwise PWM 0 follows.")] = False
+    autostart: Annotated[bool, Field(description="Run it from power-up on: after every reset the motor starts.")] = (
+        False
+    )
 
 
 class Drive(Part):
@@ -37,26 +120,44 @@ class Drive(Part):
 
     forward_pin: Pin
     reverse_pin: Pin
+    profile: Profile | None = None
+
+
+class Observe(Part):
+    """Another controller's PWM, only measured: its pins, one for each direction (400 Hz..25 kHz)."""
+
+    forward_pin: Pin
+    reverse_pin: Pin | None = None
+
+
+class Memory(Part):
+    """The copy of the model's states in EEPROM."""
+
+    interval_s: Annotated[Positive, Field(ge=60, le=1e6, description="Time between two copies.")] = 600.0
+    tolerance_K: Annotated[
+        Positive,
+        Field(
+            le=100,
+            description="After a reset a copy is used if no measured temperature has moved by more than this since.",
+        ),
+    ] = 2.0
 
 
 class Wiring(Part):
     """All pins; one pin has one role, except that clock and data lines may be shared."""
 
     serial_baud: Literal[9600, 19200, 38400, 57600, 76800, 115200, 250000, 500000, 1000000] = 115200
+    row_every_s: Annotated[Positive, Field(le=3600, description="Time between two rows on the serial line.")] = 1.0
     led_pin: Pin | None = None
-    button_pin: Pin | None = None
-    thermocouples: tuple[Thermocouple, ...] = ()
+    button_pin: Annotated[Pin | None, Field(description="To ground; resets latched alarms.")] = None
+    thermocouples: Annotated[tuple[Thermocouple, ...], Field(max_length=17)] = ()
     encoder: Encoder | None = None
     drive: Drive | None = None
+    observe: Observe | None = None
+    memory: Annotated[Memory | None, Field(description="null: no copies.")] = Memory()
 
     @model_validator(mode="after")
     def _check(self) -> Wiring:
-        if self.encoder and self.encoder.pin not in _INTERRUPT_PINS:
-            raise fault(
-                f"pin {self.encoder.pin} has no external interrupt; expected one of 2, 3, 18, 19, 20, 21",
-                "encoder",
-                "pin",
-            )
         for key in ("forward_pin", "reverse_pin"):
             if self.drive and getattr(self.drive, key) not in _PWM_PINS:
                 raise fault(
@@ -64,6 +165,16 @@ class Wiring(Part):
                     "drive",
                     key,
                 )
+            timer_5 = self.encoder is not None and self.encoder.counts_in_hardware
+            if self.drive and timer_5 and getattr(self.drive, key) in _COUNTER_TIMER_PINS:
+                raise fault(
+                    f"the PWM of pin {getattr(self.drive, key)} is Timer 5's, which counts the encoder's pulses; "
+                    "expected another pin",
+                    "drive",
+                    key,
+                )
+        if self.drive and self.observe:
+            raise fault('found both "drive" and "observe"; expected one of them: who drives the motor?', "observe")
         taken: dict[int, tuple[str, str]] = {0: ("rx", "the serial port"), 1: ("tx", "the serial port")}
         for role, pin, at in self._roles():
             owner = taken.setdefault(pin, (role, _place(at)))
@@ -79,8 +190,11 @@ class Wiring(Part):
                 roles.append((name, pin, (name,)))
         if self.encoder:
             roles.append(("encoder", self.encoder.pin, ("encoder", "pin")))
-        if self.drive:
-            roles += [(key, getattr(self.drive, key), ("drive", key)) for key in ("forward_pin", "reverse_pin")]
+        for name in ("drive", "observe"):
+            for key in ("forward_pin", "reverse_pin"):
+                pin = getattr(getattr(self, name), key, None)
+                if pin is not None:
+                    roles.append((key, pin, (name, key)))
         for i, thermocouple in enumerate(self.thermocouples):
             roles += [(key, getattr(thermocouple, key), ("thermocouples", i, key)) for key in ("cs", "so", "sck")]
         return roles

@@ -1,1 +1,1 @@
-"""Commands with more to them than a call; `gen.cli` registers them."""
+"""Commands that have a module of their own; `gen.cli` registers them."""

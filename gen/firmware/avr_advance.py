@@ -1,7 +1,7 @@
 """The AVR's recursion as one block of assembly, for every shape that cannot saturate.
 
 One function does the whole sample, so that registers are saved once and the code's speed does not depend on the
-compiler's options.  The same code gives q for a change of PWM: the T flag tells whether to leave after q.
+compiler's options.  The same code gives -q for a change of PWM: the T flag tells whether to leave after it.
 
 =========  =============================================================================================
 register   holds
@@ -100,9 +100,9 @@ def block(program: Program) -> Block:
     ]
     kept = [number for number, (_, component) in enumerate(shapes) if not component.saturates]
     carried = [number for number in kept if shapes[number][1].order > 1]
-    tasks = {shapes[number][0].identifier: 8 * index + 1 for index, number in enumerate(carried)}
+    tasks = {shapes[number][0].identifier: 2 * index + 1 for index, number in enumerate(carried)}
     text.group(
-        "Y: coefficients; T: whether to leave after q, with where to go and what to do on the stack.",
+        "Y: coefficients; T: whether to leave after q.",
         "push r28",
         "push r29",
         "movw r28, r26",
@@ -125,21 +125,19 @@ def block(program: Program) -> Block:
         emitter = _Shape(text, shape.identifier, component.layout, count, component.substeps, last=number == kept[-1])
         emitter.emit(carried=number in carried)
         if number in carried:
-            emitter.tasks(after, tasks[shape.identifier])
+            emitter.leave(after)
     if carried:
         text.group("", "rjmp 9f")
-        text.lines.append("        // ---- a change of PWM ----")
-        text.group(
-            "Keep the pointer to the word and the task; then compute q of the shape that it names.",
-            *("6:", "push r18", "push r19", "push r20"),
-        )
+        text.lines.append("        // ---- q for a change of PWM ----")
+        text.lines.append("        // q of the shape that is asked for.")
+        text.group("", "6:")
         for number in reversed(carried[1:]):
             identifier = shapes[number][0].identifier
             text.group("", f"cpi r20, {tasks[identifier]}", "brlo 1f", f"rjmp .Lq{identifier}%=", "1:")
         text.group("", f"rjmp .Lq{shapes[carried[0]][0].identifier}%=")
         text.lines += after.lines
     text.group("The compiler wants r1 = 0.", "9:", "pop r29", "pop r28", "clr r1")
-    used = [0, 1, 11, 12, 13, 14, 15, 16, 17, 21, 22, 23, 24, 25]
+    used = [0, 1, 11, 12, 13, 14, 15, 16, 17, 18, 19, 21]
     if any(len(shapes[number][0].members) > 1 for number in kept):
         used.append(_COMPONENTS)
     if any(shapes[number][1].substeps > 1 for number in kept):
@@ -199,8 +197,6 @@ class _Shape:
         shifts = self.layout.product_shifts
         for i, k in enumerate(shifts):
             wide = i == n - 1
-            if wide and n > 1 and k > 16:
-                group("", f".Lp{self.name}%=:")
             self._product(k, wide=wide, zero=i > 0)
             if not wide:
                 taken = _product_bytes(k)
@@ -319,51 +315,13 @@ class _Shape:
             code += [f"ldd r0, Z+{j}", f"sbc r0, r{r}", f"std Z+{j}, r0"]
         self.text.group(f"x1 += q >> {total}: less the product's part, and one", *code)
 
-    def tasks(self, text: _Text, task: int) -> None:
-        """What to do with q when PWM changes: keep it, or carry a twelfth of its change over."""
-        self.text = text
-        group, n = text.group, self.order
-        product = self._q()
-        last = self.layout.product_shifts[-1]
-        group(
-            "What to do with q; Y: the word.",
-            f".Lt{self.name}%=:",
-            "pop r24",
-            "pop r29",
-            "pop r28",
-            f"cpi r24, {task}",
-            "brne 1f",
+    def leave(self, text: _Text) -> None:
+        """Give back what a change of PWM needs of the product."""
+        first = self.layout.carry_byte
+        taken = self._q()[first : first + 4]
+        text.group(
+            "The result.", f".Lt{self.name}%=:", *(f"mov r{d}, r{r}" for d, r in zip(_D, taken, strict=True)), "rjmp 9f"
         )
-        group("Before the change: keep -q.", *(f"std Y+{j}, r{r}" for j, r in enumerate(product)), "rjmp 9f", "1:")
-        if last > 16:
-            group("", f"cpi r24, {task + 4}", "breq 2f")
-        change = (18, 19, 20, 21, 0, 1)
-        group("After: q - q before.", *_rows(("ldd r{v}, Y+{j}", "{sub} r{v}, r{d}"), product, change))
-        value, fill, _ = self._shifted(list(change), self.layout.chain_shifts[-1])
-        low = [value[j] if j < len(value) else fill for j in range(4)]
-        group(
-            "d: it, as a part of the state before; a = 2^32 / 12",
-            *(f"mov r{d}, r{r}" for d, r in zip(_D, low, strict=True)),
-            "ldi r18, 0x55",
-            "ldi r19, 0x55",
-            "ldi r20, 0x55",
-            "ldi r21, 0x15",
-        )
-        if last > 16:
-            group(
-                "The product at the end of q serves here too.",
-                f"clr r{_SIGN}",
-                f"ldi r26, {task + 4}",
-                "push r28",
-                "push r29",
-                "push r26",
-                f"rjmp .Lp{self.name}%=",
-                "2:",
-            )
-        else:
-            _multiply(self.text, 2, 32, wide=True, zero=False)
-        value = _product_bytes(32)
-        group(f"x{n - 1} += a twelfth of it", *self._sum(n - 1, value, _SIGN, 0), "rjmp 9f")
 
 
 def _multiply(text: _Text, dropped: int, k: int, *, wide: bool, zero: bool) -> None:

@@ -11,13 +11,18 @@ from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware import avr_advance
 from gen.firmware.alarms_cpp import alarm_context
-from gen.firmware.onboard_cpp import helpers, schedule_source
+from gen.firmware.avr_fast import coefficient_bytes, fast_block
+from gen.firmware.onboard_cpp import helpers
+from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.dynamics import domain_rows
-from gen.lowering.float32 import FloatComponent
-from gen.lowering.formats import RESIDUE_BITS
+from gen.lowering.fast_block import BACKWARD, FORWARD
+from gen.lowering.fast_format import BLOCK, FastComponent
+from gen.lowering.float32 import LIMIT_BITS, ONBOARD_STEADY_SHIFT, Column, FloatComponent, column_words
+from gen.lowering.formats import CARRY_FACTOR, RESIDUE_BITS, start_scale
 from gen.lowering.lower import AnyComponent, Program, Shape
 from gen.lowering.program import FixedComponent, rounded_up
+from gen.reference.fast import SIXTH
 
 Context = dict[str, Any]
 
@@ -50,7 +55,9 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
             "place": places[number][1],
             "saturates": program.components[number].saturates,
             "bound": bound_text(program.components[number]),
+            "slot": getattr(program.components[number], "slot", 0),
         }
+        | _onboard_words(program.components[number])
         for number, component in enumerate(model.components)
     ]
     return {
@@ -62,6 +69,7 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "sha256": coefficients.sha256,
         "arithmetic": program.arithmetic,
         "schedule": program.schedule,
+        "speed": program.speed,
         "sample_time": f"{model.sample_time:g}",
         "sample_ms": round(model.sample_time * 1000.0),
         "full_scale": model.full_scale,
@@ -72,16 +80,27 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "zeroed": _zeroed(program),
         "components": components,
         "carried": [component for component in components if component["order"] > 1],
-        "carry_type": f"{name}_Word",
+        "carry_factor": CARRY_FACTOR,
+        "start_members": _start_members(program),
         "saturates": program.saturates,
         "saturation_argument": f", &{name}_model.saturations",
         "shapes": shapes,
-        "avr": avr_advance.block(program) if program.arithmetic == "fixed" else None,
+        "avr": avr_advance.block(program) if (program.arithmetic, program.speed) == ("fixed", "normal") else None,
+        "fast": fast_block(program) if program.speed == "fast" else None,
+        "block": BLOCK,
+        "in_blocks": any(component.order == 1 for component in program.components),
+        "forward": FORWARD,
+        "backward": BACKWARD,
+        "sixth": SIXTH,
+        "copied_at_once": _copied_at_once(program),
         "shifts": _shift_totals(program),
         "rows": _rows(program),
         "helpers": helpers(program.onboard),
-        "tapes": [schedule_source(name, tape) for tape in program.onboard],
-        "float_components": [c for c in program.components if isinstance(c, FloatComponent)],
+        "tapes": schedule_sources(name, program.onboard),
+        "columns": _columns(program),
+        "limit_bits": LIMIT_BITS,
+        "steady_shift": ONBOARD_STEADY_SHIFT,
+        "limit_literals": _limit_literals,
         "schedule_comments": _schedule_comments(program),
     } | alarm_context(lower_alarms(coefficients), model)
 
@@ -99,7 +118,34 @@ def _shape(program: Program, shape: Shape) -> Context:
         "start_mK": component.start_range_mK,
         "comments": [line for member in shape.members for line in _proof_lines(program.components[member])],
     }
-    return common | (_fixed_shape(component) if isinstance(component, FixedComponent) else {})
+    if isinstance(component, FastComponent):
+        return common | _fast_shape(component)
+    common |= {"short_rate": False, "short_steady": False}
+    return common | (_fixed_shape(component) if isinstance(component, FixedComponent) else _float_shape(component))
+
+
+def _fast_shape(component: FastComponent) -> Context:
+    layout = component.layout
+    return {
+        "narrow": layout.narrow,
+        "short_rate": layout.narrow and layout.order > 1,
+        "short_steady": layout.narrow,
+        "scale": layout.scale,
+        "unit": f"{layout.scale[0]}/2^{layout.scale[1]}",
+        "gaps": layout.gaps,
+        "rate_bits": layout.rate_bits,
+        "increment_shift": layout.increment_shift,
+        "carry_shift": layout.gaps[-1] - layout.increment_shift if layout.gaps else 0,
+    }
+
+
+def _copied_at_once(program: Program) -> int:
+    """How many bytes of a row of the table the copying loop takes in one turn, so that turns come out even."""
+    if program.speed == "fast":
+        row = sum(coefficient_bytes(c) for c in program.components if isinstance(c, FastComponent))
+        return next(count for count in (8, 7, 6, 5, 4, 3, 2, 1) if row % count == 0)
+    words = sum(component.order + 1 for component in program.components)
+    return 4 * max(part for part in range(1, 7) if words % part == 0)
 
 
 def _fixed_shape(component: FixedComponent) -> Context:
@@ -111,9 +157,43 @@ def _fixed_shape(component: FixedComponent) -> Context:
         "product_shifts": layout.product_shifts,
         "chain_shifts": layout.chain_shifts,
         "output_bits": output_bits,
-        "rest_shift": f"<< {output_bits - 22}" if output_bits >= 22 else f">> {22 - output_bits}",
+        "carry_byte": layout.carry_byte,
+        "carry_bits": layout.chain_shifts[-1] % 8 if component.order > 1 else 0,
+        "carry_place": 8 * layout.carry_byte - layout.chain_shifts[-1] // 8 * 8 if component.order > 1 else 0,
         "fraction_shift": f">> {output_bits - 16}" if output_bits >= 16 else f"<< {16 - output_bits}",
     }
+
+
+def _float_shape(component: FloatComponent) -> Context:
+    return {
+        "fraction_bits": component.fraction_bits,
+        "chain_shifts": component.chain_shifts,
+        "start_factor": component.literal(float(component.start_factor)),
+        "carry_factor": component.literal(float(component.carry_factor)) if component.order > 1 else "",
+    }
+
+
+def _onboard_words(component: AnyComponent) -> Context:
+    """How a schedule on board turns what it computed into words (float32)."""
+    if not isinstance(component, FloatComponent):
+        return {}
+    constant = component.literal(float(component.steady_constant))
+    return {"steady_constant": constant, "chain_shifts": component.chain_shifts}
+
+
+def _limit_literals(shift: int) -> str:
+    """The first value that an accumulator does not take, in C++, and the number before it."""
+    end = np.float32(2.0 ** (LIMIT_BITS + shift))
+    below = np.nextafter(end, np.float32(0.0))
+    return f"{FloatComponent.literal(float(end))}, {FloatComponent.literal(float(below))}"
+
+
+def _columns(program: Program) -> list[Column]:
+    """The float table's columns in the order of the board's coefficients; empty where there is no such table."""
+    if program.onboard:
+        return []
+    members = [program.components[member] for shape in program.shapes for member in shape.members]
+    return [column for item in members if isinstance(item, FloatComponent) for column in column_words(item)]
 
 
 def bound_text(component: AnyComponent) -> str:
@@ -146,9 +226,21 @@ def _shift_totals(program: Program) -> list[int]:
     return sorted(totals)
 
 
+def _start_members(program: Program) -> dict[tuple[str, str, str], list[str]]:
+    """Limits and factors of the start values as literals, and whose they are."""
+    members: dict[tuple[str, str, str], list[str]] = {}
+    for component in program.components:
+        if isinstance(component, FixedComponent):
+            scale = start_scale(component.layout)
+            low, high = component.start_range_mK
+            arguments = (f"{low}L", f"{high}L", f"{scale.whole}L, {scale.fraction}u")
+            members.setdefault(arguments, []).append(component.name)
+    return members
+
+
 def _rows(program: Program) -> list[Context]:
-    """The table, one entry for each |PWM| of the domain; empty where the board computes its coefficients."""
-    if program.onboard:
+    """The fixed table, one entry for each |PWM| of the domain; empty where the board computes its coefficients."""
+    if program.onboard or program.arithmetic == "float":
         return []
     return [
         {
@@ -162,14 +254,27 @@ def _rows(program: Program) -> list[Context]:
 
 
 def _literals(component: AnyComponent, row: int) -> Context:
-    if isinstance(component, FixedComponent):
-        return {
-            "rates": [f"{int(rate)}UL" for rate in component.rates[row]],
-            "steady": f"{int(component.steady[row])}L",
-        }
+    if isinstance(component, FastComponent):
+        return _fast_literals(component, row)
+    assert isinstance(component, FixedComponent)
     return {
-        "rates": [component.literal(float(rate)) for rate in component.rates[row]],
-        "steady": component.literal(float(component.steady[row])),
+        "first": "",
+        "rates": [f"{int(rate)}UL" for rate in component.rates[row]],
+        "steady": f"{int(component.steady[row])}L",
+    }
+
+
+def _fast_literals(component: FastComponent, row: int) -> Context:
+    rates = [int(rate) for rate in component.rates[row]]
+    steady = int(component.steady[row])
+    first = ""
+    if component.layout.narrow and component.order > 1:
+        first = f"{{{rates[0] & 0xFFFF}, {rates[0] >> 16}}}"
+        del rates[0]
+    return {
+        "first": first,
+        "rates": [f"{rate}UL" for rate in rates],
+        "steady": f"{{{steady & 0xFFFF}, {steady >> 16}}}" if component.layout.narrow else f"{steady}L",
     }
 
 
@@ -180,6 +285,12 @@ def _schedule_comments(program: Program) -> list[str]:
             layout = component.layout
             bits = ", ".join(f"R{i} * 2^{b}" for i, b in enumerate(layout.rate_fraction_bits))
             lines.append(f"{component.name}: {bits}, S * 2^{layout.fraction_bits[0] - RESIDUE_BITS}; from")
+        elif isinstance(component, FastComponent):
+            bits = ", ".join(
+                f"{'R' + str(i) if component.order > 1 else 'y'} * 2^{b}"
+                for i, b in enumerate(component.layout.rate_bits)
+            )
+            lines.append(f"{component.name}: {bits}, S in {component.layout.steady_lsb:.3e} K; from")
         else:
             lines.append(f"{component.name}: R0..R{component.order - 1} and S in float32; from")
         lines.append(f"  $.components[name={component.name}].poles (R) and .gain (S = K |PWM| / A(0), in K).")

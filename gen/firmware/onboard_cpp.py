@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib.resources import files
+from math import log2
 
 import jinja2
 import numpy as np
@@ -19,7 +20,7 @@ from gen.lowering.program import Arithmetic
 _OPERATORS = {"mul": "*", "div": "/", "add": "+", "sub": "-"}
 #: What a step calls, and what that calls in turn.
 _HELPERS = {
-    "times_div": ("div",),
+    "div_signed": ("div_signed", "div"),
     "mul_modulo": ("mul",),
     "mul_signed": ("mul_signed", "mul"),
     "mul_signed_modulo": ("mul_signed", "mul"),
@@ -45,10 +46,18 @@ def schedule_source(name: str, component: OnboardComponent) -> str:
     ``static void {name}_schedule_{component}(uint8_t x, uint32_t *rate, int32_t *steady)``, in float32 with
     ``float *``; x must lie in the component's domain.
     """
-    return _Printer(name, component).text()
+    return SchedulePrinter(name, component).text()
 
 
-class _Printer:
+class SchedulePrinter:
+    """Prints one component's tape.
+
+    Parameters
+    ----------
+    name, component
+        As of :func:`schedule_source`.
+    """
+
     def __init__(self, name: str, component: OnboardComponent) -> None:
         self._name = name
         self._component = component
@@ -58,6 +67,18 @@ class _Printer:
         self._lines: list[str] = []
 
     def text(self) -> str:
+        """See :func:`schedule_source`."""
+        component = self._component
+        lines = self._body()
+        rate, steady = ("uint32_t", "int32_t") if self._fixed else ("float", "float")
+        head = (
+            f"// Nested rates and steady rise of {component.name} at |PWM| = x"
+            f" ({component.domain[0]}..{component.domain[1]}).\n"
+            f"static void {self._name}_schedule_{component.name}(uint8_t x, {rate} *rate, {steady} *steady) {{\n"
+        )
+        return "".join(self._tables) + head + "\n".join(lines) + "\n}\n"
+
+    def _body(self) -> list[str]:
         component = self._component
         for number, step in enumerate(component.steps):
             if step.op == "input" and step.table == (0, 255):
@@ -68,15 +89,9 @@ class _Printer:
             value = f"(uint32_t)n{number}" if self._fixed else f"n{number}"
             self._lines.append(f"    rate[{i}] = {value};  // R{i}, 1/step{self._format(number)}")
         self._lines.append(f"    *steady = n{component.steady};  // S, K{self._format(component.steady)}")
-        rate, steady = ("uint32_t", "int32_t") if self._fixed else ("float", "float")
-        head = (
-            f"// Nested rates and steady rise of {component.name} at |PWM| = x"
-            f" ({component.domain[0]}..{component.domain[1]}).\n"
-            f"static void {self._name}_schedule_{component.name}(uint8_t x, {rate} *rate, {steady} *steady) {{\n"
-        )
         if not any(s.op == "input" for s in component.steps):
             self._lines.insert(0, "    (void)x;")
-        return "".join(self._tables) + head + "\n".join(self._lines) + "\n}\n"
+        return self._lines
 
     def _type(self, number: int) -> str:
         step = self._component.steps[number]
@@ -93,10 +108,6 @@ class _Printer:
     def _as_unsigned(self, step: Step, place: int) -> str:
         number = step.args[place]
         return self._ref(number) if self._component.steps[number].unsigned else f"(uint32_t){self._ref(number)}"
-
-    def _quotient(self, step: Step, factor: str, flags: int) -> str:
-        numerator, divisor = self._as_unsigned(step, 0), self._as_unsigned(step, len(step.args) - 1)
-        return f"{self._name}_divide({numerator}, {factor}, {divisor}, {step.shift - DIVIDE_SHIFT}, {flags})"
 
     def _format(self, number: int) -> str:
         return f", Q{self._component.steps[number].q}" if self._fixed else ""
@@ -137,22 +148,20 @@ class _Printer:
         if step.op == "positive_outside":
             low, high = int(step.table[0]), int(step.table[1])
             tests = ([f"{a[1]} < {low}"] if low > 0 else []) + ([f"{a[1]} > {high}"] if high < 255 else [])
-            return f"({a[0]} < 0 && ({' || '.join(tests)})) ? 0 : {a[0]}"
+            below = f"{a[0]} < 0" if self._fixed else f"{self._name}_negative({a[0]})"
+            return f"({below} && ({' || '.join(tests)})) ? 0 : {a[0]}"
         return self._fixed_expression(number, step, a) if self._fixed else self._float_expression(number, step, a)
 
     def _fixed_expression(self, number: int, step: Step, a: list[str]) -> str:
         name, s = self._name, step.shift
-        flags = int(step.round)  # 1: to nearest; 2: the numerator is unsigned
-        if step.op in ("div", "times_div") and self._component.steps[step.args[0]].unsigned:
-            flags += 2
         match step.op:
             case "constant":
                 return f"{int(step.table[0])}{'UL' if step.unsigned else 'L'}"
             case "row":
-                table = self._table(number, "uint32_t", [_pattern(v) for v in step.table])
+                table = self._table(number, "uint32_t", [pattern(v) for v in step.table])
                 return f"(int32_t)pgm_read_dword(&{table}[{a[0]}])"
             case "exponential":
-                table = self._table(number, "uint32_t", [_pattern(v) for v in step.table])
+                table = self._table(number, "uint32_t", [pattern(v) for v in step.table])
                 return f"{name}_exponential({table}, {a[0]}, {s})"
             case "times":
                 return f"{name}_times({a[0]}, {a[1]}, {s})"
@@ -161,9 +170,11 @@ class _Printer:
             case "mul_signed" | "mul_signed_modulo":
                 return f"{name}_mul_signed({a[0]}, {a[1]}, {s})"
             case "div":
-                return self._quotient(step, "1", flags)
-            case "times_div":
-                return self._quotient(step, a[1], flags)
+                rest = f"{self._as_unsigned(step, 1)}, {step.shift - DIVIDE_SHIFT}, {str(step.round).lower()}"
+                return f"{name}_divide({self._as_unsigned(step, 0)}, {rest})"
+            case "div_signed":
+                rest = f"{self._as_unsigned(step, 1)}, {step.shift - DIVIDE_SHIFT}, {str(step.round).lower()}"
+                return f"{name}_divide_signed({a[0]}, {rest})"
             case "add" | "sub" | "add_modulo" | "sub_modulo":
                 sign = "-" if step.op.startswith("sub") else "+"
                 mixed = step.unsigned or any(self._component.steps[i].unsigned for i in step.args)
@@ -187,17 +198,17 @@ class _Printer:
     def _float_expression(self, number: int, step: Step, a: list[str]) -> str:
         match step.op:
             case "constant":
-                return _single(float(step.table[0]))
+                return single(float(step.table[0]))
             case "row":
-                table = self._table(number, "float", [_single(float(v)) for v in step.table])
+                table = self._table(number, "float", [single(float(v)) for v in step.table])
                 return f"pgm_read_float(&{table}[{a[0]}])"
             case "exponential":
-                table = self._table(number, "float", [_single(float(v)) for v in step.table])
+                table = self._table(number, "float", [single(float(v)) for v in step.table])
                 return f"{self._name}_exponential({table}, {a[0]})"
             case "times":
                 return f"{a[0]} * (float){a[1]}"
             case "scale":
-                return f"{a[0]} * {_single(float(step.table[0]))}"
+                return f"{self._name}_times_power<{round(log2(float(step.table[0])))}>({a[0]})"
             case "neg":
                 return f"-{a[0]}"
             case "mul" | "div" | "add" | "sub":
@@ -215,11 +226,12 @@ def _held(x: str, step: Step) -> str:
     return text
 
 
-def _pattern(value: float) -> str:
+def pattern(value: float) -> str:
+    """A literal of a word's 32 bits."""
     return f"0x{int(value) & 0xFFFFFFFF:08X}UL"
 
 
-def _single(value: float) -> str:
+def single(value: float) -> str:
     """A float literal that reads back as the same float32."""
     text = np.format_float_scientific(np.float32(value), unique=True, trim="0")
     return f"{text}f"

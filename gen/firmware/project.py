@@ -15,14 +15,15 @@ from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.firmware import render
 from gen.firmware.context import Context, project_context
+from gen.firmware.device import device_context, sketch_files
 from gen.firmware.report import report_html
 from gen.firmware.vectors import reference_vectors
+from gen.firmware.wiring_svg import parts, wiring_svg
 from gen.lowering.lower import Program
 
 PROJECT = {
     "platformio.ini": "platformio.ini.j2",
     "README.md": "README.md.j2",
-    "src/main.cpp": "src/main.cpp.j2",
     "lib/NAME/library.json": "lib/model/library.json.j2",
     "lib/NAME/library.properties": "lib/model/library.properties.j2",
     "lib/NAME/examples/Basic/Basic.ino": "lib/model/examples/Basic/Basic.ino.j2",
@@ -32,7 +33,7 @@ PROJECT = {
 VERIFICATION = "verification.json"
 REPORT = "report.html"
 MANIFEST = "manifest.json"
-_ROW_SECONDS = 1.0
+WIRING = "wiring.svg"
 
 
 def project_files(
@@ -50,7 +51,11 @@ def project_files(
         What `gen verify` found for this coefficient file, or None.
     """
     context = project_context(coefficients, program, source_name) | _sketch_context(coefficients, program)
-    files = render.library(context) | render.render(PROJECT, context)
+    device = context["device"]
+    device["parts"] = parts(device)
+    files = render.library(context) | render.render(PROJECT | sketch_files(device), context)
+    if device["parts"]:
+        files[WIRING] = wiring_svg(f"Wiring of {program.model.name}", device)
     if verification is not None:
         files[VERIFICATION] = json.dumps(verification, indent=1) + "\n"
     files[MANIFEST] = json.dumps(_manifest(coefficients, program, files), indent=1) + "\n"
@@ -94,14 +99,12 @@ def read_verification(path: Path, coefficients: Coefficients, *, strict: bool = 
 
 def _sketch_context(coefficients: Coefficients, program: Program) -> Context:
     model = program.model
-    document = coefficients.document
-    serial = getattr(document.wiring, "serial_baud", None) if document.wiring is not None else None
     low, high = model.domain_temperature
     rise = (low - model.domain_ambient[1], high - model.domain_ambient[0])
     return {
-        "baud": serial or 115200,
+        "device": device_context(coefficients, program),
+        "ambient_given": model.ambient_fixed is not None,
         "ambient": f"{model.ambient_fixed if model.ambient_fixed is not None else 25.0:g}",
-        "row_ticks": max(1, round(_ROW_SECONDS / model.sample_time)),
         "vectors": reference_vectors(program),
         "probe": min(model.domain_pwm[1], max(model.domain_pwm[0], model.full_scale // 2)),
         "start_probe": int(min(max(20_250, rise[0] * 1000), rise[1] * 1000)) // 250 * 250,
@@ -115,6 +118,7 @@ def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, 
         "coefficients_sha256": coefficients.sha256,
         "arithmetic": program.arithmetic,
         "schedule": program.schedule,
+        **({"speed": program.speed} if program.speed == "fast" else {}),
         "sample_time_s": program.model.sample_time,
         "domain_pwm": list(program.model.domain_pwm),
         "validity_pwm": list(program.model.validity),

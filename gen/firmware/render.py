@@ -24,8 +24,13 @@ _BY_ARITHMETIC = {
         "lib/NAME/src/NAME_word.h": "lib/model/src/word.h.j2",
         "lib/NAME/src/NAME_step.h": "lib/model/src/step_fixed.h.j2",
     },
-    "float": {"lib/NAME/src/NAME_step.h": "lib/model/src/step_float.h.j2"},
+    "float": {
+        "lib/NAME/src/NAME_accumulator.h": "lib/model/src/accumulator.h.j2",
+        "lib/NAME/src/NAME_accumulator.cpp": "lib/model/src/accumulator.cpp.j2",
+        "lib/NAME/src/NAME_step.h": "lib/model/src/step_float.h.j2",
+    },
 }
+_FAST = {"lib/NAME/src/NAME_step.h": "lib/model/src/step_fast.h.j2"}
 _BY_SCHEDULE = {
     "table": {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table.cpp.j2"},
     "onboard": {
@@ -36,7 +41,7 @@ _BY_SCHEDULE = {
 
 
 #: Templates that control every line break themselves, with {%- and -%}.
-_OWN_LINE_BREAKS = ("lib/model/src/step_float.h.j2", "lib/model/src/onboard_math.h.j2")
+_OWN_LINE_BREAKS = ("lib/model/src/onboard_math.h.j2",)
 
 
 @cache
@@ -64,7 +69,9 @@ def render(templates: dict[str, str], context: Context) -> dict[str, str]:
 
 def library(context: Context) -> dict[str, str]:
     """The model's library for the context's arithmetic and schedule."""
-    return render(
-        LIBRARY | _BY_ARITHMETIC[context["arithmetic"]] | _BY_SCHEDULE[context["schedule"]],
-        context,
-    )
+    schedule = context["schedule"]
+    sources = _BY_SCHEDULE[schedule]
+    if (context["arithmetic"], schedule) == ("float", "table"):
+        sources = {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table_float.cpp.j2"}
+    recursion = _FAST if context["speed"] == "fast" else _BY_ARITHMETIC[context["arithmetic"]]
+    return render(LIBRARY | recursion | sources, context)

@@ -17,7 +17,8 @@ from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware.charts import Chart, plain, power, response_charts, schedule_charts, scientific, svg
 from gen.lowering.dynamics import domain_rows
-from gen.lowering.float32 import FloatComponent
+from gen.lowering.fast_format import FastComponent
+from gen.lowering.float32 import LOW_BITS, FloatComponent
 from gen.lowering.formats import RESIDUE_BITS, WORD_BITS
 from gen.lowering.lower import AnyComponent, Program
 from gen.lowering.program import FixedComponent, rounded_up
@@ -58,8 +59,10 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
     if verification is not None and verification.get("coefficients_sha256") != coefficients.sha256:
         verification = None
     combinations = verification["combinations"] if verification is not None else []
+    wanted = (program.arithmetic, program.schedule, program.speed)
     own = next(
-        (c for c in combinations if (c["arithmetic"], c["schedule"]) == (program.arithmetic, program.schedule)), None
+        (c for c in combinations if (c["arithmetic"], c["schedule"], c.get("speed", "normal")) == wanted),
+        None,
     )
     window, responses = _responses(program)
     return (
@@ -72,7 +75,8 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
             verdict=verdict(own),
             own=own,
             combinations=combinations,
-            limit=getattr(coefficients.accuracy, f"{program.arithmetic}_limit_K"),
+            limit_name=(limit_name := f"{'fast' if program.speed == 'fast' else program.arithmetic}_limit_K"),
+            limit=getattr(coefficients.accuracy, limit_name),
             window=window,
             figures=[
                 (component, schedule_charts(program.model, component), charts)
@@ -172,20 +176,39 @@ def _(component: FixedComponent) -> list[Cells]:
 
 
 @words.register
-def _(component: FloatComponent) -> list[Cells]:
-    name, grid = component.name, f"{power(2, component.range_bits - 24)} K"
+def _(component: FastComponent) -> list[Cells]:
+    layout, name = component.layout, component.name
     result = []
-    for i, magnitude in enumerate(_magnitudes(component)):
-        kind = "float32 base + low" if i == 0 else "float32 high + low"
-        room = _headroom(component.range_bits - log2(magnitude)) if i == 0 and magnitude else "floating"
-        resolution = f"base: {grid}" if i == 0 else "24 bits each"
-        result.append((name, f"x{i + 1}", "K", _range(component, i), kind, resolution, room))
+    for i, (lsb, magnitude) in enumerate(zip(layout.word_lsb, _magnitudes(component), strict=True)):
+        room = _headroom(39.0 + log2(lsb) - log2(magnitude))
+        result.append((name, f"x{i + 1}", "K", _range(component, i), "int40", f"{lsb:.2e} K", room))
+    for i, bits in enumerate(layout.rate_bits):
+        column = component.rates[:, i]
+        size = 24 if layout.narrow and layout.order > 1 and i == 0 else 32
+        span = _span(column.min() * 2.0**-bits, column.max() * 2.0**-bits)
+        room = _headroom(size - log2(int(column.max()) + 1))
+        result.append((name, f"R{i}", "1", span, f"uint{size}, Q{bits}", power(2, -bits), room))
+    size = 24 if layout.narrow else 32
+    span = _span(component.steady.min() * layout.steady_lsb, component.steady.max() * layout.steady_lsb)
+    room = _headroom(size - 1.0 - log2(int(np.abs(component.steady).max()) + 1))
+    return [*result, (name, "S", "K", span, f"int{size}", f"{layout.steady_lsb:.2e} K", room)]
+
+
+@words.register
+def _(component: FloatComponent) -> list[Cells]:
+    name, low = component.name, LOW_BITS
+    result = []
+    for i, (bits, magnitude) in enumerate(zip(component.fraction_bits, _magnitudes(component), strict=True)):
+        room = _headroom(31 - bits - log2(magnitude)) if magnitude else "saturates"
+        kind = f"int{32 + low}, Q{bits + low}"
+        result.append((name, f"x{i + 1}", "K", _range(component, i), kind, f"{power(2, -bits - low)} K", room))
     for i in range(component.order):
         span = _span(float(component.rates[:, i].min()), float(component.rates[:, i].max()))
         result.append((name, f"R{i}", "1", span, "float32", "24 bits", "floating"))
-    span = _span(float(component.steady.min()), float(component.steady.max()))
-    room = _headroom(component.range_bits - log2(float(np.abs(component.steady).max()) + component.grid))
-    return [*result, (name, "S", "K", span, "float32", grid, room)]
+    bits = component.fraction_bits[0]
+    span = _span(float(component.steady.min()) * 2.0**-bits, float(component.steady.max()) * 2.0**-bits)
+    room = _headroom(31.0 - log2(int(np.abs(component.steady).max()) + 1))
+    return [*result, (name, "S", "K", span, f"int32, Q{bits}", f"{power(2, -bits)} K", room)]
 
 
 def constants(program: Program) -> list[Cells]:
@@ -195,20 +218,22 @@ def constants(program: Program) -> list[Cells]:
     places = {m: f"{shape.place}[{i}]" for shape in program.shapes for i, m in enumerate(shape.members)}
     result: list[Cells] = []
     for number, component in enumerate(program.components):
-        path, fixed = f"$.components[{number}]", isinstance(component, FixedComponent)
+        path, fixed = f"$.components[{number}]", not isinstance(component, FloatComponent)
+        short = isinstance(component, FastComponent) and component.order > 1 and component.layout.narrow
         at = "TABLE[|PWM|]" if program.schedule == "table" else "now"
         file = f"{source}_schedule.cpp" if program.schedule == "table" else f"{source}_model.h"
         member = f"{at}.{places[number]}."
         formats = {row[1]: row[4] for row in words(component)}
         for i in range(component.order):
-            rate = f"{member}{'' if fixed else 'nested.'}rate[{i}]"
+            rate = f"{member}rate[{i - short}]" if fixed or program.onboard else f"TABLE[|PWM|], {component.name}.R{i}"
+            if short and i == 0:
+                rate = f"{member}first"
             origin = f"{path}.poles, $.sample_time_s"
             result.append((component.name, f"R{i}", "1", formats[f"R{i}"], origin, f"{file}: {rate}"))
-        steady = f"{file}: {member}steady"
-        result.append((component.name, "S", "K", formats["S"], f"{path}.gain, {path}.poles", steady))
-        end = f"{places[number].partition('[')[0].upper()}_start()" if fixed else f"{component.name}_LOWEST, _HIGHEST"
-        place = f"{source}_step.h: {model.name}_{end}"
-        kind, domain = "int32" if fixed else "float32, in K", "$.domain.temperature_degC, $.domain.ambient_degC"
+        steady = f"{member}steady" if fixed or program.onboard else f"TABLE[|PWM|], {component.name}.S"
+        result.append((component.name, "S", "K", formats["S"], f"{path}.gain, {path}.poles", f"{file}: {steady}"))
+        place = f"{source}.cpp: {model.name}_start()" if fixed else f"{source}_step.h: {model.name}_rest()"
+        kind, domain = "int32", "$.domain.temperature_degC, $.domain.ambient_degC"
         start = "start {}..{}".format(*component.start_range_mK)
         result.append((component.name, start, "mK", kind, domain, place))
     for tape in program.onboard:

@@ -1,1 +1,1 @@
-"""From measured runs to models: it reads run files and coefficient files, nothing else."""
+"""From measured runs to models: identification. It reads run files and coefficient files, nothing else."""

@@ -87,6 +87,7 @@ def worst_error(
     q_error: Array,
     chain_error: Array,
     start_error: float,
+    carry: float = increments.CARRY,
 ) -> float | None:
     """Largest |x1 - T| for any PWM sequence, in K.
 
@@ -100,6 +101,8 @@ def worst_error(
         Bounds on one sample's rounding of q, shape (rows,), and of each x[i] by additions, shape (rows, n).
     start_error
         Bound on the rounding of the start value, in K.
+    carry
+        Share of q that the board carries over at a change of PWM.
 
     Returns
     -------
@@ -112,16 +115,18 @@ def worst_error(
         If the recursion has no invariant polytope.
     """
     n, rows = exact.order, len(exact.steady)
-    state_maps = increments.state_map(exact.c)
+    state_maps = increments.state_map(exact.c, carry)
     from_board = np.linalg.inv(state_maps)
     disturbance = np.zeros((rows, 2 * n + 1, n))
-    q_total = q_error + np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
+    coefficients = np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
+    q_total = q_error + coefficients
     disturbance[:, 0, :] = q_total[:, None] * increments.injection(n)
     form_error = np.abs(increments.mismatch(exact.form, exact.exact, state_maps))
     form_rows = np.einsum("pij,pj->pi", form_error, ranges.true_distance)
     if n > 1:  # the carry is evaluated before it acts: what it would change in itself
         q_range = np.einsum("pj,pj->p", np.abs(exact.c), ranges.distance)
-        form_rows[:, n - 2] += exact.c[:, n - 2].max() * q_range.max() * 2.0 * increments.CARRY**2
+        form_rows[:, n - 2] += exact.c[:, n - 2].max() * q_range.max() * 2.0 * carry**2
+        form_rows[:, n - 2] += 2.0 * carry * coefficients.max()  # and both q come from the board's coefficients
     for i in range(n):
         disturbance[:, 1 + i, i] = chain_error[:, i]
         disturbance[:, 1 + n + i, i] = form_rows[:, i]
@@ -138,6 +143,7 @@ def worst_error(
 def _ranges(exact: Dynamics, extents: Array) -> StateRanges:
     true_distance = np.tile(extents, (len(exact.steady), 1))
     true_distance[:, 0] = extents[0] + np.abs(exact.steady - exact.centre)
+    # The share of q that a board carries is 1/12 but for its rounding, which moves nothing by more than the widening.
     distance = np.einsum("pij,pj->pi", np.abs(increments.state_map(exact.c)), true_distance)
     excess = float((distance[:, 0] - true_distance[:, 0]).max())  # x1 is T plus a little of the increments
     rise = (exact.centre - float(extents[0]) - excess, exact.centre + float(extents[0]) + excess)

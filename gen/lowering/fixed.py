@@ -9,7 +9,7 @@ import numpy as np
 from gen.lowering import bounds, formats, increments
 from gen.lowering.bounds import Array, StateRanges
 from gen.lowering.dynamics import Dynamics, LoweringError, dynamics
-from gen.lowering.formats import RESIDUE_BITS, Format
+from gen.lowering.formats import RESIDUE_BITS, START_UNITS, Format
 from gen.lowering.onboard.tape import steady_excess
 from gen.lowering.program import FixedComponent, Integers, Proof
 from gen.lowering.reach import NoProofError, SwitchedRecursion
@@ -18,6 +18,8 @@ from gen.model import Component, ThermalModel
 
 #: Error bound to aim for; a file may allow more, where the board's own coefficients need it.
 TARGET_K = 1e-5
+#: A bound of so many limits is not mended by twice the substeps.
+_HOPELESS = 5.0
 #: Share of the error limit that the choice of formats may spend on rounding.
 _ROUNDING_SHARE = 0.3
 
@@ -49,6 +51,7 @@ def lower_component(model: ThermalModel, component: Component, limit_K: float) -
         component.order,
         limit_K,
         lambda substeps: _lower(component, dynamics(model, component, substeps), substeps, limit_K),
+        hopeless=_HOPELESS,
     )
 
 
@@ -67,6 +70,9 @@ def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float)
     )
     if layout is None:
         raise LoweringError(f"component {component.name}: no fixed-point formats hold its ranges")
+    if recursion is not None:
+        q_range = np.einsum("pj,pj->p", exact.c, ranges.distance).max()
+        layout = replace(layout, carry_byte=formats.carry_byte(layout, float(q_range)))
     rates, steady = tabulate(exact, layout)
     proof = None if recursion is None else prove(recursion, exact, ranges, layout, rates)
     return FixedComponent(
@@ -116,6 +122,9 @@ def prove(
     needed = formats.nested_ranges(ranges, np.maximum(integer_rates, exact.rates))
     if np.any(needed > (2.0**31 - 4.0) * np.array(layout.high_lsb)):
         return None
+    q_range = float(np.einsum("pj,pj->p", exact.c, ranges.distance).max())
+    if exact.order > 1 and not formats.carry_fits(layout, q_range):
+        return None
     q_error, chain_error = formats.rounding(layout, exact.rates, steady_excess)
     error = bounds.worst_error(
         recursion,
@@ -124,7 +133,8 @@ def prove(
         changed_c=increments.from_rates(integer_rates) - exact.c,
         q_error=q_error,
         chain_error=np.tile(chain_error, (len(q_error), 1)),
-        start_error=layout.high_lsb[0],
+        start_error=START_UNITS * layout.high_lsb[0],
+        carry=formats.CARRY_FACTOR / 2.0**16,
     )
     if error is None:
         return None

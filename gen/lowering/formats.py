@@ -12,7 +12,7 @@ which the board then need not compute.  k is a multiple of 8, so that on an 8-bi
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,10 @@ Array = NDArray[np.float64]
 
 WORD_BITS = 48
 RESIDUE_BITS = 16
+#: 2^16 / 12: the share of q that x[n-1] carries (:mod:`gen.lowering.increments`), as the board multiplies by it.
+CARRY_FACTOR = 5461
+#: The start value's distance from the given one, in units of the high word of x1: rounded down, with a rounded factor.
+START_UNITS = 2.0
 _PRODUCT_SHIFTS = (32, 24, 16)
 
 
@@ -38,11 +42,14 @@ class Format:
         k of each product, length n; the last is a ``product_wide``, the others are ``product_high``.
     rate_fraction_bits
         Bits after the binary point of the 32-bit unsigned rates, length n.
+    carry_byte
+        At a change of PWM, 32 bits of q from this byte of its word on are carried over, 1 or 2.
     """
 
     fraction_bits: tuple[int, ...]
     product_shifts: tuple[int, ...]
     rate_fraction_bits: tuple[int, ...]
+    carry_byte: int = 2
 
     @property
     def order(self) -> int:
@@ -66,8 +73,25 @@ class Format:
 
     @property
     def odd_shift_bits(self) -> int:
-        """Bits by which the chain's shifts miss whole bytes: each costs the board a few cycles."""
-        return sum(shift % 8 for shift in self.chain_shifts)
+        """Bits by which the chain's shifts miss whole bytes, from above or below: each costs the board some cycles."""
+        return sum(min(shift % 8, -shift % 8) if shift > 8 else shift % 8 for shift in self.chain_shifts)
+
+
+@dataclass(frozen=True)
+class StartScale:
+    """Factors that turn thousandths of a kelvin r (at most 23 bits) into a high word of x1, in 32 bits throughout.
+
+    The high word is r whole + (((r >> 8) fraction + ((r & 255) fraction >> 8)) >> 8), rounded down.
+    """
+
+    whole: int
+    fraction: int
+
+
+def start_scale(layout: Format) -> StartScale:
+    """The factors for the start values of a component."""
+    whole, rest = divmod(1 << layout.fraction_bits[0] - RESIDUE_BITS, 1000)
+    return StartScale(whole, -(-(rest << 16) // 1000))  # rounded up: what is a whole number of units stays so
 
 
 def dropped_bytes(shift: int, *, wide: bool) -> int:
@@ -169,10 +193,30 @@ def rounding(layout: Format, rates: Array, steady_excess: Array | float = 0.0) -
         error = own + rates[:, i] * error
     k = layout.product_shifts[-1]
     error = rates[:, -1] * error + layout.residue_lsb[-1] * (1.0 + dropped_error(k, wide=True))
-    # Rounded down by each chain addition; the carry into x[n-1] rounds twice.
-    additions = {1: (0,), 2: (2 + 2, 0), 3: (1, 1 + 2, 0), 4: (2, 1, 1 + 2, 0)}[n]
+    # Rounded down by each chain addition.
+    additions = {1: (0,), 2: (2, 0), 3: (1, 1, 0), 4: (2, 1, 1, 0)}[n]
     chain = np.array([count * lsb for count, lsb in zip(additions, layout.residue_lsb, strict=True)])
+    if n > 1:  # a change of PWM may be at every sample
+        chain[n - 2] += carry_error(layout, float(error.max()))
     return error, chain
+
+
+def carry_error(layout: Format, q_error: float) -> float:
+    """Worst rounding of what x[n-1] takes over at a change of PWM, in K, given that of q."""
+    unit = layout.residue_lsb[-1] * 2.0 ** (8 * layout.carry_byte)
+    shifted = unit * 2.0 ** (layout.chain_shifts[-1] % 8)
+    # Both q, and what is cut off below carry_byte, below the shift, below the product, and below the word.
+    return CARRY_FACTOR / 2.0**16 * (2.0 * q_error + unit + shifted) + shifted + layout.residue_lsb[-2]
+
+
+def carry_byte(layout: Format, q_range: float) -> int:
+    """The finest :attr:`Format.carry_byte` with which the change of a q within +-``q_range`` (in K) fits 32 bits."""
+    return 1 if carry_fits(replace(layout, carry_byte=1), q_range) else 2
+
+
+def carry_fits(layout: Format, q_range: float) -> bool:
+    """Whether the change of a q within +-``q_range`` (in K) fits 32 bits from the layout's ``carry_byte`` on."""
+    return 2.0 * q_range < (2.0**31 - 4.0) * 2.0 ** (8 * layout.carry_byte) * layout.residue_lsb[-1]
 
 
 def feedback_sensitivity(c: Array) -> Array:

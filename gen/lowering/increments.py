@@ -184,7 +184,11 @@ def injection(order: int) -> Array:
     return np.array(_INJECT[order], dtype=np.float64)
 
 
-def state_map(c: Array) -> Array:
+#: Share of q that x[n-1] carries (second Bernoulli number over 2!, the trapezoidal rule's error).
+CARRY = 1.0 / 12.0
+
+
+def state_map(c: Array, carry: float = CARRY) -> Array:
     """The matrices M(p) with x - s = M(p) (z - s), z = (T, Ts T', Ts^2 T'', ..), shape (m, n, n).
 
     The constant part follows from both chains being controllable with the same characteristic polynomial
@@ -196,6 +200,8 @@ def state_map(c: Array) -> Array:
     ----------
     c
         C0..C[n-1], shape (m, n).
+    carry
+        Share of q that x[n-1] carries: :data:`CARRY`, or the board's rounded one.
     """
     m, n = c.shape
     exact_chain = [[Fraction(1, factorial(j - i)) if j >= i else Fraction(0) for j in range(n)] for i in range(n)]
@@ -208,12 +214,8 @@ def state_map(c: Array) -> Array:
     constant = chains @ (np.eye(n) + nilpotent @ nilpotent / 12.0)
     carrying: Array = np.tile(np.eye(n), (m, 1, 1))
     if n > 1:  # x[n-1] = constant part + q/12 with q = -C (x - s): solved for x
-        carrying[:, n - 2, :] += c * CARRY
+        carrying[:, n - 2, :] += c * carry
     return np.asarray(np.linalg.solve(carrying, np.tile(constant, (m, 1, 1))), dtype=np.float64)
-
-
-#: Share of q that x[n-1] carries (second Bernoulli number over 2!, the trapezoidal rule's error).
-CARRY = 1.0 / 12.0
 
 
 def exact_transition(denominator: Array, sample_time: float) -> Array:

@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
-from gen.errors import CheckFailed
-from gen.lowering import bounds, fixed, float32
+from gen.errors import CheckFailed, InputError
+from gen.lowering import bounds, fast, fixed, float32
 from gen.lowering.dynamics import Dynamics, LoweringError, domain_rows, dynamics
+from gen.lowering.fast_format import BLOCK, FastComponent
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.onboard import OnboardComponent, compile_component, tuned
-from gen.lowering.program import Arithmetic, FixedComponent, ScheduleKind, rounded_up
+from gen.lowering.program import Arithmetic, FixedComponent, ScheduleKind, Speed, rounded_up
 from gen.lowering.reach import SwitchedRecursion
 from gen.model import Component, ThermalModel
-from gen.reference.float32 import FloatStep
 from gen.reference.onboard import evaluate
 
-AnyComponent = FixedComponent | FloatComponent
+AnyComponent = FixedComponent | FloatComponent | FastComponent
 
 #: Relative size of the terms that the float schedule leaves out where the usual one makes its bound too large.
 _FINE_TOLERANCE = 1e-7
@@ -63,6 +63,8 @@ class Program:
         In the order of the board's state.
     onboard
         How the board computes each component's coefficients; empty for a table.
+    speed
+        ``fast``: shorter words and products, fixed point and table only.
     """
 
     arithmetic: Arithmetic
@@ -71,6 +73,12 @@ class Program:
     components: tuple[AnyComponent, ...]
     shapes: tuple[Shape, ...]
     onboard: tuple[OnboardComponent, ...] = ()
+    speed: Speed = "normal"
+
+    @property
+    def label(self) -> str:
+        """The combination for people: arithmetic/schedule, and the speed unless it is the normal one."""
+        return f"{self.arithmetic}/{self.schedule}" + ("/fast" if self.speed == "fast" else "")
 
     @property
     def saturates(self) -> bool:
@@ -93,7 +101,23 @@ def refuse_effects(coefficients: Coefficients, what: str) -> None:
         )
 
 
-def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: ScheduleKind) -> Program:
+def check_speed(arithmetic: str, schedule: str, speed: str) -> None:
+    """Refuse what the fast form is not made for.
+
+    Raises
+    ------
+    InputError
+        If `fast` is asked for together with float or a schedule that the board computes.
+    """
+    if speed == "fast" and arithmetic != "fixed":
+        raise InputError(f"--speed fast is for fixed-point arithmetic, not for --arithmetic {arithmetic}")
+    if speed == "fast" and schedule != "table":
+        raise InputError(f"--speed fast needs the rates of a table, not --schedule {schedule}")
+
+
+def lower(
+    coefficients: Coefficients, arithmetic: Arithmetic, schedule: ScheduleKind, speed: Speed = "normal"
+) -> Program:
     """Lower every component.
 
     Raises
@@ -101,8 +125,13 @@ def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: Schedule
     CheckFailed
         If a component cannot be lowered, or its proven error exceeds the file's limit; the message names it. Also if
         the file holds an effect that no firmware is emitted for.
+    InputError
+        See :func:`check_speed`.
     """
+    check_speed(arithmetic, schedule, speed)
     refuse_effects(coefficients, "the firmware")
+    if speed == "fast":
+        return _lower_fast(coefficients)
     model = coefficients.model
     accuracy = coefficients.accuracy
     limit = accuracy.fixed_limit_K if arithmetic == "fixed" else accuracy.float_limit_K
@@ -116,24 +145,45 @@ def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: Schedule
                 onboard.append(tape)
         except LoweringError as error:
             raise CheckFailed(str(error)) from error
-        if lowered.proof is not None and lowered.proof.bound_K > limit:
-            raise CheckFailed(
-                f"component {component.name}: the guaranteed error bound of {rounded_up(lowered.proof.bound_K):.1e} K "
-                f"exceeds $.accuracy.{arithmetic}_limit_K = {limit:.1e} K"
-            )
+        _check_bound(lowered, limit, arithmetic)
         components.append(lowered)
     return Program(arithmetic, schedule, model, tuple(components), _shapes(components), tuple(onboard))
 
 
-def _table(model: ThermalModel, component: Component, arithmetic: Arithmetic, limit: float) -> AnyComponent:
+def _lower_fast(coefficients: Coefficients) -> Program:
+    model, limit = coefficients.model, coefficients.accuracy.fast_limit_K
+    components: list[AnyComponent] = []
+    turns = 0
+    for component in model.components:
+        try:
+            lowered = fast.lower_component(model, component, turns % BLOCK, limit)
+        except LoweringError as error:
+            raise CheckFailed(str(error)) from error
+        _check_bound(lowered, limit, "fast")
+        components.append(lowered)
+        turns += component.order == 1
+    return Program("fixed", "table", model, tuple(components), _shapes(components), speed="fast")
+
+
+def _check_bound(lowered: AnyComponent, limit: float, kind: str) -> None:
+    if lowered.proof is not None and lowered.proof.bound_K > limit:
+        raise CheckFailed(
+            f"component {lowered.name}: the guaranteed error bound of {rounded_up(lowered.proof.bound_K):.1e} K "
+            f"exceeds $.accuracy.{kind}_limit_K = {limit:.1e} K"
+        )
+
+
+def _table(
+    model: ThermalModel, component: Component, arithmetic: Arithmetic, limit: float
+) -> FixedComponent | FloatComponent:
     if arithmetic == "fixed":
         return fixed.lower_component(model, component, min(limit, fixed.TARGET_K))
     return float32.lower_component(model, component, limit)
 
 
 def _onboard(
-    model: ThermalModel, component: Component, lowered: AnyComponent, limit: float
-) -> tuple[AnyComponent, OnboardComponent]:
+    model: ThermalModel, component: Component, lowered: FixedComponent | FloatComponent, limit: float
+) -> tuple[FixedComponent | FloatComponent, OnboardComponent]:
     """The component with the coefficients that the board itself computes, and the tape that computes them."""
     exact = dynamics(model, component, lowered.substeps)
     rows = domain_rows(model)
@@ -157,18 +207,15 @@ def _float_rows(
     lowered: FloatComponent, exact: Dynamics, tape: OnboardComponent, rows: NDArray[np.int64]
 ) -> FloatComponent:
     rates, steady = evaluate(tape, rows)
-    return float32.with_rows(lowered, exact, rates, FloatStep(lowered).on_grid(steady))
+    return float32.with_rows(lowered, exact, rates, steady)
+
+
+def _formats(component: AnyComponent) -> object:
+    return component.fraction_bits if isinstance(component, FloatComponent) else component.layout
 
 
 def _shapes(components: list[AnyComponent]) -> tuple[Shape, ...]:
-    integers = [component for component in components if isinstance(component, FixedComponent)]
-    if len(integers) < len(components):  # float32 constants differ from component to component
-        return tuple(Shape(component.name, (number,)) for number, component in enumerate(components))
-    return _fixed_shapes(integers)
-
-
-def _fixed_shapes(components: list[FixedComponent]) -> tuple[Shape, ...]:
-    keys = [(c.order, c.substeps, c.layout, c.start_range_mK, c.saturates) for c in components]
+    keys = [(c.order, c.substeps, _formats(c), c.start_range_mK, c.saturates) for c in components]
     first = {key: index for index, key in reversed(list(enumerate(keys)))}
     order = sorted(range(len(components)), key=lambda index: (first[keys[index]], index))
     groups = [tuple(members) for _, members in groupby(order, key=lambda index: first[keys[index]])]

@@ -37,6 +37,8 @@ _SLACK = 1e-10
 #: A policy that improves a height by less than this, relative to the largest, is not worth another round.
 _SETTLED = 1e-12
 _WEIGHT_TOLERANCE = 1e-11
+#: With how many PWM the fixed point is sought first.
+_FIRST_MODES = 24
 
 
 class NoProofError(Exception):
@@ -62,6 +64,28 @@ class ReachSet:
         best = int(weights.min(axis=1).argmax())
         full = self._facets[best] % len(self.height)
         return float(np.maximum(weights[best], 0.0) @ self.height[full])
+
+
+@dataclass
+class _Policy:
+    """Which PWM each direction's height comes from: a place in ``modes``, or the start set (``stopped``)."""
+
+    modes: NDArray[np.intp]
+    choice: NDArray[np.intp]
+    stopped: NDArray[np.bool_]
+
+    @classmethod
+    def first(cls, reward: Array) -> _Policy:
+        """A few PWM over the domain, and the largest reward of each direction among them."""
+        count, all_modes = reward.shape
+        modes = np.unique(np.linspace(0, all_modes - 1, min(all_modes, _FIRST_MODES)).round().astype(np.intp))
+        return cls(modes, reward[:, modes].argmax(axis=1), np.zeros(count, dtype=bool))
+
+    def add(self, modes: NDArray[np.intp]) -> None:
+        """Let more PWM be chosen."""
+        merged = np.union1d(self.modes, modes)
+        self.choice = np.searchsorted(merged, self.modes[self.choice])
+        self.modes = merged
 
 
 class SwitchedRecursion:
@@ -92,11 +116,13 @@ class SwitchedRecursion:
         self._index = np.zeros((count, m, n), dtype=np.intp)
         self._weight = np.zeros((count, m, n))
         touching = _incidence(self._facets, count)
+        images = np.tensordot(self._directions, round_matrices, axes=(1, 1)).transpose(0, 2, 1)  # (j, a, p)
+        every = np.arange(m)
         for j in range(count):
-            image = np.einsum("pba,b->pa", round_matrices, self._directions[j])
-            weights = np.einsum("fab,pb->pfa", self._facet_inverse[touching[j]], image)
-            best = weights.min(axis=2).argmax(axis=1)
-            self._weight[j] = weights[np.arange(m), best]
+            inverse = self._facet_inverse[touching[j]]
+            weights = (inverse.reshape(-1, n) @ images[j]).reshape(len(inverse), n, m)
+            best = weights.min(axis=1).argmax(axis=0)
+            self._weight[j] = weights[best, :, every]
             self._index[j] = self._facets[touching[j][best]] % count
         if self._weight.min() < -_WEIGHT_TOLERANCE:
             raise NoProofError("a direction leaves its neighbourhood within one sample")
@@ -123,41 +149,55 @@ class SwitchedRecursion:
         floor = np.zeros(len(self._directions))
         if start is not None:
             floor = np.abs(self._directions @ (start @ to_round.T).T).sum(axis=1)
-        height = self._fixed_point(reward, floor)
+        policy = _Policy.first(reward)
+        height = self._fixed_point(reward, floor, policy)
         if not height.any():
             return ReachSet(self._directions, self._shape.T, self._facets, self._facet_inverse, height)
-        height = self._fixed_point(reward + _SLACK * height.max(), floor)
+        height = self._fixed_point(reward + _SLACK * height.max(), floor, policy)
         image = reward + (self._weight * height[self._index]).sum(axis=2)
         if np.any(image.max(axis=1) > height) or np.any(floor > height):
             raise NoProofError("the polytope fails its own check")
         return ReachSet(self._directions, self._shape.T, self._facets, self._facet_inverse, height)
 
-    def _fixed_point(self, reward: Array, floor: Array) -> Array:
+    def _fixed_point(self, reward: Array, floor: Array, policy: _Policy) -> Array:
+        """Solve (*) for a few PWM and add those at which it does not hold yet, until it holds at all."""
+        while True:
+            height = self._policy_iteration(reward, floor, policy)
+            value = reward + (self._weight * height[self._index]).sum(axis=2)
+            lacking = (value > height[:, None] + _SETTLED * np.abs(height).max()).any(axis=0)
+            lacking[policy.modes] = False
+            if not lacking.any():
+                return height
+            worst = np.unique(value.argmax(axis=1))
+            policy.add(worst[lacking[worst]])
+
+    def _policy_iteration(self, reward: Array, floor: Array, policy: _Policy) -> Array:
+        """The fixed point for the PWM of a policy, which is left at what it came to."""
         count, _, n = self._weight.shape
         rows = np.repeat(np.arange(count), n)
         every = np.arange(count)
-        policy = reward.argmax(axis=1)
-        stopped = np.zeros(count, dtype=bool)
+        weights, indices = self._weight[:, policy.modes], self._index[:, policy.modes]
+        rewards = reward[:, policy.modes]
         height = floor.copy()
         for _ in range(200):
-            weight = np.where(stopped[:, None], 0.0, self._weight[every, policy])
-            columns = self._index[every, policy]
+            weight = np.where(policy.stopped[:, None], 0.0, weights[every, policy.choice])
+            columns = indices[every, policy.choice]
             system = sparse.csc_matrix((weight.ravel(), (rows, columns.ravel())), shape=(count, count))
             try:
                 height = splu(sparse.eye(count, format="csc") - system).solve(
-                    np.where(stopped, floor, reward[every, policy])
+                    np.where(policy.stopped, floor, rewards[every, policy.choice])
                 )
             except RuntimeError as error:
                 raise NoProofError("the policy's linear system is singular") from error
             if not np.all(np.isfinite(height)) or height.min() < -1e-9 * np.abs(height).max():
                 raise NoProofError("arbitrary switching between these PWM values is not contractive")
-            value = reward + (self._weight * height[self._index]).sum(axis=2)
+            value = rewards + (weights * height[indices]).sum(axis=2)
             best = value.max(axis=1)
             improved = np.maximum(best, floor) > height + _SETTLED * np.abs(height).max()
             if not improved.any():
                 return np.maximum(height, floor)
-            policy = np.where(improved, value.argmax(axis=1), policy)
-            stopped = np.where(improved, floor >= best, stopped)
+            policy.choice = np.where(improved, value.argmax(axis=1), policy.choice)
+            policy.stopped = np.where(improved, floor >= best, policy.stopped)
         raise NoProofError("policy iteration did not settle")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf
 from typing import Protocol, TypeVar
 
 from gen.lowering.program import Proof
@@ -19,7 +20,9 @@ class _Provable(Protocol):
 _Lowered = TypeVar("_Lowered", bound=_Provable)
 
 
-def fewest_substeps(order: int, limit_K: float, lower_with: Callable[[int], _Lowered]) -> _Lowered:
+def fewest_substeps(
+    order: int, limit_K: float, lower_with: Callable[[int], _Lowered], *, hopeless: float = inf
+) -> _Lowered:
     """The first lowering whose proven bound holds, else the one with the smallest bound.
 
     Parameters
@@ -30,12 +33,18 @@ def fewest_substeps(order: int, limit_K: float, lower_with: Callable[[int], _Low
         The error bound to aim for.
     lower_with
         Lowers the component with a number of substeps.
+    hopeless
+        A bound of so many times the limit lets the next number be left out: a proof takes its time.
     """
     best = lower_with(_SUBSTEPS[0])
     smallest = best.proof
+    far = False
     for substeps in _SUBSTEPS[1:]:
         if smallest is None or smallest.bound_K <= limit_K or order == 1:
             break
+        far = not far and smallest.bound_K > hopeless * limit_K
+        if far:
+            continue
         tried = lower_with(substeps)
         if tried.proof is None:
             break

@@ -11,13 +11,10 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.formats import RESIDUE_BITS, WORD_BITS, dropped_bytes
+from gen.lowering.formats import CARRY_FACTOR, RESIDUE_BITS, WORD_BITS, dropped_bytes, start_scale
 from gen.lowering.program import FixedComponent
 
 Word = TypeVar("Word", int, NDArray[np.int64])
-
-#: 2^32 / 12: the share of q that x[n-1] carries, as a product kept from bit 32 on.
-CARRY_FACTOR = 357913941
 
 
 def product(difference: Word, rate: Word, shift: int, *, wide: bool) -> Word:
@@ -64,11 +61,10 @@ class FixedStep:
     def start(self, rise_mK: int) -> list[int]:
         """State at rest at a rise in thousandths of a kelvin, limited to the declared range."""
         low, high = self._component.start_range_mK
-        kelvin, rest = divmod(max(low, min(high, rise_mK)), 1000)
-        output_bits = self._component.layout.fraction_bits[0] - RESIDUE_BITS
-        fine = (rest << 22) // 1000
-        fraction = fine << (output_bits - 22) if output_bits >= 22 else fine >> (22 - output_bits)
-        return [((kelvin << output_bits) + fraction) << RESIDUE_BITS] + [0] * (self._component.order - 1)
+        limited = max(low, min(high, rise_mK))
+        scale = start_scale(self._component.layout)
+        part = ((limited >> 8) * scale.fraction + ((limited & 255) * scale.fraction >> 8)) >> 8
+        return [(limited * scale.whole + part) << RESIDUE_BITS] + [0] * (self._component.order - 1)
 
     def increment(self, state: list[Word], rates: list[Word], steady: Word) -> Word:
         """Give q, as a word of x[n], for a state (not changed), integer rates and integer steady rise."""
@@ -84,9 +80,12 @@ class FixedStep:
 
     def carry(self, state: list[Word], old: Word, new: Word) -> None:
         """Carry q/12 of x[n-1] over a change of PWM, given q before and after (orders 2 to 4)."""
-        moved = self._high((new - old) >> self._component.layout.chain_shifts[-1])
+        layout = self._component.layout
+        cut, (whole, bits) = 8 * layout.carry_byte, divmod(layout.chain_shifts[-1], 8)
+        change = self._high((-old >> cut) - (-new >> cut)) >> bits
+        part = ((change * CARRY_FACTOR) >> 16 << cut) >> 8 * whole
         place = self._component.order - 2
-        state[place] = self._word(state[place] + product(moved, _like(moved, CARRY_FACTOR), 32, wide=False))
+        state[place] = self._word(state[place] + part)
 
     def advance(self, state: list[Word], q: Word) -> None:
         """Do the chain of additions, see :mod:`gen.lowering.increments`."""
@@ -123,8 +122,3 @@ class FixedStep:
         clipped = np.clip(value, -limit, limit - 1)
         self.saturations = self.saturations + (clipped != value).astype(np.int64)
         return clipped
-
-
-def _like(example: Word, value: int) -> Word:
-    """``value`` in the type of ``example``."""
-    return value if isinstance(example, int) else np.full_like(example, value)

@@ -1,7 +1,7 @@
 """The float32 recursion, word for word as the board computes it.
 
-Every operation is one float32 operation in the board's order.  Words are float32 arrays, one entry per lane (numpy
-scalars of float32 work as well); nothing here may promote to float64.
+Every float operation is one float32 operation in the board's order; accumulators are int64 here, with 40 bits of
+range on the board.  Arrays have one entry per lane.
 """
 
 from __future__ import annotations
@@ -9,31 +9,29 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.float32 import CARRY, FloatComponent
+from gen.lowering.float32 import LIMIT_BITS, LOW_BITS, FloatComponent
 
-Word = NDArray[np.float32]
-
-_HALF = np.float32(0.5)
-_MAGNITUDE = np.uint32(0x7FFF)
-
-
-def upper_magnitude(word: Word) -> NDArray[np.uint32]:
-    """The upper 16 bits without the sign: what the board compares instead of magnitudes."""
-    bits: NDArray[np.uint32] = (np.asarray(word, dtype=np.float32).view(np.uint32) >> np.uint32(16)) & _MAGNITUDE
-    return bits
+Singles = NDArray[np.float32]
+Integers = NDArray[np.int64]
+Lanes = NDArray[np.bool_]
+#: x1 .. xn as accumulators.
+State = list[Integers]
 
 
-def leading(word: Word) -> Word:
-    """The word with the lower 16 bits cleared: its 8 leading significant bits."""
-    bits = np.asarray(word, dtype=np.float32).view(np.uint32) & np.uint32(0xFFFF0000)
-    return bits.view(np.float32)
+def accumulated(accumulator: Integers, value: Singles, shift: int) -> Integers:
+    """``accumulator`` plus ``value`` (a number of 2^-shift of its word's units), rounded towards zero."""
+    scaled = value.astype(np.float64) * 2.0 ** (LOW_BITS - shift)  # exact
+    result: Integers = accumulator + np.trunc(scaled).astype(np.int64)
+    return result
+
+
+def word(accumulator: Integers) -> Singles:
+    """An accumulator's 32-bit word as float32."""
+    return (accumulator >> LOW_BITS).astype(np.float32)
 
 
 class FloatStep:
-    """One sample of one component; counts folds, and where a high word had to be limited.
-
-    A state is the list of the board's struct and is changed in place: [base, low, drive, keep] for order 1, else
-    [base, low, high2, low2, .. high_n, low_n] and from order 3 on xn, the sum of the last two.
+    """One step of one component; counts where an accumulator had to be limited.
 
     Parameters
     ----------
@@ -43,70 +41,30 @@ class FloatStep:
     Attributes
     ----------
     saturations
-        How many of each lane's words were limited so far.
-    folds
-        How many words were folded so far, over all lanes.
+        How many of each lane's additions were limited so far.
     """
 
     def __init__(self, component: FloatComponent) -> None:
+        self._component = component
         self._order = component.order
-        self._saturates = component.saturates
-        self._start_constant = np.float32(component.start_constant)
-        self._steady_constant = np.float32(component.steady_constant)
-        self._thresholds = [np.uint32(word) for word in component.threshold_words]
-        self._limits = [np.float32(limit) for limit in component.limits]
-        self._start_range = tuple(np.float32(end) for end in component.start_range)
-        self.saturations: NDArray[np.int64] = np.zeros((), dtype=np.int64)
-        self.folds = 0
+        self._shifts = component.chain_shifts
+        self.saturations: Integers = np.zeros((), dtype=np.int64)
 
-    def start(self, rise: Word) -> list[Word]:
-        """The state at rest at a rise in K (clamped to the start range), with S = 0 until :meth:`change`."""
-        lowest, highest = self._start_range
-        clamped = np.where(rise < lowest, lowest, np.where(rise > highest, highest, rise)).astype(np.float32)
-        on_grid = (clamped + self._start_constant) - self._start_constant
-        count = (4, 4, 7, 9)[self._order - 1]
-        words: list[Word] = [np.zeros_like(clamped) for _ in range(count)]
-        words[0] = np.float32(0.0) - on_grid
-        words[1] = clamped - on_grid
-        return words
+    def start(self, rise_mK: Integers) -> State:
+        """The state at rest at a rise in thousandths of a kelvin, limited to the start range."""
+        low, high = self._component.start_range_mK
+        words = self._component.start_factor * np.clip(rise_mK, low, high).astype(np.float32)
+        zero = np.zeros(len(rise_mK), dtype=np.int64)
+        return [accumulated(zero, words, 0), *(zero for _ in range(1, self._order))]
 
-    def on_grid(self, steady: Word) -> Word:
-        """A steady rise rounded so that it may be passed to :meth:`change` (for schedules computed on board)."""
-        return (steady + self._steady_constant) - self._steady_constant
-
-    def constant(self, state: list[Word], rates: list[Word]) -> None:
-        """One (sub)step with the PWM of the last one."""
-        if self._order == 1:
-            state[1] = state[3] * state[1] + state[2]
-            self._fold_driven(state, rates[0])
-        else:
-            self.advance(state, self.increment(state, rates))
-
-    def changed(self, state: list[Word], old: list[Word], new: list[Word], old_steady: Word, new_steady: Word) -> None:
-        """One (sub)step, the first with a new PWM; the old rates and steady rise are 0 after :meth:`start`."""
-        if self._order == 1:
-            self.change(state, old_steady, new_steady)
-            state[2] = new[0] * state[0]
-            state[3] = np.float32(1.0) - new[0]
-            self.constant(state, new)
-            return
-        before = self.increment(state, old)
-        self.change(state, old_steady, new_steady)
-        self.advance(state, self.carry(state, new, before, self.increment(state, new)))
-
-    def change(self, state: list[Word], old_steady: Word, new_steady: Word) -> None:
-        """Move base to another steady rise; the old one is 0 after :meth:`start`.  Exact."""
-        state[0] = state[0] + (new_steady - old_steady)
-
-    def increment(self, state: list[Word], rates: list[Word]) -> Word:
-        """q for a state (not changed), orders 2 to 4."""
-        q = rates[0] * (state[0] - state[1])
-        for i in range(1, self._order):
-            kept = i > 1 and i == self._order - 1
-            q = rates[i] * (q - (state[2 * i + 2] if kept else self._sum(state, i)))
+    def increment(self, state: State, rates: list[Singles], steady: Integers) -> Singles:
+        """q in the unit of xn's word, for rate words and S as they are in the board's memory."""
+        q = rates[0] * (steady - (state[0] >> LOW_BITS)).astype(np.float32)
+        for rate, accumulator in zip(rates[1:], state[1:], strict=True):
+            q = rate * (q - word(accumulator))
         return q
 
-    def carry(self, state: list[Word], rates: list[Word], old: Word, new: Word) -> Word:
+    def carry(self, state: State, rates: list[Singles], old: Singles, new: Singles, where: Lanes) -> Singles:
         """Carry q/12 of x[n-1] over a change of PWM (orders 2 to 4).
 
         Parameters
@@ -117,76 +75,55 @@ class FloatStep:
             The new ones.
         old, new
             q with the old and the new coefficients.
+        where
+            Lanes whose coefficients are new.
 
         Returns
         -------
-        Word
-            q with the new coefficients after the carry.
+        Singles
+            q after the carry; ``new`` in the other lanes.
         """
         place = self._order - 2
-        carried = CARRY * (new - old)
-        state[2 * place + 1] = state[2 * place + 1] + carried
-        return new - rates[place + 1] * (rates[place] * carried)
+        carried = self._component.carry_factor * (new - old)
+        self._add(state, place, carried, 0, where)
+        return np.where(where, new - rates[place + 1] * (rates[place] * carried), new)
 
-    def advance(self, state: list[Word], q: Word) -> None:
-        """The chain of additions, see :mod:`gen.lowering.increments` (orders 2 to 4)."""
-        order = self._order
-        if order == 2:
-            state[1] = state[1] + (self._sum(state, 1) + _HALF * q)
-        elif order == 3:
-            state[1] = state[1] + self._sum(state, 1)
-        else:
-            x3 = self._sum(state, 2)
-            state[1] = state[1] + (self._sum(state, 1) + _HALF * x3)
-            state[3] = state[3] + x3
-            self._fold_pair(state, 1)
-        self._fold_base(state)
-        last = order - 1
-        state[2 * last + 1] = state[2 * last + 1] + q
-        self._fold_pair(state, last)
-        if order > 2:
-            state[2 * last + 2] = self._sum(state, last)
-            state[2 * last - 1] = state[2 * last - 1] + state[2 * last + 2]
-            self._fold_pair(state, last - 1)
+    def advance(self, state: State, q: Singles) -> None:
+        """The chain of additions, see :mod:`gen.lowering.increments`."""
+        n, shifts, every = self._order, self._shifts, np.ones(len(q), dtype=bool)
+        if n == 2:
+            self._add(state, 0, word(state[1]), shifts[0], every)
+            self._add(state, 0, q, shifts[0] + 1, every)  # q/2
+        elif n == 3:
+            self._add(state, 0, word(state[1]), shifts[0], every)
+        elif n == 4:
+            x3 = word(state[2])
+            self._add(state, 0, word(state[1]), shifts[0], every)
+            self._add(state, 0, x3, shifts[0] + shifts[1] + 1, every)  # x3/2
+            self._add(state, 1, x3, shifts[1], every)
+        self._add(state, n - 1, q, 0, every)
+        if n > 2:
+            self._add(state, n - 2, word(state[n - 1]), shifts[n - 2], every)
 
-    def rise(self, state: list[Word], steady: Word) -> Word:
-        """The temperature rise in K at the present steady rise."""
-        return (steady - state[0]) + state[1]
+    def rise(self, state: State) -> NDArray[np.float64]:
+        """The temperature rise in K: x1 without its low bits."""
+        return np.asarray((state[0] >> LOW_BITS) * 2.0 ** -self._component.fraction_bits[0], dtype=np.float64)
 
     @staticmethod
-    def words(state: list[Word]) -> list[NDArray[np.uint32]]:
-        """The state's bits in the order of the board's struct."""
-        return [np.asarray(word, dtype=np.float32).view(np.uint32) for word in state]
+    def words(state: State) -> list[Integers]:
+        """Low bits and word of each accumulator, in the order of the board's structure."""
+        return [part for value in state for part in (value & ((1 << LOW_BITS) - 1), value >> LOW_BITS)]
 
-    @staticmethod
-    def _sum(state: list[Word], i: int) -> Word:
-        return state[2 * i] + state[2 * i + 1]
-
-    def _fold_driven(self, state: list[Word], rate: Word) -> None:
-        full = self._fold_base(state)
-        if np.any(full):
-            state[2] = np.where(full, rate * state[0], state[2])
-
-    def _fold_base(self, state: list[Word]) -> NDArray[np.bool_]:
-        return self._fold(state, 0, np.float32(-1.0))
-
-    def _fold_pair(self, state: list[Word], i: int) -> None:
-        self._fold(state, i, np.float32(1.0))
-
-    def _fold(self, state: list[Word], i: int, sign: np.float32) -> NDArray[np.bool_]:
-        """Move low's leading bits to base (which has x1 with the other sign) or to high."""
-        high, low = state[2 * i], state[2 * i + 1]
-        full = upper_magnitude(low) >= self._thresholds[i]
-        if np.any(full):
-            self.folds += int(np.count_nonzero(full))
-            moved = leading(low)
-            state[2 * i] = self._limited(np.where(full, high + sign * moved, high), full, self._limits[i])
-            state[2 * i + 1] = np.where(full, low - moved, low)
-        return full
-
-    def _limited(self, word: Word, where: NDArray[np.bool_], limit: np.float32) -> Word:
-        if not self._saturates:
-            return word
-        beyond = where & (np.abs(word) > limit)
-        self.saturations = self.saturations + beyond
-        return np.where(beyond, np.copysign(limit, word), word)
+    def _add(self, state: State, i: int, value: Singles, shift: int, where: Lanes) -> None:
+        if self._component.saturates:
+            end = np.float32(2.0 ** (LIMIT_BITS + shift))
+            beyond = where & (np.abs(value) >= end)
+            value = np.where(beyond, np.copysign(np.nextafter(end, np.float32(0.0)), value), value)
+            self.saturations = self.saturations + beyond
+        total = np.where(where, accumulated(state[i], value, shift), state[i])
+        if self._component.saturates:
+            words, limit = total >> LOW_BITS, 1 << LIMIT_BITS
+            beyond = where & ((words > limit) | (words < -limit))
+            total = np.where(beyond, np.sign(words) * (limit << LOW_BITS), total)
+            self.saturations = self.saturations + beyond
+        state[i] = total

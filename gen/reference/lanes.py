@@ -8,9 +8,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.float32 import FloatComponent
+from gen.lowering.fast_format import FastComponent
+from gen.lowering.float32 import LOW_BITS, FloatComponent
 from gen.lowering.formats import RESIDUE_BITS
+from gen.lowering.lower import AnyComponent
 from gen.lowering.program import FixedComponent
+from gen.reference.fast import FastLanes, fast_coefficient_fields
 from gen.reference.fixed import FixedStep
 from gen.reference.float32 import FloatStep
 
@@ -72,11 +75,7 @@ class FixedLanes:
     def rise_mK(self) -> Integers:
         """See :class:`ComponentLanes`."""
         bits = self._component.layout.fraction_bits[0] - RESIDUE_BITS
-        high = self._state[0] >> RESIDUE_BITS
-        fraction = high & ((1 << bits) - 1)
-        sixteenth = fraction >> (bits - 16) if bits >= 16 else fraction << (16 - bits)
-        thousandths: Integers = (high >> bits) * 1000 + (sixteenth * 1000 >> 16)
-        return thousandths
+        return _thousandths(self._state[0] >> RESIDUE_BITS, bits)
 
     def saturations(self) -> Integers:
         """See :class:`ComponentLanes`."""
@@ -102,41 +101,35 @@ class FloatLanes:
     def __init__(self, component: FloatComponent, start_mK: Sequence[int]) -> None:
         self._component = component
         self._step = FloatStep(component)
-        rise = np.array(start_mK, dtype=np.float32) / np.float32(1000.0)
+        self._rates = component.rate_words
+        rise = np.array(start_mK, dtype=np.int64)
         self._state = self._step.start(rise)
-        low, high = component.start_range
-        self.limited = (rise < np.float32(low)) | (rise > np.float32(high))
-        self._steady = np.zeros(len(start_mK), dtype=np.float32)
+        low, high = component.start_range_mK
+        self.limited = (rise < low) | (rise > high)
 
     def sample(self, row: Integers, before: Integers | None) -> None:
         """See :class:`ComponentLanes`."""
         rates, steady = self._coefficients(row)
-        substeps = self._component.substeps
-        if before is None or bool(np.any(before != row)):
-            kept = [word.copy() for word in self._state]
-            zero = np.zeros(len(row), dtype=np.float32)
-            old, old_steady = [zero] * self._component.order, zero
+        substeps, changed = self._component.substeps, np.ones(len(row), dtype=bool)
+        if before is not None:
+            changed = before != row
+        if self._component.order > 1 and np.any(changed):
+            old = np.zeros(len(row), dtype=np.float32)
             if before is not None:
-                old, old_steady = self._coefficients(before)
-            self._step.changed(self._state, old, rates, old_steady, steady)
-            if before is not None and bool(np.any(before == row)):  # lanes that stay take the short way
-                self._step.constant(kept, rates)
-                same = before == row
-                self._state = [np.where(same, one, other) for one, other in zip(kept, self._state, strict=True)]
+                old = self._step.increment(self._state, *self._coefficients(before))
+            new = self._step.increment(self._state, rates, steady)
+            self._step.advance(self._state, self._step.carry(self._state, rates, old, new, changed))
             substeps -= 1
         for _ in range(substeps):
-            self._step.constant(self._state, rates)
-        self._steady = steady
+            self._step.advance(self._state, self._step.increment(self._state, rates, steady))
 
     def rise(self) -> NDArray[np.float64]:
         """See :class:`ComponentLanes`."""
-        return self._step.rise(self._state, self._steady).astype(np.float64)
+        return self._step.rise(self._state)
 
     def rise_mK(self) -> Integers:
         """See :class:`ComponentLanes`."""
-        scaled = self._step.rise(self._state, self._steady) * np.float32(1000.0)
-        whole = np.trunc(scaled).astype(np.int64)
-        return np.asarray(whole - (whole.astype(np.float32) > scaled), dtype=np.int64)
+        return _thousandths(self._state[0] >> LOW_BITS, self._component.fraction_bits[0])
 
     def saturations(self) -> Integers:
         """See :class:`ComponentLanes`."""
@@ -149,37 +142,42 @@ class FloatLanes:
     def coefficient_words(self, row: Integers) -> list[NDArray[Any]]:
         """See :class:`ComponentLanes`."""
         rates, steady = self._coefficients(row)
-        return [np.ascontiguousarray(word).view(np.uint32) for word in (*rates, steady)]
+        return [*(np.ascontiguousarray(rate).view(np.uint32) for rate in rates), steady]
 
-    def _coefficients(self, row: Integers) -> tuple[list[NDArray[np.float32]], NDArray[np.float32]]:
-        component = self._component
-        return [component.rates[row, i] for i in range(component.order)], component.steady[row]
+    def _coefficients(self, row: Integers) -> tuple[list[NDArray[np.float32]], Integers]:
+        return [self._rates[row, i] for i in range(self._component.order)], self._component.steady[row]
 
 
-def lanes_of(component: FixedComponent | FloatComponent, start_mK: Sequence[int]) -> ComponentLanes:
+def _thousandths(word: Integers, bits: int) -> Integers:
+    """A word of 2^-bits K in thousandths of a kelvin, rounded down, by way of 2^-16 K."""
+    fraction = word & ((1 << bits) - 1)
+    sixteenth = fraction >> (bits - 16) if bits >= 16 else fraction << (16 - bits)
+    result: Integers = (word >> bits) * 1000 + (sixteenth * 1000 >> 16)
+    return result
+
+
+def lanes_of(component: AnyComponent, start_mK: Sequence[int]) -> ComponentLanes:
     """A component's lanes at rest at the given rises, in thousandths of a kelvin."""
     if isinstance(component, FixedComponent):
         return FixedLanes(component, start_mK)
+    if isinstance(component, FastComponent):
+        return FastLanes(component, start_mK)
     return FloatLanes(component, start_mK)
 
 
-def state_fields(component: FixedComponent | FloatComponent) -> Fields:
+def state_fields(component: AnyComponent) -> Fields:
     """Names and types of the state's words, in the order of the board's structure."""
-    name, order = component.name, component.order
-    if isinstance(component, FixedComponent):
-        return [
-            (f"{name}.x{i}.{half}", kind) for i in range(1, order + 1) for half, kind in (("lo", "<u2"), ("hi", "<i4"))
-        ]
-    words = ["base", "low", *(f"{half}{i}" for i in range(2, order + 1) for half in ("high", "low"))]
-    if order == 1:
-        words += ["drive", "keep"]
-    elif order > 2:
-        words.append(f"x{order}")
-    return [(f"{name}.{word}", "<u4") for word in words]
+    low = "<u2" if isinstance(component, FixedComponent) else "u1"
+    return [
+        (f"{component.name}.x{i}.{half}", kind)
+        for i in range(1, component.order + 1)
+        for half, kind in (("lo", low), ("hi", "<i4"))
+    ]
 
 
-def coefficient_fields(component: FixedComponent | FloatComponent) -> Fields:
+def coefficient_fields(component: AnyComponent) -> Fields:
     """Names and types of the coefficients' words, in the order of the board's structure."""
-    steady = "<i4" if isinstance(component, FixedComponent) else "<u4"
+    if isinstance(component, FastComponent):
+        return fast_coefficient_fields(component)
     rates = [(f"{component.name}.R{i}", "<u4") for i in range(component.order)]
-    return [*rates, (f"{component.name}.S", steady)]
+    return [*rates, (f"{component.name}.S", "<i4")]

@@ -44,6 +44,7 @@ class ReferenceModel:
         rows = domain_rows(program.model)
         self._row_flags = pwm_flags(program)
         self._first, self._last = int(rows[0]), int(rows[-1])
+        self._samples = 0
 
     def step(self, pwm: Integers) -> None:
         """Advance by one sample with the PWM of each lane, shape (L,)."""
@@ -53,6 +54,7 @@ class ReferenceModel:
         clamped = np.where((magnitude < self._first) | (magnitude > self._last), PWM_CLAMPED, 0)
         self._flags = (self._flags & (START_CLAMPED | SATURATED)) | self._row_flags[row] | clamped
         before, self._row = self._row, row
+        self._samples += 1
         for component in self._components:
             component.sample(row, before)
         if self._program.saturates:
@@ -93,6 +95,8 @@ class ReferenceModel:
         record["flags"] = self._flags | STARTED
         if self._program.saturates:
             record["saturations"] = self.saturations
+        if self._program.speed == "fast":
+            record["phase"] = self._samples % 256
         return record
 
 
@@ -115,4 +119,6 @@ def record_type(program: Program) -> np.dtype[np.void]:
     tail = [("command", "<i2"), ("flags", "u1")]
     if program.saturates:
         tail.append(("saturations", "<u2"))
+    if program.speed == "fast":
+        tail.append(("phase", "u1"))
     return np.dtype(states + coefficients + tail)

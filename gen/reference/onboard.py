@@ -36,7 +36,7 @@ def wrapped(value: Integers) -> Integers:
 
 
 def divide(a: Integers, b: Integers, shift: int, *, rounded: bool) -> Integers:
-    """a 2^shift / b (a up to 40 bits), to nearest (ties away from zero) or towards zero.
+    """a 2^shift / b, to nearest (ties away from zero) or towards zero.
 
     Raises
     ------
@@ -130,10 +130,10 @@ def _fixed_step(step: Step, x: Integers, args: list[Integers]) -> Integers:
         case "mul_signed" | "mul_signed_modulo":
             result = mul_shift(np.where(args[1] < 0, -args[0], args[0]), np.abs(args[1]), step.shift)
             result = wrapped(result) if step.op == "mul_signed_modulo" else result
-        case "div":
+        case "div" | "div_signed":
+            if step.op == "div" and np.any(args[0] < 0):
+                raise RangeError("div takes what is not negative")
             result = divide(args[0], args[1], step.shift, rounded=step.round)
-        case "times_div":
-            result = divide(args[0] * args[1], args[2], step.shift, rounded=step.round)
         case "add":
             result = args[0] + args[1]
         case "add_modulo" | "sub_modulo":
@@ -183,7 +183,7 @@ def _float_step(step: Step, x: Integers, args: list[NDArray[Any]]) -> NDArray[An
             result = -args[0]
         case "positive_outside":
             outside = (args[1] < step.table[0]) | (args[1] > step.table[1])
-            result = np.where(outside & (args[0] < 0), single(0), args[0])
+            result = np.where(outside & np.signbit(args[0]), single(0), args[0])
         case _:
             raise ValueError(f"no step {step.op}")
     return result

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.lowering.lower import lower, refuse_effects
-from gen.lowering.program import Arithmetic
+from gen.lowering.program import Arithmetic, Speed
 from gen.model.exact import ExactSolution
 from gen.model.extended import ExtendedSolution
 from gen.reference.lanes import state_fields
@@ -25,7 +25,12 @@ _ON_GRID = 1e-6
 
 
 def simulate_run(
-    coefficients: Coefficients, run: Run, arithmetic: Literal["exact", "fixed", "float"], start: Start, file: str
+    coefficients: Coefficients,
+    run: Run,
+    arithmetic: Literal["exact", "fixed", "float"],
+    start: Start,
+    file: str,
+    speed: Speed = "normal",
 ) -> dict[str, NDArray[np.float64] | NDArray[np.int64]]:
     """Model temperatures at the run's own times.
 
@@ -41,6 +46,8 @@ def simulate_run(
         from the measured one where there is one. Derivatives start at zero.
     file
         The run file's name for messages.
+    speed
+        Of the board.
 
     Returns
     -------
@@ -65,16 +72,16 @@ def simulate_run(
         for name, values in solved.items():
             columns[f"{name}_degC"] = values + ambient
         return columns
-    board, words = _on_board(coefficients, arithmetic, run, rise)
+    board, words = _on_board(coefficients, arithmetic, run, rise, speed)
     for name, values in board.items():
         columns[f"{name}_degC"] = values + ambient
     return columns | words
 
 
 def _on_board(
-    coefficients: Coefficients, arithmetic: Arithmetic, run: Run, rise: dict[str, float]
+    coefficients: Coefficients, arithmetic: Arithmetic, run: Run, rise: dict[str, float], speed: Speed
 ) -> tuple[dict[str, Array], dict[str, NDArray[np.int64]]]:
-    program = lower(coefficients, arithmetic, "table")
+    program = lower(coefficients, arithmetic, "table", speed)
     samples = (run.time_s - run.time_s[0]) / program.model.sample_time
     grid = np.floor(samples + _ON_GRID).astype(np.int64)
     length = int(grid[-1])

@@ -66,11 +66,15 @@ def alarm_profile(program: Program, rules: Sequence[LoweredRule], lanes: int, le
     """PWM that stays within the rules' ranges for long, visits their ends, and leaves them now and then."""
     random = np.random.default_rng(seed)
     scale = program.model.full_scale
-    edges = sorted({end for rule in rules for segment in rule.segments for end in (segment.low, segment.high)})
+    edges = sorted(
+        {0, scale} | {end for rule in rules for segment in rule.segments for end in (segment.low, segment.high)}
+    )
     pwm = np.zeros((lanes, length), dtype=np.int64)
     for lane in pwm:
-        rule = rules[int(random.integers(len(rules)))]
-        low, high = rule.segments[0].low, rule.segments[-1].high
+        low, high = 0, scale
+        if rules:
+            rule = rules[int(random.integers(len(rules)))]
+            low, high = rule.segments[0].low, rule.segments[-1].high
         position = 0
         while position < length:
             hold = int(random.integers(1, 400))
@@ -79,7 +83,7 @@ def alarm_profile(program: Program, rules: Sequence[LoweredRule], lanes: int, le
                 level = np.clip(edges[random.integers(len(edges))] + random.integers(-1, 2), 0, scale)
             lane[position : position + hold] = level * random.choice([1, -1])
             position += hold
-    start = random.integers(0, 60_000, lanes)
+    start = random.integers(-30_000, 60_000, lanes)
     return Profile(pwm, start.astype(np.int64))
 
 
@@ -212,7 +216,7 @@ class HostAlarms:
 
     def __init__(self, library: Library, name: str, given: AlarmCampaign) -> None:
         compiler, flags = HOST_BUILDS[name]
-        self.name = f"{name}, alarms"
+        self.name = f"{name}, outputs and alarms"
         self._type = given.expected.dtype
         self._binary = library.folder / ("alarms-" + "".join(c if c.isalnum() else "-" for c in name))
         command = [str(toolchain.program(compiler)), "-std=gnu++11", "-ffp-contract=off", *WARNINGS, *flags]
@@ -234,7 +238,7 @@ class AvrAlarms:
     """The model with its rules on the emulated Mega."""
 
     def __init__(self, library: Library, cache: Path, given: AlarmCampaign) -> None:
-        self.name = "ATmega2560 (simavr), alarms"
+        self.name = "ATmega2560 (simavr), outputs and alarms"
         self._type, self._cache = given.expected.dtype, cache
         self._elf = build_elf(
             [library.folder / "verify_alarms_avr.cpp", *library.sources],
@@ -275,7 +279,7 @@ def compare_alarms(
     library
         The emitted library, written to a folder.
     rules
-        The lowered rules; without any there is nothing to compare.
+        The lowered rules; without any, the temperatures alone are compared.
     lanes, length
         Of the campaign.
     hosts
@@ -283,8 +287,6 @@ def compare_alarms(
     board
         Whether to run the emulated Mega.
     """
-    if not rules:
-        return
     _write_harnesses(library)
     given = campaign(library.program, rules, alarm_profile(library.program, rules, lanes, length))
     runners: list[Callable[[], HostAlarms | AvrAlarms]] = [partial(HostAlarms, library, name, given) for name in hosts]

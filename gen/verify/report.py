@@ -17,7 +17,7 @@ def print_results(results: Sequence[CombinationResult]) -> None:
     for result in results:
         for target in result.targets:
             equality.add_row(
-                f"{result.arithmetic}/{result.schedule}",
+                result.label,
                 target.target,
                 str(target.samples),
                 str(target.words),
@@ -28,16 +28,14 @@ def print_results(results: Sequence[CombinationResult]) -> None:
         for target in result.targets:
             if target.mismatch is not None and target.profile is not None:
                 pwm = target.profile["pwm"]
-                console.print(
-                    f"{result.arithmetic}/{result.schedule}, {target.target}: {target.mismatch}", markup=False
-                )
+                console.print(f"{result.label}, {target.target}: {target.mismatch}", markup=False)
                 console.print(f"  start {target.profile['start_mK']} mK, PWM {pwm}", markup=False)
     error = Table("combination", "component", "measured K", "guaranteed K", title="Error against the exact solution")
     for result in results:
         for name, measured in result.error_K.items():
             bound = result.bound_K[name]
             error.add_row(
-                f"{result.arithmetic}/{result.schedule}",
+                result.label,
                 name,
                 f"{measured:.1e}",
                 "saturates" if bound is None else f"{bound:.1e}",
@@ -56,7 +54,7 @@ def print_results(results: Sequence[CombinationResult]) -> None:
     for result in results:
         if result.cost is not None:
             cost.add_row(
-                f"{result.arithmetic}/{result.schedule}",
+                result.label,
                 str(result.cost.cycles_constant),
                 str(result.cost.cycles_change),
                 str(result.cost.flash_bytes),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
@@ -16,7 +17,7 @@ from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.lower import Program, lower
-from gen.lowering.program import Arithmetic, ScheduleKind
+from gen.lowering.program import Arithmetic, ScheduleKind, Speed
 from gen.model.exact import ExactSolution
 from gen.reference.model import ReferenceModel
 from gen.verify import compare
@@ -62,6 +63,12 @@ class CombinationResult:
     error_K: dict[str, float]
     cost: Cost | None = None
     helpers: list[str] = field(default_factory=list)
+    speed: Speed = "normal"
+
+    @property
+    def label(self) -> str:
+        """The combination for people."""
+        return f"{self.arithmetic}/{self.schedule}" + ("/fast" if self.speed == "fast" else "")
 
     @property
     def passed(self) -> bool:
@@ -79,6 +86,7 @@ def verify(
     mutation: Mutation | None = None,
     scale: float = 1.0,
     host_builds: Iterable[str] = tuple(HOST_BUILDS),
+    speeds: Iterable[Speed] = ("normal",),
 ) -> list[CombinationResult]:
     """Compare every asked combination on every asked target.
 
@@ -96,6 +104,8 @@ def verify(
         Share of the full campaign's length.
     host_builds
         Which of :data:`gen.verify.runners.HOST_BUILDS` to run.
+    speeds
+        Which speeds; `fast` adds one combination, fixed with a table, whatever else is asked for.
 
     Raises
     ------
@@ -103,17 +113,26 @@ def verify(
         If the emitted code does not compile, crashes, or a bound exceeds its limit.
     """
     results = []
-    for arithmetic in arithmetics:
-        for schedule in schedules:
-            progress(f"{arithmetic}/{schedule}: lowering")
-            program = lower(coefficients, arithmetic, schedule)
-            with tempfile.TemporaryDirectory(prefix="gen-verify-") as folder:
-                results.append(
-                    _combination(
-                        coefficients, program, Path(folder), target, progress, mutation, scale, tuple(host_builds)
-                    )
-                )
+    for arithmetic, schedule, speed in _combinations(arithmetics, schedules, speeds):
+        progress(f"{arithmetic}/{schedule}: lowering")
+        program = lower(coefficients, arithmetic, schedule, speed)
+        with tempfile.TemporaryDirectory(prefix="gen-verify-") as folder:
+            results.append(
+                _combination(coefficients, program, Path(folder), target, progress, mutation, scale, tuple(host_builds))
+            )
     return results
+
+
+def _combinations(
+    arithmetics: Iterable[Arithmetic], schedules: Iterable[ScheduleKind], speeds: Iterable[Speed]
+) -> list[tuple[Arithmetic, ScheduleKind, Speed]]:
+    wanted = tuple(speeds)
+    found: list[tuple[Arithmetic, ScheduleKind, Speed]] = []
+    if "normal" in wanted:
+        found += [(a, s, "normal") for a, s in itertools.product(arithmetics, schedules)]
+    if "fast" in wanted:
+        found.append(("fixed", "table", "fast"))  # the only one that there is
+    return found
 
 
 def _combination(
@@ -126,7 +145,7 @@ def _combination(
     scale: float,
     host_builds: tuple[str, ...],
 ) -> CombinationResult:
-    label = f"{program.arithmetic}/{program.schedule}"
+    label = program.label
     context = project_context(coefficients, program, coefficients.name)
     files: Files = render.library(context)
     if mutation is not None:
@@ -171,6 +190,7 @@ def _combination(
         measured_error(program, max(2, int(ACCURACY_LANES * min(scale, 1.0)))),
         cost,
         helpers,
+        program.speed,
     )
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gen.verify.avr import simulator
 from gen.verify.avr.compile import ArduinoCore
+from gen.verify.avr.shim import SHIM_FOLDER
 from gen.verify.avr.simulator import MARKER_OVERHEAD, EmulatedMega, EmulationFailed, Stop
 
 from .conftest import Emulate
@@ -287,7 +288,25 @@ def test_unreadable_firmware_is_an_error(cache: Path, tmp_path: Path) -> None:
 
 
 def test_shim_compiles_without_warnings(tmp_path: Path) -> None:
-    source = simulator.MAILBOX_FOLDER / "shim.c"
-    command = ["gcc", "-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-c", str(source)]
-    done = subprocess.run([*command, "-o", str(tmp_path / "shim.o")], capture_output=True, text=True, check=False)
+    sources = map(str, SHIM_FOLDER.glob("*.c"))
+    command = ["gcc", "-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", *sources, "-lsimavr"]
+    done = subprocess.run([*command, "-o", str(tmp_path / "shim.so")], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_sleep_and_the_longest_stretch_awake(emulate: Emulate, core: ArduinoCore) -> None:
+    text = """
+    void setup() { TCCR1B = TCCR2B = TCCR3B = TCCR4B = TCCR5B = 0; SMCR = _BV(SE); }
+    void loop() {
+        if ((millis() & 1023) == 0) { delayMicroseconds(5000); delay(1); }
+        __asm__ __volatile__("sleep");
+    }
+    """
+    mega = emulate("stretch.ino", text=text, core=core)
+    mega.run_seconds(0.5)
+    mega.longest_awake()
+    mega.run_seconds(3.0)
+    assert mega.longest_awake() == pytest.approx((0.005 + 0.001) * 16e6, rel=0.1)
+    mega.run_seconds(0.1)
+    assert mega.longest_awake() < 0.001 * 16e6
+    assert 0.98 < mega.asleep / mega.cycle < 1.0

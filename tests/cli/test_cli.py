@@ -57,6 +57,15 @@ def test_bad_input_is_one_line_with_file_and_place_and_exit_2(command: str, tmp_
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("place", ["", "missing/v.json"])
+def test_verify_finds_an_unwritable_output_before_its_work(place: str, tmp_path: Path) -> None:
+    begin = time.perf_counter()
+    done = gen("verify", COEFFICIENTS, "--json", tmp_path / place)
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"error: {tmp_path / place}: ")
+    assert time.perf_counter() - begin < 30.0  # the work itself takes minutes
+
+
 def test_a_bad_option_is_usage_and_exit_2() -> None:
     done = gen("build", COEFFICIENTS, "--arithmetic", "double")
     assert done.returncode == 2
@@ -154,3 +163,23 @@ def test_simulate_measured_start_needs_a_measurement(tmp_path: Path) -> None:
     done = gen("simulate", COEFFICIENTS, run_file(tmp_path), "--start", "measured", "--out", tmp_path / "out.csv")
     assert done.returncode == 2
     assert "column bearing_degC" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("command", "options"),
+    [
+        ("build", ["--arithmetic", "float"]),
+        ("build", ["--schedule", "onboard"]),
+        ("verify", ["--arithmetic", "float"]),
+        ("verify", ["--schedule", "onboard"]),
+        ("simulate", ["run.csv"]),
+        ("simulate", ["run.csv", "--arithmetic", "float"]),
+    ],
+)
+def test_fast_is_for_fixed_point_with_a_table_only(command: str, options: list[str], tmp_path: Path) -> None:
+    done = gen(command, COEFFICIENTS, *options, "--speed", "fast", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert "--speed fast" in done.stderr
+    assert list(tmp_path.iterdir()) == []

@@ -34,6 +34,17 @@ def test_a_threshold_beyond_the_error_band_follows_its_steps() -> None:
     assert below.segments == (Segment(51, 127, 4000, 4000), Segment(128, 255, 2500, 2500))
 
 
+def test_a_band_on_the_other_side_of_the_model_moves_the_threshold_there() -> None:
+    document = json.loads((ROOT / "examples" / "two_mass" / "coeffs.json").read_text())
+    band = {"component": "housing", "pwm": [0, 255], "model_minus_measured_K": [3.0, 4.0]}
+    document["provenance"]["error"] = [band]
+    document["alarms"] = [
+        {"name": "rule", "component": "housing", "kind": "above_model", "threshold_K": 2.0, "beyond": "error_band"}
+    ]
+    (rule,) = lower_alarms(parse(json.dumps(document).encode()))
+    assert rule.segments == (Segment(0, 255, -1000, -1000),)  # healthy is at least 3 K below the model
+
+
 @pytest.mark.parametrize(
     ("rule", "warned"),
     [

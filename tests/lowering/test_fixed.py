@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from functools import cache
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gen.lowering.formats import dropped_error
+from gen.lowering.formats import CARRY_FACTOR, START_UNITS, carry_error, dropped_error
 from gen.lowering.lower import Program, lower
-from gen.lowering.program import rounded_up
+from gen.lowering.program import FixedComponent, rounded_up
 from gen.model.exact import ExactSolution
-from gen.reference.fixed import product
+from gen.reference.fixed import FixedStep, product
 from gen.reference.model import ReferenceModel
 from gen.verify.profiles import campaign
 from gen.verify.verify import measured_error
 from tests.verify_helpers import EXAMPLES, example
 
 
+@cache
 def fixed(name: str) -> Program:
     return lower(example(name), "fixed", "table")
 
@@ -95,3 +99,38 @@ def test_the_bound_is_not_vacuous() -> None:
     component = fixed("my1016").components[0]
     assert component.proof is not None
     assert component.proof.bound_K < 50.0 * measured_error(fixed("my1016"), lanes=6)["brush"]
+
+
+@settings(max_examples=200, deadline=None)
+@given(place=st.integers(0, 3), rise_mK=st.integers(-60_000, 160_000))
+def test_a_start_value_is_as_close_as_the_proof_assumes(place: int, rise_mK: int) -> None:
+    component = fixed("my1016").components[place]
+    assert isinstance(component, FixedComponent)
+    layout = component.layout
+    word = FixedStep(component).start(rise_mK)[0]
+    difference = Fraction(word, 1 << layout.fraction_bits[0]) - Fraction(rise_mK, 1000)
+    assert abs(difference) <= START_UNITS * Fraction(layout.high_lsb[0])
+    if rise_mK >= 0 and rise_mK % 125 == 0:
+        assert difference == 0
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    name=st.sampled_from(EXAMPLES),
+    before=st.fractions(-1, 1, max_denominator=1 << 40),
+    after=st.fractions(-1, 1, max_denominator=1 << 40),
+    state=st.integers(-(1 << 40), 1 << 40),
+)
+def test_a_carry_is_a_twelfth_within_its_bound(name: str, before: Fraction, after: Fraction, state: int) -> None:
+    component = next(c for c in fixed(name).components if c.order > 1)
+    assert isinstance(component, FixedComponent)
+    layout, n = component.layout, component.order
+    largest = 1 << (29 + 8 * layout.carry_byte)  # the change of a q within it fits 32 bits
+    old, new = int(before * largest), int(after * largest)
+    words = [0] * n
+    words[n - 2] = state
+    FixedStep(component).carry(words, old, new)
+    moved = Fraction(words[n - 2] - state, 1 << layout.fraction_bits[-2])
+    wanted = Fraction(new - old, 1 << layout.fraction_bits[-1]) * Fraction(CARRY_FACTOR, 1 << 16)
+    assert abs(moved - wanted) <= Fraction(carry_error(layout, 0.0))
+    assert all(word == 0 for i, word in enumerate(words) if i != n - 2)

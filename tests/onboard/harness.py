@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen import toolchain
-from gen.firmware.onboard_cpp import helpers, math_header, schedule_source
+from gen.firmware.onboard_cpp import helpers, math_header
+from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.bounds import StateRanges, state_ranges
 from gen.lowering.dynamics import Dynamics, dynamics
 from gen.lowering.fixed import lower_component
@@ -31,7 +32,9 @@ PLATFORM = """
 #define DEMO_PLATFORM_H
 #ifdef __AVR__
 #include <avr/pgmspace.h>
+#define DEMO_SMALL __attribute__((noinline, optimize("Os")))
 #else
+#define DEMO_SMALL
 #define PROGMEM
 #define pgm_read_byte(address) (*(address))
 #define pgm_read_dword(address) (*(address))
@@ -101,7 +104,7 @@ def write(folder: Path, components: tuple[OnboardComponent, ...]) -> Sources:
     arithmetic = components[0].arithmetic
     rate, steady = ("uint32_t", "int32_t") if arithmetic == "fixed" else ("float", "float")
     write_header(folder, arithmetic, helpers(components))
-    text = f'#include "{NAME}_onboard_math.h"\n' + "".join(schedule_source(NAME, c) for c in components)
+    text = f'#include "{NAME}_onboard_math.h"\n' + "".join(schedule_sources(NAME, components))
     (folder / "schedule.h").write_text(text, encoding="utf-8")
     calls, place = [], 0
     for c in components:

@@ -70,7 +70,7 @@ static void run(const Input &in, Output &out) {{
     while (room < 8 && (size >> (30 - room)) == 0) {{ ++room; }}
     out.times = {NAME}_times(in.a, in.x, in.shift < room ? in.shift : room);
     const uint32_t divisor = in.b | 0x40000000u;
-    out.quotient = {NAME}_divide((uint32_t)(in.a / 4), 1, divisor, (uint8_t)(in.shift % 8), (uint8_t)(in.x & 1));
+    out.quotient = {NAME}_divide_signed(in.a / 4, divisor, (uint8_t)(in.shift % 8), (in.x & 1) != 0);
     out.down = {NAME}_round_shift(in.a / 2, (uint8_t)(in.x % 31));
 }}
 """
@@ -120,7 +120,7 @@ def records() -> np.ndarray[tuple[int], np.dtype[np.void]]:
 def test_primitives_on_the_mega_and_their_twins_equal_the_reference(
     tmp_path: Path, records: np.ndarray[tuple[int], np.dtype[np.void]]
 ) -> None:
-    write_header(tmp_path, "fixed", frozenset({"mul", "times", "div", "shr"}))
+    write_header(tmp_path, "fixed", frozenset({"mul", "times", "div", "div_signed", "shr"}))
     text = f'#include "{NAME}_onboard_math.h"\n{BODY}'
     (tmp_path / "avr.cpp").write_text(
         f'#include "mailbox.h"\n{text}Input gen_input;\nOutput gen_output;\nint main() {{\n    for (;;) {{\n'

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 
 from gen.coefficients import Coefficients, parse
+from gen.lowering.float32 import FloatComponent
 from gen.lowering.lower import lower
+from gen.lowering.program import Arithmetic, FixedComponent
 from gen.reference.model import SATURATED, ReferenceModel
 from gen.verify.compare import first_mismatch, reference_run
 from gen.verify.profiles import Profile
@@ -43,14 +45,16 @@ def pumping(samples: int) -> Profile:
     return Profile(np.tile(cycle, samples // cycle.size + 1)[None, :samples], np.array([150_000]))
 
 
-def test_there_is_no_proof() -> None:
-    program = lower(unstable(), "fixed", "table")
+@pytest.mark.parametrize("arithmetic", get_args(Arithmetic))
+def test_there_is_no_proof(arithmetic: Arithmetic) -> None:
+    program = lower(unstable(), arithmetic, "table")
     assert program.components[0].proof is None
     assert program.saturates
 
 
-def test_saturation_is_counted_and_flagged_and_nothing_wraps() -> None:
-    program = lower(unstable(), "fixed", "table")
+@pytest.mark.parametrize("arithmetic", get_args(Arithmetic))
+def test_saturation_is_counted_and_flagged_and_nothing_wraps(arithmetic: Arithmetic) -> None:
+    program = lower(unstable(), arithmetic, "table")
     profile = pumping(60_000)
     model = ReferenceModel(program, [150_000])
     before, largest_step = model.rises[0, 0], 0.0
@@ -61,23 +65,30 @@ def test_saturation_is_counted_and_flagged_and_nothing_wraps() -> None:
     assert model.saturations[0] > 0
     assert model.record()["flags"][0] & SATURATED
     # A wrap would be a step by the whole range of the word.
-    bits = program.components[0].layout.fraction_bits[0]  # type: ignore[union-attr]
-    assert largest_step < 2.0 ** (47 - bits) / 4.0
+    component = program.components[0]
+    if isinstance(component, FloatComponent):
+        whole = 2.0 ** (32 - component.fraction_bits[0])
+    else:
+        assert isinstance(component, FixedComponent)
+        whole = 2.0 ** (48 - component.layout.fraction_bits[0])
+    assert largest_step < whole / 8.0
 
 
+@pytest.mark.parametrize("arithmetic", get_args(Arithmetic))
 @pytest.mark.parametrize("target", ["host", "avr"])
-def test_the_board_saturates_in_the_same_samples(target: Target) -> None:
-    result = verify(unstable(), ["fixed"], ["table"], target, scale=0.02, host_builds=["g++ sanitized"])[0]
+def test_the_board_saturates_in_the_same_samples(target: Target, arithmetic: Arithmetic) -> None:
+    result = verify(unstable(), [arithmetic], ["table"], target, scale=0.02, host_builds=["g++ sanitized"])[0]
     assert result.passed
     assert result.bound_K == {"winding": None}
 
 
-def test_the_host_s_words_are_the_reference_s_through_saturation(tmp_path: Path) -> None:
+@pytest.mark.parametrize("arithmetic", get_args(Arithmetic))
+def test_the_host_s_words_are_the_reference_s_through_saturation(arithmetic: Arithmetic, tmp_path: Path) -> None:
     from gen.firmware import render
     from gen.firmware.context import project_context
     from gen.verify.runners import HostRunner, write_library
 
-    program = lower(unstable(), "fixed", "table")
+    program = lower(unstable(), arithmetic, "table")
     context = project_context(unstable(), program, "coeffs.json")
     library = write_library(program, context, render.library(context), tmp_path)
     profile = pumping(60_000)

@@ -52,12 +52,6 @@ class FixedTape:
         for node in self._needed:
             self._cap[node] = self._capacity(node)
         self._wanted: dict[int, int] = {}
-        # (a x) / b in one go: the product keeps all of its 40 bits.
-        self._fused = {
-            node.args[0]
-            for node in (self._graph.nodes[n] for n in self._needed)
-            if node.op == "div" and self._graph.nodes[node.args[0]].op == "times" and self._users[node.args[0]] == 1
-        }
         steady_bits = layout.fraction_bits[0] - RESIDUE_BITS
         if self._users[source.steady] == 1 and self._graph.nodes[source.steady].op == "div":
             self._wanted[source.steady] = steady_bits
@@ -180,8 +174,6 @@ class FixedTape:
             whole = Step(op, args, bits, table=table, unsigned=unsigned, label=label)
             self._placed[number] = (self._step(whole), bits)
         elif node.op == "times":
-            if number in self._fused:
-                return
             own = self._cap[node.args[0]]
             operand, q = self._operand(node.args[0], min(own, bits + 8) if own > bits + 8 else None)
             args = (operand, self._placed[node.args[1]][0])
@@ -193,15 +185,14 @@ class FixedTape:
             self._placed[number] = (self._quotient(node, bits, label, rounded=not floor), bits)
 
     def _quotient(self, node: Node, bits: int, label: Label, *, rounded: bool) -> int:
-        op, args = "div", node.args
-        if args[0] in self._fused:
-            op, args = "times_div", (*self._graph.nodes[args[0]].args, args[1])
-        (a, qa), (b, qb) = self._operand(args[0], None), self._operand(args[-1], None)
+        (a, qa), (b, qb) = self._operand(node.args[0], None), self._operand(node.args[1], None)
         shift = bits - qa + qb
         if shift < DIVIDE_SHIFT:  # what the board's division starts from: a numerator with bits to spare
             a, shift = self._shifted(a, qa, qa - (DIVIDE_SHIFT - shift), "shr"), DIVIDE_SHIFT
-        whole = (self._placed[args[1]][0],) if op == "times_div" else ()
-        return self._step(Step(op, (a, *whole, b), bits, shift, round=rounded, label=label))
+        values = self._graph.values[node.args[0]]
+        # What is not exactly 0 could be rounded below it.
+        never = self.steps[a].unsigned or not np.any((values != 0.0) & (values < 2.0 ** (8 - qa)))
+        return self._step(Step("div" if never else "div_signed", (a, b), bits, shift, round=rounded, label=label))
 
     def _exponential(self, node: Node, bits: int, label: Label) -> int:
         high, low = exponential_factors(*node.data)

@@ -15,8 +15,8 @@ exponential        mul(table[16 + (x & 15)], table[x >> 4], shift), modulo 2^32
 times              (a x + 2^(7-shift)) >> (8-shift), a x if shift is 8     a int32, x uint8
 mul                (a b - a0 b0 + 2^(31-shift)) >> (32-shift)             b >= 0; a0, b0 the lowest bytes
 mul_signed         the same of (-a, -b) where b < 0
-div                sign(a) (abs(a) 2^shift / b), b > 0, to nearest or (``round`` 0) towards zero
-times_div          the same of (a x 2^shift) / b, x uint8
+div                a 2^shift / b, a >= 0, b > 0, to nearest or (``round`` 0) down
+div_signed         sign(a) div(abs(a), b)
 add, sub, neg      plain; both operands have the result's format
 .._modulo          modulo 2^32: products that wrap round, and sums of them that fit 32 bits nevertheless
 shr, floor         ((a >> (shift-1)) + 1) >> 1   and   a >> shift

@@ -1,4 +1,4 @@
-/* The firmware's side of EmulatedMega.run_records (see shim.c): two marks in GPIOR0.
+/* The firmware's side of EmulatedMega.run_records (see shim/mailbox.c): two marks in GPIOR0.
  *
  *     for (;;) {
  *         GEN_MAILBOX_NEXT();     // the emulator writes the next record into the input variable

@@ -1,4 +1,4 @@
-"""Runs firmware on an emulated ATmega2560 at 16 MHz (libsimavr, through ``shim.c``).
+"""Runs firmware on an emulated ATmega2560 at 16 MHz (libsimavr, through the C files in ``shim/``).
 
 Known faults of simavr 1.6 that results inherit: an interrupt is entered in 0 cycles instead of 5, and a byte
 takes 11 bit times on UART0 instead of 10. Idle sleep passes in the cycle counter without costing host time.
@@ -7,14 +7,10 @@ takes 11 bit times on UART0 instead of 10. Idle sleep passes in the cycle counte
 from __future__ import annotations
 
 import ctypes
-import hashlib
 import os
 import re
-import subprocess
-import tempfile
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import cache
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -22,9 +18,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from gen import toolchain
-from gen.errors import CheckFailed
 from gen.verify.avr.compile import SRAM_OFFSET, Symbol, symbols
+from gen.verify.avr.shim import EmulationFailed, load_shim
+
+__all__ = ["FREQUENCY_HZ", "MAILBOX_FOLDER", "MARKER_OVERHEAD", "EmulatedMega", "EmulationFailed", "StackUse", "Stop"]
 
 FREQUENCY_HZ = 16_000_000
 MARKER_OVERHEAD = 2
@@ -33,18 +30,12 @@ MARKER_OVERHEAD = 2
 MAILBOX_FOLDER = Path(__file__).parent
 """The include folder of ``mailbox.h``."""
 
-_SHIM = Path(__file__).with_name("shim.c")
-_ABI = 1
 _SLICE_CYCLES = 400_000_000  # a keyboard interrupt is seen between slices
 _BYTE_CYCLES = 1528  # 11 bit times at 115 200 baud as the core sets it: simavr's own pace
 
 
-class EmulationFailed(CheckFailed):
-    """The firmware crashed, ended early, ran past its cycle limit or broke the mailbox protocol."""
-
-
 class Stop(IntEnum):
-    """Why a run ended; the numbers are those of ``shim.c``."""
+    """Why a run ended; the numbers are those of ``shim/mega.h``."""
 
     LIMIT = 0
     PATTERN = 1
@@ -52,6 +43,7 @@ class Stop(IntEnum):
     CRASHED = 3
     RECORDS = 4
     PROTOCOL = 5
+    PLACE = 6
 
 
 @dataclass(frozen=True)
@@ -97,7 +89,7 @@ class EmulatedMega:
             raise EmulationFailed(f"{elf}: no such firmware")
         self._elf = elf
         self._symbols = {symbol.name: symbol for symbol in symbols(elf)}
-        self._library = _library(cache)
+        self._library = load_shim(cache)
         handle = self._library.gen_mega_open(os.fsencode(elf))
         if not handle:
             raise EmulationFailed(f"{elf}: out of memory")
@@ -137,6 +129,15 @@ class EmulatedMega:
     def seconds(self) -> float:
         """Simulated time in seconds since the emulator was opened."""
         return self.cycle / FREQUENCY_HZ
+
+    @property
+    def asleep(self) -> int:
+        """Clock cycles that the chip spent in a sleep mode since the emulator was opened."""
+        return int(self._library.gen_mega_asleep(self._open()))
+
+    def longest_awake(self) -> int:
+        """Give the longest stretch of clock cycles without sleep since this was asked for last, interrupts included."""
+        return int(self._library.gen_mega_longest_awake(self._open()))
 
     @property
     def stack_pointer(self) -> int:
@@ -257,6 +258,28 @@ class EmulatedMega:
         """
         if self._run(self.cycle + max_cycles, b"") is not Stop.ENDED:
             raise EmulationFailed(f"the firmware did not end within {max_cycles} cycles ({self._place()})")
+
+    def run_to(self, name: str, max_cycles: int) -> None:
+        """Run, instruction by instruction, until the firmware reaches a function: to stop before ``main``, say.
+
+        Parameters
+        ----------
+        name
+            Its linker name.
+        max_cycles
+            The limit in clock cycles.
+
+        Raises
+        ------
+        KeyError
+            When the firmware has no such symbol.
+        EmulationFailed
+            When the firmware crashed, ended or reached the limit without coming there.
+        """
+        place = self.symbol(name).address
+        stop = Stop(self._library.gen_mega_run_to(self._open(), self.cycle + max_cycles, place))
+        if stop is not Stop.PLACE:
+            raise EmulationFailed(f"{self._why(stop, max_cycles)}; it should have come to {name}")
 
     def run_records(
         self,
@@ -423,63 +446,3 @@ def _canary(low: int, high: int) -> NDArray[np.uint8]:
     """A pattern that differs from byte to byte, so that no constant fill in the firmware can hide in it."""
     address = np.arange(low, high, dtype=np.uint32)
     return ((address * np.uint32(2654435761)) >> np.uint32(24)).astype(np.uint8)
-
-
-@cache
-def _library(cache_folder: Path) -> ctypes.CDLL:
-    library = ctypes.CDLL(str(_build_shim(cache_folder)))
-    handle, buffer, u32, u64, size = (
-        ctypes.c_void_p,
-        ctypes.c_void_p,
-        ctypes.c_uint32,
-        ctypes.c_uint64,
-        ctypes.c_size_t,
-    )
-    signatures = {
-        "gen_mega_abi": (u32, []),
-        "gen_mega_open": (handle, [ctypes.c_char_p]),
-        "gen_mega_close": (None, [handle]),
-        "gen_mega_message": (ctypes.c_char_p, [handle]),
-        "gen_mega_cycle": (u64, [handle]),
-        "gen_mega_pc": (u32, [handle]),
-        "gen_mega_sp": (ctypes.c_uint16, [handle]),
-        "gen_mega_ramend": (ctypes.c_uint16, [handle]),
-        "gen_mega_resets": (u32, [handle]),
-        "gen_mega_peek": (ctypes.c_int, [handle, u32, u32, buffer]),
-        "gen_mega_poke": (ctypes.c_int, [handle, u32, u32, ctypes.c_char_p]),
-        "gen_mega_uart_available": (size, [handle]),
-        "gen_mega_uart_take": (size, [handle, buffer, size]),
-        "gen_mega_uart_forget": (None, [handle]),
-        "gen_mega_uart_send": (ctypes.c_int, [handle, ctypes.c_char_p, size, u32]),
-        "gen_mega_run": (ctypes.c_int, [handle, u64, ctypes.c_char_p, size]),
-        "gen_mega_run_records": (
-            ctypes.c_int,
-            [handle, ctypes.c_char_p, u32, u32, buffer, u32, u32, u32, buffer, u64, ctypes.POINTER(u32)],
-        ),
-    }
-    for name, (result, arguments) in signatures.items():
-        function = getattr(library, name)
-        function.restype = result
-        function.argtypes = arguments
-    if library.gen_mega_abi() != _ABI:
-        raise EmulationFailed(f"{_SHIM.name} and simulator.py are of different versions")
-    return library
-
-
-def _build_shim(folder: Path) -> Path:
-    flags = ["-std=gnu11", "-O2", "-shared", "-fPIC"]
-    links = toolchain.simavr_flags()
-    source = _SHIM.read_bytes()
-    key = hashlib.sha256(source + "\0".join(flags + links).encode()).hexdigest()[:16]
-    target = folder / f"shim-{key}.so"
-    if target.is_file():
-        return target
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder, prefix="shim-") as scratch:
-        built = Path(scratch) / target.name
-        command = [str(toolchain.program("gcc")), *flags, "-o", str(built), str(_SHIM), *links]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise EmulationFailed(f"gcc cannot compile {_SHIM.name}:\n{done.stderr.strip()}")
-        built.replace(target)
-    return target

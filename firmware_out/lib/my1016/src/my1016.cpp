@@ -17,40 +17,46 @@ extern "C" void my1016_begin(void) {
     }
 }
 
-extern "C" void my1016_start(uint8_t component, int32_t rise_mK) {
-    my1016_model.flags &= (uint8_t)~STARTED;  // the next sample fetches its coefficients in any case
+extern "C" MY1016_SMALL void my1016_start(uint8_t component, int32_t rise_mK) {
+    my1016_Word *x;
+    uint32_t *rate;
+    uint8_t order;
     switch (component) {
         case MY1016_BRUSH:
-            // Without coefficients yet nothing drives it: at the next sample it starts from rest.
-            my1016_model.now.a[0] = my1016_A_Rates();
-            if (my1016_A_start(&my1016_model.state.a[0], rise_mK)) {
-                my1016_model.flags |= MY1016_START_CLAMPED;
-            }
+            x = my1016_model.state.a[0].x;
+            rate = my1016_model.now.a[0].rate;
+            order = 3;
             break;
         case MY1016_BEARING:
-            // Without coefficients yet nothing drives it: at the next sample it starts from rest.
-            my1016_model.now.b[0] = my1016_B_Rates();
-            if (my1016_B_start(&my1016_model.state.b[0], rise_mK)) {
-                my1016_model.flags |= MY1016_START_CLAMPED;
-            }
+            x = my1016_model.state.b[0].x;
+            rate = my1016_model.now.b[0].rate;
+            order = 1;
             break;
         case MY1016_MAGNET:
-            // Without coefficients yet nothing drives it: at the next sample it starts from rest.
-            my1016_model.now.b[1] = my1016_B_Rates();
-            if (my1016_B_start(&my1016_model.state.b[1], rise_mK)) {
-                my1016_model.flags |= MY1016_START_CLAMPED;
-            }
+            x = my1016_model.state.b[1].x;
+            rate = my1016_model.now.b[1].rate;
+            order = 1;
             break;
         case MY1016_CASING:
-            // Without coefficients yet nothing drives it: at the next sample it starts from rest.
-            my1016_model.now.b[2] = my1016_B_Rates();
-            if (my1016_B_start(&my1016_model.state.b[2], rise_mK)) {
-                my1016_model.flags |= MY1016_START_CLAMPED;
-            }
+            x = my1016_model.state.b[2].x;
+            rate = my1016_model.now.b[2].rate;
+            order = 1;
             break;
         default:
-            break;
+            return;
     }
+    // Without coefficients yet nothing drives it: at the next sample, which fetches them in any case, it starts from rest.
+    memset(rate, 0, order * sizeof *rate);
+    uint8_t flags = my1016_model.flags & (uint8_t)~STARTED;
+    if (rise_mK < -60000L) {
+        rise_mK = -60000L;
+        flags |= MY1016_START_CLAMPED;
+    } else if (rise_mK > 160000L) {
+        rise_mK = 160000L;
+        flags |= MY1016_START_CLAMPED;
+    }
+    my1016_rest(x, order, rise_mK, 8388L, 39846u);
+    my1016_model.flags = flags;
 }
 
 // |PWM| within the domain.
@@ -78,9 +84,9 @@ static inline uint8_t pwm_flags(int16_t pwm, uint8_t within) {
 static void change(uint8_t pwm) {
     my1016_State *const state = &my1016_model.state;
     my1016_Coefficients *const now = &my1016_model.now;
-    const my1016_Word brush_before = my1016_A_increment(&state->a[0], &now->a[0]);
+    const int32_t brush_before = my1016_A_drive(&state->a[0], &now->a[0]);
     my1016_schedule(pwm, now);
-    my1016_A_carry(&state->a[0], brush_before, &now->a[0]);
+    my1016_A_carry(&state->a[0], brush_before, my1016_A_drive(&state->a[0], &now->a[0]));
 }
 
 // A command other than the last one, or the first one; true if its magnitude is new. Apart from the step, which would
@@ -102,13 +108,20 @@ extern "C" void my1016_step(int16_t pwm) {
         commanded(pwm);
     }
 #ifdef __AVR__
-    my1016_run(my1016_model.state.a, my1016_model.now.a, 0, 0);
+    my1016_run(my1016_model.state.a, my1016_model.now.a, 0);
 #else
     my1016_A_advance(&my1016_model.state.a[0], &my1016_model.now.a[0]);
     for (uint8_t i = 0; i < 3; ++i) {  // bearing, magnet, casing
         my1016_B_advance(&my1016_model.state.b[i], &my1016_model.now.b[i]);
     }
 #endif
+}
+
+extern "C" void my1016_resume(int16_t pwm) {
+    const uint8_t within = magnitude(pwm);
+    my1016_model.command = pwm;
+    my1016_model.flags = (uint8_t)(STARTED | pwm_flags(pwm, within));
+    my1016_schedule(within, &my1016_model.now);
 }
 
 extern "C" int32_t my1016_rise_mK(uint8_t component) {

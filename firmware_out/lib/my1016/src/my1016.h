@@ -47,6 +47,10 @@ void my1016_start(uint8_t component, int32_t rise_mK);
 // Advances every part by one sample during which `pwm` acts; its sign, the direction of rotation, is not used.
 void my1016_step(int16_t pwm);
 
+// Goes on from states that were kept (all of my1016_model.state, see my1016_model.h) and the PWM of the sample before:
+// what follows is the same, bit for bit, as without the interruption.
+void my1016_resume(int16_t pwm);
+
 // Rise over ambient in thousandths of a kelvin, rounded down.
 int32_t my1016_rise_mK(uint8_t component);
 

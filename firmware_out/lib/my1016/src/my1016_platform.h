@@ -6,8 +6,11 @@
 
 #ifdef __AVR__
 #include <avr/pgmspace.h>
+// What a sample at constant PWM does not need is to be small.
+#define MY1016_SMALL __attribute__((noinline, optimize("Os")))
 #else
 #include <string.h>
+#define MY1016_SMALL
 #ifndef PROGMEM
 #define PROGMEM
 #endif

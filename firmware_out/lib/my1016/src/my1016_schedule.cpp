@@ -274,10 +274,18 @@ static const my1016_Coefficients TABLE[256] PROGMEM = {
 void my1016_schedule(uint8_t pwm, my1016_Coefficients *coefficients) {
     const my1016_Coefficients *row = &TABLE[pwm];
 #ifdef __AVR__
-    // memcpy_P, four bytes at a time.
-    uint8_t left = sizeof *coefficients / 4;
+    // memcpy_P, 20 bytes at a time.
+    uint8_t left = sizeof *coefficients / 20;
     __asm__ volatile(
         "1:\n\t"
+        "lpm r0, Z+\n\tst X+, r0\n\tlpm r0, Z+\n\tst X+, r0\n\t"
+        "lpm r0, Z+\n\tst X+, r0\n\tlpm r0, Z+\n\tst X+, r0\n\t"
+        "lpm r0, Z+\n\tst X+, r0\n\tlpm r0, Z+\n\tst X+, r0\n\t"
+        "lpm r0, Z+\n\tst X+, r0\n\tlpm r0, Z+\n\tst X+, r0\n\t"
+        "lpm r0, Z+\n\tst X+, r0\n\tlpm r0, Z+\n\tst X+, r0\n\t"
+        "lpm r0, Z+\n\tst X+, r0\n\tlpm r0, Z+\n\tst X+, r0\n\t"
+        "lpm r0, Z+\n\tst X+, r0\n\tlpm r0, Z+\n\tst X+, r0\n\t"
+        "lpm r0, Z+\n\tst X+, r0\n\tlpm r0, Z+\n\tst X+, r0\n\t"
         "lpm r0, Z+\n\tst X+, r0\n\tlpm r0, Z+\n\tst X+, r0\n\t"
         "lpm r0, Z+\n\tst X+, r0\n\tlpm r0, Z+\n\tst X+, r0\n\t"
         "dec %[left]\n\tbrne 1b"

@@ -8,33 +8,20 @@
 
 #include "my1016_word.h"
 
-#if defined(__GNUC__)
-#define MY1016_ONE_COPY __attribute__((noinline))
-#else
-#define MY1016_ONE_COPY
-#endif
-
-// A rise, limited to a declared range, in thousandths of a kelvin, as whole kelvins and the rest in 2^-22 K: 32 bits suffice.
-static inline MY1016_ONE_COPY int32_t my1016_kelvins(int32_t limited, uint32_t *rest) {
-    const int32_t kelvin = (limited < 0 ? limited - 999 : limited) / 1000;
-    *rest = (((uint32_t)(limited - kelvin * 1000)) << 22) / 1000u;
-    return kelvin;
-}
-
 #ifdef __AVR__
 
 // Everything that cannot saturate, in assembly: registers are saved once for the whole sample, and the time that it
 // takes does not depend on the compiler's options. The C++ below does the same for every other machine.
 //
-// task 0: one sample of all of it; state and rates point to a[0].
-// task 1: -q of the one my1016_A_State at `state` into *word; 3: carry, given the word of 1.
+// task 0: one sample of all of it; state and rates point to a[0]. The result means nothing.
+// task 1: the result is my1016_A_drive() of the one state at `state`, which does not change.
 //
 // Registers: Z state, Y rates, d r22..r25 times a r18..r21 (see my1016_word.h), r10 components left, r9 runs left.
-static inline MY1016_ONE_COPY void my1016_run(void *state, const void *rates, uint8_t task, my1016_Word *word) {
+static inline MY1016_ONE_COPY int32_t my1016_run(void *state, const void *rates, uint8_t task) {
     register uint8_t task_ __asm__("r20") = task;
-    register my1016_Word *word_ __asm__("r18") = word;
+    register int32_t result __asm__("r22");
     __asm__ volatile(
-        // Y: coefficients; T: whether to leave after q, with where to go and what to do on the stack.
+        // Y: coefficients; T: whether to leave after q.
         "push r28\n\tpush r29\n\tmovw r28, r26\n\t"
         "bst r20, 0\n\tbrtc 1f\n\trjmp 6f\n\t1:\n\t"
         // ---- brush ----
@@ -63,7 +50,6 @@ static inline MY1016_ONE_COPY void my1016_run(void *state, const void *rates, ui
         "ldd r25, Z+17\n\tadc r25, r13\n\t"
         // a = R2
         "ldd r18, Y+8\n\tldd r19, Y+9\n\tldd r20, Y+10\n\tldd r21, Y+11\n\t"
-        ".LpA%=:\n\t"
         // product, from bit 24 on
         MY1016_PRODUCT_3
         // d < 0: less a * 2^32
@@ -115,37 +101,18 @@ static inline MY1016_ONE_COPY void my1016_run(void *state, const void *rates, ui
         "sbc r0, r11\n\tst Z+, r0\n\t"
         "dec r10\n\tbreq 1f\n\trjmp .LcB%=\n\t1:\n\t"
         "rjmp 9f\n\t"
-        // ---- a change of PWM ----
-        // Keep the pointer to the word and the task; then compute q of the shape that it names.
-        "6:\n\tpush r18\n\tpush r19\n\tpush r20\n\t"
+        // ---- q for a change of PWM ----
+        // q of the shape that is asked for.
+        "6:\n\t"
         "rjmp .LqA%=\n\t"
-        // What to do with q; Y: the word.
-        ".LtA%=:\n\tpop r24\n\tpop r29\n\tpop r28\n\tcpi r24, 1\n\tbrne 1f\n\t"
-        // Before the change: keep -q.
-        "std Y+0, r27\n\tstd Y+1, r16\n\tstd Y+2, r17\n\tstd Y+3, r15\n\tstd Y+4, r13\n\tstd Y+5, r11\n\trjmp 9f\n\t"
-        "1:\n\t"
-        "cpi r24, 5\n\tbreq 2f\n\t"
-        // After: q - q before.
-        "ldd r18, Y+0\n\tsub r18, r27\n\tldd r19, Y+1\n\tsbc r19, r16\n\tldd r20, Y+2\n\tsbc r20, r17\n\t"
-        "ldd r21, Y+3\n\tsbc r21, r15\n\tldd r0, Y+4\n\tsbc r0, r13\n\tldd r1, Y+5\n\tsbc r1, r11\n\t"
-        // >> 10
-        "asr r1\n\tror r0\n\tror r21\n\tror r20\n\tror r19\n\tasr r1\n\tror r0\n\tror r21\n\tror r20\n\tror r19\n\t"
-        "mov r12, r1\n\tlsl r12\n\tsbc r12, r12\n\t"
-        // d: it, as a part of the state before; a = 2^32 / 12
-        "mov r22, r19\n\tmov r23, r20\n\tmov r24, r21\n\tmov r25, r0\n\tldi r18, 0x55\n\tldi r19, 0x55\n\t"
-        "ldi r20, 0x55\n\tldi r21, 0x15\n\t"
-        // The product at the end of q serves here too.
-        "clr r11\n\tldi r26, 5\n\tpush r28\n\tpush r29\n\tpush r26\n\trjmp .LpA%=\n\t2:\n\t"
-        // x2 += a twelfth of it
-        "ldd r0, Z+6+0\n\tadd r0, r16\n\tstd Z+6+0, r0\n\tldd r0, Z+6+1\n\tadc r0, r17\n\tstd Z+6+1, r0\n\t"
-        "ldd r0, Z+6+2\n\tadc r0, r15\n\tstd Z+6+2, r0\n\tldd r0, Z+6+3\n\tadc r0, r13\n\tstd Z+6+3, r0\n\t"
-        "ldd r0, Z+6+4\n\tadc r0, r11\n\tstd Z+6+4, r0\n\tldd r0, Z+6+5\n\tadc r0, r11\n\tstd Z+6+5, r0\n\t"
-        "rjmp 9f\n\t"
+        // The result.
+        ".LtA%=:\n\tmov r22, r16\n\tmov r23, r17\n\tmov r24, r15\n\tmov r25, r13\n\trjmp 9f\n\t"
         // The compiler wants r1 = 0.
         "9:\n\tpop r29\n\tpop r28\n\tclr r1\n\t"
-        : "+z"(state), "+x"(rates), "+r"(task_), "+r"(word_)
+        : "+z"(state), "+x"(rates), "+r"(task_), "=r"(result)
         :
-        : "r0", "r1", "r10", "r11", "r12", "r13", "r14", "r15", "r16", "r17", "r21", "r22", "r23", "r24", "r25", "memory");
+        : "r0", "r1", "r10", "r11", "r12", "r13", "r14", "r15", "r16", "r17", "r18", "r19", "r21", "memory");
+    return result;
 }
 
 #endif
@@ -167,14 +134,8 @@ struct my1016_A_State {
 
 #ifdef __AVR__
 
-static inline my1016_Word my1016_A_increment(my1016_A_State *state, const my1016_A_Rates *now) {
-    my1016_Word word;
-    my1016_run(state, now, 1, &word);
-    return word;  // -q: for _carry only
-}
-
-static inline void my1016_A_carry(my1016_A_State *state, my1016_Word before, const my1016_A_Rates *now) {
-    my1016_run(state, now, 3, &before);
+static inline int32_t my1016_A_drive(my1016_A_State *state, const my1016_A_Rates *now) {
+    return my1016_run(state, now, 1);
 }
 
 #else
@@ -191,16 +152,10 @@ static inline my1016_Word my1016_A_increment(const my1016_A_State *state, const 
     return q;
 }
 
-// x2 holds 1/12 of q (the trapezoidal rule's error): hand it over from one PWM's q to the next one's.
-static inline void my1016_A_carry(my1016_A_State *state, my1016_Word before, const my1016_A_Rates *now) {
-    my1016_Word moved = my1016_A_increment(state, now);
-    my1016_negate(before);
-    my1016_add(moved, before);
-    moved = my1016_right10(moved);
-    const int32_t low = (int32_t)(((uint32_t)moved.hi << 16) | moved.lo);  // proven to fit 32 bits
-    const int32_t twelfth = my1016_high32(low, 357913941UL);         // 2^32 / 12
-    const my1016_Word part = {(uint16_t)twelfth, (int32_t)(twelfth >> 16)};
-    my1016_add(state->x[1], part);
+// -q in 2^-53 K, for a change of PWM.
+static inline int32_t my1016_A_drive(const my1016_A_State *state, const my1016_A_Rates *now) {
+    my1016_Word q = my1016_A_increment(state, now);
+    return (int32_t)(-my1016_whole(q) >> 8);
 }
 
 static inline void my1016_A_advance(my1016_A_State *state, const my1016_A_Rates *now) {
@@ -211,17 +166,10 @@ static inline void my1016_A_advance(my1016_A_State *state, const my1016_A_Rates 
 }
 
 #endif
-// Back to rest at a rise in thousandths of a kelvin; true if it had to be limited to -60000..160000.
-static inline MY1016_ONE_COPY bool my1016_A_start(my1016_A_State *state, int32_t rise_mK) {
-    const int32_t limited = rise_mK < -60000L ? -60000L : rise_mK > 160000L ? 160000L : rise_mK;
-    uint32_t rest;
-    const int32_t kelvin = my1016_kelvins(limited, &rest);
-    for (uint8_t i = 0; i < 3; ++i) {
-        state->x[i].lo = 0;
-        state->x[i].hi = 0;
-    }
-    state->x[0].hi = kelvin * (int32_t)8388608L + (int32_t)(rest << 1);
-    return limited != rise_mK;
+
+// x2 holds 1/12 of q (the trapezoidal rule's error): hand it over from one PWM's q to the next one's.
+static inline void my1016_A_carry(my1016_A_State *state, int32_t before, int32_t after) {
+    my1016_carry(&state->x[1], (before - after) >> 2, 0);  // both are -q
 }
 
 // Rise in thousandths of a kelvin, rounded down.
@@ -265,18 +213,6 @@ static inline void my1016_B_advance(my1016_B_State *state, const my1016_B_Rates 
 }
 
 #endif
-// Back to rest at a rise in thousandths of a kelvin; true if it had to be limited to -60000..160000.
-static inline MY1016_ONE_COPY bool my1016_B_start(my1016_B_State *state, int32_t rise_mK) {
-    const int32_t limited = rise_mK < -60000L ? -60000L : rise_mK > 160000L ? 160000L : rise_mK;
-    uint32_t rest;
-    const int32_t kelvin = my1016_kelvins(limited, &rest);
-    for (uint8_t i = 0; i < 1; ++i) {
-        state->x[i].lo = 0;
-        state->x[i].hi = 0;
-    }
-    state->x[0].hi = kelvin * (int32_t)8388608L + (int32_t)(rest << 1);
-    return limited != rise_mK;
-}
 
 // Rise in thousandths of a kelvin, rounded down.
 static inline int32_t my1016_B_rise_mK(const my1016_B_State *state) {

@@ -8,6 +8,10 @@
 
 #include <stdint.h>
 
+#include <string.h>
+
+#include "my1016_platform.h"
+
 struct my1016_Word {
     uint16_t lo;
     int32_t hi;
@@ -157,5 +161,41 @@ static inline my1016_Word my1016_right12(my1016_Word word) {
 }
 
 #endif  // __AVR__
+
+// A twelfth of a change of q, in 2^place of the word's units, more.
+static inline void my1016_carry(my1016_Word *word, int32_t change, int8_t place) {
+    // A product of 16 by 32 bits, rounded down.
+    const int32_t part = (int32_t)(int16_t)(change >> 16) * 5461 + (int32_t)(((uint32_t)(uint16_t)change * 5461u) >> 16);  // 2^16 / 12
+    int32_t high = part >> 16;
+    uint16_t low = (uint16_t)part;
+    if (place == 8) {
+        high = part >> 8;
+        low = (uint16_t)(low << 8);
+    } else if (place == 16) {
+        high = part;
+        low = 0;
+    } else if (place < 0) {
+        const int32_t less = part >> -place;
+        high = less >> 16;
+        low = (uint16_t)less;
+    }
+    const uint16_t sum = (uint16_t)(word->lo + low);
+    word->hi += high + (sum < low ? 1 : 0);
+    word->lo = sum;
+}
+
+#if defined(__GNUC__)
+#define MY1016_ONE_COPY __attribute__((noinline))
+#else
+#define MY1016_ONE_COPY
+#endif
+
+// A state at rest at a rise in thousandths of a kelvin, which has been limited to the declared range. The factors are
+// 2^b / 1000 for b bits after the binary point of x1.hi: whole, and fraction / 2^16. Everything fits 32 bits.
+static inline MY1016_SMALL void my1016_rest(my1016_Word *x, uint8_t words, int32_t rise_mK, int32_t whole, uint16_t fraction) {
+    memset(x, 0, words * sizeof *x);
+    const int32_t part = (rise_mK >> 8) * (int32_t)fraction + (int32_t)(((uint32_t)(uint8_t)rise_mK * fraction) >> 8);
+    x->hi = rise_mK * whole + (part >> 8);
+}
 
 #endif

@@ -1,0 +1,132 @@
+"""Real machines: identify on some runs, predict a run that took no part, free-running from its first sample.
+
+Run:  python -m benchmarks.identify_measured [FIGURE.svg]
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.loop.identify.coefficients import Settings, coefficient_text, usable
+from gen.loop.identify.data import read_data
+from gen.loop.identify.identify import identify
+from gen.reference.simulate import simulate_run
+from gen.runs import read_run
+
+RUNS = Path(__file__).parent.parent / "examples" / "measured"
+CASES = {
+    "Temperature Control Lab, heater 1": (
+        ("tclab/apm_2nd_mimo_heater1.csv", "tclab/apm_energy_mimo_heater1.csv"),
+        "tclab/apm_hybrid_mimo_heater1.csv",
+    ),
+    "Temperature Control Lab, heater 2": (
+        ("tclab/apm_2nd_mimo_heater2.csv", "tclab/apm_energy_mimo_heater2.csv"),
+        "tclab/apm_hybrid_mimo_heater2.csv",
+    ),
+    "brushless motor at stall": (("bldc/run2.csv", "bldc/run3.csv", "bldc/run13.csv"), "bldc/run14.csv"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """A component of the run that was not used.
+
+    Attributes
+    ----------
+    case, component, order
+        What was predicted, and the identified order.
+    time, measured, model
+        Shape (N,), s and degC.
+    """
+
+    case: str
+    component: str
+    order: str
+    time: NDArray[np.float64]
+    measured: NDArray[np.float64]
+    model: NDArray[np.float64]
+
+    @property
+    def rms_K(self) -> float:
+        """Root mean square error, K."""
+        return float(np.sqrt(np.nanmean((self.model - self.measured) ** 2)))
+
+    @property
+    def largest_K(self) -> float:
+        """Largest error, K."""
+        return float(np.nanmax(np.abs(self.model - self.measured)))
+
+    @property
+    def moved_K(self) -> float:
+        """How far the temperature moved in the run, K."""
+        return float(np.nanmax(self.measured) - np.nanmin(self.measured))
+
+
+def predict(case: str) -> tuple[list[Prediction], list[str]]:
+    """Identify on a case's runs and predict its test run; also give what was left out."""
+    fit, test = CASES[case]
+    settings = Settings("machine")
+    data = read_data([RUNS / path for path in fit], None)
+    data, found = usable(data, identify(data, lambda _: None), settings)
+    _, loaded = coefficient_text(data, found, settings)
+    run = read_run(RUNS / test, loaded.model.component_names)
+    columns = simulate_run(loaded, run, "exact", "auto", test)
+    result = [
+        Prediction(
+            case,
+            name,
+            item.fit.layout.structure.name,
+            run.time_s,
+            run.temps[name],
+            np.asarray(columns[f"{name}_degC"], dtype=np.float64),
+        )
+        for name, item in found.items()
+    ]
+    return result, [warning for warning in data.warnings if "left out" in warning]
+
+
+def main() -> None:
+    """Print the table; draw the curves when a file is named."""
+    print("case                               component  order  moved (K)  rms error (K)  largest (K)")
+    predictions = []
+    for case in CASES:
+        found, left_out = predict(case)
+        predictions += found
+        for p in found:
+            print(f"{case:<34} {p.component:<10} {p.order:<6} {p.moved_K:9.1f} {p.rms_K:14.2f} {p.largest_K:12.2f}")
+        for warning in left_out:
+            print(f"{'':<34} {warning}")
+    if len(sys.argv) > 1:
+        draw(predictions, Path(sys.argv[1]))
+
+
+def draw(predictions: list[Prediction], path: Path) -> None:
+    """Draw measured and predicted temperatures of the runs that were not used."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(3.6 * len(predictions), 3.0), layout="constrained")
+    FigureCanvasSVG(figure)
+    for axes, p in zip(np.atleast_1d(figure.subplots(1, len(predictions))), predictions, strict=True):
+        axes.plot(p.time, p.measured, ".", markersize=2, color="#c4520a", label="measured, not used")
+        axes.plot(p.time, p.model, color="#0b62a8", linewidth=1.4, label="free run of the model")
+        axes.set_title(f"{p.case}: {p.component}", fontsize=8)
+        axes.set_xlabel("time (s)")
+        axes.set_ylabel("temperature (°C)")
+        axes.grid(True, color="#d5d9dd", linewidth=0.6)
+        axes.legend(fontsize=7, frameon=False)
+    with mpl.rc_context({"svg.hashsalt": "gen"}):
+        figure.savefig(path, metadata={"Date": None})
+
+
+if __name__ == "__main__":
+    main()

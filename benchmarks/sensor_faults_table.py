@@ -1,0 +1,300 @@
+"""Sensor and board faults on the emulated Mega: what is used of a bad sample, when it is told, and how it ends.
+
+    python benchmarks/sensor_faults_table.py [COEFFS] [--only open stuck] [--json FILE]
+
+The firmware of the coefficient file (with a copy of the states in EEPROM every minute) runs on the emulated Mega with
+the simulated motor (`gen.rig`), warm from an hour at 60 %, and prints a row for every sample. "off by" is the largest
+difference of any sample of the faulty channel that the board used from the part's true temperature, beyond what the
+same channel shows without a fault: a bad sample that was used would show. "host" judges the same words with the
+reference of the checks on this computer. Times count from the fault's beginning; "again" from its end.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from gen.coefficients import Coefficients, load
+from gen.coefficients.wiring import Wiring
+from gen.emulate.board import Board
+from gen.emulate.firmware import Firmware, build_firmware, cache_folder
+from gen.emulate.plant import STEP_S, Reading
+from gen.emulate.results import Results, results_of
+from gen.emulate.rig import RigPlant
+from gen.emulate.session import Event, Session, run_session
+from gen.errors import CheckFailed
+from gen.lowering.sensors import sensor_limits
+from gen.reference.sensors import SensorCheck
+from gen.rig import Profile, SensorConfig, SensorFault, warm_start
+
+ROOT = Path(__file__).parent.parent
+CHANNEL = "bearing"
+INTERVAL_S = 60.0
+START_S, END_S, DURATION_S = 40.0, 60.0, 90.0
+STUCK_S = (40.0, 900.0, 930.0)
+LATE, MEMORY_FAILED = 0x100, 0x800
+SENSOR_FAULTS = {
+    "open": SensorFault("open", START_S, END_S),
+    "all 0": SensorFault("all_0", START_S, END_S),
+    "all 1": SensorFault("all_1", START_S, END_S),
+    "stuck": SensorFault("stuck", *STUCK_S[:2]),
+    "spike": SensorFault("spike", START_S, END_S, size_K=20.0, every_s=5.0),
+    "jump": SensorFault("jump", START_S, END_S, size_K=20.0),
+    "noise burst": SensorFault("noise", START_S, END_S, size_K=20.0),
+}
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of the table; times in s, None where it does not apply or did not happen."""
+
+    fault: str
+    off_by_K: float | None
+    flagged_s: float | None
+    led_s: float | None
+    code: str
+    host: str
+    again_s: float | None
+    outcome: str
+
+
+class Recorded:
+    """A plant that remembers what it gave: true temperatures, words, and pulses added from outside."""
+
+    def __init__(self, plant: RigPlant) -> None:
+        self.plant = plant
+        self.true: list[dict[str, float]] = []
+        self.words: list[dict[str, int]] = []
+        self.noise_pulses: Callable[[float], int] = lambda _: 0
+
+    def step(self, pwm: int, dt_s: float) -> Reading:
+        """See `gen.emulate.plant.Plant.step`."""
+        reading = self.plant.step(pwm, dt_s)
+        self.true.append(self.plant.temperatures)
+        self.words.append(dict(reading.words))
+        return replace(reading, pulses=reading.pulses + self.noise_pulses(len(self.true) * dt_s))
+
+
+class Bench:
+    """Makes boards of one firmware."""
+
+    def __init__(self, coefficients: Coefficients) -> None:
+        self.coefficients = coefficients
+        wiring = coefficients.document.wiring
+        assert wiring is not None
+        self.wiring: Wiring = wiring
+        self.firmware: Firmware = build_firmware(coefficients, "fixed", "table", "coeffs.json", cache_folder())
+        self._warm = warm_start(Profile((0.0,), (153,), 3600.0))
+
+    def board(self, fault: SensorFault | None = None, *, cold: bool = False) -> tuple[Board, Recorded]:
+        """Make a board with a motor; its sensors show no offset, so that what is off is the fault's."""
+        channels = [chip.channel for chip in self.wiring.thermocouples]
+        plant = Recorded(
+            RigPlant(
+                channels,
+                sensors={channel: SensorConfig() for channel in channels},
+                sensor_faults={CHANNEL: (fault,)} if fault else {},
+                start_degC=None if cold else self._warm,
+                pulses_per_revolution=self.wiring.encoder.pulses_per_revolution if self.wiring.encoder else 0,
+            )
+        )
+        return Board(self.firmware.elf, self.firmware.cache, self.wiring, plant), plant
+
+    def run(self, board: Board, duration_s: float, events: list[Event] | None = None) -> tuple[Session, Results]:
+        """Run at 60 %, a row for every sample."""
+        every_row = Event(3.0, "send", data=b"rows 1\n")
+        session = run_session(board, duration_s, profile=((0.0, 153),), events=[every_row, *(events or [])])
+        return session, results_of(self.coefficients.document, board, session)
+
+
+def off_by(session: Session, results: Results, plant: Recorded, from_s: float, to_s: float) -> float:
+    """Largest difference of a used sample of the faulty channel from the truth, K, between two times."""
+    time_s = results.columns["time_s"] + (session.time_zero_s or 0.0)
+    used = results.columns[f"{CHANNEL}_degC"]
+    true = np.array([step[CHANNEL] for step in plant.true])
+    here = (time_s >= from_s) & (time_s < to_s) & ~np.isnan(used)
+    steps = np.clip((time_s[here] / STEP_S).astype(np.int64), 0, len(true) - 1)
+    return float(np.max(np.abs(used[here] - true[steps]), initial=0.0))
+
+
+def host_code(bench: Bench, plant: Recorded, from_s: float) -> str:
+    """First code that the reference of the checks gives after a time, on the words that the board was given."""
+    place = [chip.channel for chip in bench.wiring.thermocouples].index(CHANNEL)
+    check = SensorCheck(sensor_limits(bench.coefficients)[place])
+    for number, (words, true) in enumerate(zip(plant.words, plant.true, strict=True)):
+        code = check.check(words[CHANNEL], True, round(true[CHANNEL] * 1000.0))
+        if number * STEP_S >= from_s and code:
+            return str(int(code))
+    return "-"
+
+
+def sensor_line(bench: Bench, name: str, fault: SensorFault) -> Line:
+    """Run one sensor fault. A stuck sensor shows only while the model moves: from a cold start."""
+    stuck = fault.kind == "stuck"
+    duration = STUCK_S[2] if stuck else DURATION_S
+    board, plant = bench.board(fault, cold=stuck)
+    session, results = bench.run(board, duration)
+    zero = session.time_zero_s or 0.0
+    told = [
+        item for item in results.disbelieved if item.channel == CHANNEL and item.from_s + zero >= fault.start_s - 0.5
+    ]
+    usual = off_by(session, results, plant, 5.0, fault.start_s)
+    off = max(0.0, off_by(session, results, plant, fault.start_s, duration) - usual)
+    led = [item.from_s for item in results.led if item.pattern == "sensor" and item.from_s >= fault.start_s]
+    ends = [item.to_s for item in told]
+    last = max((end for end in ends if end is not None), default=None)
+    board.close()
+    return Line(
+        name,
+        round(off, 2),
+        round(told[0].from_s + zero - fault.start_s, 2) if told else None,
+        round(led[0] - fault.start_s, 2) if led else None,
+        " ".join(dict.fromkeys(str(item.code) for item in told)),
+        host_code(bench, plant, fault.start_s),
+        round(last + zero - fault.end_s, 2) if last is not None and None not in ends else None,
+        "runs on" if not session.restarts_s else "restarted",
+    )
+
+
+def board_line(name: str, session: Session, results: Results, *, extra: str = "") -> Line:
+    """Tell how a fault of the board ended."""
+    times = results.columns["time_s"]
+    gap = float(np.max(np.diff(times[times > 5.0]), initial=0.0))
+    late = int(np.count_nonzero(results.columns["flags"].astype(np.int64) & LATE))
+    parts = [
+        f"{len(session.restarts_s)} restarts",
+        f"longest gap {gap:.2f} s",
+        f"{late} late rows",
+        f"{session.recorder.garbled} garbled",
+        extra,
+    ]
+    code = "late" if late else ""
+    return Line(name, None, None, None, code, "", None, ", ".join(part for part in parts if part))
+
+
+def starts(session: Session) -> list[str]:
+    """How the firmware started, each time."""
+    comments = [line for part in session.recorder.parts for line in part.comments]
+    return [line.split(" ", 3)[3] for line in comments if "start from" in line]
+
+
+def write_time(bench: Bench, from_s: float) -> float:
+    """Time at which a byte of a copy is half written, s: the first after a time, found by trying."""
+    board, _ = bench.board()
+    bench.run(board, from_s)
+    while board.seconds < from_s + 2.0 * INTERVAL_S:
+        board.begin_step()
+        while board.seconds < board.steps_end_s - 1e-6:
+            board.mega.run_seconds(0.002)  # a byte takes 3.4 ms
+            if board.mega.eeprom_busy:
+                found = board.seconds
+                board.close()
+                return found
+        board.end_step()
+    raise CheckFailed(f"no copy was written to the EEPROM from {from_s:g} s on")
+
+
+def board_lines(bench: Bench) -> dict[str, Callable[[], Line]]:
+    """Every fault of the board."""
+
+    def missed_deadline() -> Line:
+        board, _ = bench.board()
+        session, results = bench.run(board, 60.0, [Event(40.0, "held_up", 0.4)])
+        codes = {item.code for item in results.disbelieved if item.from_s > 5.0}
+        return board_line("missed deadline, 0.4 s", session, results, extra=f"codes {sorted(codes)}")
+
+    def storm() -> Line:
+        board, plant = bench.board()
+        plant.noise_pulses = lambda t: 90_000 if 40.0 <= t < 43.0 else 0
+        session, results = bench.run(board, 60.0)
+        return board_line("360 000 edges/s on the encoder, 3 s", session, results, extra="; ".join(starts(session)))
+
+    def reset() -> Line:
+        board, _ = bench.board()
+        session, results = bench.run(board, 60.0, [Event(30.0, "reset")])
+        return board_line("reset in mid-run", session, results, extra="; ".join(starts(session)))
+
+    def power_cut() -> Line:
+        cut_s = write_time(bench, 3.0 * INTERVAL_S)
+        board, _ = bench.board()
+        session, results = bench.run(board, cut_s + 30.0, [Event(cut_s, "power_cut", 2.0)])
+        return board_line("power cut in an EEPROM write", session, results, extra="; ".join(starts(session)))
+
+    def corrupted() -> Line:
+        told = []
+        for damaged in (False, True):
+            board, _ = bench.board()
+            bench.run(board, 1.5 * INTERVAL_S)
+            if damaged:
+                image = bytearray(board.mega.eeprom)
+                written = [place for place, byte in enumerate(image[:-8]) if byte != 0xFF]
+                image[written[len(written) // 2]] ^= 0x10
+                board.mega.eeprom = bytes(image)
+            session, results = bench.run(board, 1.5 * INTERVAL_S + 20.0, [Event(board.seconds + 1.0, "power_cut", 1.0)])
+            told += starts(session)
+        return board_line("corrupted EEPROM", session, results, extra=f"intact: {told[0]}; one bit turned: {told[1]}")
+
+    def rollover() -> Line:
+        board, _ = bench.board()
+        board.mega.start_clock_at(2**32 - 30_000)
+        session, results = bench.run(board, 60.0)
+        return board_line("millis() rolls over after 30 s", session, results)
+
+    def flood() -> Line:
+        board, _ = bench.board()
+        session, results = bench.run(board, 60.0, [Event(30.0, "flood", 10.0)])
+        return board_line("serial flood, 10 s", session, results, extra=f"PWM stays {results.columns['pwm'][-1]:.0f}")
+
+    return {
+        "missed deadline": missed_deadline,
+        "storm": storm,
+        "reset": reset,
+        "power cut": power_cut,
+        "corrupted EEPROM": corrupted,
+        "rollover": rollover,
+        "flood": flood,
+    }
+
+
+def main() -> None:
+    """Run the faults and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("coefficients", type=Path, nargs="?", default=ROOT / "examples" / "my1016" / "coeffs.json")
+    parser.add_argument("--only", nargs="+", help="names of faults")
+    parser.add_argument("--json", type=Path)
+    options = parser.parse_args()
+    document = json.loads(options.coefficients.read_text())
+    document["wiring"]["memory"] = {"interval_s": INTERVAL_S}
+    with tempfile.TemporaryDirectory() as folder:
+        often = Path(folder) / options.coefficients.name
+        often.write_text(json.dumps(document))
+        bench = Bench(load(often))
+    jobs: dict[str, Callable[[], Line]] = {
+        name: (lambda name=name, fault=fault: sensor_line(bench, name, fault))  # type: ignore[misc]
+        for name, fault in SENSOR_FAULTS.items()
+    }
+    jobs |= board_lines(bench)
+    lines = []
+    with Console(stderr=True).status("") as status:
+        for name, job in jobs.items():
+            if options.only is None or name in options.only:
+                status.update(name)
+                lines.append(job())
+    table = Table("fault", "off by, K", "flagged, s", "LED, s", "code", "host", "again, s", "the board")
+    for line in lines:
+        table.add_row(*("" if value is None else str(value) for value in asdict(line).values()))
+    Console().print(table)
+    if options.json is not None:
+        options.json.write_text(json.dumps([asdict(line) for line in lines], indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,196 @@
+#include "memory.h"
+
+#include <my1016.h>
+#include <my1016_model.h>
+#include <my1016_sensors.h>
+#include <avr/eeprom.h>
+#include <string.h>
+
+#include "config.h"
+#include "crc32.h"
+#include "drive.h"
+
+namespace memory {
+
+namespace {
+
+const uint16_t UNMEASURED = 0xFFFF;
+
+struct Copy {
+    uint32_t identity;
+    uint32_t number;  // one more with every copy: the highest is the newest
+    int16_t pwm;      // of the sample before
+    uint16_t measured[MY1016_SENSORS];  // believed samples in counts of 0.25 degC, or UNMEASURED
+    my1016_State state;
+    uint32_t crc;  // of all before it
+};
+static_assert(sizeof(Copy) == config::COPY_BYTES, "slots were counted for another size");
+
+struct Firmware {
+    uint32_t crc;
+    uint32_t complement;
+};
+
+Copy copy;          // being written, or the one found at the start
+Firmware firmware;  // of this program
+
+// What is being written: `left` bytes from `from` on, to EEPROM address `to`.
+const uint8_t *from;
+uint16_t to;
+uint16_t left;
+
+uint16_t slot;  // of the newest copy
+uint32_t newest;  // its number; 0: none
+uint32_t samples_to_copy = config::COPY_SAMPLES;
+bool checking;  // a copy has been written and is to be read again
+bool failure;
+bool new_firmware;
+
+uint16_t address(uint16_t of_slot) { return (uint16_t)(of_slot * sizeof(Copy)); }
+
+uint8_t *place(uint16_t at) { return reinterpret_cast<uint8_t *>(at); }
+
+uint32_t crc_of(const Copy &of) {
+    const uint8_t *const bytes = reinterpret_cast<const uint8_t *>(&of);
+    uint32_t crc = CRC32_START;
+    for (uint16_t i = 0; i < offsetof(Copy, crc); ++i) {
+        crc = crc32(crc, bytes[i]);
+    }
+    return ~crc;
+}
+
+uint32_t number_in(uint16_t of_slot) {
+    const uint16_t at = address(of_slot);
+    const bool ours = eeprom_read_dword(reinterpret_cast<const uint32_t *>(at)) == config::COPY_IDENTITY;
+    return ours ? eeprom_read_dword(reinterpret_cast<const uint32_t *>(at + offsetof(Copy, number))) : 0;
+}
+
+bool fetch(uint16_t of_slot) {
+    eeprom_read_block(&copy, place(address(of_slot)), sizeof copy);
+    return copy.identity == config::COPY_IDENTITY && copy.number != 0 && copy.crc == crc_of(copy);
+}
+
+void write(const void *what, uint16_t size, uint16_t where) {
+    from = static_cast<const uint8_t *>(what);
+    left = size;
+    to = where;
+}
+
+// At most one byte is written; those that are right already cost nothing.
+void write_on() {
+    while (left > 0) {
+        const bool differs = eeprom_read_byte(place(to)) != *from;
+        if (differs) {
+            eeprom_write_byte(place(to), *from);
+        }
+        ++to;
+        ++from;
+        --left;
+        if (differs) {
+            return;
+        }
+    }
+}
+
+void make_copy() {
+    slot = (uint16_t)(slot + 1 == config::COPY_SLOTS ? 0 : slot + 1);
+    copy.identity = config::COPY_IDENTITY;
+    copy.number = newest + 1;
+    copy.pwm = my1016_model.command;
+    for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
+        const bool believed = my1016_sensors_code(channel) == MY1016_SAMPLE_OK;
+        copy.measured[channel] = believed ? (uint16_t)(my1016_sensors_mC(channel) / 250) : UNMEASURED;
+    }
+    copy.state = my1016_model.state;
+    copy.crc = crc_of(copy);
+    write(&copy, sizeof copy, address(slot));
+    checking = true;
+}
+
+}  // namespace
+
+void begin(uint32_t crc) {
+    // From the highest number down to the first one whose CRC is right.
+    for (uint32_t below = UINT32_MAX;;) {
+        newest = 0;
+        for (uint16_t i = 0; i < config::COPY_SLOTS; ++i) {
+            const uint32_t number = number_in(i);
+            if (number < below && number > newest) {
+                newest = number;
+                slot = i;
+            }
+        }
+        if (newest == 0 || fetch(slot)) {
+            break;
+        }
+        below = newest;
+    }
+    eeprom_read_block(&firmware, place(config::FIRMWARE_AT), sizeof firmware);
+    new_firmware = firmware.crc != crc || firmware.complement != ~crc;
+    if (new_firmware) {
+        firmware.crc = crc;
+        firmware.complement = ~crc;
+        write(&firmware, sizeof firmware, config::FIRMWARE_AT);
+    }
+}
+
+bool resume() {
+    if (newest == 0) {
+        return false;
+    }
+    uint8_t agreeing = 0;
+    const uint8_t on_component[] = {0, 1, 2, 3};
+    for (uint8_t channel : on_component) {
+        if (copy.measured[channel] == UNMEASURED || my1016_sensors_code(channel) != MY1016_SAMPLE_OK) {
+            continue;
+        }
+        const int16_t change = (int16_t)(my1016_sensors_mC(channel) / 250 - copy.measured[channel]);
+        if (change > (int16_t)config::COPY_TOLERANCE || change < -(int16_t)config::COPY_TOLERANCE) {
+            return false;
+        }
+        ++agreeing;
+    }
+    if (agreeing == 0) {
+        return false;
+    }
+    my1016_model.state = copy.state;
+    my1016_resume(copy.pwm);
+    return true;
+}
+
+void update() {
+    if (samples_to_copy > 0) {
+        --samples_to_copy;
+    }
+    if (!eeprom_is_ready()) {
+        return;
+    }
+    if (left > 0) {
+        write_on();
+    } else if (checking) {
+        checking = false;
+        const uint32_t number = copy.number;
+        failure = !fetch(slot) || copy.number != number;
+        if (!failure) {
+            newest = number;
+        }
+    } else if (samples_to_copy == 0) {
+        samples_to_copy = config::COPY_SAMPLES;
+        make_copy();
+    }
+}
+
+bool failed() { return failure; }
+
+bool firmware_is_new() { return new_firmware; }
+
+bool valid(uint16_t of_slot) {
+    uint32_t crc = CRC32_START;
+    const uint16_t at = address(of_slot);
+    for (uint16_t i = 0; i < offsetof(Copy, crc); ++i) {
+        crc = crc32(crc, eeprom_read_byte(place(at + i)));
+    }
+    return number_in(of_slot) != 0 && eeprom_read_dword(reinterpret_cast<const uint32_t *>(at + offsetof(Copy, crc))) == ~crc;
+}
+
+}  // namespace memory

@@ -1,0 +1,53 @@
+"""`gen build`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gen.commands.options import COEFFICIENTS, combination, speed_option
+
+if TYPE_CHECKING:
+    from gen.lowering.program import Arithmetic, ScheduleKind, Speed
+
+
+@click.command(epilog="Example:  gen build examples/my1016/coeffs.json --out firmware_out")
+@COEFFICIENTS
+@click.option("--out", type=click.Path(path_type=Path), default=Path("firmware_out"), show_default=True)
+@click.option(
+    "--verification",
+    type=click.Path(path_type=Path),
+    help="What `gen verify --json` wrote: its verdict goes into the report. Default: the one in --out.",
+)
+@combination(default_all=False)
+@speed_option(default_all=False)
+def build(
+    coefficients: Path,
+    out: Path,
+    verification: Path | None,
+    arithmetic: Arithmetic,
+    schedule: ScheduleKind,
+    speed: Speed,
+) -> None:
+    """Write the complete PlatformIO project for a coefficient file."""
+    from gen.coefficients import load
+    from gen.files import replace_folder
+    from gen.firmware.project import kept_verification, project_files, read_verification
+    from gen.lowering.lower import check_speed, lower
+
+    check_speed(arithmetic, schedule, speed)
+    loaded = load(coefficients)
+    for warning in loaded.warnings:
+        click.echo(f"warning: {coefficients}: {warning}", err=True)
+    record = read_verification(verification, loaded) if verification else kept_verification(out, loaded)
+    program = lower(loaded, arithmetic, schedule, speed)
+    replace_folder(out, project_files(loaded, program, coefficients.name, record))
+    from gen.firmware.context import bound_text
+
+    click.echo(
+        f"{out}: {loaded.name}, arithmetic {arithmetic}, schedule {schedule}" + (", fast" if speed == "fast" else "")
+    )
+    for component in program.components:
+        click.echo(f"  {component.name}: never more than {bound_text(component)} from the exact solution")

@@ -1,0 +1,294 @@
+"""`gen emulate`."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gen.errors import CheckFailed, InputError
+
+if TYPE_CHECKING:
+    from gen.coefficients import Coefficients
+    from gen.coefficients.wiring import Wiring
+    from gen.emulate.board import Board
+    from gen.emulate.rig import RigPlant
+    from gen.emulate.session import Event, Session
+    from gen.record.profile import Profile
+
+_EEPROM_BYTES = 4096
+_PATH = click.Path(path_type=Path)
+_SECONDS = click.FloatRange(min=0.0)
+
+_EXAMPLE = (
+    "Example:  gen emulate examples/my1016/coeffs.json --profile 0:153 --fault bearing --fault-start 3600 "
+    "--out run.csv --json run.json --plot run.svg"
+)
+
+
+@click.command(epilog=_EXAMPLE)
+@click.argument("coefficients", metavar="COEFFS", type=_PATH)
+@click.option("--arithmetic", type=click.Choice(["fixed", "float"]), default="fixed", show_default=True)
+@click.option("--schedule", type=click.Choice(["table", "onboard"]), default="table", show_default=True)
+@click.option("--elf", type=_PATH, help="Run this firmware (PlatformIO's firmware.elf) instead of building one.")
+@click.option("--duration", type=click.FloatRange(min=1.0, max=1e6), default=10_800.0, show_default=True, help="s")
+@click.option("--profile", metavar="FILE|TIME:PWM,...", default="0:153", show_default=True, help="PWM to command.")
+@click.option("--fault", type=click.Choice(["bearing", "brush"]), help="A fault of the motor.")
+@click.option("--fault-start", type=_SECONDS, default=0.0, show_default=True, help="s")
+@click.option("--fault-severity", type=click.FloatRange(0.0, 1.0), default=1.0, show_default=True)
+@click.option(
+    "--sensor-fault",
+    metavar="CHANNEL:KIND:START:END[:SIZE_K]",
+    multiple=True,
+    help="KIND is open, all_0, all_1, stuck, spike, jump or noise; may be given several times.",
+)
+@click.option("--sensor-tolerance", type=click.FloatRange(min=0.0), default=1.1, show_default=True, help="Offsets, K.")
+@click.option("--ambient", metavar="DEGC|FILE|TIME:DEGC,...", default="30", show_default=True)
+@click.option("--load", metavar="NM|FILE|TIME:NM,...", default="0", show_default=True, help="Torque at the shaft.")
+@click.option(
+    "--start",
+    metavar="NAME=DEGC,...|PWM:SECONDS",
+    help="Temperatures at the start, or what the motor has run before.  [default: ambient]",
+)
+@click.option("--button", metavar="TIME[:SECONDS]", multiple=True, help="Press the button.")
+@click.option("--reset", metavar="TIME", type=_SECONDS, multiple=True, help="Press the board's reset button.")
+@click.option("--power-cut", metavar="TIME[:SECONDS]", multiple=True, help="Take the board's power away.")
+@click.option("--brown-out", metavar="TIME[:SECONDS]", multiple=True, help="Let the board's supply sag.")
+@click.option("--send", metavar="TIME:TEXT", multiple=True, help="Send a line to the board.")
+@click.option("--flood", metavar="TIME[:SECONDS]", multiple=True, help="Noise on the serial line without a pause.")
+@click.option(
+    "--clock", type=click.IntRange(0, 2**32 - 1), help="What millis() counts from; 4294960000 rolls over soon."
+)
+@click.option("--eeprom", type=_PATH, help="EEPROM image: loaded if it is there, saved at the end.")
+@click.option(
+    "--encoder",
+    type=click.Choice(["batched", "true"]),
+    default="batched",
+    show_default=True,
+    help="Pulses each at its own time, or a millisecond's together (faster; same number).",
+)
+@click.option("--pty", metavar="LINK", type=_PATH, help="Make LINK a serial port; the run begins when it is opened.")
+@click.option(
+    "--time-lapse",
+    metavar="N",
+    type=click.FloatRange(min=0.001),
+    help="Simulated seconds in a second here.  [default: 1 with --pty, else as many as possible]",
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the sensors' errors.")
+@click.option("--out", type=_PATH, required=True, help="The run file to write.")
+@click.option("--json", "json_file", type=_PATH, help="Write alarms, faults and counts as JSON.")
+@click.option("--plot", type=_PATH, help="Write a picture (SVG).")
+def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | None, **options: Any) -> None:  # noqa: ANN401
+    """Run the firmware itself on an emulated Mega against a simulated motor.
+
+    The firmware of the coefficient file is built as for the board and executed instruction by instruction; its
+    thermocouples, encoder, drive, button, LED and serial line lead to a simulated motor. The run file holds what it
+    printed. Time-lapse changes how fast one can watch, nothing else.
+    """
+    from gen.coefficients import load
+    from gen.emulate.plot import plot_svg
+    from gen.emulate.results import results_of, summary
+    from gen.files import write_bytes, write_text
+    from gen.record.port import write_parts
+
+    for path in (out, json_file, plot, options["eeprom"]):
+        if path is not None and not path.resolve().parent.is_dir():
+            raise InputError("cannot be written: its folder does not exist", file=str(path))
+    loaded = load(coefficients)
+    wanted = _wanted(loaded, coefficients, options)
+    with ExitStack() as stack:
+        board = _board(loaded, coefficients, wanted, stack, options)
+        session = _run(board, wanted, stack, options)
+        results = results_of(loaded.document, board, session)
+        found = summary(results, board, session, _settings(loaded, options))
+        found["true_at_end_degC"] = {name: round(value, 3) for name, value in wanted.plant.temperatures.items()}
+        picture = plot_svg(results, _title(loaded, options)) if plot is not None and session.recorder.rows else None
+        if options["eeprom"] is not None:
+            write_bytes(options["eeprom"], board.mega.eeprom)
+    if not session.recorder.rows:
+        raise CheckFailed("the firmware printed no row of a run file")
+    session.recorder.parts[0].comments += _comments(found, options)
+    for path in write_parts(session.recorder, out):
+        click.echo(f"{path}: {session.recorder.rows} rows")
+    if json_file is not None:
+        write_text(json_file, json.dumps(found, indent=1) + "\n")
+    if plot is not None and picture is not None:
+        write_text(plot, picture)
+    _tell(found)
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """What the options ask for; all faults in them have been found when it is made."""
+
+    wiring: Wiring
+    plant: RigPlant
+    profile: Profile
+    events: list[Event]
+    image: bytes | None
+
+
+def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -> _Wanted:
+    from gen.emulate.options import check_profile, parse_events
+    from gen.record.profile import parse_profile
+
+    wiring = loaded.document.wiring
+    if wiring is None or not wiring.thermocouples:
+        raise InputError("has no thermocouples: there is nothing to emulate", file=str(coefficients), place="$.wiring")
+    if options["elf"] is not None and not options["elf"].is_file():
+        raise InputError("there is no such file; expected a firmware for the Mega", file=str(options["elf"]))
+    profile = parse_profile(options["profile"])
+    check_profile(profile, options["duration"])
+    names = ("button", "reset", "power_cut", "brown_out", "send", "flood")
+    events = parse_events(options["duration"], **{name: options[name] for name in names})
+    try:
+        plant = _plant(wiring, options)
+    except InputError as error:
+        raise InputError(error.message, file=error.file or str(coefficients), place=error.place) from error
+    return _Wanted(wiring, plant, profile, events, _eeprom_image(options["eeprom"]))
+
+
+def _plant(wiring: Wiring, options: dict[str, Any]) -> RigPlant:
+    from gen.emulate.options import parse_sensor_faults, parse_signal, parse_start
+    from gen.emulate.rig import RigPlant
+    from gen.rig import Fault, MotorConfig, sensors
+    from gen.rig.signals import value
+
+    channels = [chip.channel for chip in wiring.thermocouples]
+    fault = Fault(options["fault"], options["fault_start"], options["fault_severity"]) if options["fault"] else None
+    motor = MotorConfig(faults=(fault,) if fault is not None else ())
+    ambient = parse_signal(options["ambient"], "--ambient", column="ambient_degC", straight=True)
+    return RigPlant(
+        channels,
+        motor=motor,
+        sensors=sensors(options["seed"], tolerance_K=options["sensor_tolerance"]),
+        sensor_faults=parse_sensor_faults(options["sensor_fault"], channels),
+        start_degC=parse_start(options["start"], motor, value(ambient, 0.0)),
+        ambient_degC=ambient,
+        load_Nm=parse_signal(options["load"], "--load", column="load_Nm", straight=False),
+        pulses_per_revolution=wiring.encoder.pulses_per_revolution if wiring.encoder is not None else 0,
+        seed=options["seed"],
+    )
+
+
+def _board(
+    loaded: Coefficients, coefficients: Path, wanted: _Wanted, stack: ExitStack, options: dict[str, Any]
+) -> Board:
+    from gen.emulate.board import Board
+    from gen.emulate.firmware import build_firmware, cache_folder
+
+    cache = cache_folder()
+    elf: Path | None = options["elf"]
+    if elf is None:
+        elf = build_firmware(loaded, options["arithmetic"], options["schedule"], coefficients.name, cache).elf
+    options["elf_sha256"] = hashlib.sha256(elf.read_bytes()).hexdigest()
+    board = Board(elf, cache, wanted.wiring, wanted.plant, encoder=options["encoder"])
+    stack.callback(board.close)
+    if wanted.image is not None:
+        board.mega.eeprom = wanted.image
+    if options["clock"] is not None:
+        board.mega.start_clock_at(options["clock"])
+    return board
+
+
+def _run(board: Board, wanted: _Wanted, stack: ExitStack, options: dict[str, Any]) -> Session:
+    from gen.emulate.session import run_session
+    from gen.emulate.terminal import PseudoTerminal
+
+    pace: float | None = options["time_lapse"]
+    terminal = None
+    if options["pty"] is not None:
+        terminal = stack.enter_context(PseudoTerminal(options["pty"]))
+        pace = pace or 1.0
+        click.echo(f"{options['pty']}: waiting until it is opened (it leads to {terminal.name})", err=True)
+        terminal.wait()
+    with _progress(options["duration"]) as progress:
+        session = run_session(
+            board,
+            options["duration"],
+            profile=wanted.profile,
+            events=wanted.events,
+            terminal=terminal,
+            pace=pace,
+            progress=progress,
+        )
+    if terminal is not None:
+        terminal.drain()
+    return session
+
+
+def _eeprom_image(path: Path | None) -> bytes | None:
+    if path is None or not path.exists():
+        return None
+    try:
+        image = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=str(path)) from error
+    if len(image) != _EEPROM_BYTES:
+        raise InputError(f"has {len(image)} bytes, expected the {_EEPROM_BYTES} of the Mega's EEPROM", file=str(path))
+    return image
+
+
+def _settings(loaded: Coefficients, options: dict[str, Any]) -> dict[str, Any]:
+    from gen import __version__
+
+    kept = {name: value for name, value in options.items() if value not in (None, ()) and not isinstance(value, Path)}
+    return {
+        "tool": f"gen {__version__}",
+        "model": loaded.name,
+        "coefficients_sha256": loaded.sha256,
+        "settings": kept,
+    }
+
+
+def _title(loaded: Coefficients, options: dict[str, Any]) -> str:
+    fault = f"{options['fault']} fault from {options['fault_start']:g} s" if options["fault"] else "healthy motor"
+    return f"{loaded.name}, {fault}, PWM {options['profile']}"
+
+
+def _comments(found: dict[str, Any], options: dict[str, Any]) -> list[str]:
+    fault = f"{options['fault']} from {options['fault_start']:g} s" if options["fault"] else "none"
+    return [
+        f"# emulated: {found['tool']}, encoder {options['encoder']}, seed {options['seed']}",
+        f"# motor_fault: {fault}",
+        f"# power_on: {-found['time_zero_s']:.2f} s",
+        f"# elf_sha256: {options['elf_sha256']}",
+    ]
+
+
+def _tell(found: dict[str, Any]) -> None:
+    click.echo(
+        f"  {found['seconds']:.0f} s in {found['wall_s']:.1f} s; {found['garbled_lines']} garbled lines, "
+        f"{len(found['restarts_s'])} restarts"
+    )
+    for alarm in found["alarms"]:
+        led = f", on the LED at {alarm['led_s']:.1f} s" if alarm["led_s"] is not None else ""
+        end = f", ended at {alarm['ended_s']:.1f} s" if alarm["ended_s"] is not None else ""
+        click.echo(f"  alarm {alarm['rule']} at {alarm['raised_s']:.1f} s{led}{end}")
+    if not found["alarms"]:
+        click.echo("  no alarm")
+    for item in found["disbelieved"]:
+        end = f"{item['to_s']:.1f} s" if item["to_s"] is not None else "the end"
+        click.echo(f"  {item['channel']} not believed (code {item['code']}) from {item['from_s']:.1f} s to {end}")
+
+
+@contextmanager
+def _progress(duration_s: float) -> Iterator[Callable[[Session], None]]:
+    """A bar with the simulated time, on a terminal only."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda _: None
+        return
+    columns = (TextColumn("{task.completed:.0f} of {task.total:.0f} s"), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("", total=duration_s)
+        yield lambda session: bar.update(task, completed=session.seconds)

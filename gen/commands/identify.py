@@ -1,0 +1,95 @@
+"""The commands `gen identify` and `gen study`: parse, call, print; no logic."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from gen.progress import progress_line
+
+
+@click.command(epilog="Example:  gen identify cold_*.csv --out coeffs.json --report identification.html")
+@click.argument("runs", metavar="RUN...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="The coefficient file to write.")
+@click.option("--json", "json_file", type=click.Path(path_type=Path), help="Write all that was found as JSON.")
+@click.option("--report", type=click.Path(path_type=Path), help="Write an HTML report with plots.")
+@click.option("--name", default="motor", show_default=True, help="The model's name.")
+@click.option("--ambient", type=float, help="Ambient in degC for runs without an ambient_degC column.")
+@click.option(
+    "--sample-time", type=click.FloatRange(0.001, 3600.0), default=0.25, show_default=True, help="The board's, s."
+)
+@click.option(
+    "--full-scale", type=click.IntRange(1, 255), default=255, show_default=True, help="The count that is 100 %."
+)
+@click.option("--rpm", type=click.FloatRange(1e-3), default=2650.0, show_default=True, help="Speed at full scale.")
+@click.option("--max-order", type=click.IntRange(1, 4), default=4, show_default=True)
+def identify(
+    runs: tuple[Path, ...],
+    out: Path,
+    json_file: Path | None,
+    report: Path | None,
+    name: str,
+    ambient: float | None,
+    sample_time: float,
+    full_scale: int,
+    rpm: float,
+    max_order: int,
+) -> None:
+    """Identify a speed-scheduled model from measured runs and write its coefficient file."""
+    from gen.coefficients.names import name_fault
+    from gen.errors import InputError
+    from gen.files import write_text
+    from gen.loop.identify.coefficients import Settings, coefficient_text, usable
+    from gen.loop.identify.data import read_data
+    from gen.loop.identify.identify import identify as run
+    from gen.loop.identify.summary import summary, text
+
+    fault = name_fault(name)
+    if fault:
+        raise InputError(fault, place="--name")
+    with progress_line() as progress:
+        progress("reading")
+        data = read_data(runs, ambient)
+        found = run(data, progress, max_order, sample_time)
+        settings = Settings(name, sample_time, full_scale, rpm)
+        data, found = usable(data, found, settings)
+        written, loaded = coefficient_text(data, found, settings)
+        page = None
+        if report is not None:
+            from gen.loop.identify.report import report_html
+
+            progress("report")
+            page = report_html(data, found, loaded)
+    write_text(out, written)
+    if json_file is not None:
+        write_text(json_file, json.dumps(summary(data, found), indent=1, allow_nan=True) + "\n")
+    if report is not None and page is not None:
+        write_text(report, page)
+    click.echo(text(data, found))
+    for warning in loaded.warnings:
+        click.echo(f"warning: {out}: {warning}", err=True)
+    click.echo(f"{out}: {len(found)} component(s)")
+
+
+@click.command(epilog="Example:  gen study examples/my1016/study.json")
+@click.argument("tables", type=click.Path(path_type=Path), default=Path("examples/my1016/study.json"))
+@click.option("--tables-only", is_flag=True, help="Leave out the comparison with gen identify.")
+def study(tables: Path, tables_only: bool) -> None:
+    """Compute the source study's tables again, and compare its schedules with those that gen identify chooses.
+
+    TABLES holds the study's numbers  [default: examples/my1016/study.json].
+    """
+    from gen.study.tables import read_study
+    from gen.study.text import comparison, reproduction
+
+    numbers = read_study(tables)
+    click.echo(reproduction(numbers))
+    if not tables_only:
+        from gen.study.compare import compare
+
+        with progress_line() as progress:
+            found = compare(numbers, progress)
+        click.echo("")
+        click.echo(comparison(numbers, found))

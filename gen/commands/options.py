@@ -1,0 +1,47 @@
+"""Arguments and options that several commands share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+CommandType = TypeVar("CommandType", bound=Callable[..., Any])
+COEFFICIENTS = click.argument("coefficients", metavar="COEFFS", type=click.Path(path_type=Path))
+
+
+def speed_option(*, default_all: bool) -> Callable[[CommandType], CommandType]:
+    """--speed, with `all` where both can be handled at once."""
+    return click.option(
+        "--speed",
+        type=click.Choice(["normal", "fast", "all"] if default_all else ["normal", "fast"]),
+        default="normal",
+        show_default=True,
+        help="fast: fewer cycles for a larger, still guaranteed error; fixed point with a table only.",
+    )
+
+
+def combination(*, default_all: bool) -> Callable[[CommandType], CommandType]:
+    """--arithmetic and --schedule, with `all` where several can be handled at once."""
+    arithmetic = ["fixed", "float", "all"] if default_all else ["fixed", "float"]
+    schedule = ["table", "onboard", "all"] if default_all else ["table", "onboard"]
+
+    def decorate(command: CommandType) -> CommandType:
+        command = click.option(
+            "--schedule",
+            type=click.Choice(schedule),
+            default="all" if default_all else "table",
+            show_default=True,
+            help="Coefficients of every PWM in flash, or evaluated on the board when PWM changes.",
+        )(command)
+        return click.option(
+            "--arithmetic",
+            type=click.Choice(arithmetic),
+            default="all" if default_all else "fixed",
+            show_default=True,
+            help="Fixed-point integers or float32.",
+        )(command)
+
+    return decorate

@@ -1,0 +1,49 @@
+"""`gen simulate`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+from gen.commands.options import COEFFICIENTS, speed_option
+
+if TYPE_CHECKING:
+    from gen.lowering.program import Arithmetic, Speed
+    from gen.reference.simulate import Start
+
+
+@click.command(epilog="Example:  gen simulate examples/my1016/coeffs.json run.csv --arithmetic fixed --out model.csv")
+@COEFFICIENTS
+@click.argument("run", type=click.Path(path_type=Path))
+@click.option("--arithmetic", type=click.Choice(["exact", "fixed", "float"]), default="exact", show_default=True)
+@speed_option(default_all=False)
+@click.option("--start", type=click.Choice(["auto", "ambient", "measured"]), default="auto", show_default=True)
+@click.option("--out", type=click.Path(path_type=Path), help="The CSV to write.  [default: RUN with .model.csv]")
+def simulate(
+    coefficients: Path,
+    run: Path,
+    arithmetic: Arithmetic | Literal["exact"],
+    speed: Speed,
+    start: Start,
+    out: Path | None,
+) -> None:
+    """Run the reference simulator on a run file and write the model's temperatures at the run's own times."""
+    from gen.coefficients import load
+    from gen.lowering.lower import check_speed
+    from gen.reference.simulate import simulate_run
+    from gen.runs import read_run
+    from gen.runs.writer import write_columns
+
+    check_speed(arithmetic, "table", speed)
+    loaded = load(coefficients)
+    measured = read_run(run, loaded.model.component_names, ambient=loaded.model.ambient_channel or "ambient_degC")
+    columns = simulate_run(loaded, measured, arithmetic, start, str(run), speed)
+    target = out or run.with_suffix(".model.csv")
+    write_columns(
+        target,
+        columns,
+        {"model": loaded.name, "arithmetic": arithmetic, **({"speed": speed} if speed == "fast" else {})},
+    )
+    click.echo(f"{target}: {len(measured.time_s)} rows")

@@ -1,0 +1,62 @@
+"""`gen verify`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+from gen.commands.options import COEFFICIENTS, combination, speed_option
+from gen.errors import CheckFailed
+from gen.progress import progress_line
+
+if TYPE_CHECKING:
+    from gen.lowering.program import Arithmetic, ScheduleKind, Speed
+    from gen.verify.verify import Target
+
+
+@click.command(epilog="Example:  gen verify examples/my1016/coeffs.json --target all --json verification.json")
+@COEFFICIENTS
+@combination(default_all=True)
+@speed_option(default_all=True)
+@click.option("--target", type=click.Choice(["host", "avr", "all"]), default="all", show_default=True)
+@click.option("--json", "json_file", type=click.Path(path_type=Path), help="Write what was found as JSON.")
+@click.option(
+    "--scale", type=click.FloatRange(0.001, 10.0), default=1.0, help="Share of the full campaign.", hidden=True
+)
+def verify(
+    coefficients: Path,
+    arithmetic: Arithmetic | Literal["all"],
+    schedule: ScheduleKind | Literal["all"],
+    speed: Speed | Literal["all"],
+    target: Target,
+    json_file: Path | None,
+    scale: float,
+) -> None:
+    """Prove the generated C++ equal to the reference, bit for bit, and measure error and cost."""
+    from gen.coefficients import load
+    from gen.files import check_writable, write_text
+    from gen.lowering.lower import check_speed
+    from gen.verify.report import print_results
+    from gen.verify.verify import summary
+    from gen.verify.verify import verify as run
+
+    if speed == "fast":
+        check_speed("fixed" if arithmetic == "all" else arithmetic, "table" if schedule == "all" else schedule, speed)
+    loaded = load(coefficients)
+    if json_file is not None:
+        check_writable(json_file)
+    arithmetics: tuple[Arithmetic, ...] = ("fixed", "float") if arithmetic == "all" else (arithmetic,)
+    schedules: tuple[ScheduleKind, ...] = ("table", "onboard") if schedule == "all" else (schedule,)
+    speeds: tuple[Speed, ...] = ("normal", "fast") if speed == "all" else (speed,)
+    with progress_line() as progress:
+        results = run(loaded, arithmetics, schedules, target, progress=progress, scale=scale, speeds=speeds)
+    found = summary(loaded, results)
+    if json_file is not None:
+        write_text(json_file, json.dumps(found, indent=1) + "\n")
+    print_results(results)
+    if found["verdict"] != "equal":
+        raise CheckFailed(f"{found['differing']} of {found['words']} words differ")
+    click.echo(f"equal: {found['samples']} samples, {found['words']} words, none differs")

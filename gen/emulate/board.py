@@ -1,0 +1,124 @@
+"""The board as the coefficient file wires it: the firmware's pins lead to a plant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+from gen.coefficients.wiring import Wiring
+from gen.emulate.devices import DeviceMega, Edges
+from gen.emulate.plant import STEP_S, Plant, Reading
+
+EncoderMode = Literal["true", "batched"]
+
+BATCH_S = 0.001
+"""What `EncoderMode` ``batched`` gathers, s: some 22 pulses at full speed."""
+
+_FULL = 255
+
+
+class Board:
+    """An emulated Mega with what the wiring names, and a plant that answers.
+
+    Parameters
+    ----------
+    elf
+        The firmware.
+    cache
+        The folder that keeps the emulator's compiled half.
+    wiring
+        The coefficient file's.
+    plant
+        The motor and its sensors. It runs for one step before the board gets power, so that the converters have
+        something to convert.
+    encoder
+        ``true``: every edge of the encoder comes at its own time. ``batched``: see `DeviceMega.attach_encoder`. Pulses
+        that Timer 5 counts are exact either way and cost nothing.
+    """
+
+    def __init__(self, elf: Path, cache: Path, wiring: Wiring, plant: Plant, *, encoder: EncoderMode = "true") -> None:
+        self.mega = DeviceMega(elf, cache)
+        self.wiring = wiring
+        self._plant = plant
+        self._chips = {chip.channel: self.mega.add_max6675(chip.cs, chip.so, chip.sck) for chip in wiring.thermocouples}
+        if wiring.encoder is not None:
+            self.mega.attach_encoder(wiring.encoder.pin, batch_s=BATCH_S if encoder == "batched" else 0.0)
+        self._led = self.mega.add_probe(wiring.led_pin) if wiring.led_pin is not None else None
+        self._steps = 0
+        self.commanded = 0
+        self._observe(0)
+        self._show(self._plant.step(0, STEP_S))
+
+    def close(self) -> None:
+        """Free the emulator."""
+        self.mega.close()
+
+    @property
+    def seconds(self) -> float:
+        """Simulated time since the board first got power, s."""
+        return self.mega.seconds
+
+    @property
+    def pwm(self) -> int:
+        """PWM that acts on the motor now, -255..255."""
+        if self.wiring.drive is not None:
+            return self.mega.pin_pwm(self.wiring.drive.forward_pin, self.wiring.drive.reverse_pin)
+        return self.commanded
+
+    @property
+    def led(self) -> Edges | None:
+        """Every change of the LED, None without one."""
+        return self.mega.probe(self._led) if self._led is not None else None
+
+    @property
+    def chip_numbers(self) -> dict[str, int]:
+        """Number of each channel's MAX6675, for `DeviceMega.chip_counts`."""
+        return dict(self._chips)
+
+    def command(self, pwm: int) -> None:
+        """Command a PWM: over the serial line, or, where the firmware only observes, as the other controller."""
+        self.commanded = pwm
+        if self.wiring.observe is not None:
+            self._observe(pwm)
+        else:
+            self.mega.uart_send(b"%d\n" % pwm)
+
+    def press(self, down: bool) -> None:
+        """Press the button, or let it go."""
+        if self.wiring.button_pin is not None:
+            self.mega.drive_pin(self.wiring.button_pin, False if down else None)
+
+    def begin_step(self) -> None:
+        """Let the plant run for the `STEP_S` that come, with the PWM that acts now; its pulses come meanwhile."""
+        self._steps += 1
+        reading = self._plant.step(self.pwm, STEP_S)
+        if self.wiring.encoder is not None:
+            self.mega.send_pulses(reading.pulses, STEP_S)
+        self._next = reading
+
+    def end_step(self) -> None:
+        """Let the converters see the plant as it is at the step's end."""
+        self._show(self._next)
+
+    def stand_still(self) -> None:
+        """Let the plant run for one step without power, and its sensors with it."""
+        self._steps += 1
+        self._show(self._plant.step(0, STEP_S))
+
+    @property
+    def steps_end_s(self) -> float:
+        """Simulated time at which the plant stands, s."""
+        return self._steps * STEP_S
+
+    def _show(self, reading: Reading) -> None:
+        self._next = reading
+        for channel, number in self._chips.items():
+            self.mega.set_word(number, reading.words.get(channel, 0))
+
+    def _observe(self, pwm: int) -> None:
+        observe = self.wiring.observe
+        if observe is None:
+            return
+        self.mega.drive_wave(observe.forward_pin, max(pwm, 0) / _FULL)
+        if observe.reverse_pin is not None:
+            self.mega.drive_wave(observe.reverse_pin, max(-pwm, 0) / _FULL)

@@ -1,0 +1,74 @@
+"""From a coefficient file to the firmware's ELF file, kept between runs."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from gen.coefficients import Coefficients
+from gen.firmware.project import project_files
+from gen.lowering.lower import lower
+from gen.lowering.program import Arithmetic, ScheduleKind
+from gen.verify.avr.compile import ArduinoCore, build_elf
+
+OPTIMISATION = "-Os"
+"""What PlatformIO compiles with."""
+
+
+@dataclass(frozen=True)
+class Firmware:
+    """A built firmware: the ``elf``, and the ``cache`` folder that holds it, the core and the emulator's shim."""
+
+    elf: Path
+    cache: Path
+
+
+def cache_folder() -> Path:
+    """Give the folder for what can be built again: ``$XDG_CACHE_HOME/gen``, by default ``~/.cache/gen``."""
+    named = os.environ.get("XDG_CACHE_HOME")
+    return (Path(named) if named else Path.home() / ".cache") / "gen"
+
+
+def build_firmware(
+    coefficients: Coefficients, arithmetic: Arithmetic, schedule: ScheduleKind, source_name: str, cache: Path
+) -> Firmware:
+    """Emit the project of a coefficient file and compile it with the Arduino core, unless that was done before.
+
+    Parameters
+    ----------
+    coefficients, arithmetic, schedule
+        What to emit, as `gen build` does.
+    source_name
+        The coefficient file's name.
+    cache
+        The folder that keeps what was built.
+
+    Raises
+    ------
+    ToolMissing
+        When the compiler or the core is not installed.
+    BuildFailed
+        When the project does not compile.
+    """
+    program = lower(coefficients, arithmetic, schedule)
+    files = project_files(coefficients, program, source_name, None)
+    library = f"lib/{coefficients.name}/src/"
+    wanted = {path: text for path, text in files.items() if path.startswith(("src/", library))}
+    core = ArduinoCore(cache, optimisation=OPTIMISATION)
+    digest = hashlib.sha256(f"{core.folder.name} {OPTIMISATION}".encode())
+    for path, text in sorted(wanted.items()):
+        digest.update(f"{path}\0{text}\0".encode())
+    elf = cache / f"firmware-{digest.hexdigest()[:16]}.elf"
+    if not elf.is_file():
+        with tempfile.TemporaryDirectory(dir=cache, prefix="project-") as scratch:
+            folder = Path(scratch)
+            for path, text in wanted.items():
+                target = folder / path
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.write_text(text, encoding="utf-8")
+            sources = [folder / path for path in wanted if path.endswith(".cpp")]
+            build_elf(sources, [folder / "src", folder / library], elf, core=core, optimisation=OPTIMISATION)
+    return Firmware(elf, cache)

@@ -1,0 +1,81 @@
+"""What the board is wired to: anything that takes PWM and gives sensor words and encoder pulses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+STEP_S = 0.25
+"""Time between two steps of the plant, s."""
+
+AMBIENT = "ambient"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What the sensors tell after a step.
+
+    Parameters
+    ----------
+    words
+        By channel, a component's name or ``ambient``: the 16 bits that its MAX6675 gives from now on.
+    pulses
+        Rising edges of the encoder during the step.
+    """
+
+    words: Mapping[str, int]
+    pulses: int = 0
+
+
+class Plant(Protocol):
+    """A motor with its sensors."""
+
+    def step(self, pwm: int, dt_s: float) -> Reading:
+        """Run for a while.
+
+        Parameters
+        ----------
+        pwm
+            Signed PWM, -255..255, that acts all the time.
+        dt_s
+            How long, s.
+        """
+        ...
+
+
+def word_of(temperature_degC: float) -> int:
+    """Give the word of a MAX6675 at a temperature, degC: counts of 0.25 K in bits 14..3."""
+    counts = min(max(round(temperature_degC * 4.0), 0), 4095)
+    return counts << 3
+
+
+@dataclass
+class BenchPlant:
+    """A plant without physics for trying boards: fixed temperatures, and a speed that follows PWM at once.
+
+    Attributes
+    ----------
+    temperatures
+        By channel, degC; change them at will.
+    pulses_per_s
+        At PWM 255.
+    words
+        By channel: a word that is given instead of the temperature's.
+    pwm_seen
+        The PWM of every step so far.
+    """
+
+    temperatures: dict[str, float]
+    pulses_per_s: float = 0.0
+    words: dict[str, int] = field(default_factory=dict)
+    pwm_seen: list[int] = field(default_factory=list)
+    _turned: float = 0.0
+
+    def step(self, pwm: int, dt_s: float) -> Reading:
+        """See `Plant.step`."""
+        self.pwm_seen.append(pwm)
+        before = int(self._turned)
+        self._turned += abs(pwm) / 255.0 * self.pulses_per_s * dt_s
+        words = {name: word_of(value) for name, value in self.temperatures.items()} | self.words
+        return Reading(words, int(self._turned) - before)

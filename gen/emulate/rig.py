@@ -1,0 +1,98 @@
+"""The simulated motor (`gen.rig`) as the board's plant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from gen.emulate.plant import AMBIENT, STEP_S, Reading
+from gen.errors import InputError
+from gen.rig import Encoder, Fault, Motor, MotorConfig, SensorConfig, SensorFault, Thermocouple
+from gen.rig.signals import Signal, value
+
+
+class RigPlant:
+    """A simulated motor, its thermocouples and its encoder, on the board's clock.
+
+    The board's plant runs for one step before the board gets power (see `gen.emulate.board.Board`), so that times given
+    here, which are the board's, lie one step later for the motor.
+
+    Parameters
+    ----------
+    channels
+        The thermocouples that are wired: nodes of the motor, or ``ambient``.
+    motor
+        The motor; its faults' times are the board's.
+    sensors
+        By channel; what is missing is the plain sensor.
+    sensor_faults
+        By channel.
+    start_degC
+        True temperatures at the start by node; the rest start at ambient.
+    ambient_degC, load_Nm
+        Over time.
+    pulses_per_revolution
+        Of the encoder; 0: none.
+    seed
+        Of the sensors' noise.
+
+    Raises
+    ------
+    InputError
+        When the motor has no such part.
+    """
+
+    def __init__(
+        self,
+        channels: Iterable[str],
+        *,
+        motor: MotorConfig | None = None,
+        sensors: Mapping[str, SensorConfig] | None = None,
+        sensor_faults: Mapping[str, tuple[SensorFault, ...]] | None = None,
+        start_degC: Mapping[str, float] | None = None,
+        ambient_degC: Signal = 30.0,
+        load_Nm: Signal = 0.0,
+        pulses_per_revolution: int = 0,
+        seed: int = 0,
+    ) -> None:
+        config = motor or MotorConfig()
+        config = replace(config, faults=tuple(_later(fault) for fault in config.faults))
+        self.motor = Motor(config, start_degC=start_degC, ambient_degC=value(ambient_degC, 0.0))
+        self._ambient, self._load = ambient_degC, load_Nm
+        self._encoder = Encoder(pulses_per_revolution) if pulses_per_revolution else None
+        self._time = -STEP_S
+        named = tuple(channels)
+        known = (*self.motor.nodes, AMBIENT)
+        for name in named:
+            if name not in known:
+                expected = ", ".join(known)
+                raise InputError(f'the simulated motor has no part "{name}"; it has {expected}', place="$.wiring")
+        seeds = np.random.SeedSequence(seed).spawn(len(named))
+        self._sensors = {
+            name: Thermocouple(
+                replace((sensors or {}).get(name, SensorConfig()), faults=(sensor_faults or {}).get(name, ())), own
+            )
+            for name, own in zip(named, seeds, strict=True)
+        }
+
+    @property
+    def temperatures(self) -> dict[str, float]:
+        """True temperatures now, degC: the motor's nodes and ``ambient``."""
+        return self.motor.temperatures | {AMBIENT: self.motor.ambient_degC}
+
+    def step(self, pwm: int, dt_s: float) -> Reading:
+        """See `gen.emulate.plant.Plant.step`."""
+        before = self.motor.revolutions
+        start = max(self._time, 0.0)
+        self.motor.step(pwm, dt_s, load_Nm=value(self._load, start), ambient_degC=value(self._ambient, start))
+        self._time += dt_s
+        true = self.temperatures
+        words = {name: sensor.read(true[name], self._time) for name, sensor in self._sensors.items()}
+        pulses = self._encoder.between(before, self.motor.revolutions) if self._encoder is not None else 0
+        return Reading(words, pulses)
+
+
+def _later(fault: Fault) -> Fault:
+    return replace(fault, start_s=fault.start_s + STEP_S)

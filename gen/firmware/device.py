@@ -1,0 +1,273 @@
+"""What the templates of the sketch are told: pins as ports and bits, limits in the units of the board, JSON paths."""
+
+from __future__ import annotations
+
+import math
+import zlib
+
+import numpy as np
+
+from gen import __version__
+from gen.coefficients import Coefficients
+from gen.coefficients.wiring import Drive, Encoder, Observe, Thermocouple, Wiring
+from gen.firmware.context import Context
+from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
+from gen.lowering.lower import Program
+from gen.lowering.sensors import (
+    CONFIRMATIONS,
+    CONVERSION_MS,
+    HIGHEST_COUNT,
+    NOISE_COUNTS,
+    COUNT_mK,
+    SensorLimits,
+    reading_samples,
+    sensor_limits,
+)
+from gen.reference.lanes import state_fields
+
+#: Modules of the sketch that every project has.
+_ALWAYS = ("board", "commands", "console", "crc32", "drive", "output", "selftest")
+EEPROM_BYTES = 4096
+EEPROM_CYCLES = 100_000
+"""Erase and write cycles that the ATmega2560's data sheet promises for a byte of EEPROM."""
+_FIRMWARE_BYTES = 8
+"""End of the EEPROM: the firmware's CRC and its complement."""
+_RECORD_FIXED = 4 + 4 + 2 + 4
+"""Bytes of a copy beside the measured temperatures and the states: identity, number, PWM, CRC."""
+_START_MS = 5000
+"""How long the model's start waits for thermocouples that are not believed yet."""
+_LINE_BYTES = 110
+"""Longest line that is not a row (output.h)."""
+_MARGIN = 1.25
+"""The encoder's fastest pulse train over the nominal one."""
+
+
+def sketch_files(device: Context) -> dict[str, str]:
+    """Emitted path -> template for the sources that this wiring needs.
+
+    Parameters
+    ----------
+    device
+        What `device_context` made.
+    """
+    modules = [*_ALWAYS]
+    for module, wanted in (
+        ("thermocouples", device["chips"]),
+        ("encoder", device["encoder"]),
+        ("observer", device["observe"]),
+        ("memory", device["memory"]),
+        ("indicator", device["led"] is not None or device["button"] is not None),
+    ):
+        if wanted:
+            modules.append(module)
+    names = ["config.h", "device.h", "main.cpp", *(f"{module}.{end}" for module in modules for end in ("h", "cpp"))]
+    files = {f"src/{name}": f"src/{name}.j2" for name in names}
+    if device["chips"]:
+        files |= {f"lib/NAME/src/NAME_sensors.{end}": f"lib/model/src/sensors.{end}.j2" for end in ("h", "cpp")}
+    return files
+
+
+def device_context(coefficients: Coefficients, program: Program) -> Context:
+    """Everything about the board that the templates need, under one key.
+
+    Parameters
+    ----------
+    coefficients, program
+        What is emitted.
+    """
+    document = coefficients.document
+    wiring = document.wiring or Wiring()
+    sample_ms = round(program.model.sample_time * 1000.0)
+    read_samples = reading_samples(program.model.sample_time)
+    chips = _chips(coefficients, wiring.thermocouples)
+    names = [component.name for component in document.components]
+    pulses = _encoder(wiring.encoder, document.input.nominal_speed_rpm, sample_ms) if wiring.encoder else None
+    start_samples = max(2 * CONFIRMATIONS * read_samples, math.ceil(_START_MS / sample_ms))
+    row_samples = max(1, round(wiring.row_every_s / program.model.sample_time))
+    columns = _columns(coefficients, chips, pulses is not None)
+    return {
+        "baud": wiring.serial_baud,
+        "row_samples": row_samples,
+        "row_every": f"{row_samples * program.model.sample_time:g}",
+        "columns": columns,
+        "row_bytes": _row_bytes(columns),
+        "ring_bytes": 1 << math.ceil(math.log2(_row_bytes(columns) + max(_row_bytes(columns), 2 * _LINE_BYTES))),
+        "ambient_column": _ambient_column(coefficients),
+        "late_ms": max(2, sample_ms // 25),
+        "start_samples": start_samples,
+        "start_s": f"{start_samples * sample_ms / 1000:g}",
+        "led": wiring.led_pin,
+        "button": wiring.button_pin,
+        "chips": chips,
+        "measured": [chip for chip in chips if chip["channel"] in names],
+        "ambient_chip": next((chip for chip in chips if chip["channel"] == "ambient"), None),
+        "read_samples": read_samples,
+        "reading_ms": read_samples * sample_ms,
+        "conversion_ms": CONVERSION_MS,
+        "confirmations": CONFIRMATIONS,
+        "noise_counts": NOISE_COUNTS,
+        "highest_count": HIGHEST_COUNT,
+        "count_mK": COUNT_mK,
+        "encoder": pulses,
+        "drive": _drive(wiring.drive, sample_ms) if wiring.drive else None,
+        "observe": _observe(wiring.observe) if wiring.observe else None,
+        "memory": _memory(wiring, chips, names, program, coefficients.sha256, sample_ms),
+        "idle_timers": _idle_timers(wiring),
+        "alarms": [alarm.name for alarm in document.alarms],
+    }
+
+
+def _ambient_column(coefficients: Coefficients) -> str:
+    return coefficients.model.ambient_channel or "ambient_degC"
+
+
+def _columns(coefficients: Coefficients, chips: list[Context], encoder: bool) -> list[str]:
+    """The run file's columns, in the order in which the console prints a row."""
+    wired = {chip["channel"] for chip in chips}
+    names = [component.name for component in coefficients.document.components]
+    columns = ["time_s", "pwm", *(f"{name}_degC" for name in names if name in wired)]
+    columns += [_ambient_column(coefficients)] if "ambient" in wired else []
+    columns += ["speed_rpm"] if encoder else []
+    columns += [f"{name}_model_degC" for name in names]
+    columns += ["flags"]
+    columns += ["sensors"] if chips else []
+    columns += ["alarms"] if coefficients.document.alarms else []
+    return columns
+
+
+def _row_bytes(columns: list[str]) -> int:
+    """Longest row: each field at its longest (thousandths of 32 bits, 16-bit numbers, 17 digits of sensors), commas."""
+    longest = {"time_s": 14, "pwm": 4, "speed_rpm": 5, "flags": 5, "sensors": 17, "alarms": 5}
+    return sum(longest.get(column, 12) + 1 for column in columns) + 1
+
+
+def _pin(pin: int, path: str) -> Context:
+    letter, bit = port_bit(pin)
+    return {"pin": pin, "label": label(pin), "letter": letter, "bit": bit, "path": path}
+
+
+def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...]) -> list[Context]:
+    names = [component.name for component in coefficients.document.components]
+    chips = []
+    for number, (chip, limits) in enumerate(zip(wired, sensor_limits(coefficients), strict=True)):
+        path = f"$.wiring.thermocouples[{number}]"
+        chips.append(
+            {
+                "number": number,
+                "channel": chip.channel,
+                "component": names.index(chip.channel) if chip.channel in names else None,
+                "lines": {key: _pin(getattr(chip, key), f"{path}.{key}") for key in ("cs", "so", "sck")},
+                "lowest": limits.lowest,
+                "highest": limits.highest,
+                "lowest_degC": f"{limits.lowest * COUNT_mK / 1000:g}",
+                "highest_degC": f"{limits.highest * COUNT_mK / 1000:g}",
+                "step": limits.step,
+                "max_rate": f"{chip.max_rate_K_per_s:g}",
+                "stuck_samples": limits.stuck_samples,
+                "stuck_mK": limits.stuck_mK,
+                "stuck_text": _stuck_text(limits, coefficients.model.sample_time),
+            }
+        )
+    return chips
+
+
+def _stuck_text(limits: SensorLimits, sample_time: float) -> str:
+    if not limits.stuck_samples:
+        return "not checked for being stuck"
+    after = f"stuck after {limits.stuck_samples * reading_samples(sample_time) * sample_time:g} s"
+    return after + (f" in which the model moved by {limits.stuck_mK / 1000:g} K" if limits.stuck_mK else "")
+
+
+def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> Context:
+    fastest_rpm = nominal_rpm * _MARGIN
+    fastest = fastest_rpm / 60.0 * encoder.pulses_per_revolution * sample_ms / 1000.0
+    # pulses * factor must fit 32 bits; the clock of micros() has steps of 4 us
+    shift = max(2, math.ceil(math.log2(fastest_rpm * _MARGIN * sample_ms * 1000.0)) - 32)
+    factor = max(1, round(60e6 / 2**shift / encoder.pulses_per_revolution))
+    return _pin(encoder.pin, "$.wiring.encoder.pin") | {
+        "counter": encoder.counts_in_hardware,
+        "interrupt": INTERRUPTS.get(encoder.pin),
+        "pulses_per_revolution": encoder.pulses_per_revolution,
+        "shift": shift,
+        "unit_us": 2**shift,
+        "factor": factor,
+        "most": (2**32 - 1) // factor,
+        "wide": fastest >= 65535.0,
+        "stall_pwm": encoder.stall_pwm,
+        "stall_samples": max(1, math.ceil(encoder.stall_s * 1000.0 / sample_ms)),
+        "stall_s": f"{encoder.stall_s:g}",
+    }
+
+
+def _drive(drive: Drive, sample_ms: int) -> Context:
+    steps = drive.profile.steps if drive.profile else ()
+    pins = {key: _pin(getattr(drive, f"{key}_pin"), f"$.wiring.drive.{key}_pin") for key in ("forward", "reverse")}
+    timers = sorted({PWM_TIMERS[line["pin"]] for line in pins.values()} - {0})
+    return pins | {
+        "timers": [
+            {
+                "number": timer,
+                "runs": TIMER_RUNS[timer],
+                "forward": PWM_TIMERS[drive.forward_pin] == timer,
+                "reverse": PWM_TIMERS[drive.reverse_pin] == timer,
+            }
+            for timer in timers
+        ],
+        "steps": [
+            {
+                "samples": max(1, round(step.duration_s * 1000.0 / sample_ms)),
+                "pwm": step.pwm,
+                "s": f"{step.duration_s:g}",
+            }
+            for step in steps
+        ],
+        "repeat": bool(drive.profile and drive.profile.repeat),
+        "autostart": bool(drive.profile and drive.profile.autostart),
+    }
+
+
+def _observe(observe: Observe) -> Context:
+    reverse = observe.reverse_pin
+    return {
+        "forward": _pin(observe.forward_pin, "$.wiring.observe.forward_pin"),
+        "reverse": _pin(reverse, "$.wiring.observe.reverse_pin") if reverse is not None else None,
+    }
+
+
+def _memory(
+    wiring: Wiring, chips: list[Context], names: list[str], program: Program, sha256: str, sample_ms: int
+) -> Context | None:
+    """The copies in EEPROM; none without a measured component, because nothing could tell whether a copy is fresh."""
+    if wiring.memory is None or not any(chip["channel"] in names for chip in chips):
+        return None
+    record = _RECORD_FIXED + 2 * len(chips) + state_bytes(program)
+    slots = (EEPROM_BYTES - _FIRMWARE_BYTES) // record
+    identity = zlib.crc32(f"{__version__} {sha256} {program.arithmetic} {program.schedule}".encode())
+    years = EEPROM_CYCLES * slots * wiring.memory.interval_s / (365.25 * 86400)
+    return {
+        "cycles": f"{EEPROM_CYCLES:,}".replace(",", " "),
+        "identity": f"0x{identity:08X}UL",
+        "record_bytes": record,
+        "slots": slots,
+        "firmware_at": EEPROM_BYTES - _FIRMWARE_BYTES,
+        "interval_samples": max(record, math.ceil(wiring.memory.interval_s * 1000.0 / sample_ms)),
+        "interval_s": f"{wiring.memory.interval_s:g}",
+        "tolerance_counts": max(1, round(wiring.memory.tolerance_K * 1000.0 / COUNT_mK)),
+        "tolerance_K": f"{wiring.memory.tolerance_K:g}",
+        "years": f"{years:.0f}" if years >= 10 else f"{years:.1f}",
+    }
+
+
+def state_bytes(program: Program) -> int:
+    """Bytes of the model's states on the board, with its phase where it has one (checked there at compile time)."""
+    return (program.speed == "fast") + sum(
+        np.dtype(list(state_fields(component))).itemsize for component in program.components
+    )
+
+
+def _idle_timers(wiring: Wiring) -> list[int]:
+    """Timers that this wiring never uses."""
+    used = {PWM_TIMERS[pin] for pin in (wiring.drive.forward_pin, wiring.drive.reverse_pin)} if wiring.drive else set()
+    if wiring.encoder and wiring.encoder.counts_in_hardware:
+        used.add(5)
+    return [timer for timer in range(1, 6) if timer not in used]

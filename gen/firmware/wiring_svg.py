@@ -1,0 +1,150 @@
+"""The wiring diagram of a project: the Mega's pins on the left, what is connected to them on the right."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from html import escape
+
+from gen.firmware.context import Context
+from gen.firmware.pins import label
+
+_ROW = 20
+_GAP = 20
+_TOP = 56
+_BOARD_X, _BOARD_WIDTH = 24, 150
+_LANES_X, _LANE = 196, 13
+_DEVICE_WIDTH = 250
+_COLOURS = ("#1f6fb4", "#c2410c", "#15803d", "#7e22ce", "#b91c1c", "#0f766e", "#a16207", "#be185d")
+_STYLE = (
+    "text{font:12px sans-serif;fill:#1b1f24}.title{font-weight:bold}.small{font-size:10px;fill:#57606a}"
+    ".box{fill:#f6f8fa;stroke:#57606a}.wire{fill:none;stroke-width:1.6}"
+)
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """One terminal of a device: its name and the pin that it goes to (or "5 V", "GND")."""
+
+    name: str
+    to: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """A device on the right."""
+
+    title: str
+    terminals: tuple[Terminal, ...]
+
+
+def parts(device: Context) -> list[Part]:
+    """What is connected, from top to bottom.
+
+    Parameters
+    ----------
+    device
+        What :func:`gen.firmware.device.device_context` made.
+    """
+    found = []
+    for chip in device["chips"]:
+        signals = [Terminal(key.upper(), chip["lines"][key]["label"]) for key in ("cs", "so", "sck")]
+        supply = [Terminal("VCC", "5 V"), Terminal("GND", "GND")]
+        found.append(Part(f"MAX6675: {chip['channel']}", (*signals, *supply)))
+    if device["encoder"]:
+        pulses = Terminal("pulses", device["encoder"]["label"])
+        found.append(Part("Encoder", (pulses, Terminal("VCC", "5 V"), Terminal("GND", "GND"))))
+    for key, title in (("drive", "Motor driver: PWM in"), ("observe", "Other controller: PWM")):
+        if device[key]:
+            lines = [Terminal(way, device[key][way]["label"]) for way in ("forward", "reverse") if device[key][way]]
+            found.append(Part(title, (*lines, Terminal("GND", "GND"))))
+    if device["led"] is not None:
+        title = "LED" if device["led"] == 13 else "LED with 330 ohm"
+        found.append(
+            Part(f"{title} (on the board)" if device["led"] == 13 else title, (Terminal("+", str(device["led"])),))
+        )
+    if device["button"] is not None:
+        found.append(Part("Button", (Terminal("1", label(device["button"])), Terminal("2", "GND"))))
+    return found
+
+
+def wiring_svg(title: str, device: Context) -> str:
+    """Draw the diagram as SVG; pins that several devices share have one wire with a dot at each branch.
+
+    Parameters
+    ----------
+    title
+        Its heading.
+    device
+        What :func:`gen.firmware.device.device_context` made.
+    """
+    devices = parts(device)
+    pins = list(dict.fromkeys(t.to for part in devices for t in part.terminals if _is_pin(t.to)))
+    device_x = _LANES_X + _LANE * (len(pins) + 2)
+    heights = _places(devices)
+    board_rows = {pin: _TOP + _ROW * (index + 2) for index, pin in enumerate([*pins, "5 V", "GND"])}
+    bottom = max([*board_rows.values(), *(y for y, _, _ in heights)]) + 2 * _ROW
+    width = device_x + _DEVICE_WIDTH + 24
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {bottom}" width="{width}" height="{bottom}">',
+        f"<title>{escape(title)}</title><style>{_STYLE}</style>",
+        f'<rect width="{width}" height="{bottom}" fill="white"/>',
+        f'<text class="title" x="{_BOARD_X}" y="28">{escape(title)}</text>',
+        *_board(board_rows),
+        *_wires(pins, board_rows, heights, device_x),
+        *_devices(devices, heights, device_x),
+        "</svg>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _is_pin(to: str) -> bool:
+    return to not in ("5 V", "GND")
+
+
+def _places(devices: list[Part]) -> list[tuple[int, Part, Terminal]]:
+    """Every terminal with its height, from top to bottom."""
+    found, y = [], _TOP + _ROW // 2  # halfway between the board's rows, so that no two wires lie on one line
+    for part in devices:
+        y += _ROW
+        for terminal in part.terminals:
+            y += _ROW
+            found.append((y, part, terminal))
+        y += _GAP
+    return found
+
+
+def _board(rows: dict[str, int]) -> Iterator[str]:
+    height = max(rows.values()) - _TOP + _ROW
+    yield f'<rect class="box" x="{_BOARD_X}" y="{_TOP}" width="{_BOARD_WIDTH}" height="{height}" rx="6"/>'
+    yield f'<text class="title" x="{_BOARD_X + 10}" y="{_TOP + 18}">Arduino Mega 2560</text>'
+    for pin, y in rows.items():
+        yield f'<text x="{_BOARD_X + _BOARD_WIDTH - 8}" y="{y + 4}" text-anchor="end">{pin}</text>'
+
+
+def _wires(
+    pins: list[str], rows: dict[str, int], terminals: list[tuple[int, Part, Terminal]], device_x: int
+) -> Iterator[str]:
+    start = _BOARD_X + _BOARD_WIDTH
+    for index, pin in enumerate(pins):
+        lane, colour = _LANES_X + _LANE * (index + 1), _COLOURS[index % len(_COLOURS)]
+        ends = [y for y, _, terminal in terminals if terminal.to == pin]
+        heights = [rows[pin], *ends]
+        path = f"M{start} {rows[pin]}H{lane}M{lane} {min(heights)}V{max(heights)}"
+        path += "".join(f"M{lane} {y}H{device_x}" for y in ends)
+        yield f'<path class="wire" stroke="{colour}" d="{path}"/>'
+        for y in heights[1:] if len(ends) > 1 else ():
+            yield f'<circle cx="{lane}" cy="{y}" r="3" fill="{colour}"/>'
+
+
+def _devices(devices: list[Part], terminals: list[tuple[int, Part, Terminal]], x: int) -> Iterator[str]:
+    place = iter(terminals)
+    for part in devices:
+        own = [next(place) for _ in part.terminals]
+        top, height = own[0][0] - 2 * _ROW + 4, _ROW * (len(own) + 1) + 8
+        yield f'<rect class="box" x="{x}" y="{top}" width="{_DEVICE_WIDTH}" height="{height}" rx="6"/>'
+        yield f'<text class="title" x="{x + 10}" y="{top + 17}">{escape(part.title)}</text>'
+        for y, _, terminal in own:
+            note = f"to pin {terminal.to}" if _is_pin(terminal.to) else f"to {terminal.to}"
+            yield f'<text x="{x + 10}" y="{y + 4}">{escape(terminal.name)}</text>'
+            yield f'<text class="small" x="{x + 100}" y="{y + 4}">{note}</text>'

@@ -1,0 +1,122 @@
+"""The worst error of the float32 recursion, for any PWM sequence of any length.
+
+Roundings: a float operation by at most half a unit in the last place of the largest value that it can have
+(:func:`half_ulp`); a word that is read lacks its accumulator's 8 low bits and is rounded to 24 bits; an addition to an
+accumulator drops less than its lowest bit.  (Subnormal results would add 2^-150 at most and are left out; NaN and
+infinities cannot occur.)  The invariant polytope bounds the values, and what the roundings can add up to.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering import increments
+from gen.lowering.dynamics import Dynamics
+from gen.lowering.float32.component import CARRY, LOW_BITS, FloatComponent
+from gen.lowering.float32.ranges import WIDENING, Magnitudes, Reachable
+from gen.lowering.program import Proof
+
+Array = NDArray[np.float64]
+
+#: A computed magnitude may exceed the exact one's bound by its own rounding; this covers that generously.
+INFLATION = 1.0 + 1e-5
+#: Largest relative rounding of one float32 operation.
+_RELATIVE = 2.0**-24
+
+
+def half_ulp(magnitude: Array | float) -> Array:
+    """Largest rounding error of one float32 operation whose exact result is at most ``magnitude``."""
+    inflated = np.maximum(np.asarray(magnitude, dtype=np.float64) * INFLATION, 1e-37)
+    result: Array = 2.0 ** (np.floor(np.log2(inflated)) - 24.0)
+    return result
+
+
+def word_ranges(exact: Dynamics, sizes: Magnitudes) -> Array:
+    """Largest magnitude that the words of x1 .. xn must hold, with S and S - x1, shape (n,), in K per sample^k."""
+    needed: Array = (sizes.state + sizes.added()) * INFLATION
+    needed[0] = max(needed[0], float(sizes.inner[:, 0].max()) * INFLATION, float(np.abs(exact.steady).max()))
+    return needed
+
+
+def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> Proof | None:
+    """Proof of ranges and error, or None if the error is too large for the ranges it rests on."""
+    exact = reachable.exact
+    n = exact.order
+    units = 2.0 ** -np.array(lowered.fraction_bits, dtype=np.float64)
+    held = word_ranges(exact, sizes) + units * (1 << LOW_BITS)  # S is rounded to 256 units
+    if np.any(held >= (2.0**31 - 1.0) * units):
+        return None
+    board_c = increments.from_rates(lowered.rates.astype(np.float64))
+    q_error = reachable.functional(board_c - exact.c) + _rounding_of_q(lowered, exact, sizes, units)
+    chain_error = np.tile(_chain_error(n, sizes, units), (len(q_error), 1))
+    if n > 1:
+        share, carried, lowest = np.maximum(board_c, exact.c)[:, n - 2], sizes.carried, units[n - 2] / 2**LOW_BITS
+        # What one change carries: both q's errors, 1/12, three operations, and the implicit factor.
+        wrong = (q_error + float(q_error.max()) + half_ulp(12.0 * carried)) * float(CARRY) * INFLATION
+        wrong += half_ulp(carried) + carried * _RELATIVE + share * carried / 12.0 + lowest
+        chain_error[:, n - 2] += wrong
+        # The correction of q for it: two products and a difference, and the carry's own last bit.
+        q_error = q_error + np.abs(board_c - exact.c)[:, n - 2] * carried + half_ulp(sizes.q)
+        q_error += share * (2.0 * _RELATIVE * carried + lowest)
+    error = _worst_error(reachable, q_error, chain_error, _start_error(lowered, float(units[0])))
+    if error is None:
+        return None
+    return Proof(
+        rise_range_K=sizes.rise,
+        increment_range_K=tuple(float(v) for v in sizes.state[1:]),
+        bound_K=error + float(units[0]),  # what is read out lacks the low bits
+    )
+
+
+def _start_error(lowered: FloatComponent, unit: float) -> float:
+    """What the start may be off, in K: the factor's rounding, the product's, and the accumulator's lowest bit."""
+    largest = max(abs(end) for end in lowered.start_range_mK) / 1000.0
+    return float(largest * _RELATIVE + half_ulp(largest) + unit / 2**LOW_BITS)
+
+
+def _chain_error(order: int, sizes: Magnitudes, units: Array) -> Array:
+    """Rounding of one sample's additions into each state but the carry's own, shape (n,)."""
+    lowest = units / 2**LOW_BITS
+    error: Array = lowest.copy()
+    for i in range(1, order):  # x[i] is read before it is added; the last addition is q's
+        error[i - 1] += units[i] + half_ulp(sizes.state[i])
+    if order == 2:  # q/2 apart
+        error[0] += lowest[0]
+    if order == 4:  # x3/2 apart
+        error[0] += lowest[0] + (units[2] + half_ulp(sizes.state[2])) / 2.0
+    return error
+
+
+def _rounding_of_q(lowered: FloatComponent, exact: Dynamics, sizes: Magnitudes, units: Array) -> Array:
+    """Rounding of q's operations and of S, shape (rows,)."""
+    n = lowered.order
+    rates = np.maximum(lowered.rates.astype(np.float64), exact.rates)
+    error: Array = half_ulp(sizes.inner[:, 0]) + units[0] + np.abs(lowered.steady * units[0] - exact.steady)
+    for i in range(n):
+        error = rates[:, i] * error + half_ulp(rates[:, i] * sizes.inner[:, i])
+        if i + 1 < n:
+            error = error + units[i + 1] + half_ulp(sizes.state[i + 1]) + half_ulp(sizes.inner[:, i + 1])
+    return error
+
+
+def _worst_error(reachable: Reachable, q_error: Array, chain_error: Array, start_error: float) -> float | None:
+    """Largest ``|x1 - T|`` in K, as :func:`gen.lowering.bounds.worst_error` with per-functional ranges."""
+    exact = reachable.exact
+    n, rows = exact.order, len(exact.steady)
+    form_error = np.abs(increments.mismatch(exact.form, exact.exact, reachable.maps))
+    form_rows = np.einsum("pij,pj->pi", form_error, reachable.true_distance())
+    disturbance = np.zeros((rows, n + 1, n))
+    disturbance[:, 0, :] = q_error[:, None] * increments.injection(n)
+    for i in range(n):
+        disturbance[:, 1 + i, i] = chain_error[:, i] + form_rows[:, i]
+    start = np.zeros((1, n))
+    start[0, 0] = start_error
+    from_board = np.linalg.inv(reachable.maps)
+    error = reachable.recursion.bound(np.einsum("pij,pkj->pki", from_board, disturbance), start)
+    extents = np.array([error.extent(axis) for axis in np.eye(n)])
+    if np.any(extents > reachable.extents * WIDENING):
+        return None
+    beyond = np.abs(reachable.maps[:, 0, :] - np.eye(n)[0])
+    output = np.einsum("pj,pj->p", beyond, reachable.true_distance()).max()
+    return float(extents[0] + output)

@@ -1,0 +1,178 @@
+"""Reading a board's serial port, and telling it the PWM of a profile meanwhile."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import serial
+
+from gen.errors import InputError
+from gen.record.lines import Recorder
+from gen.record.profile import Profile
+from gen.runs.writer import replacing
+
+_READ_S = 0.1
+_ASK_AFTER_S = 3.0
+_ASK_EVERY_S = 2.0
+ASK_HEADER = b"?\n"
+
+
+@dataclass
+class Recording:
+    """A recording and how it ended.
+
+    Attributes
+    ----------
+    recorder
+        What came.
+    seconds
+        How long it took, s, by this computer's clock.
+    lost
+        Why the port was lost before the end, or empty.
+    """
+
+    recorder: Recorder = field(default_factory=Recorder)
+    seconds: float = 0.0
+    lost: str = ""
+
+
+def record_port(
+    port: str,
+    *,
+    baud: int = 115200,
+    duration_s: float | None = None,
+    profile: Profile = (),
+    progress: Callable[[Recording], None] = lambda _: None,
+) -> Recording:
+    """Record until the time is over, the port is gone, or the user interrupts (which is a normal end).
+
+    A board that does not print its header by itself is asked for it.
+
+    Parameters
+    ----------
+    port
+        A serial port or a pseudo-terminal.
+    baud
+        Its speed in bit/s.
+    duration_s
+        How long after the first header, s; None: until interrupted.
+    profile
+        PWM to command, with its times counted from the first header. After a restart of the board the present one is
+        commanded again.
+    progress
+        Called some times a second.
+
+    Raises
+    ------
+    InputError
+        When the port cannot be opened.
+    """
+    try:
+        line = serial.Serial(port, baud, timeout=_READ_S, write_timeout=1.0)
+    except (serial.SerialException, ValueError, OSError) as error:
+        raise InputError(f"cannot be opened: {_reason(error)}", file=port) from error
+    recording = Recording()
+    try:
+        with line, _interruption() as interrupted:
+            _listen(line, recording, duration_s, profile, progress, interrupted)
+    except (serial.SerialException, OSError) as error:
+        recording.lost = _reason(error)
+    recording.recorder.finish()
+    return recording
+
+
+def _listen(
+    line: serial.Serial,
+    recording: Recording,
+    duration_s: float | None,
+    profile: Profile,
+    progress: Callable[[Recording], None],
+    interrupted: threading.Event,
+) -> None:
+    recorder = recording.recorder
+    begin = time.monotonic()
+    ask_at, headed_at, headers = _ASK_AFTER_S, 0.0, 0
+    commander = Commander(profile)
+    while not interrupted.is_set():
+        data = line.read(max(1, line.in_waiting))
+        now = recording.seconds = time.monotonic() - begin
+        recorder.feed(data, now)
+        if recorder.headers and not headers:
+            headed_at = now
+        if headers != recorder.headers:
+            headers = recorder.headers
+            commander.repeat()
+        if headers:
+            line.write(commander.due(now - headed_at))
+            if duration_s is not None and now - headed_at >= duration_s:
+                return
+        elif now >= ask_at:
+            line.write(ASK_HEADER)
+            ask_at = now + _ASK_EVERY_S
+            if duration_s is not None and now >= duration_s + _ASK_AFTER_S + _ASK_EVERY_S:
+                return
+        progress(recording)
+
+
+@contextmanager
+def _interruption() -> Iterator[threading.Event]:
+    """An event that Ctrl-C or SIGTERM sets, so that neither can cut a row in two."""
+    event = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield event
+        return
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(number, lambda *_: event.set()) for number in numbers]
+    try:
+        yield event
+    finally:
+        for number, handler in zip(numbers, before, strict=True):
+            signal.signal(number, handler)
+
+
+class Commander:
+    """Turns a profile into the board's commands."""
+
+    def __init__(self, profile: Profile) -> None:
+        self._profile = profile
+        self._next = 0
+
+    def due(self, time_s: float) -> bytes:
+        """The command for the PWM that acts at a time, empty when it has been given."""
+        command = b""
+        while self._next < len(self._profile) and self._profile[self._next][0] <= time_s:
+            command = b"%d\n" % self._profile[self._next][1]
+            self._next += 1
+        return command
+
+    def repeat(self) -> None:
+        """Let the present command be given once more: the board has started again and forgot it."""
+        self._next = max(self._next - 1, 0)
+
+
+def write_parts(recorder: Recorder, out: Path) -> list[Path]:
+    """Write each part as a run file: ``out``, then ``<stem>.2<suffix>`` and so on.
+
+    Raises
+    ------
+    InputError
+        When a file cannot be written.
+    """
+    written = []
+    for number, part in enumerate(recorder.parts, start=1):
+        path = out if number == 1 else out.with_name(f"{out.stem}.{number}{out.suffix}")
+        with replacing(path) as stream:
+            stream.write(part.text())
+        written.append(path)
+    return written
+
+
+def _reason(error: Exception) -> str:
+    number = getattr(error, "strerror", None)
+    return str(number or error).splitlines()[0]

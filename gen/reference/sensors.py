@@ -1,0 +1,126 @@
+"""The checks of a thermocouple's samples, operation for operation as the board does them (``<name>_sensors.cpp``)."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+from gen.lowering.sensors import CONFIRMATIONS, HIGHEST_COUNT, NOISE_COUNTS, COUNT_mK, SensorLimits
+
+
+class SensorCode(IntEnum):
+    """What the checks say of a sample; one decimal digit on the serial line."""
+
+    OK = 0
+    OPEN = 1
+    ZEROS = 2
+    ONES = 3
+    RANGE = 4
+    JUMP = 5
+    STUCK = 6
+    EARLY = 7
+    UNCONFIRMED = 8
+    UNREAD = 9
+
+
+class SensorCheck:
+    """One channel's checks.
+
+    Parameters
+    ----------
+    limits
+        The channel's.
+    """
+
+    def __init__(self, limits: SensorLimits) -> None:
+        self.limits = limits
+        self.code = SensorCode.UNREAD
+        self._believed: int | None = None
+        self._since = 0  # samples since the last believed one
+        self._run = 0  # consistent samples in a row, up to CONFIRMATIONS
+        self._previous: int | None = None
+        self._watching = False  # the next three are about the present model and count
+        self._unchanged = 0
+        self._moved = False
+        self._model_mC = 0  # the model's temperature when the count changed last
+
+    @property
+    def temperature_mC(self) -> int:
+        """The last believed sample in thousandths of a degree Celsius; 0 before the first."""
+        return (self._believed or 0) * COUNT_mK
+
+    def model_set(self) -> None:
+        """The model was started anew: what it moved before says nothing about a stuck sensor."""
+        self._watching = False
+
+    def check(self, word: int, finished: bool, model_mC: int) -> SensorCode:
+        """Judge one reading.
+
+        Parameters
+        ----------
+        word
+            The 16 bits as the MAX6675 sent them.
+        finished
+            Whether its conversion had the time that it needs.
+        model_mC
+            The model's temperature of this part in thousandths of a degree Celsius; a constant if there is none.
+
+        Returns
+        -------
+        SensorCode
+            `OK` if the sample may be used.
+        """
+        self._since = min(self._since + 1, HIGHEST_COUNT)
+        self.code = self._judge(word, finished, model_mC)
+        return self.code
+
+    def _judge(self, word: int, finished: bool, model_mC: int) -> SensorCode:
+        if not finished:
+            return SensorCode.EARLY
+        counts = word >> 3
+        fault = self._fault(word, counts)
+        if fault:
+            self._run = 0
+            return fault
+        self._watch_for_change(counts, model_mC)
+        consistent = self._previous is not None and abs(counts - self._previous) <= NOISE_COUNTS + self.limits.step
+        jumped = self._run > 0 and not consistent
+        self._run = min(self._run + 1, CONFIRMATIONS) if self._run and consistent else 1
+        self._previous = counts
+        if self._stuck():
+            return SensorCode.STUCK
+        reach = NOISE_COUNTS + self.limits.step * self._since
+        if jumped or (self._believed is not None and abs(counts - self._believed) > reach):
+            return SensorCode.JUMP
+        if self._run < CONFIRMATIONS:
+            return SensorCode.UNCONFIRMED
+        self._believed = counts
+        self._since = 0
+        return SensorCode.OK
+
+    def _fault(self, word: int, counts: int) -> SensorCode:
+        if word & 0xFFFE == 0:
+            return SensorCode.ZEROS
+        if word & 0x8002:
+            return SensorCode.ONES
+        if word & 0x0004:
+            return SensorCode.OPEN
+        if not self.limits.lowest <= counts <= self.limits.highest:
+            return SensorCode.RANGE
+        return SensorCode.OK
+
+    def _watch_for_change(self, counts: int, model_mC: int) -> None:
+        if not self._watching or counts != self._previous:
+            self._watching = True
+            self._unchanged = 0
+            self._moved = False
+            self._model_mC = model_mC
+            return
+        self._unchanged = min(self._unchanged + 1, 0xFFFFFFFF)
+        if abs(model_mC - self._model_mC) > self.limits.stuck_mK:
+            self._moved = True
+
+    def _stuck(self) -> bool:
+        limits = self.limits
+        if not limits.stuck_samples or self._unchanged < limits.stuck_samples:
+            return False
+        return self._moved or limits.stuck_mK == 0

@@ -1,0 +1,1 @@
+"""Setting the simulated motor to the study's published numbers: ``python -m gen.rig.calibrate``."""

@@ -1,0 +1,121 @@
+"""Builds the emulator's C half (the files in ``shim/``) and tells ctypes what its functions take."""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import subprocess
+import tempfile
+from functools import cache
+from pathlib import Path
+
+from gen import toolchain
+from gen.errors import CheckFailed
+
+SHIM_FOLDER = Path(__file__).with_name("shim")
+"""The folder of the C sources."""
+
+_ABI = 3
+
+_handle = _buffer = ctypes.c_void_p
+_bytes = ctypes.c_char_p
+_int, _char, _u8, _u16 = ctypes.c_int, ctypes.c_char, ctypes.c_uint8, ctypes.c_uint16
+_u32, _u64, _size = ctypes.c_uint32, ctypes.c_uint64, ctypes.c_size_t
+_to_u32 = ctypes.POINTER(_u32)
+
+_SIGNATURES: dict[str, tuple[object, list[object]]] = {
+    "gen_mega_abi": (_u32, []),
+    # mega.c
+    "gen_mega_open": (_handle, [_bytes]),
+    "gen_mega_close": (None, [_handle]),
+    "gen_mega_reset": (None, [_handle, _u8, _int, _u64, _u32]),
+    "gen_mega_message": (_bytes, [_handle]),
+    "gen_mega_cycle": (_u64, [_handle]),
+    "gen_mega_asleep": (_u64, [_handle]),
+    "gen_mega_longest_awake": (_u64, [_handle]),
+    "gen_mega_pc": (_u32, [_handle]),
+    "gen_mega_sp": (_u16, [_handle]),
+    "gen_mega_ramend": (_u16, [_handle]),
+    "gen_mega_resets": (_u32, [_handle]),
+    "gen_mega_peek": (_int, [_handle, _u32, _u32, _buffer]),
+    "gen_mega_poke": (_int, [_handle, _u32, _u32, _bytes]),
+    "gen_mega_run": (_int, [_handle, _u64, _bytes, _size]),
+    "gen_mega_run_to": (_int, [_handle, _u64, _u32]),
+    # uart.c
+    "gen_mega_uart_available": (_size, [_handle]),
+    "gen_mega_uart_take": (_size, [_handle, _buffer, _size]),
+    "gen_mega_uart_forget": (None, [_handle]),
+    "gen_mega_uart_send": (_int, [_handle, _bytes, _size, _u32]),
+    # mailbox.c
+    "gen_mega_run_records": (
+        _int,
+        [_handle, _bytes, _u32, _u32, _buffer, _u32, _u32, _u32, _buffer, _u64, _to_u32],
+    ),
+    # pins.c
+    "gen_mega_pin_drive": (_int, [_handle, _char, _u8, _int]),
+    "gen_mega_pin_read": (_int, [_handle, _char, _u8]),
+    "gen_mega_probe_add": (_int, [_handle, _char, _u8]),
+    "gen_mega_probe_length": (_size, [_handle, _u32]),
+    "gen_mega_probe_copy": (None, [_handle, _u32, _size, _size, _buffer, _buffer]),
+    # max6675.c
+    "gen_mega_chip_add": (_int, [_handle, _char, _u8, _char, _u8, _char, _u8, _u64]),
+    "gen_mega_chip_word": (_int, [_handle, _u32, _u16]),
+    "gen_mega_chip_counts": (_int, [_handle, _u32, _to_u32, _to_u32, _to_u32]),
+    # encoder.c, wave.c
+    "gen_mega_encoder_attach": (_int, [_handle, _char, _u8, _u64]),
+    "gen_mega_encoder_pulses": (_int, [_handle, _u32, _u64]),
+    "gen_mega_encoder_risen": (_u64, [_handle]),
+    "gen_mega_wave": (_int, [_handle, _char, _u8, _u32, _u32]),
+    # eeprom.c
+    "gen_mega_eeprom_size": (_u16, [_handle]),
+    "gen_mega_eeprom_load": (None, [_handle, _bytes]),
+    "gen_mega_eeprom_save": (None, [_handle, _buffer]),
+    "gen_mega_eeprom_busy": (_int, [_handle]),
+    "gen_mega_eeprom_counts": (None, [_handle, _to_u32, _to_u32]),
+}
+
+
+class EmulationFailed(CheckFailed):
+    """The firmware crashed, ended early, ran past its cycle limit or broke the mailbox protocol."""
+
+
+@cache
+def load_shim(cache_folder: Path) -> ctypes.CDLL:
+    """Load the shim, compiled once and kept in a folder.
+
+    Raises
+    ------
+    ToolMissing
+        When gcc or libsimavr are not installed.
+    EmulationFailed
+        When the shim does not compile or is of another version.
+    """
+    library = ctypes.CDLL(str(_build(cache_folder)))
+    for name, (result, arguments) in _SIGNATURES.items():
+        function = getattr(library, name)
+        function.restype = result
+        function.argtypes = arguments
+    if library.gen_mega_abi() != _ABI:
+        raise EmulationFailed("shim/mega.h and shim.py are of different versions")
+    return library
+
+
+def _build(folder: Path) -> Path:
+    flags = ["-std=gnu11", "-O2", "-shared", "-fPIC"]
+    links = toolchain.simavr_flags()
+    sources = sorted(SHIM_FOLDER.glob("*.c"))
+    digest = hashlib.sha256("\0".join(flags + links).encode())
+    for path in sorted(SHIM_FOLDER.glob("*.[ch]")):
+        digest.update(path.read_bytes())
+    target = folder / f"shim-{digest.hexdigest()[:16]}.so"
+    if target.is_file():
+        return target
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder, prefix="shim-") as scratch:
+        built = Path(scratch) / target.name
+        command = [str(toolchain.program("gcc")), *flags, "-o", str(built), *map(str, sources), *links]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise EmulationFailed(f"gcc cannot compile the emulator's shim:\n{done.stderr.strip()}")
+        built.replace(target)
+    return target

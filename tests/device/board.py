@@ -1,0 +1,101 @@
+"""The emulated board with thermocouples, and its serial line as rows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from gen.coefficients import Coefficients
+from gen.emulate.devices import DeviceMega
+
+OPEN, ZEROS, ONES = 0x0004, 0x0000, 0xFFFF
+
+
+def word(celsius: float) -> int:
+    return round(celsius * 4) << 3
+
+
+@dataclass
+class Said:
+    """What came over the serial line: rows by column, events and the comments of the header."""
+
+    columns: list[str] = field(default_factory=list)
+    rows: list[dict[str, str]] = field(default_factory=list)
+    events: list[str] = field(default_factory=list)
+    comments: dict[str, str] = field(default_factory=dict)
+
+    def numbers(self, column: str) -> list[float]:
+        return [float(row[column]) for row in self.rows if row[column]]
+
+
+class Board(DeviceMega):
+    """A Mega with the MAX6675s of a coefficient file, each at 30 degC until told otherwise."""
+
+    def __init__(self, elf: Path, cache: Path, coefficients: Coefficients | None) -> None:
+        super().__init__(elf, cache)
+        wiring = coefficients.document.wiring if coefficients else None
+        self.chips = {
+            chip.channel: self.add_max6675(chip.cs, chip.so, chip.sck)
+            for chip in (wiring.thermocouples if wiring else ())
+        }
+        for channel in self.chips:
+            self.set_celsius(channel, 30.0)
+        self._text = ""
+        self._columns: list[str] = []
+
+    def set_celsius(self, channel: str, celsius: float) -> None:
+        self.set_word(self.chips[channel], word(celsius))
+
+    def send(self, line: str) -> None:
+        self.uart_send(line.encode() + b"\n")
+
+    def hear(self, seconds: float = 0.0) -> Said:
+        """Run on, and take apart what was said since the last time; a line under way is kept for the next."""
+        self.run_seconds(seconds)
+        self._text += self.uart_take().decode("ascii")
+        *lines, self._text = self._text.split("\r\n")
+        said = Said(self._columns)
+        for line in lines:
+            if line.startswith("# "):
+                key, _, value = line[2:].partition(": ")
+                if key in ("event", "status"):
+                    said.events.append(value)
+                else:
+                    said.comments[key] = value
+            elif line.startswith("time_s,"):
+                self._columns = said.columns = line.split(",")
+            else:
+                fields = line.split(",")
+                assert len(fields) == len(said.columns), line
+                said.rows.append(dict(zip(said.columns, fields, strict=True)))
+        return said
+
+    def started(self) -> Said:
+        """Run until the model has started, and half a second more; what was said before the reset is left out."""
+        said = Said()
+        for _ in range(20):
+            more = self.hear(0.5)
+            said.columns = more.columns
+            said.comments |= more.comments
+            said.events += more.events
+            said.rows += more.rows
+            starts = [i for i, row in enumerate(said.rows) if row["time_s"] == "0.000"]
+            if starts:
+                del said.rows[: starts[-1]]
+                return said
+        raise AssertionError("the model did not start within 10 s")
+
+    def variable(self, name: str) -> tuple[int, int]:
+        """Address and size of a variable by the name it has in the source."""
+        mangled = f"{len(name)}{name}"
+        names = [n for n in self._symbols if n == name or n.endswith((mangled, f"{mangled}E"))]
+        assert len(names) == 1, names
+        symbol = self.symbol(names[0])
+        return symbol.address - 0x800000, symbol.size
+
+    def read(self, name: str) -> int:
+        return int.from_bytes(self.peek(*self.variable(name)), "little")
+
+    def write(self, name: str, value: int) -> None:
+        address, size = self.variable(name)
+        self.poke(address, (value % (1 << 8 * size)).to_bytes(size, "little"))

@@ -1,0 +1,313 @@
+"""The sensor checks: what they promise, and that the board's C++ and the reference agree word for word."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gen import toolchain
+from gen.firmware import render
+from gen.firmware.context import project_context
+from gen.firmware.device import device_context
+from gen.lowering.lower import lower
+from gen.lowering.sensors import CONFIRMATIONS, NOISE_COUNTS, SensorLimits, reading_samples, sensor_limits
+from gen.reference.sensors import SensorCheck, SensorCode
+from gen.verify.avr.compile import build_elf
+from gen.verify.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from tests.device.variants import variant
+from tests.verify_helpers import example
+
+MAIN = """
+#include <stdio.h>
+#include "my1016_sensors.h"
+int main() {
+    unsigned char in[9];
+    my1016_sensors_begin();
+    while (fread(in, 1, sizeof in, stdin) == sizeof in) {
+        if (in[0] == 0xFF) {
+            my1016_sensors_begin();
+            continue;
+        }
+        if (in[0] == 0xFE) {
+            my1016_sensors_model_set();
+            continue;
+        }
+        uint32_t model = 0;
+        for (int i = 0; i < 4; ++i) {
+            model |= (uint32_t)in[4 + i] << (8 * i);
+        }
+        const uint8_t code = my1016_sensors_check(in[0], (uint16_t)(in[1] | in[2] << 8), in[3], (int32_t)model);
+        const long value = my1016_sensors_mC(in[0]);
+        printf("%d %ld\\n", code == my1016_sensors_code(in[0]) ? code : -1, value);
+    }
+    return 0;
+}
+"""
+BOARD_MAIN = """
+#include "mailbox.h"
+#include <avr/interrupt.h>
+#include "my1016_sensors.h"
+struct Input {
+    uint8_t channel;
+    uint16_t word;
+    uint8_t finished;
+    int32_t model_mC;
+    uint8_t pad;
+} gen_input;
+struct Output {
+    uint8_t code;
+    int32_t value;
+} gen_output;
+int main() {
+    cli();
+    my1016_sensors_begin();
+    for (;;) {
+        GEN_MAILBOX_NEXT();
+        if (gen_input.channel == 0xFF) {
+            my1016_sensors_begin();
+        } else if (gen_input.channel == 0xFE) {
+            my1016_sensors_model_set();
+        } else {
+            const Input &in = gen_input;
+            gen_output.code = my1016_sensors_check(in.channel, in.word, in.finished, in.model_mC);
+            gen_output.value = my1016_sensors_mC(in.channel);
+        }
+        GEN_MAILBOX_DONE();
+    }
+}
+"""
+RECORD = np.dtype([("channel", "u1"), ("word", "<u2"), ("finished", "u1"), ("model_mC", "<i4"), ("pad", "u1")])
+FORGET, MODEL_SET = 0xFF, 0xFE
+LIMITS = SensorLimits("brush", lowest=0, highest=1000, step=5, stuck_samples=12, stuck_mK=3000)
+Step = tuple[int, int, bool, int]
+
+
+def word(counts: int) -> int:
+    return counts << 3
+
+
+class Cpp:
+    """The emitted checks of the MY1016, with a shorter time to being stuck, compiled for this computer."""
+
+    def __init__(self, folder: Path) -> None:
+        coefficients = variant("my1016")
+        program = lower(coefficients, "fixed", "table")
+        context = project_context(coefficients, program, "coeffs.json")
+        context["device"] = device_context(coefficients, program)
+        for chip in context["device"]["chips"]:
+            chip["stuck_samples"] = min(chip["stuck_samples"], LIMITS.stuck_samples)
+        names = ("platform.h", "sensors.h", "sensors.cpp")
+        files = render.render({f"NAME_{name}": f"lib/model/src/{name}.j2" for name in names}, context)
+        for path, text in files.items():
+            (folder / path).write_text(text)
+        (folder / "main.cpp").write_text(MAIN)
+        self._folder = folder
+        self._binary = folder / "sensors"
+        flags = ["-std=gnu++11", "-O1", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
+        flags += ["-fsanitize=undefined,address", "-fno-sanitize-recover=all"]
+        sources = [str(folder / "main.cpp"), str(folder / "my1016_sensors.cpp"), "-o", str(self._binary)]
+        subprocess.run([str(toolchain.program("clang++")), *flags, *sources], check=True)
+        self.limits = [
+            SensorLimits(item.channel, item.lowest, item.highest, item.step, chip["stuck_samples"], item.stuck_mK)
+            for item, chip in zip(sensor_limits(coefficients), context["device"]["chips"], strict=True)
+        ]
+
+    def run(self, steps: Sequence[Step]) -> list[tuple[int, int]]:
+        records = np.array([(*step, 0) for step in steps], dtype=RECORD)
+        done = subprocess.run([str(self._binary)], input=records.tobytes(), capture_output=True, check=True)
+        numbers = [int(number) for number in done.stdout.split()]
+        return list(zip(numbers[::2], numbers[1::2], strict=True))
+
+    def run_on_board(self, steps: Sequence[Step]) -> tuple[list[tuple[int, int]], int]:
+        """The same on the emulated Mega, and the most cycles of a check."""
+        records = np.array([(*step, 0) for step in steps], dtype=RECORD)
+        (self._folder / "avr.cpp").write_text(BOARD_MAIN)
+        sources = [self._folder / "avr.cpp", self._folder / "my1016_sensors.cpp"]
+        elf = build_elf(sources, [MAILBOX_FOLDER, self._folder], self._folder / "avr.elf", optimisation="-Os")
+        with EmulatedMega(elf, self._folder) as mega:
+            places = [mega.sram_address(name) for name in ("gen_input", "gen_output")]
+            output, cycles = mega.run_records(
+                records, places[0], RECORD.itemsize, places[1], 5, len(records), len(records) * 20_000
+            )
+        judged = records["channel"] < MODEL_SET
+        codes, values = output[:, 0], np.ascontiguousarray(output[:, 1:]).view("<i4")[:, 0]
+        return list(zip(codes[judged].tolist(), values[judged].tolist(), strict=True)), int(cycles[judged].max())
+
+
+@pytest.fixture(scope="module")
+def cpp(tmp_path_factory: pytest.TempPathFactory) -> Cpp:
+    return Cpp(tmp_path_factory.mktemp("sensors"))
+
+
+def by_reference(limits: Sequence[SensorLimits], steps: Sequence[Step]) -> list[tuple[int, int]]:
+    checks = [SensorCheck(item) for item in limits]
+    found = []
+    for channel, given_word, finished, model_mC in steps:
+        if channel == FORGET:
+            checks = [SensorCheck(item) for item in limits]
+        elif channel == MODEL_SET:
+            for check in checks:
+                check.model_set()
+        else:
+            code = checks[channel].check(given_word, finished, model_mC)
+            found.append((int(code), checks[channel].temperature_mC))
+    return found
+
+
+def random_steps(seed: int, count: int) -> list[Step]:
+    """Words that wander, stand still, jump and break, so that every code comes up often."""
+    generator = np.random.default_rng(seed)
+    level, model = 200, 50_000
+    steps: list[Step] = []
+    while len(steps) < count:
+        kind = generator.integers(0, 40)
+        length = int(generator.integers(1, 25))
+        if kind == 0:
+            steps.append((int(generator.choice([FORGET, MODEL_SET])), 0, False, 0))
+        elif kind < 10:
+            steps += [
+                (0, int(w), True, model) for w in generator.choice([0, 1, 4, 0xFFFF, 0x8000, 2, 0x7FFF], length % 4)
+            ]
+        elif kind < 14:
+            steps += [(0, word(level), False, model)] * (length % 6)
+        elif kind < 24:
+            for _ in range(length):
+                model += int(generator.integers(-400, 400)) * int(generator.integers(0, 8))
+                steps.append((0, word(level), True, model))
+        elif kind < 28:
+            level = int(np.clip(level + generator.integers(-60, 60), 0, 1200))
+        else:
+            for _ in range(length):
+                level = int(np.clip(level + generator.integers(-5, 6), 0, 1200))
+                steps.append((0, word(level + int(generator.integers(-3, 4)) & 0xFFF), True, model))
+    return [(int(generator.integers(0, 5)) if step[0] == 0 and seed % 2 else step[0], *step[1:]) for step in steps]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_boards_checks_equal_the_reference(cpp: Cpp, seed: int) -> None:
+    steps = random_steps(seed, 20_000)
+    found = cpp.run(steps)
+    assert found == by_reference(cpp.limits, steps)
+    assert {code for code, _ in found} == set(range(9))
+
+
+def test_the_emulated_boards_checks_equal_the_reference(cpp: Cpp) -> None:
+    steps = random_steps(7, 10_000)
+    found, cycles = cpp.run_on_board(steps)
+    assert found == by_reference(cpp.limits, steps)
+    print(f"\na check takes at most {cycles} cycles")
+    assert cycles < 2000
+
+
+words = st.one_of(st.integers(0, 0xFFFF), st.integers(180, 220).map(word))
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 4), words, st.booleans(), st.integers(-(2**31), 2**31 - 1)), max_size=80))
+def test_the_boards_checks_equal_the_reference_on_anything(cpp: Cpp, steps: list[Step]) -> None:
+    steps = [(*step[:3], max(min(step[3], 10**9), -(10**9))) for step in steps]
+    assert cpp.run(steps) == by_reference(cpp.limits, steps)
+
+
+def codes(check: SensorCheck, counts: Sequence[int], model_mC: int = 0) -> list[int]:
+    return [int(check.check(word(item), True, model_mC)) for item in counts]
+
+
+def believed(at: int) -> SensorCheck:
+    check = SensorCheck(LIMITS)
+    assert codes(check, [at] * CONFIRMATIONS) == [8] * (CONFIRMATIONS - 1) + [0]
+    return check
+
+
+@given(st.lists(st.integers(1, 0xFFFF), min_size=1, max_size=60), st.integers(100, 900))
+def test_no_sample_is_believed_that_physics_could_not_reach(given_words: list[int], start: int) -> None:
+    """Whatever comes: between two believed samples the rate is kept, and each agrees with the three before it."""
+    check = believed(start)
+    last, since = start, 0
+    run: list[int] = [start] * CONFIRMATIONS
+    for given_word in given_words:
+        since += 1
+        code = check.check(given_word, True, 0)
+        run.append(given_word >> 3)
+        if code is SensorCode.OK:
+            counts = given_word >> 3
+            assert abs(counts - last) <= NOISE_COUNTS + LIMITS.step * since
+            tail = run[-CONFIRMATIONS:]
+            assert all(abs(a - b) <= NOISE_COUNTS + LIMITS.step for a, b in pairwise(tail))
+            assert not given_word & 0x8006
+            assert LIMITS.lowest <= counts <= LIMITS.highest
+            last, since = counts, 0
+        assert check.temperature_mC == last * 250
+
+
+@given(st.integers(0, 4095), st.integers(1, CONFIRMATIONS - 1))
+def test_a_spike_is_never_believed(level: int, length: int) -> None:
+    """Shorter than the confirmation, whatever its height."""
+    check = believed(400)
+    found = codes(check, [level] * length + [400] * 8)
+    if abs(level - 400) > NOISE_COUNTS + LIMITS.step:
+        assert 0 not in found[:length]
+    assert check.temperature_mC == 100_000
+    assert found[-1] == 0
+
+
+def test_a_new_level_is_believed_once_physics_could_have_reached_it() -> None:
+    check = believed(400)
+    found = codes(check, [480] * 30)
+    first = found.index(0)
+    assert found[:first] == [5] * first
+    assert 80 <= NOISE_COUNTS + LIMITS.step * (first + 1) < 80 + LIMITS.step
+    assert set(found[first:]) == {0} or 6 in found[first:]
+
+
+def test_noise_is_believed_and_a_ramp_at_the_rate_too() -> None:
+    check = believed(400)
+    assert set(codes(check, [400, 404, 400, 396, 400, 398] * 5)) == {0}
+    assert set(codes(check, range(400, 900, LIMITS.step))) == {0}
+
+
+def test_a_settled_motor_is_not_stuck() -> None:
+    """An hour at the same count, with a model that stands still, or nearly."""
+    limits = sensor_limits(example("my1016"))[0]
+    check = SensorCheck(limits)
+    hour = [int(check.check(word(240), True, 60_000 + i // 6)) for i in range(14_400)]
+    assert set(hour[CONFIRMATIONS:]) == {0}
+
+
+def test_a_frozen_sensor_is_stuck_once_the_model_has_moved_and_recovers() -> None:
+    limits = sensor_limits(example("my1016"))[0]
+    check = SensorCheck(limits)
+    # After a step of PWM the model moves by 0.01 K a sample.
+    found = [int(check.check(word(240), True, 60_000 + 10 * i)) for i in range(2400)]
+    first = found.index(6)
+    assert first == 300 / 0.25
+    assert set(found[first:]) == {6}
+    recovered = codes(check, [290, 291, 290, 291, 290, 290])
+    assert recovered[-1] == 0
+    assert 0 not in recovered[: CONFIRMATIONS - 1]
+
+
+def test_unfinished_conversions_are_not_used_and_break_no_confidence() -> None:
+    check = believed(400)
+    assert check.check(word(402), False, 0) is SensorCode.EARLY
+    assert check.temperature_mC == 100_000
+    assert codes(check, [402]) == [0]
+
+
+def test_limits_come_from_the_file_or_the_domain() -> None:
+    tree = json.loads(json.dumps(example("my1016").document.model_dump(mode="json", exclude_none=True)))
+    assert tree["wiring"]["thermocouples"][0]["max_rate_K_per_s"] == 5.0
+    brush, *_, ambient = sensor_limits(example("my1016"))
+    assert (brush.lowest, brush.highest) == (0, 250 * 4)  # the domain ends at 150 degC; the chip knows no negative ones
+    assert (ambient.lowest, ambient.highest) == (0, 60 * 4)
+    assert (brush.step, brush.stuck_samples, brush.stuck_mK) == (5, 1200, 3000)
+    assert ambient.stuck_samples == 0
+    assert [reading_samples(t) for t in (0.05, 0.1, 0.22, 0.25, 3.0)] == [5, 3, 2, 1, 1]

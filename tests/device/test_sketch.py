@@ -1,0 +1,403 @@
+"""The emitted sketch on the emulated Mega: what it says, obeys, and survives."""
+
+from __future__ import annotations
+
+import random
+import re
+import subprocess
+import zlib
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gen import toolchain
+from gen.emulate.devices import ResetCause
+from gen.lowering.lower import lower
+from gen.reference.model import ReferenceModel
+from gen.verify.avr.compile import sizes
+from tests.device.board import ONES, OPEN, ZEROS, Board, Said, word
+from tests.device.conftest import Open
+from tests.device.variants import CHANNELS, VARIANTS, variant
+
+SAMPLE_S = 0.25
+LATE, DROPPED, STALL, AMBIENT, STOPPED = 0x100, 0x200, 0x400, 0x1000, 0x2000
+TEMPERATURES = {"brush": 61.25, "bearing": 55.5, "magnet": 52.0, "casing": 50.75, "ambient": 24.5}
+
+
+def warm(board: Board) -> Board:
+    for channel, celsius in TEMPERATURES.items():
+        board.set_celsius(channel, celsius)
+    return board
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_every_wiring_builds_and_runs(power_up: Open, name: str) -> None:
+    board = power_up(name)
+    said = board.started()
+    assert said.comments["coefficients_sha256"] == variant(name).sha256
+    assert said.comments["reset"] == "power"
+    assert said.rows[0]["time_s"] == "0.000"
+    later = board.hear(10.0)
+    assert np.all(np.diff([float(row["time_s"]) for row in later.rows]) > 0)
+    assert len(later.rows) >= 4
+    assert not any(int(row["flags"]) & (LATE | DROPPED) for row in later.rows)
+    assert board.resets == 0
+
+
+def test_the_model_starts_from_the_measured_temperatures_and_equals_the_reference(power_up: Open) -> None:
+    board = warm(power_up())
+    first = board.started()
+    assert first.events[-1].endswith("start from measured")
+    assert {c: float(first.rows[0][f"{c}_degC"]) for c in TEMPERATURES} == TEMPERATURES
+    rows = list(first.rows)
+    for pwm, seconds in ((255, 7), (-128, 12), (7, 5), (0, 6)):
+        board.send(str(pwm))
+        rows += board.hear(seconds).rows
+
+    program = lower(variant("my1016"), "fixed", "table")
+    starts = {c: [round((TEMPERATURES[c] - TEMPERATURES["ambient"]) * 1000)] for c in CHANNELS[:-1]}
+    reference = ReferenceModel(program, starts)
+    acting, sample, compared = 0, 0, 0
+    for row in rows:
+        while sample < round(float(row["time_s"]) / SAMPLE_S):
+            reference.step(np.array([acting]))
+            sample += 1
+        if sample:
+            # The board gives out whole thousandths, rounded down.
+            given = [float(row[f"{c}_model_degC"]) for c in CHANNELS[:-1]]
+            assert given == pytest.approx(reference.rises[:, 0] + TEMPERATURES["ambient"], abs=0.00201), row
+            compared += 1
+        acting = int(row["pwm"])
+    assert compared > 30
+    assert {int(row["pwm"]) for row in rows} == {0, 255, -128, 7}
+
+
+@pytest.mark.parametrize(
+    ("bad", "code"), [(OPEN, 1), (0x7FFC, 1), (ZEROS, 2), (ONES, 3), (0x8000, 3), (word(300), 4), (word(45), 5)]
+)
+def test_a_bad_sample_is_flagged_at_once_and_used_nowhere(power_up: Open, bad: int, code: int) -> None:
+    board = warm(power_up())
+    board.started()
+    board.hear(3.0)
+    board.set_word(board.chips["bearing"], bad)
+    bad_s = board.hear(0.5).rows
+    board.set_celsius("bearing", TEMPERATURES["bearing"])
+    rows = bad_s + board.hear(4.0).rows
+    flagged = [row for row in rows if row["sensors"] != "00000"]
+    assert flagged[0]["sensors"] == f"0{code}000"
+    assert all(row["bearing_degC"] == "" for row in flagged)
+    assert {row["bearing_degC"] for row in rows if row not in flagged} == {"55.50"}
+    assert {row["sensors"][1] for row in flagged} <= {str(code), "5", "8"}
+    assert rows[-1]["sensors"] == "00000"
+    model = [float(row["bearing_model_degC"]) for row in rows]
+    assert max(model) - min(model) < 0.05  # the model runs on
+
+
+def test_a_frozen_sensor_is_flagged_once_the_model_moves(power_up: Open) -> None:
+    board = power_up("soon_stuck")  # 20 s, 0.1 K
+    board.started()
+    assert {row["sensors"] for row in board.hear(30.0).rows} == {"00000"}  # at PWM 0 the model of a cold motor stays
+    board.send("255")
+    rows = board.hear(60.0).rows
+    first = next(row for row in rows if row["sensors"][3] == "6")
+    assert float(first["casing_model_degC"]) == pytest.approx(30.1, abs=0.01)
+    assert first["casing_degC"] == ""
+    assert rows[-1]["sensors"][1:] == "6660"  # the ambient has no model
+    board.set_celsius("casing", 30.5)
+    assert board.hear(3.0).rows[-1]["casing_degC"] == "30.50"
+
+
+def test_without_the_ambient_the_last_one_goes_on(power_up: Open) -> None:
+    board = warm(power_up())
+    board.started()
+    board.set_word(board.chips["ambient"], OPEN)
+    rows = board.hear(5.0).rows
+    assert rows[-1]["ambient_degC"] == ""
+    assert int(rows[-1]["flags"]) & AMBIENT
+    assert float(rows[-1]["casing_model_degC"]) == pytest.approx(TEMPERATURES["casing"], abs=0.1)
+
+
+def test_a_sketch_without_thermocouples_answering_starts_from_ambient(power_up: Open) -> None:
+    board = power_up(connected=False)
+    said = board.started()
+    assert said.events[-1].endswith("start from ambient")
+    assert said.rows[-1]["sensors"] == "33333"  # pulled up: all ones
+    assert board.seconds == pytest.approx(6.0, abs=1.0)  # it waited for them
+
+
+def test_pwm_goes_to_one_pin_or_the_other(power_up: Open) -> None:
+    board = power_up()
+    board.started()
+    for pwm in (100, -255, 1, 0, -64):
+        board.send(str(pwm))
+        board.hear(0.6)
+        assert board.pin_pwm(4, 5) == pytest.approx(pwm, abs=1)
+        assert min(board.pin_duty(4), board.pin_duty(5)) == 0
+
+
+NO_COMMANDS = [
+    "256",
+    "-256",
+    "1 2",
+    "12x",
+    "--3",
+    "1-",
+    "+5",
+    "0x10",
+    "99999999999999999999",
+    "rows 0",
+    "rows",
+    "resets",
+    "12\0",
+    "1\t2",
+    "-",
+]
+
+
+@pytest.mark.parametrize("line", NO_COMMANDS)
+def test_a_line_that_is_no_command_changes_nothing(power_up: Open, line: str) -> None:
+    board = power_up()
+    board.started()
+    board.send("50")
+    board.hear(1.0)
+    board.send(line)
+    said = board.hear(2.0)
+    assert any("rejected lines: 1" in event for event in said.events)
+    assert {row["pwm"] for row in said.rows} == {"50"}
+
+
+def test_status_and_rows_on_request(power_up: Open) -> None:
+    board = power_up()
+    board.started()
+    board.send("?")
+    said = board.hear(1.0)
+    assert any("pwm 0" in event for event in said.events)
+    assert any("late 0 dropped 0" in event for event in said.events)
+    board.send("rows 1")
+    board.hear(1.0)
+    assert len(board.hear(5.0).rows) == 20
+    board.send("rows 8")
+    board.hear(2.5)
+    assert len(board.hear(20.0).rows) == 10
+
+
+def test_a_flood_on_the_serial_line_changes_nothing(power_up: Open) -> None:
+    board = warm(power_up())
+    board.started()
+    board.send("40")
+    board.hear(1.0)
+    letters = bytes(random.Random(3).choices(b"abcdefgh0123456789-\n?!\0\xff", k=60_000))
+    lines = [line for line in letters.split(b"\n") if not line.lstrip(b"-").isdigit() and line != b"?"]
+    # with no gap between the bytes, and far faster than the line: most are lost
+    for byte_cycles in (1389, 160):
+        board.uart_send(b"\n".join(lines)[:20_000] + b"\n", byte_cycles=byte_cycles)
+        said = board.hear(20_000 * byte_cycles / 16e6 + 2.0)
+        assert not any(int(row["flags"]) & LATE for row in said.rows)
+        assert {row["sensors"] for row in said.rows} == {"00000"}
+    assert board.resets == 0
+    board.send("7")
+    assert board.hear(1.0).rows[-1]["pwm"] == "7"
+
+
+@pytest.mark.parametrize("line", ["?", "reset", "rows 4", "nonsense", "1000"])
+def test_rows_come_before_answers(power_up: Open, line: str) -> None:
+    board = warm(power_up())
+    board.started()
+    board.hear(1.0)
+    board.uart_send((line + "\n").encode() * 3000, byte_cycles=1389)  # at the line's own speed
+    said = board.hear(3000 * (len(line) + 1) * 1389 / 16e6)
+    times = [float(row["time_s"]) for row in said.rows]
+    assert np.diff(times).max(initial=0.0) <= 1.0
+    assert not any(int(row["flags"]) & (LATE | DROPPED) for row in said.rows)
+    assert board.resets == 0
+
+
+def test_a_number_that_lost_a_digit_is_not_obeyed(power_up: Open) -> None:
+    board = power_up()
+    board.started()
+    numbers = ("2" * 3 + "\n") * 4000
+    board.uart_send(numbers.encode(), byte_cycles=100)  # the buffer overflows: digits are missing here and there
+    said = board.hear(2.0)
+    assert {row["pwm"] for row in said.rows} <= {"0", "222"}
+
+
+def test_the_watchdog_resets_a_board_that_hangs(power_up: Open) -> None:
+    board = power_up()
+    board.started()
+    board.send("200")
+    board.hear(1.0)
+    board.write("tick_due", board.read("tick_due") + 1_000_000)  # no sample for 1000 s
+    board.hear(1.7)
+    assert board.resets == 0
+    said = board.hear(0.7)
+    assert board.resets == 1
+    assert said.comments["reset"] == "watchdog"
+    assert board.pin_pwm(4, 5) == 0
+    assert board.started().rows[-1]["pwm"] == "0"
+    board.hear(10.0)
+    assert board.resets == 1
+
+
+@pytest.mark.parametrize(("cause", "text"), [(ResetCause.POWER_ON, "power"), (ResetCause.BROWN_OUT, "brown-out")])
+def test_the_reset_cause_is_said(power_up: Open, cause: ResetCause, text: str) -> None:
+    board = power_up()
+    board.started()
+    board.cut_power(0.5, cause=cause)
+    assert board.started().comments["reset"] == text
+
+
+def test_late_samples_are_counted_and_read_no_chip_early(power_up: Open) -> None:
+    board = warm(power_up())
+    board.started()
+    board.hear(2.0)
+    board.write("tick_due", board.read("tick_due") - 1100)  # as if a second had been slept through
+    said = board.hear(4.0)
+    late = [row for row in said.rows if int(row["flags"]) & LATE]
+    assert {row["sensors"] for row in late[1:]} == {"77777"}  # the first is late, but its conversion is finished
+    assert all(row["brush_degC"] == "" for row in late[1:])
+    assert said.rows[-1]["sensors"] == "00000"
+    assert all(board.chip_counts(chip).early == 0 for chip in board.chips.values())
+    board.send("?")
+    assert any(re.search(r"late [45] dropped 0", event) for event in board.hear(1.0).events)
+
+
+def test_the_clock_may_roll_over(power_up: Open) -> None:
+    board = warm(power_up())
+    board.start_clock_at(2**32 - 8000)
+    rows = board.started().rows + board.hear(20.0).rows
+    assert int.from_bytes(board.peek(*board.variable("timer0_millis")), "little") < 20_000
+    assert not any(int(row["flags"]) & LATE for row in rows)
+    times = [float(row["time_s"]) for row in rows if float(row["time_s"]) % 1 == 0]
+    assert times == [float(i) for i in range(len(times))]
+    assert board.resets == 0
+
+
+@pytest.mark.parametrize(("name", "pin"), [("my1016", 2), ("counted", 47)])
+def test_speed_comes_from_the_pulses_and_a_stall_is_flagged(power_up: Open, name: str, pin: int) -> None:
+    board = power_up(name)
+    board.attach_encoder(pin)
+    board.started()
+    board.send("200")
+    board.send_pulses(5 * 22_000, 5.0)
+    rows = board.hear(5.0).rows
+    assert float(rows[len(rows) // 2]["speed_rpm"]) == pytest.approx(2640, rel=0.005)
+    assert not any(int(row["flags"]) & STALL for row in rows)
+    rows = board.hear(4.0).rows
+    stalled = [float(row["time_s"]) for row in rows if int(row["flags"]) & STALL]
+    assert 1.0 <= stalled[0] - float(rows[0]["time_s"]) <= 2.3  # 2 s after the last pulse, up to 1 s before that row
+    board.send("30")  # too little to turn it: no stall
+    assert not int(board.hear(1.0).rows[-1]["flags"]) & STALL
+
+
+def test_no_pulse_is_lost_at_full_speed(power_up: Open) -> None:
+    board = power_up()
+    board.attach_encoder(2)
+    board.started()
+    before = board.read("pulses")
+    board.send_pulses(66_000, 3.0)
+    board.hear(3.5)
+    assert (board.read("pulses") - before) % 65536 == 66_000 % 65536
+
+
+@pytest.mark.parametrize("pwm", [0, 30, 128, 254, 255, -90])
+def test_anothers_pwm_is_measured(power_up: Open, pwm: int) -> None:
+    board = power_up("observed")
+    board.drive_wave(4, max(pwm, 0) / 255)
+    board.drive_wave(5, max(-pwm, 0) / 255)
+    board.started()
+    rows = board.hear(5.0).rows
+    assert all(abs(int(row["pwm"]) - pwm) <= 2 for row in rows)
+    board.send("10")
+    assert any("rejected" in event for event in board.hear(1.0).events)
+
+
+def test_the_profile_runs_and_ends(power_up: Open) -> None:
+    board = power_up("profile")
+    board.started()
+    board.send("profile on")
+    rows = board.hear(5.0).rows
+    changes = [(float(row["time_s"]), int(row["pwm"])) for old, row in pairwise(rows) if row["pwm"] != old["pwm"]]
+    steps = [pwm for _, pwm in changes]
+    assert steps[-2:] == [-50, 0]
+    assert changes[-1][0] - changes[-2][0] == 2.0
+    board.send("profile on")
+    assert board.hear(0.7).rows[-1]["pwm"] == "100"
+    board.send("profile off")
+    assert board.hear(0.7).rows[-1]["pwm"] == "0"
+
+
+def test_an_alarm_that_says_so_stops_the_motor_until_reset(power_up: Open) -> None:
+    board = power_up(test_alarms=True)
+    board.started()
+    board.send("200")
+    board.hear(1.0)
+    board.write("test_alarms", 0x0101)
+    said = board.hear(1.0)
+    assert said.rows[-1]["pwm"] == "0"
+    assert said.rows[-1]["alarms"] == "257"
+    assert int(said.rows[-1]["flags"]) & STOPPED
+    assert any(event.endswith("alarm test") for event in said.events)
+    board.send("200")
+    assert board.hear(1.0).rows[-1]["pwm"] == "0"
+    board.send("reset")
+    assert board.hear(1.0).rows[-1]["pwm"] == "0"  # it does not start by itself
+    board.send("200")
+    assert board.hear(1.0).rows[-1]["pwm"] == "200"
+
+
+def follow(board: Board, seconds: float, excess: float) -> Said:
+    """Run on with thermocouples that read what the model says, the casing's so many kelvins more."""
+    whole = Said()
+    for _ in range(round(seconds / 5.0)):
+        said = board.hear(5.0)
+        whole.rows += said.rows
+        whole.events += said.events
+        for channel in CHANNELS[:-1]:
+            model = float(said.rows[-1][f"{channel}_model_degC"])
+            board.set_celsius(channel, model + (excess if channel == "casing" else 0.0))
+    return whole
+
+
+def test_a_hot_casing_raises_the_studys_alarm(power_up: Open) -> None:
+    """The whole way: PWM 50 %, 600 s to settle, 60 s of persistence; the jump itself is not believed at first."""
+    board = power_up()
+    board.started()
+    board.send("128")
+    assert {row["sensors"] for row in follow(board, 300.0, 0.0).rows} == {"00000"}
+    said = follow(board, 60.0, 8.0)
+    assert "00050" in {row["sensors"] for row in said.rows}
+    assert said.rows[-1]["sensors"] == "00000"
+    said = follow(board, 340.0, 8.0)
+    (event,) = [event for event in said.events if "alarm" in event]
+    assert event.endswith(" alarm fault")
+    assert 655 <= float(event.split()[0]) <= 670
+    assert said.rows[-1]["alarms"] == "1"
+    board.send("reset")
+    assert follow(board, 5.0, 8.0).rows[-1]["alarms"] == "0"
+    assert follow(board, 70.0, 8.0).rows[-1]["alarms"] == "1"  # the casing is still hot
+
+
+def test_the_self_test_knows_the_flash(power_up: Open, tmp_path: Path) -> None:
+    board = warm(power_up())
+    said = board.started()
+    image = tmp_path / "image.bin"
+    copy = [str(toolchain.program("avr-objcopy")), "-O", "binary", str(board._elf), str(image)]
+    subprocess.run(copy, check=True)
+    crc = f"{zlib.crc32(image.read_bytes()):08X}"
+    assert said.comments["firmware"] == f"crc32 {crc} of {sizes(board._elf).flash} bytes"
+    board.send("test")
+    said = board.hear(5.0)
+    findings = [event.split(" ", 1)[1] for event in said.events]
+    assert f"test flash ok {crc}" in findings
+    assert "test sensors ok 00000" in findings
+    assert "test passed" in findings
+    assert not any(int(row["flags"]) & LATE for row in said.rows)
+    board.set_word(board.chips["magnet"], OPEN)
+    board.write("at_start", 0)
+    board.send("test")
+    findings = [event.split(" ", 1)[1] for event in board.hear(5.0).events]
+    assert f"test flash FAILED {crc}" in findings
+    assert "test sensors FAILED 00100" in findings
+    assert "test FAILED" in findings

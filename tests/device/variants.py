@@ -1,0 +1,86 @@
+"""Coefficient files for the sketch's tests: the MY1016 with another wiring."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from gen.coefficients import Coefficients, parse
+from tests.verify_helpers import ROOT
+
+Tree = dict[str, Any]
+BASE: Tree = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text())
+CHIPS = [(chip["cs"], chip["so"], chip["sck"]) for chip in BASE["wiring"]["thermocouples"]]
+CHANNELS = [chip["channel"] for chip in BASE["wiring"]["thermocouples"]]
+
+
+def _as_it_is(tree: Tree) -> None:
+    del tree
+
+
+def _no_wiring(tree: Tree) -> None:
+    del tree["wiring"]
+    tree["alarms"] = []
+
+
+def _often_copied(tree: Tree) -> None:
+    tree["wiring"]["memory"] = {"interval_s": 60}
+
+
+def _soon_stuck(tree: Tree) -> None:
+    for chip in tree["wiring"]["thermocouples"]:
+        chip |= {"stuck_s": 20, "stuck_K": 0.1}
+
+
+def _profile(tree: Tree) -> None:
+    steps = [{"duration_s": 1, "pwm": 100}, {"duration_s": 2, "pwm": -50}]
+    tree["wiring"]["drive"]["profile"] = {"steps": steps}
+
+
+def _observed(tree: Tree) -> None:
+    del tree["wiring"]["drive"]
+    del tree["wiring"]["led_pin"]
+    tree["wiring"]["observe"] = {"forward_pin": 4, "reverse_pin": 5}
+    tree["wiring"]["memory"] = None
+
+
+def _counted(tree: Tree) -> None:
+    """Another sample time, which is shorter than a conversion; the encoder in hardware; no button."""
+    wiring = tree["wiring"]
+    tree["sample_time_s"], tree["accuracy"] = 0.1, {"fixed_limit_K": 1e-3}
+    wiring["encoder"]["pin"] = 47
+    wiring["thermocouples"][4]["so"] = 46
+    wiring["drive"] = {"forward_pin": 6, "reverse_pin": 7}
+    del wiring["button_pin"]
+
+
+def _ambient_only(tree: Tree) -> None:
+    tree["wiring"]["thermocouples"] = tree["wiring"]["thermocouples"][4:]
+    del tree["wiring"]["encoder"]
+
+
+def _slow(tree: Tree) -> None:
+    """A sample time longer than the watchdog's."""
+    tree["sample_time_s"], tree["accuracy"] = 2.5, {"fixed_limit_K": 1e-3}
+    tree["wiring"] = {"button_pin": 22}
+
+
+VARIANTS: Mapping[str, Callable[[Tree], None]] = {
+    "my1016": _as_it_is,
+    "no_wiring": _no_wiring,
+    "often_copied": _often_copied,
+    "soon_stuck": _soon_stuck,
+    "profile": _profile,
+    "observed": _observed,
+    "counted": _counted,
+    "ambient_only": _ambient_only,
+    "slow": _slow,
+}
+
+
+def variant(name: str) -> Coefficients:
+    tree = copy.deepcopy(BASE)
+    VARIANTS[name](tree)
+    return parse(json.dumps(tree).encode())

@@ -1,0 +1,120 @@
+"""`gen emulate` as a user meets it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from gen.cli import main
+from gen.runs import read_run
+from tests.verify_helpers import ROOT
+
+Refuse = Callable[..., str]
+
+COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    return {**os.environ, "XDG_CACHE_HOME": str(tmp_path_factory.mktemp("home"))}
+
+
+@pytest.fixture
+def refuse(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Refuse:
+    """Run `gen emulate` in this process, where it must end with status 2; give its message."""
+
+    def run(*arguments: str | Path) -> str:
+        monkeypatch.setattr(sys, "argv", ["gen", "emulate", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        assert ended.value.code == 2
+        return capsys.readouterr().err
+
+    return run
+
+
+def emulate(home: dict[str, str], *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "gen", "emulate", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=home)
+
+
+def test_a_run_with_faults_gives_run_file_summary_and_picture(home: dict[str, str], tmp_path: Path) -> None:
+    run, found, plot, image = (tmp_path / name for name in ("run.csv", "run.json", "run.svg", "eeprom.bin"))
+    done = emulate(
+        home,
+        COEFFICIENTS,
+        *("--duration", "60", "--profile", "0:102,30:204", "--start", "153:3600", "--ambient", "25"),
+        *("--fault", "bearing", "--fault-start", "20", "--sensor-fault", "brush:open:35:45", "--seed", "3"),
+        *("--eeprom", image, "--out", run, "--json", found, "--plot", plot),
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "brush not believed (code 1)" in done.stdout
+    measured = read_run(run, ["brush", "bearing", "magnet", "casing"])
+    assert 56 <= len(measured.time_s) <= 70
+    assert {0, 102, 204} >= set(measured.pwm.tolist()) > {102}
+    assert measured.comments["motor_fault"] == "bearing from 20 s"
+    assert "encoder batched" in measured.comments["emulated"]
+    summary = json.loads(found.read_text())
+    (fault,) = [item for item in summary["disbelieved"] if item["code"] == 1]
+    shift = summary["time_zero_s"]
+    assert fault["from_s"] + shift == pytest.approx(35.0, abs=0.6)
+    assert fault["to_s"] + shift == pytest.approx(45.0, abs=0.6)
+    assert summary["board"]["eeprom"]["refused"] == 0
+    assert 40.0 < summary["true_at_end_degC"]["brush"] < 90.0
+    assert plot.read_text().startswith("<?xml") and "measured - model" in plot.read_text()
+    assert image.stat().st_size == 4096
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--profile", "0:300"], "--profile"),
+        (["--profile", "0:1,20000:0"], "--profile"),
+        (["--sensor-fault", "rotor:open:1:2"], "--sensor-fault"),
+        (["--ambient", "cold"], "--ambient"),
+        (["--power-cut", "20000"], "power_cut"),
+        (["--elf", "absent.elf"], "absent.elf"),
+        (["--json", "no/such/folder.json"], "folder"),
+        (["--encoder", "sometimes"], "encoder"),
+    ],
+)
+def test_bad_options_are_one_message_and_exit_2(
+    refuse: Refuse, tmp_path: Path, options: list[str], message: str
+) -> None:
+    assert message in refuse(COEFFICIENTS, "--out", tmp_path / "run.csv", *options)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_without_wiring_cannot_be_emulated(refuse: Refuse, tmp_path: Path) -> None:
+    document = json.loads(COEFFICIENTS.read_text())
+    del document["wiring"]
+    path = tmp_path / "bare.json"
+    path.write_text(json.dumps(document))
+    assert "bare.json: $.wiring" in refuse(path, "--out", tmp_path / "run.csv")
+    assert not (tmp_path / "run.csv").exists()
+
+
+def test_an_eeprom_image_of_another_size_is_refused(refuse: Refuse, tmp_path: Path) -> None:
+    image = tmp_path / "eeprom.bin"
+    image.write_bytes(b"short")
+    assert "expected the 4096" in refuse(COEFFICIENTS, "--eeprom", image, "--out", tmp_path / "run.csv")
+    assert image.read_bytes() == b"short"
+
+
+def test_an_interruption_leaves_nothing(home: dict[str, str], tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "gen", "emulate", str(COEFFICIENTS), "--out", str(tmp_path / "run.csv")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=home) as running:
+        time.sleep(6.0)
+        running.send_signal(signal.SIGINT)
+        _, stderr = running.communicate(timeout=30.0)
+    assert running.returncode == 130
+    assert "interrupted" in stderr
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,66 @@
+"""The LED read with a clock, against patterns made from what the emitted README says about them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gen.emulate.devices import Edges
+from gen.emulate.led import read_led
+
+SLOT_S = 0.032
+CYCLES = 16_000_000
+
+
+def flash(slots_on: int, slots_off: int, count: int = 1) -> list[tuple[int, int]]:
+    return [(slots_on, slots_off)] * count
+
+
+HEALTHY = flash(2, 62, 5)
+SENSOR = flash(2, 2, 30)
+
+
+def alarm(number: int, rounds: int = 2) -> list[tuple[int, int]]:
+    return (flash(8, 8, number - 1) + flash(8, 8 + 48)) * rounds
+
+
+def observe(*parts: list[tuple[int, int]], jitter_s: float = 0.0) -> tuple[Edges, float, list[float]]:
+    generator = np.random.default_rng(1)
+    time_s, times, levels, starts = 1.0, [], [], []
+    for part in parts:
+        starts.append(time_s)
+        for on, off in part:
+            times += [time_s, time_s + on * SLOT_S]
+            levels += [True, False]
+            time_s += (on + off) * SLOT_S
+    noisy = np.array(times) + generator.uniform(0.0, jitter_s, len(times))
+    return Edges((noisy * CYCLES).astype(np.uint64), np.array(levels)), time_s, starts
+
+
+@pytest.mark.parametrize("jitter_s", [0.0, 0.01])
+def test_patterns_are_told_apart_and_dated(jitter_s: float) -> None:
+    edges, end_s, starts = observe(HEALTHY, alarm(3), SENSOR, HEALTHY, alarm(1), jitter_s=jitter_s)
+    seen = read_led(edges, end_s)
+    assert [item.pattern for item in seen] == ["healthy", "alarm 3", "sensor", "healthy", "alarm 1"]
+    for item, start_s in zip(seen, starts, strict=True):
+        # The first flash behind a flicker might as well be its last.
+        assert item.from_s == pytest.approx(start_s, abs=2.1 if item.pattern == "healthy" else 0.07)
+
+
+def test_alarms_that_take_turns_are_told_each_time() -> None:
+    edges, end_s, _ = observe(alarm(1, 1), alarm(4, 1), alarm(1, 1))
+    assert [item.pattern for item in read_led(edges, end_s)] == ["alarm 1", "alarm 4", "alarm 1"]
+
+
+def test_a_number_that_is_cut_short_by_the_end_is_not_told() -> None:
+    edges, _, _ = observe(HEALTHY, alarm(5, 1))
+    blinks = edges.seconds[edges.levels]
+    cut = blinks[-3]
+    keep = edges.seconds < cut
+    seen = read_led(Edges(edges.cycles[keep], edges.levels[keep]), cut)
+    assert [item.pattern for item in seen] == ["healthy"]
+
+
+def test_a_dark_led() -> None:
+    nothing = Edges(np.zeros(0, dtype=np.uint64), np.zeros(0, dtype=np.bool_))
+    assert [item.pattern for item in read_led(nothing, 10.0)] == ["dark"]

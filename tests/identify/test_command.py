@@ -1,0 +1,78 @@
+"""`gen identify` as a user meets it: the chain to a verified build, and its speed."""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.identify_measured import predict
+from gen.model import ExactSolution
+from gen.runs import Run, write_run
+from tests.model.examples import model
+
+NAMES = ("brush", "bearing", "magnet", "casing")
+
+
+def gen(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "gen", *map(str, arguments)], capture_output=True, text=True, check=False
+    )
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Three hours at 0.25 s, four components, five speeds; sensors with noise and 0.25 degC."""
+    folder = tmp_path_factory.mktemp("runs")
+    rng = np.random.default_rng(1)
+    solution = ExactSolution(model("my1016"))
+    clock = np.arange(43_200, dtype=np.float64) * 0.25
+    paths = []
+    for pwm in (51, 102, 153, 204, 255):
+        counts = np.where(clock < 8000.0, pwm, 0)
+        rise = solution.simulate(counts)
+        temps = {n: np.round((30.0 + rise[n][:-1] + rng.normal(0.0, 0.15, len(clock))) * 4) / 4 for n in NAMES}
+        paths.append(folder / f"pwm_{pwm}.csv")
+        write_run(paths[-1], Run(clock, counts, temps, np.full(len(clock), 30.0)))
+    return paths
+
+
+def test_identify_build_verify_without_editing(runs: list[Path], tmp_path: Path) -> None:
+    out, report, found = tmp_path / "coeffs.json", tmp_path / "report.html", tmp_path / "found.json"
+    begin = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    done = gen("identify", *runs, "--out", out, "--report", report, "--json", found)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    # Processor time, as other tests may share the machine.
+    assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - begin < 30.0
+    for name, part in json.loads(found.read_text())["components"].items():
+        assert part["order"] == (3 if name == "brush" else 1)
+        for pwm in (51, 102, 153, 204, 255):
+            true = model("my1016").component(name).steady_rise([pwm])[0]
+            assert part["speeds"][str(pwm)]["steady_rise_K"]["value"] == pytest.approx(true, abs=0.25)
+    assert gen("build", out, "--out", tmp_path / "firmware").returncode == 0
+    checked = gen("verify", out, "--target", "host", "--scale", "0.005", "--arithmetic", "fixed", "--schedule", "table")
+    assert checked.returncode == 0, checked.stderr
+    assert "none differs" in checked.stdout
+
+
+def test_help_has_an_example_and_a_bad_name_is_usage(runs: list[Path], tmp_path: Path) -> None:
+    done = gen("identify", "--help")
+    assert "gen identify cold_*.csv" in " ".join(done.stdout.split())
+    done = gen("identify", runs[0], "--out", tmp_path / "c.json", "--name", "while")
+    assert done.returncode == 2
+    assert "keyword" in done.stderr
+    assert not (tmp_path / "c.json").exists()
+
+
+def test_a_real_machine_s_unused_run_is_predicted() -> None:
+    """The Temperature Control Lab's first heater; its second, which the model does not know, warms the sensor too."""
+    (prediction,), left_out = predict("Temperature Control Lab, heater 1")
+    assert not left_out
+    assert prediction.moved_K > 20.0
+    assert prediction.rms_K < 0.15 * prediction.moved_K

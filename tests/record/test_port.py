@@ -1,0 +1,198 @@
+"""`gen log` through a pseudo-terminal: nothing that the other end writes is lost."""
+
+from __future__ import annotations
+
+import array
+import fcntl
+import os
+import pty
+import select
+import signal
+import subprocess
+import sys
+import termios
+import threading
+import time
+import tty
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from gen.cli import main
+from gen.errors import InputError
+from gen.record.port import Commander, record_port
+from gen.record.profile import parse_profile
+from gen.runs import read_run
+
+HEAD = b"# model: my1016\r\ntime_s,pwm,brush_degC,flags\r\n"
+ROWS = 3000
+
+
+@pytest.fixture
+def ends() -> Iterator[tuple[int, str]]:
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    name = os.ttyname(slave)
+    os.close(slave)
+    yield master, name
+    os.close(master)
+
+
+def wait_for_reader(master: int) -> None:
+    """Wait until somebody has opened the other end, and has had time to discard what stood there before."""
+    hung_up = select.poll()
+    hung_up.register(master, 0)
+    while hung_up.poll(0):
+        time.sleep(0.05)
+    time.sleep(0.5)
+
+
+def write_all(master: int, data: bytes) -> None:
+    while data:
+        data = data[os.write(master, data[:512]) :]
+
+
+def wait_until_read(port: str) -> None:
+    """Wait until nothing that was written waits for its reader."""
+    unread = array.array("i", [1])
+    with open(os.open(port, os.O_RDWR | os.O_NOCTTY), "rb", buffering=0) as line:  # noqa: PTH123
+        while unread[0]:
+            time.sleep(0.1)
+            fcntl.ioctl(line, termios.FIONREAD, unread)
+    time.sleep(0.3)
+
+
+def row(i: int) -> bytes:
+    return b"%d.%03d,%d,%d.25,0\r\n" % (i // 4, i % 4 * 250, i % 256, i % 100)
+
+
+def log(port: str, out: Path, *options: str) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "gen", "log", port, "--out", str(out), *options]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def test_every_row_arrives(ends: tuple[int, str], tmp_path: Path) -> None:
+    master, port = ends
+    out = tmp_path / "run.csv"
+    done = log(port, out, "--duration", "1.5")
+    wait_for_reader(master)
+    write_all(master, HEAD + b"".join(map(row, range(ROWS))))
+    stdout, stderr = done.communicate(timeout=30)
+    assert (done.returncode, stderr) == (0, "")
+    assert f"{ROWS} rows" in stdout and "0 garbled" in stdout
+    run = read_run(out, ["brush"])
+    assert len(run.time_s) == ROWS
+    assert run.pwm.tolist() == [i % 256 for i in range(ROWS)]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_keeps_what_came(ends: tuple[int, str], tmp_path: Path, number: signal.Signals) -> None:
+    master, port = ends
+    out = tmp_path / "run.csv"
+    done = log(port, out)
+    wait_for_reader(master)
+    write_all(master, HEAD)
+    write_all(master, b"".join(map(row, range(100))) + b"25.000,3")
+    wait_until_read(port)
+    done.send_signal(number)
+    done.communicate(timeout=10)
+    assert done.returncode == 0
+    assert len(read_run(out).time_s) == 100
+    assert [path.name for path in tmp_path.iterdir()] == ["run.csv"]
+
+
+def test_a_silent_board_is_asked_for_its_header(ends: tuple[int, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    master, port = ends
+    monkeypatch.setattr("gen.record.port._ASK_AFTER_S", 0.8)
+
+    def board() -> None:
+        wait_for_reader(master)
+        write_all(master, row(8))
+        assert os.read(master, 16) == b"?\n"
+        write_all(master, HEAD + row(9) + row(10))
+
+    thread = threading.Thread(target=board)
+    thread.start()
+    recording = record_port(port, duration_s=0.5)
+    thread.join()
+    assert (recording.recorder.rows, recording.recorder.unheaded) == (2, 1)
+
+
+def test_the_profile_is_commanded_and_repeated_after_a_restart(ends: tuple[int, str]) -> None:
+    master, port = ends
+    heard: list[bytes] = []
+
+    def board() -> None:
+        wait_for_reader(master)
+        write_all(master, HEAD + row(1))
+        heard.append(os.read(master, 16))
+        heard.append(os.read(master, 16))
+        write_all(master, b"# reset: watchdog\r\n" + HEAD + row(1))
+        heard.append(os.read(master, 16))
+
+    thread = threading.Thread(target=board)
+    thread.start()
+    recording = record_port(port, duration_s=1.0, profile=((0.0, 153), (0.4, -20)))
+    thread.join()
+    assert heard == [b"153\n", b"-20\n", b"-20\n"]
+    assert recording.recorder.rows == 2
+
+
+def test_a_lost_port_ends_the_recording(tmp_path: Path) -> None:
+    master, slave = pty.openpty()
+    port = os.ttyname(slave)
+    os.close(slave)
+    out = tmp_path / "run.csv"
+    done = log(port, out)
+    wait_for_reader(master)
+    write_all(master, HEAD + row(1) + row(2))
+    wait_until_read(port)
+    os.close(master)
+    _, stderr = done.communicate(timeout=20)
+    assert done.returncode == 1
+    assert "lost" in stderr
+    assert len(read_run(out).time_s) == 2
+
+
+def test_no_such_port_is_one_message_and_exit_2(tmp_path: Path) -> None:
+    done = log("/dev/no-such-port", tmp_path / "run.csv")
+    _, stderr = done.communicate(timeout=20)
+    assert done.returncode == 2
+    assert stderr.startswith("error: /dev/no-such-port: cannot be opened")
+    assert len(stderr.strip().splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_nothing_is_written_when_nothing_came(
+    ends: tuple[int, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("gen.record.port._ASK_AFTER_S", 0.1)
+    monkeypatch.setattr("gen.record.port._ASK_EVERY_S", 0.1)
+    _, port = ends
+    monkeypatch.setattr("sys.argv", ["gen", "log", port, "--out", str(tmp_path / "run.csv"), "--duration", "0.1"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 1
+    assert "no row came" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_profile_of_pairs_or_of_a_file(tmp_path: Path) -> None:
+    assert parse_profile("0:153, 3600:-20,3600.5:0") == ((0.0, 153), (3600.0, -20), (3600.5, 0))
+    file = tmp_path / "steps.csv"
+    file.write_text("time_s,pwm\n0,51\n7.5,0\n", encoding="utf-8")
+    assert parse_profile(str(file)) == ((0.0, 51), (7.5, 0))
+
+
+@pytest.mark.parametrize("text", ["", "0:256", "5:1,5:2", "0;153", "0:1.5", "no-such-file.csv", "1:2:3"])
+def test_a_bad_profile_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match="--profile"):
+        parse_profile(text)
+
+
+def test_a_step_is_commanded_once() -> None:
+    commander = Commander(((0.0, 1), (10.0, 2), (10.2, 3)))
+    assert [commander.due(t) for t in (0.0, 5.0, 10.1, 11.0)] == [b"1\n", b"", b"2\n", b"3\n"]
+    commander.repeat()
+    assert commander.due(12.0) == b"3\n"

@@ -1,0 +1,89 @@
+"""The study's tables come back from its transfer functions, and what does not is named."""
+
+import copy
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from gen.errors import InputError
+from gen.study.disagreements import disagreements
+from gen.study.reproduce import pole_statistics, reproduce
+from gen.study.tables import read_study
+from tests.model import published
+from tests.verify_helpers import ROOT
+
+TABLES = ROOT / "examples" / "my1016" / "study.json"
+
+
+def test_the_file_holds_the_published_numbers() -> None:
+    """Against the transcription that the model's tests use, made apart from this one."""
+    study = read_study(TABLES)
+    for name, functions in published.TRANSFER_FUNCTIONS.items():
+        assert [(g.numerator, g.denominator) for g in study.kept(name)] == list(functions)
+        assert study.variable_minus_measured["10800"][name] == published.STEADY_ERROR[name]
+        assert study.variable_minus_measured["2160"][name] == published.TRANSIENT_ERROR[name]
+        assert study.averaged_pole[name].numerator == published.AVERAGED[name][0]
+    assert sum(len(functions) for functions in study.transfer_functions.values()) == 80
+
+
+def test_all_but_the_magnet_s_outlier_come_back() -> None:
+    entries = reproduce(read_study(TABLES))
+    errors = [e for e in entries if e.table in ("4.11", "4.13")]
+    assert len(errors) == 40
+    off = [(e.component, e.what) for e in errors if abs(e.difference) > 0.2]
+    assert off == [("magnet", "20 %, 2160 s")]
+    rounded = [e for e in entries if e.table in ("4.6", "4.8")]
+    assert len(rounded) == 40
+    assert [(e.table, e.component, e.what) for e in rounded if abs(e.difference) > 1.1] == [
+        ("4.8", "magnet", "20 %, 2160 s")
+    ]
+    for entry in entries:
+        if entry.table in ("4.4", "4.5"):
+            assert abs(entry.difference) <= 0.02 * max(abs(entry.printed), 1e-12) or "CV" in entry.what
+
+
+def test_a_changed_number_is_noticed(tmp_path: Path) -> None:
+    tree = copy.deepcopy(json.loads(TABLES.read_text()))
+    tree["schedules"]["bearing"]["gain"]["poly"][1] *= 1.02
+    path = tmp_path / "study.json"
+    path.write_text(json.dumps(tree))
+    off = [e for e in reproduce(read_study(path)) if not e.agrees and e.table == "4.11"]
+    assert {e.component for e in off} == {"bearing"}
+
+
+def test_the_verdict_is_not_one_linear_system() -> None:
+    study = read_study(TABLES)
+    for name in study.components:
+        assert (pole_statistics(study, name).cv > 0.1).all()
+
+
+def test_disagreements_are_found_in_the_numbers() -> None:
+    study = read_study(TABLES)
+    text = "\n".join(disagreements(study, reproduce(study)))
+    assert "magnet at 20 %, 2160 s: printed -9.6, from its own transfer functions +1.6" in text
+    assert "the brush's gain is negative at PWM 1, 2" in text
+    assert "13755 s" in text
+
+
+def test_bad_tables_are_one_message(tmp_path: Path) -> None:
+    path = tmp_path / "study.json"
+    with pytest.raises(InputError, match="no such file"):
+        read_study(path)
+    path.write_text('{"source": 1,')
+    with pytest.raises(InputError, match="line 1"):
+        read_study(path)
+    path.write_text('{"source": "x"}')
+    with pytest.raises(InputError, match=r"\$\.measured_steady_degC"):
+        read_study(path)
+
+
+def test_the_command_prints_it() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "gen", "study", str(TABLES)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0
+    assert "39 of 40 within 0.2 K" in done.stdout
+    assert "-9.6" in done.stdout

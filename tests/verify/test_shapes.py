@@ -1,0 +1,80 @@
+"""Kinds of components that no example has: each must be equal on the host and on the emulated board too."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from typing import Any
+
+import pytest
+
+from gen.coefficients import Coefficients, parse
+from gen.lowering.lower import Program, lower
+from gen.lowering.program import FixedComponent
+from gen.verify.verify import verify
+from tests.verify_helpers import ROOT
+
+FAST = [{"real": {"poly": [-0.09]}}, {"real": {"poly": [-1e-6, -0.02]}}]
+SLOW = [{"real": {"poly": [-1e-6, -0.002]}}, {"real": {"poly": [-0.001]}}, {"real": {"poly": [-0.004]}}]
+STIFFER = {"pwm": [0, 255], "value": [0.008, 0.05], "interpolation": "linear"}
+SOFTER = {"pwm": [0, 255], "value": [-0.008, -0.05], "interpolation": "linear"}
+#: Switched in time, this oscillator pumps itself up: nothing can be proven, so it saturates.
+UNSTABLE = [
+    {"real": {"poly": [-0.002]}, "imag": {"table": STIFFER}},
+    {"real": {"poly": [-0.002]}, "imag": {"table": SOFTER}},
+]
+
+
+def _component(name: str, poles: list[dict[str, Any]], gain: float) -> dict[str, Any]:
+    return {"name": name, "order": len(poles), "gain": {"poly": [gain]}, "poles": poles}
+
+
+#: In the order of their shapes on the board: what saturates lies between what does not.
+COMPONENTS = [
+    _component("winding", FAST, 5.0e-4),
+    _component("wire", FAST, 5.1e-4),
+    _component("spring", UNSTABLE, 2e-5),
+    _component("housing", SLOW, 1.0e-9),
+    _component("cover", SLOW, 1.1e-9),
+    _component("sensor", [{"real": {"poly": [-1e-4, -0.05]}}], 2e-3),
+]
+
+
+@cache
+def coefficients(names: tuple[str, ...]) -> Coefficients:
+    document: dict[str, Any] = json.loads((ROOT / "examples" / "two_mass" / "coeffs.json").read_text())
+    document["components"] = [item for item in COMPONENTS if item["name"] in names]
+    document["accuracy"] = {"fixed_limit_K": 1.0, "float_limit_K": 1.0}
+    document["alarms"] = []
+    document["wiring"] = {}
+    document.pop("provenance", None)
+    return parse(json.dumps(document).encode())
+
+
+def fixed(program: Program, name: str) -> FixedComponent:
+    found = next(component for component in program.components if component.name == name)
+    assert isinstance(found, FixedComponent)
+    return found
+
+
+ALL = tuple(str(item["name"]) for item in COMPONENTS)
+
+
+def test_the_kinds_are_there() -> None:
+    program = lower(coefficients(ALL), "fixed", "table")
+    for name in ("winding", "sensor"):
+        assert fixed(program, name).layout.product_shifts[-1] == 16
+    members = [{program.components[member].name for member in shape.members} for shape in program.shapes]
+    assert {"winding", "wire"} in members
+    assert {"housing", "cover"} in members
+    place = members.index({"spring"})
+    assert fixed(program, "spring").saturates
+    assert 0 < place < len(members) - 1
+    assert sum(component.saturates for component in program.components) == 1
+
+
+@pytest.mark.parametrize("names", [ALL, ("spring", "sensor")])
+def test_they_are_equal_everywhere(names: tuple[str, ...]) -> None:
+    result = verify(coefficients(names), ["fixed"], ["table"], "all", scale=0.01, host_builds=["g++ sanitized"])[0]
+    assert [target.mismatch for target in result.targets] == [None] * len(result.targets)
+    assert result.passed
