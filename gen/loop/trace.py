@@ -13,6 +13,7 @@ from gen.loop.evidence import LEAST_GAIN, LEVEL, TIE_LEVEL, Judgement, judge, p_
 from gen.loop.fit import Fit, Term, fit
 from gen.loop.problem import Problem, problem
 from gen.loop.residual import Condensed
+from gen.loop.setting import each_speed_once, setting
 from gen.model.effects import Effect, Setting, Variant, registry
 from gen.model.effects.integrate import readings
 from gen.model.effects.schedule_error import ScheduleError
@@ -20,8 +21,6 @@ from gen.model.effects.sensor_offset import SensorOffset
 
 MOST_EFFECTS = 3
 """Most effects at one component: what is left after three is said to be unexplained."""
-WARM_K = 3.0
-"""A rise at which a start counts as warm."""
 STRETCHES = 18
 """Blocks of each run where only stretches can be left out."""
 SEEDS = 3
@@ -133,7 +132,7 @@ def trace(
     null = {name: fit(one, []) for name, one in singles.items()}
     hypotheses = {name: _hypotheses(setting(coefficients, runs, whole, name)) for name in whole.components}
     tried = sum(len(h) for h in hypotheses.values())
-    if _each_speed_once(runs):  # then a left-out run says nothing of its speed's schedule: judged by stretches, below
+    if each_speed_once(runs):  # then a left-out run says nothing of its speed's schedule: judged by stretches, below
         hypotheses = {n: [h for h in all_ if h[0].name != "schedule_error"] for n, all_ in hypotheses.items()}
     final = dict(null)
     found: list[Found] = []
@@ -147,7 +146,7 @@ def trace(
     _extend_everywhere(singles, found, final, null, tried)
     for name, one in singles.items():
         # Steps from cold at one speed each are too alike to tell two effects apart.
-        for _ in range(0 if _each_speed_once(runs) else MOST_EFFECTS - 1):
+        for _ in range(0 if each_speed_once(runs) else MOST_EFFECTS - 1):
             if name not in considered or not worth_tracing(one, final[name]):
                 break
             progress(f"{name}: a further effect?")
@@ -170,7 +169,7 @@ def trace(
         if final[name].terms and abs(float(final[name].offset[0])) > 0.95 * one.tolerance_K:
             # Drawn to its limit the offset stands for something else; it is no calibration.
             final[name] = fit(replace(one, tolerance_K=0.0), _terms(final[name]))
-    if _each_speed_once(runs):
+    if each_speed_once(runs):
         for name, one in singles.items():
             if name in considered and not final[name].terms:
                 entry = _by_stretch(one, setting(coefficients, runs, whole, name), tried)
@@ -183,17 +182,6 @@ def trace(
 
 def _say(progress: Callable[[str], None], component: str, effect: str) -> None:
     progress(f"{component}: {effect}?")
-
-
-def _each_speed_once(runs: Sequence[Condensed]) -> bool:
-    """Whether each run has one speed of its own, so that leaving out a run leaves out its speed."""
-    speeds = []
-    for run in runs:
-        moving = run.pwm[run.pwm > 0]
-        if moving.size == 0 or np.ptp(moving) > 1.0:
-            return False
-        speeds.append(float(np.rint(moving[0])))
-    return len(runs) >= 2 and len(set(speeds)) == len(speeds)
 
 
 def _judge_again(
@@ -318,46 +306,6 @@ def worth_tracing(single: Problem, fitted: Fit) -> bool:
     of_noise = variance * np.count_nonzero(w) / max(float(w.sum()), 1.0)
     left = max(float(fitted.loss[0]) - of_noise, 0.0)
     return float(np.sqrt(variance / (variance + left))) < 1.0 - LEAST_GAIN
-
-
-def setting(coefficients: Coefficients, runs: Sequence[Condensed], whole: Problem, name: str) -> Setting:
-    """What the data offer to explain one component's residual with."""
-    model = coefficients.model
-    c = whole.components.index(name)
-    counts = np.concatenate([np.repeat(np.rint(run.pwm), np.minimum(run.weight, 1.0).astype(int)) for run in runs])
-    spans = np.concatenate([np.diff(run.edges) for run in runs])[: counts.size]
-    middle = (whole.track.count > 0).any() and np.median(whole.track.rate[:, c][whole.weight[:, c] > 0])
-    return Setting(
-        component=name,
-        others=tuple(other for other in whole.components if other != name),
-        channels={key: float(np.sqrt(np.mean(values**2))) for key, values in whole.track.channels.items()},
-        levels=_levels(counts, spans),
-        rate=float(middle) if middle else float(np.median(whole.track.rate[:, c])),
-        ambient_fixed=None if model.ambient_channel is not None else model.ambient_fixed,
-        varying=frozenset(key for key in whole.track.channels if _varies(runs, key)),
-        reverse=any(bool(np.any(run.reverse > 0.5)) for run in runs),
-        warm=any(run.traces[name].start_rise > WARM_K for run in runs if name in run.traces),
-        ambient_measured=all(run.measured_ambient is not None for run in runs),
-    )
-
-
-def _varies(runs: Sequence[Condensed], key: str) -> bool:
-    values = np.concatenate([run.channels[key] for run in runs])
-    return bool(np.std(values) > 0.01 * np.sqrt(np.mean(values**2)))
-
-
-def _levels(counts: np.ndarray, spans: np.ndarray) -> tuple[int, ...]:
-    """|PWM| at which the motor ran for at least 3 % of the time, at most eight and not closer than 8 counts."""
-    time = np.bincount(counts.astype(int), spans, 256)
-    chosen: list[int] = [0] if time[0] > 0.01 * time.sum() else []
-    near = np.convolve(time, np.ones(5), mode="same")
-    for level in np.argsort(-near):
-        if near[level] < 0.03 * time.sum() or len(chosen) >= 9:
-            break
-        if level > 2 and all(abs(int(level) - other) >= 8 for other in chosen):
-            window = np.arange(max(level - 2, 1), min(level + 3, 256))
-            chosen.append(int(np.rint(np.average(window, weights=time[window] + 1e-9))))
-    return tuple(sorted(chosen))
 
 
 def _hypotheses(known: Setting) -> list[tuple[Effect, Variant]]:

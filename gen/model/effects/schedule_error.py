@@ -112,6 +112,8 @@ class ScheduleError(Effect):
     def folded(self, p: Values, model: ThermalModel, component: str) -> ThermalModel | None:  # noqa: D102
         from gen.model.effects.tables import scaled
 
+        if p["rate_factor"] != 1.0 and model.component(component).order > 1:
+            return None  # a rate of heat exchange changes A(0) alone, which no factor on its poles does
         steady = np.asarray(_factor(np.arange(256.0), p) + np.zeros(256))
         return scaled(model, component, steady, np.full(256, float(p["rate_factor"])))
 

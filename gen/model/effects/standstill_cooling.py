@@ -51,6 +51,8 @@ class StandstillCooling(Effect):
     def folded(self, p: Values, model: ThermalModel, component: str) -> ThermalModel | None:  # noqa: D102
         from gen.model.effects.tables import scaled
 
+        if model.component(component).order > 1:
+            return None  # other cooling changes A(0) alone, which no factor on its poles does
         rate = np.ones(256)
         rate[0] = p["cooling_factor"]
         return scaled(model, component, np.ones(256), rate)
