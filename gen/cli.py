@@ -12,6 +12,7 @@ from gen.commands.build import build
 from gen.commands.emulate import emulate
 from gen.commands.identify import identify, study
 from gen.commands.log import log
+from gen.commands.refine import refine
 from gen.commands.simulate import simulate
 from gen.commands.verify import verify
 from gen.errors import CheckFailed, InputError
@@ -26,7 +27,7 @@ def cli() -> None:
     """Turn identified motor-temperature coefficients into proven firmware for the Arduino Mega 2560."""
 
 
-for command in (build, verify, simulate, emulate, log, identify, study):
+for command in (build, verify, simulate, emulate, log, identify, study, refine):
     cli.add_command(command)
 
 

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from gen.coefficients.alarms import MOST_RULES, MOST_SAMPLES, AlarmRule, window_counts
 from gen.coefficients.base import Celsius, Counts, Name, Number, Part, Positive, fault, listed, ordered
+from gen.coefficients.effects import EffectEntry
 from gen.coefficients.schedule import ScheduleEntry
 from gen.coefficients.wiring import Wiring
 
@@ -138,6 +139,9 @@ class Document(Part):
     provenance: Provenance | None = None
     wiring: Wiring | None = None
     alarms: Annotated[tuple[AlarmRule, ...], Field(max_length=MOST_RULES)] = ()
+    effects: Annotated[
+        tuple[EffectEntry, ...], Field(max_length=32, description="What `gen refine` found, added to the components.")
+    ] = ()
 
     @model_validator(mode="after")
     def _check(self) -> Document:
@@ -175,6 +179,8 @@ class Document(Part):
             )
         for name in self.provenance.fit if self.provenance else ():
             _known(name, names, "provenance", "fit", name)
+        for i, effect in enumerate(self.effects):
+            _known(effect.component, names, "effects", i, "component")
         channels: set[str] = set()
         for i, thermocouple in enumerate(self.wiring.thermocouples if self.wiring else ()):
             at = ("wiring", "thermocouples", i, "channel")

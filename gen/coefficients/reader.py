@@ -16,6 +16,8 @@ from gen.coefficients.document import Accuracy, Document
 from gen.coefficients.messages import described, first_fault
 from gen.errors import InputError
 from gen.model.dynamics import ThermalModel
+from gen.model.effects import Applied
+from gen.model.extended import fold
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,9 @@ class Coefficients:
     document
         The file's content, typed.
     model
-        The thermal model that it describes.
+        The thermal model that it describes, with those effects that are mere changes of its entries.
+    effects
+        The effects that need a state or a channel of their own.
     warnings
         What is allowed and yet worth a look, one sentence each.
     sha256
@@ -38,6 +42,7 @@ class Coefficients:
     model: ThermalModel
     warnings: tuple[str, ...]
     sha256: str
+    effects: tuple[Applied, ...] = ()
 
     @property
     def name(self) -> str:
@@ -79,9 +84,9 @@ def parse(raw: bytes) -> Coefficients:
         Without a file name.
     """
     document = parse_document(raw)
-    model = to_model(document)
+    model, effects = fold(to_model(document), [entry.applied() for entry in document.effects])
     warnings = check_model(model) + check_alarms(document)
-    return Coefficients(document, model, warnings, hashlib.sha256(raw).hexdigest())
+    return Coefficients(document, model, warnings, hashlib.sha256(raw).hexdigest(), effects)
 
 
 def parse_document(raw: bytes) -> Document:

@@ -86,6 +86,21 @@ class Program:
         return any(component.saturates for component in self.components)
 
 
+def refuse_effects(coefficients: Coefficients, what: str) -> None:
+    """Refuse a file with effects that are more than changed entries of its model.
+
+    Raises
+    ------
+    CheckFailed
+        Naming the first of them.
+    """
+    for applied in coefficients.effects:
+        raise CheckFailed(
+            f'the effect "{applied.effect.name}" of component {applied.component} is not yet part of {what}; remove it '
+            "from $.effects, or use `gen simulate --arithmetic exact`"
+        )
+
+
 def check_speed(arithmetic: str, schedule: str, speed: str) -> None:
     """Refuse what the fast form is not made for.
 
@@ -108,11 +123,13 @@ def lower(
     Raises
     ------
     CheckFailed
-        If a component cannot be lowered, or its proven error exceeds the file's limit; the message names it.
+        If a component cannot be lowered, or its proven error exceeds the file's limit; the message names it. Also if
+        the file holds an effect that no firmware is emitted for.
     InputError
         See :func:`check_speed`.
     """
     check_speed(arithmetic, schedule, speed)
+    refuse_effects(coefficients, "the firmware")
     if speed == "fast":
         return _lower_fast(coefficients)
     model = coefficients.model

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
-from gen.lowering.lower import lower
+from gen.lowering.lower import lower, refuse_effects
 from gen.lowering.program import Arithmetic, Speed
 from gen.model.exact import ExactSolution
+from gen.model.extended import ExtendedSolution
 from gen.reference.lanes import state_fields
 from gen.reference.model import ReferenceModel, record_type
 from gen.runs import Run
@@ -58,9 +59,14 @@ def simulate_run(
     InputError
         If no ambient is known, or `measured` is asked for where nothing was measured.
     """
+    if arithmetic != "exact":
+        refuse_effects(coefficients, f"the {arithmetic} arithmetic")
     ambient = _ambient(coefficients, run, file)
     rise = {name: _initial_rise(name, run, ambient, start, file) for name in coefficients.model.component_names}
     columns: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {"time_s": run.time_s}
+    if arithmetic == "exact" and coefficients.effects:
+        shown = _extended(coefficients, run, ambient, rise, file)
+        return columns | {f"{name}_degC": values for name, values in shown.items()}
     if arithmetic == "exact":
         solved = ExactSolution(coefficients.model).simulate_times(run.time_s, run.pwm, rise)
         for name, values in solved.items():
@@ -98,6 +104,8 @@ def _on_board(
 def _ambient(coefficients: Coefficients, run: Run, file: str) -> Array:
     """Ambient at every row, in degC: the measured one held over its gaps, else the file's fixed one."""
     fixed = coefficients.model.ambient_fixed
+    if fixed is not None and any(applied.effect.name == "ambient" for applied in coefficients.effects):
+        return np.full(len(run.time_s), fixed)  # the measured one acts through the effect
     if run.ambient is None or np.all(np.isnan(run.ambient)):
         if fixed is None:
             column = coefficients.model.ambient_channel or "ambient_degC"
@@ -107,10 +115,36 @@ def _ambient(coefficients: Coefficients, run: Run, file: str) -> Array:
                 place="header",
             )
         return np.full(len(run.time_s), fixed)
-    known = np.flatnonzero(~np.isnan(run.ambient))
-    latest = np.searchsorted(known, np.arange(len(run.time_s)), side="right") - 1
-    held: Array = run.ambient[known[np.maximum(latest, 0)]]
+    return held_over_gaps(run.ambient)
+
+
+def held_over_gaps(values: Array) -> Array:
+    """Each missing sample replaced by the latest one before it (the first one before all); not all may be missing."""
+    known = np.flatnonzero(~np.isnan(values))
+    latest = np.searchsorted(known, np.arange(values.size), side="right") - 1
+    held: Array = values[known[np.maximum(latest, 0)]]
     return held
+
+
+def _extended(
+    coefficients: Coefficients, run: Run, ambient: Array, rise: dict[str, float], file: str
+) -> dict[str, Array]:
+    """The model with its effects, what each sensor shows in degC."""
+    measured = ambient if run.ambient is None or np.all(np.isnan(run.ambient)) else held_over_gaps(run.ambient)
+    channels = {name: held_over_gaps(column) for name, column in run.extras.items() if not np.all(np.isnan(column))}
+    for applied in coefficients.effects:
+        name, column = applied.effect.name, applied.values.get("channel") or applied.values.get("source")
+        if name == "ambient":
+            missing = run.ambient is None
+        else:
+            missing = column is not None and column not in channels and column not in coefficients.model.component_names
+        if missing:
+            raise InputError(
+                f'the effect "{name}" of {applied.component} needs the column {column}', file=file, place="header"
+            )
+    return ExtendedSolution(coefficients.model, coefficients.effects).simulate_times(
+        run.time_s, run.pwm, ambient, measured, channels, rise
+    )
 
 
 def _initial_rise(name: str, run: Run, ambient: Array, start: Start, file: str) -> float:

@@ -19,7 +19,7 @@ from gen.loop.identify.evidence import (
     residual_tests,
     uncertainty,
 )
-from gen.loop.identify.fit import Fit, Problem
+from gen.loop.identify.fit import OFFSET_PRIOR, Fit, Problem
 from gen.loop.identify.general import General, Judge, choose_forms, guard, misses
 from gen.loop.identify.joint import Model, refine
 from gen.loop.identify.linearity import Linearity, linearity
@@ -32,6 +32,8 @@ SETTLED = 0.95
 """A run counts as settled when it reaches this share of its steady rise."""
 OFFSET_SURE = 4.0
 """A sensor's offset is believed when it is this many standard deviations from zero, and known to 0.4 K."""
+OFFSET_MOST = 2.0 * OFFSET_PRIOR
+"""A larger one is no offset, K: more than two sensors differ by. It says that no structure tried fits the part."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +186,8 @@ def _with_offset(problem: Problem, chosen: Candidate) -> tuple[Fit, Uncertainty,
     deviation = float(found.deviation[-1])
     if deviation > 0.4:
         return fit, spread, None
-    if abs(trial.offset) > OFFSET_SURE * deviation and trial.cost < fit.cost:
+    sure = abs(trial.offset) > OFFSET_SURE * deviation and trial.cost < fit.cost
+    if sure and abs(trial.offset) <= OFFSET_MOST:
         return trial, found, deviation
     return fit, spread, deviation
 

@@ -1,0 +1,165 @@
+"""Planted effects: does `gen refine` find what was planted, and only that?
+
+    python benchmarks/refine_trials.py --share 1.0 --out trials.json
+
+``--share 1.0``: every library effect alone x 20, nothing x 50, pairs x 50, eight effects outside the library x 10.
+Prints the confusion matrix, errors on test runs before and after beside the noise floor, and the goals beside what
+was reached. ``--part 0/2`` does every second trial, so that two processes share the work; ``--table A.json B.json``
+prints their table. The noise floor is the RMSE of the readings about the truth, the sensors' small constant offsets
+included.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT))
+
+from gen.coefficients import load  # noqa: E402
+from gen.loop.refine import refine  # noqa: E402
+from tests.loop.plant import COEFFICIENTS  # noqa: E402
+from tests.loop.plant_effects import LIBRARY, OUTSIDE, make  # noqa: E402
+
+
+def trial(kinds: tuple[str, ...], seed: int) -> dict[str, Any]:
+    """Plant, refine, compare."""
+    folder = Path(tempfile.mkdtemp(prefix="refine-trial-"))
+    try:
+        fit, test, floor = make(folder, kinds, seed)
+        started = time.perf_counter()
+        found = refine(load(COEFFICIENTS), COEFFICIENTS.read_text(encoding="utf-8"), fit, test)
+        seconds = time.perf_counter() - started
+    finally:
+        shutil.rmtree(folder)
+    effects = [e for e in found.effects if not e["evidence"].get("within_tolerance")]
+    return {
+        "planted": list(kinds),
+        "seed": seed,
+        "verdict": found.verdict,
+        "named": list(dict.fromkeys(e["name"] for e in effects)),
+        "lookalikes": sorted({o["name"] for e in effects for o in e["evidence"]["lookalikes"]}),
+        "confident": any(e["evidence"]["confident"] for e in effects),
+        "components": [e["component"] for e in effects],
+        "before_K": found.before.summary()["test"]["rmse_K"],
+        "after_K": found.after.summary()["test"]["rmse_K"],
+        "floor_K": floor,
+        "seconds": seconds,
+    }
+
+
+def campaign(share: float) -> list[tuple[tuple[str, ...], int]]:
+    """The trials, in an order in which any beginning of the list is a fair sample."""
+
+    def count(full: int) -> int:
+        return max(1, round(full * share))
+
+    made: list[tuple[tuple[str, ...], int]] = []
+    for seed in range(count(20)):
+        made += [((name,), seed) for name in LIBRARY]
+    made += [((), seed) for seed in range(count(50))]
+    random = np.random.default_rng(7)
+    for seed in range(50):
+        pair = tuple(str(name) for name in random.choice(LIBRARY, 2, replace=False))
+        if seed < count(50):
+            made.append((pair, 1000 + seed))
+    for seed in range(count(10)):
+        made += [((name,), 2000 + seed) for name in OUTSIDE]
+    return made
+
+
+def group(kinds: tuple[str, ...]) -> str:
+    """Which part of the campaign a trial belongs to."""
+    if len(kinds) == 1:
+        return "outside" if kinds[0] in OUTSIDE else "single"
+    return "pair" if kinds else "nothing"
+
+
+def table(results: list[dict[str, Any]]) -> str:
+    """The confusion matrix and the goals, as text."""
+    lines = ["planted -> named first (count)"]
+    singles = [r for r in results if len(r["planted"]) == 1 and r["planted"][0] in LIBRARY]
+    for name in LIBRARY:
+        own = [r for r in singles if r["planted"] == [name]]
+        named = Counter(r["named"][0] if r["named"] else "-" for r in own)
+        ratio = [r["after_K"] / r["floor_K"] for r in own]
+        before = [r["before_K"] / r["floor_K"] for r in own]
+        if own:
+            cells = ", ".join(f"{key} {value}" for key, value in named.most_common())
+            lines.append(
+                f"  {name:27s} {cells:60s} before {np.median(before):5.1f}  after {np.median(ratio):4.2f} "
+                f"(worst {max(ratio):4.2f}) x floor"
+            )
+    nothing = [r for r in results if not r["planted"]]
+    pairs = [r for r in results if len(r["planted"]) == 2]
+    out = [r for r in results if len(r["planted"]) == 1 and r["planted"][0] in OUTSIDE]
+    for name in OUTSIDE:
+        own = [r for r in out if r["planted"] == [name]]
+        if own:
+            verdicts = ", ".join(f"{k} {v}" for k, v in Counter(r["verdict"] for r in own).most_common())
+            named = Counter(r["named"][0] if r["named"] else "-" for r in own)
+            worst = max(r["after_K"] / max(r["before_K"], 1e-9) for r in own)
+            cells = ", ".join(f"{key} {value}" for key, value in named.most_common())
+            lines.append(f"  outside: {name:18s} {verdicts:48s} named {cells:50s} after/before worst {worst:.2f}")
+
+    def share(good: list[bool]) -> str:
+        return f"{np.mean(good):6.1%} of {len(good)}" if good else "   none"
+
+    lines += ["", "goal                                                          reached"]
+    first = [r["named"][:1] == r["planted"] for r in singles]
+    both = [set(r["planted"]) <= set(r["named"]) for r in pairs]
+    near = [r["after_K"] <= 1.2 * r["floor_K"] for r in singles]
+    lines += [
+        f"right name first in 90 %                                    {share(first)}",
+        f"false effects on nothing at most 5 %                        {share([bool(r['named']) for r in nothing])}",
+        f"pairs: both names in 80 %                                   {share(both)}",
+        f"library, after-error at most 1.2 x floor                    {share(near)}",
+    ]
+    wrong = [r["verdict"] == "explained" and r["after_K"] > 1.5 * r["floor_K"] for r in out]
+    worse = [r["after_K"] > 1.05 * r["before_K"] for r in results]
+    lines += [
+        f'outside, "explained" over 1.5 x floor: never                {share(wrong)}',
+        f"outside, a confident name: never                            {share([r['confident'] for r in out])}",
+        f"after-error over 1.05 x before-error: never                 {share(worse)}",
+        f"seconds per trial (median, worst): {np.median([r['seconds'] for r in results]):.1f}, "
+        f"{max(r['seconds'] for r in results):.1f}",
+    ]
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Run the campaign, or print the table of earlier ones."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--share", type=float, default=1.0)
+    parser.add_argument("--part", default="0/1")
+    parser.add_argument("--only", choices=["single", "nothing", "pair", "outside"])
+    parser.add_argument("--seed", type=int, default=0, help="added to every trial's seed")
+    parser.add_argument("--out", type=Path)
+    parser.add_argument("--table", type=Path, nargs="+")
+    options = parser.parse_args()
+    if options.table:
+        print(table([r for path in options.table for r in json.loads(path.read_text(encoding="utf-8"))]))
+        return
+    part, parts = (int(x) for x in options.part.split("/"))
+    results = []
+    wanted = [(k, s) for k, s in campaign(options.share) if options.only in (None, group(k))]
+    for kinds, seed in wanted[part::parts]:
+        results.append(trial(kinds, seed + options.seed))
+        print(json.dumps(results[-1]), flush=True)
+        if options.out:
+            options.out.write_text(json.dumps(results), encoding="utf-8")
+    print(table(results))
+
+
+if __name__ == "__main__":
+    main()

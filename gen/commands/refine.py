@@ -1,0 +1,135 @@
+"""`gen refine`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from gen.loop.refine import Refinement
+
+_LISTS = ("--fit", "--test")
+
+
+class ListsOfFiles(click.Command):
+    """Lets ``--fit a.csv b.csv`` stand for ``--fit a.csv --fit b.csv``."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Spell every file of a list out with its option."""
+        spelt: list[str] = []
+        option: str | None = None
+        for position, argument in enumerate(args):
+            if argument == "--":
+                spelt += args[position:]
+                break
+            if argument in _LISTS:
+                option = argument
+                follows = args[position + 1 : position + 2]
+                if not follows or (follows[0].startswith("-") and follows[0] != "-"):
+                    raise click.BadOptionUsage(argument, f"Option '{argument}' requires at least one run file.", ctx)
+                continue
+            if argument.startswith("-") and argument != "-":
+                option = None
+            if option is not None:
+                spelt += [option, argument]
+            else:
+                spelt.append(argument)
+        return super().parse_args(ctx, spelt)
+
+
+_FILE = click.Path(path_type=Path)
+
+
+@click.command(
+    cls=ListsOfFiles,
+    epilog="Example:  gen refine coeffs.json --fit mon.csv tue.csv wed.csv --test thu.csv --out refined.json "
+    "--report refined.html --json refined-summary.json",
+)
+@click.argument("coefficients", metavar="COEFFS", type=_FILE)
+@click.option(
+    "--fit", "fit_runs", metavar="RUN...", type=_FILE, multiple=True, required=True, help="Runs to learn from."
+)
+@click.option(
+    "--test",
+    "test_runs",
+    metavar="RUN...",
+    type=_FILE,
+    multiple=True,
+    required=True,
+    help="Runs opened once, at the end.",
+)
+@click.option("--out", type=_FILE, required=True, help="The refined coefficient file.")
+@click.option("--report", type=_FILE, help="Write the story with pictures, one HTML file.")
+@click.option("--json", "json_file", type=_FILE, help="Write what was found as JSON.")
+def refine(
+    coefficients: Path,
+    fit_runs: tuple[Path, ...],
+    test_runs: tuple[Path, ...],
+    out: Path,
+    report: Path | None,
+    json_file: Path | None,
+) -> None:
+    """Trace what a model misses in measured runs to a physical effect, and add it to the model.
+
+    Verdicts: "explained" (what is left is near the sensors' noise), "partly explained", "nothing missing" and
+    "unexplained".
+    """
+    from gen.coefficients import load
+    from gen.files import write_text
+    from gen.loop.refine import refine as run
+
+    loaded = load(coefficients)
+    raw = coefficients.read_text(encoding="utf-8-sig")
+    with _progress() as progress:
+        found = run(loaded, raw, fit_runs, test_runs, progress)
+    for warning in found.warnings:
+        click.echo(f"warning: {warning}", err=True)
+    page = None
+    if report is not None:
+        from gen.loop.report import page as make
+
+        page = make(found, loaded)
+    write_text(out, found.text)
+    if report is not None and page is not None:
+        write_text(report, page)
+    if json_file is not None:
+        write_text(json_file, json.dumps(found.summary(), indent=1) + "\n")
+    _say(found)
+    click.echo(f"{out}: {len(found.effects)} effect(s) added")
+
+
+def _say(found: Refinement) -> None:
+    click.echo(f"verdict: {found.verdict}")
+    for effect in found.effects:
+        numbers = ", ".join(
+            f"{key} = {value:.4g}" if isinstance(value, float) else f"{key} = {value}"
+            for key, value in effect["parameters"].items()
+            if value is not None
+        )
+        click.echo(f"  {effect['component']}: {effect['name']} ({numbers})")
+        for other in effect["evidence"]["lookalikes"]:
+            click.echo(f"    could as well be {other['name']}; to tell: {other['told_apart_by']}")
+    before, after = found.before.summary(), found.after.summary()
+    for key in ("fit", "test"):
+        click.echo(
+            f"  {key}: RMSE {before[key]['rmse_K']:.2f} -> {after[key]['rmse_K']:.2f} K, "
+            f"worst {before[key]['max_abs_K']:.2f} -> {after[key]['max_abs_K']:.2f} K"
+        )
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """A line that says what is being done, on a terminal only."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda _: None
+        return
+    with console.status("") as status:
+        yield lambda text: status.update(text)

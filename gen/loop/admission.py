@@ -1,0 +1,78 @@
+"""Which runs may teach the model: a fault must not be learnt into the healthy baseline.
+
+The rule: a run is admitted to a refinement unless its own comments name a fault (``# fault: bearing``), or say that the
+motor was not healthy (``# healthy: no``). Runs in which the file's alarm rules would be raised for a good part of their
+speed window, while other runs at the same speeds are free of it, are admitted with a warning: an effect acts in every
+run that excites it, a fault from one day on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gen.coefficients import Coefficients
+from gen.coefficients.alarms import Deviation, window_counts
+from gen.errors import InputError
+from gen.loop.residual import Condensed
+
+_LEAST_K = 2.0
+"""Rules with a smaller threshold trip on the model's own error; they say nothing of a fault here."""
+_HEALTHY = {"", "none", "no", "healthy", "0", "false", "-"}
+
+
+def admitted(coefficients: Coefficients, runs: Sequence[Condensed]) -> tuple[list[Condensed], list[str]]:
+    """Apply the rule.
+
+    Returns
+    -------
+    runs, warnings
+        The admitted runs, and sentences for the user.
+
+    Raises
+    ------
+    InputError
+        If none is left.
+    """
+    kept, warnings = [], []
+    for run in runs:
+        declared = run.comments.get("fault", "").strip().lower()
+        healthy = run.comments.get("healthy", "yes").strip().lower()
+        if declared not in _HEALTHY or healthy in ("no", "false", "0"):
+            warnings.append(f"{run.name}: left out, its comments name a fault ({declared or 'healthy: ' + healthy})")
+        else:
+            kept.append(run)
+    if not kept:
+        raise InputError("no run is left to fit: all of them name a fault in their comments", file=runs[0].name)
+    return kept, warnings + _signatures(coefficients, kept)
+
+
+def _signatures(coefficients: Coefficients, runs: Sequence[Condensed]) -> list[str]:
+    warnings = []
+    for rule in coefficients.document.alarms:
+        if not isinstance(rule, Deviation) or rule.threshold_K < _LEAST_K:
+            continue
+        window = window_counts(rule, coefficients.document.input.full_scale)
+        if not window:
+            continue
+        shares = {}
+        for run in runs:
+            own = run.traces.get(rule.component)
+            if own is None:
+                continue
+            inside = (run.pwm >= window[0]) & (run.pwm <= window[-1]) & np.isfinite(own.residual)
+            if np.count_nonzero(inside) >= 5:
+                off = own.residual[inside] if rule.kind == "above_model" else -own.residual[inside]
+                shares[run.name] = float(np.mean(off > rule.threshold_K))
+        tripped = [name for name, share in shares.items() if share > 0.2]
+        if not tripped:
+            continue
+        some = "in these runs only" if len(tripped) < len(shares) else "in every run at these speeds"
+        side = "over" if rule.kind == "above_model" else "under"
+        warnings.append(
+            f'the residual looks like the fault that the rule "{rule.name}" watches for ({rule.component} '
+            f"{side} the model by more than {rule.threshold_K:g} K), {some}: "
+            f"{', '.join(tripped)}; refine with runs of a motor known to be healthy only"
+        )
+    return warnings

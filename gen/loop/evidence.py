@@ -1,0 +1,131 @@
+"""Is an improvement on runs left out more than chance?
+
+The test: on every run that a fit did not see, the squared residual without and with the effect is compared in blocks
+(six a run, more where runs are few; whole runs left out in turn); a one-sided test on the blocks' differences gives p.
+The level is 5 %, divided by the number of hypotheses tried (Bonferroni).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from gen.loop.fit import Fit
+from gen.loop.problem import Problem
+
+LEVEL = 0.05
+LEAST_GAIN = 0.05
+"""An effect must lower the left-out RMSE, the sensor's noise included, by this share: less is not worth its cost."""
+WORSE_RUN = 1.05
+"""No left-out run may get worse by more than this factor (beside a third of the noise)."""
+TIE_LEVEL = 0.05
+SAME = 0.2
+"""An effect's size must have one sign in every fold, and the smallest be at least this share of the largest."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What the left-out runs say of a hypothesis at one component.
+
+    Parameters
+    ----------
+    p_value
+        Of the one-sided test that it lowers the squared error.
+    before_K, after_K
+        RMSE on left-out runs, the sensor's noise included, K.
+    reasons
+        Why it is not accepted; empty if it is.
+    """
+
+    p_value: float
+    before_K: float
+    after_K: float
+    reasons: tuple[str, ...]
+
+    @property
+    def accepted(self) -> bool:
+        """Accepted."""
+        return not self.reasons
+
+
+def p_better(problem: Problem, c: int, worse: Fit, better: Fit) -> float:
+    """One-sided p-value that `better` has the smaller squared error in left-out blocks at component c."""
+    w = problem.weight[:, c, 0, :]
+    gain = w * (worse.left_out[:, c] ** 2 - better.left_out[:, c] ** 2)
+    good = (problem.blocks >= 0) & (w > 0)
+    total = np.bincount(problem.blocks[good], gain[good])
+    size = np.bincount(problem.blocks[good], w[good])
+    d = total[size > 0] / size[size > 0]
+    if d.size < 3 or not np.any(d != 0.0):
+        return 1.0
+    spread = np.std(d, ddof=1) / np.sqrt(d.size)
+    if spread == 0.0:
+        return 0.0 if d.mean() > 0 else 1.0
+    # Gains of a real effect are skewed (nothing in some blocks, much in others), which makes t small though every
+    # difference is positive; Wilcoxon's signed ranks see that. The smaller p counts, doubled for the choice.
+    by_mean = float(stats.t.sf(d.mean() / spread, d.size - 1))
+    moved = d[np.abs(d) > 1e-12]
+    by_rank = float(stats.wilcoxon(moved, alternative="greater").pvalue) if moved.size >= 6 else 1.0
+    return min(1.0, 2.0 * min(by_mean, by_rank)) if d.mean() > 0.0 else 1.0
+
+
+def judge(problem: Problem, c: int, null: Fit, found: Fit, tried: int, added: int) -> Judgement:
+    """Decide on the hypothesis `found` against `null` at component c.
+
+    Parameters
+    ----------
+    problem, c
+        The data and the component's index.
+    null, found
+        Fits without and with the effect.
+    tried
+        Number of hypotheses tried, for the correction of the level.
+    added
+        Index of the first free parameter of the effect in question.
+    """
+    variance = float(problem.noise_K[c]) ** 2
+    before, after = (float(np.sqrt(f.loss[c] + variance)) for f in (null, found))
+    p = p_better(problem, c, null, found)
+    reasons = []
+    if after > (1.0 - LEAST_GAIN) * before:
+        reasons.append(f"lowers the error on left-out runs by less than {LEAST_GAIN:.0%}")
+    if p > LEVEL / tried:
+        reasons.append(f"not more than chance: p = {p:.2g} over {LEVEL:g}/{tried}")
+    worse = _worse_run(problem, c, null, found, variance)
+    if worse:
+        reasons.append("makes a left-out run worse")
+    reasons += _parameters(found, c, added)
+    return Judgement(p, before, after, tuple(reasons))
+
+
+def _worse_run(problem: Problem, c: int, null: Fit, found: Fit, variance: float) -> bool:
+    w = problem.weight[:, c, 0, :]
+    size = np.maximum(w.sum(axis=0), 1e-9)
+    old = np.sum(w * null.left_out[:, c] ** 2, axis=0) / size
+    new = np.sum(w * found.left_out[:, c] ** 2, axis=0) / size
+    many = bool(np.any(new + variance > WORSE_RUN**2 * (old + variance) + 0.1 * variance))
+    return many and bool(np.sum(new) > 0.25 * np.sum(old))
+
+
+def _parameters(found: Fit, c: int, added: int) -> list[str]:
+    reasons = []
+    for i, free in enumerate(found.free[added:], start=added):
+        value, spread = float(found.numbers[c, i]), float(found.spread[c, i])
+        first = i == added
+        if free.low == free.high:
+            continue
+        if first:
+            if free.name == "nominal_V":
+                continue
+            each = found.folds[c, :, i]
+            steady = bool(np.all(each > 0.0) or np.all(each < 0.0)) and np.min(np.abs(each)) > SAME * np.max(
+                np.abs(each)
+            )
+            if not np.isfinite(spread) or (not steady and "[" not in free.name):
+                reasons.append(f"{free.name} cannot be told from no effect")
+        edge = 1.001 if free.log else 1.0
+        if first and not free.log and value >= free.high * 0.999 / edge:
+            reasons.append(f"{free.name} is at its physical limit")
+    return reasons

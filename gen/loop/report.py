@@ -1,0 +1,221 @@
+"""The story of a refinement as one HTML page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib import resources
+from itertools import islice
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from gen.coefficients import Coefficients
+from gen.firmware.charts import Chart, Series, svg
+from gen.loop.refine import Refinement
+from gen.loop.residual import Condensed
+from gen.loop.trace import Candidate
+from gen.model.effects import registry
+
+_SENTENCES = {
+    "explained": "With the effects below, what is left on runs that were left out is near the sensors' noise.",
+    "partly explained": "The effects below lower the error on left-out runs by more than chance, but something is "
+    "left: the names are the nearest in the library, not certain.",
+    "nothing missing": "The residual is near the sensors' noise; no effect is added.",
+    "unexplained": "Something is missing, and no effect of the library explains it on left-out runs.",
+}
+_MOST_CONSIDERED = 14
+
+
+def page(found: Refinement, baseline: Coefficients) -> str:
+    """Render the report.
+
+    Parameters
+    ----------
+    found
+        What `gen refine` found.
+    baseline
+        The coefficient file that it began with.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(str(resources.files("templates"))),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        autoescape=True,
+    )
+    environment.filters["svg"] = svg
+    return environment.get_template("refine.html.j2").render(_context(found, baseline))
+
+
+def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
+    tracing = found.tracing
+    names = tracing.problem.components
+    before, after = found.before.summary(), found.after.summary()
+    totals = [[key, *_four(before[key], after[key])] for key in ("fit", "test")]
+    errors = [
+        [run, "fit" if run in found.before.fit else "test", name, *_four(before["per_run"][run][name], own)]
+        for run, parts in after["per_run"].items()
+        for name, own in parts.items()
+    ]
+    return {
+        "name": baseline.name,
+        "verdict": found.verdict,
+        "sentence": _SENTENCES[found.verdict],
+        "warnings": found.warnings,
+        "facts": found.excitation.facts,
+        "missing": found.excitation.missing,
+        "noise": ", ".join(f"{n} {s:.2f} K" for n, s in zip(names, tracing.problem.noise_K, strict=True)),
+        "components": [_component(found, name) for name in names],
+        "tried": tracing.tried,
+        "level": tracing.level,
+        "effects": [_effect(effect) for effect in found.effects],
+        "totals": totals,
+        "errors": errors,
+        "courses": list(islice(_courses(found), 8)),
+        "left": [_over("left", "What is left over time", found.runs, name, *_left(found, name)) for name in names],
+        "next": _next(found),
+    }
+
+
+def _four(before: dict[str, float], after: dict[str, float]) -> list[str]:
+    return [f"{which[key]:.2f}" for key in ("rmse_K", "max_abs_K") for which in (before, after)]
+
+
+def _component(found: Refinement, name: str) -> dict[str, Any]:
+    tracing = found.tracing
+    variance = float(tracing.problem.noise_K[tracing.problem.components.index(name)]) ** 2
+    left = found.remains[name]
+    most = ", ".join(f"{key} {share:.0%}" for key, share in islice(left.shares.items(), 4))
+    remains = f"{left.rms_K:.2f} K (bins' means, left-out runs) beside a sensor noise of {left.noise_K:.2f} K."
+    if left.rms_K > left.noise_K:
+        remains += f" Share of its variance between classes of: {most}."
+    return {
+        "name": name,
+        "null": f"{np.sqrt(tracing.null[name].loss[0] + variance):.2f}",
+        "considered": [_considered(c) for c in _distinct(tracing.considered.get(name, []))],
+        "remains": remains,
+        "residual": [
+            _over("time", "over time", found.runs, name, *_residual(found.runs, name, "time")),
+            _over("speed", "over speed", found.runs, name, *_residual(found.runs, name, "speed")),
+            _over(
+                "temp", "over the model's temperature", found.runs, name, *_residual(found.runs, name, "temperature")
+            ),
+        ],
+    }
+
+
+def _distinct(candidates: Iterable[Candidate]) -> list[Candidate]:
+    best: dict[str, Candidate] = {}
+    for candidate in candidates:
+        best.setdefault(candidate.label, candidate)
+    return list(best.values())[:_MOST_CONSIDERED]
+
+
+def _considered(candidate: Candidate) -> tuple[str, str, str, str]:
+    judgement = candidate.judgement
+    why = "; ".join(judgement.reasons) or "passes; its signature: " + candidate.effect.signature
+    return candidate.label, f"{judgement.after_K:.2f}", f"{judgement.p_value:.1e}", why
+
+
+def _effect(effect: dict[str, Any]) -> dict[str, Any]:
+    known = registry()[effect["name"]]
+    intervals = effect["evidence"].get("intervals_95", {})
+    rows = []
+    for key, value in effect["parameters"].items():
+        if isinstance(value, list):
+            for i, entry in enumerate(value):
+                rows.append([f"{key}[{i}]", _number(entry), _interval(intervals.get(f"{key}[{i}]"))])
+        elif value is not None:
+            rows.append([key, _number(value), _interval(intervals.get(key))])
+    note = effect["evidence"].get("note", "")
+    return {
+        "name": effect["name"],
+        "component": effect["component"],
+        "title": known.title,
+        "equation": known.equation,
+        "signature": f"Note: {note}." if note else f"Signature: {known.signature}.",
+        "rows": rows,
+        "lookalikes": effect["evidence"]["lookalikes"],
+    }
+
+
+def _number(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _interval(ends: list[float] | None) -> str:
+    return "" if ends is None else f"{ends[0]:.4g} .. {ends[1]:.4g}"
+
+
+Points = tuple[str, list[Series]]
+
+
+def _residual(runs: list[Condensed], name: str, over: str) -> Points:
+    series = []
+    for r, run in enumerate(runs):
+        own = run.traces.get(name)
+        if own is None:
+            continue
+        good = np.isfinite(own.residual)
+        middle = 0.5 * (run.edges[1:] + run.edges[:-1]) / 3600.0
+        x = {"time": middle, "speed": run.pwm, "temperature": 0.5 * (own.base[1:] + own.base[:-1])}[over]
+        series.append(Series("", x[good].tolist(), own.residual[good].tolist(), r % 8, dots=over != "time"))
+    label = {"time": "time (h)", "speed": "|PWM| (counts)", "temperature": "modelled rise (K)"}[over]
+    return label, series
+
+
+def _left(found: Refinement, name: str) -> Points:
+    series = []
+    fitted = found.tracing.final[name]
+    for r, run in enumerate(found.runs):
+        size = run.edges.size - 1
+        good = found.tracing.problem.weight[:size, found.tracing.problem.components.index(name), 0, r] > 0
+        middle = 0.5 * (run.edges[1:] + run.edges[:-1]) / 3600.0
+        if good.any():
+            series.append(Series("", middle[good].tolist(), fitted.left_out[:size, 0, r][good].tolist(), r % 8))
+    return "time (h)", series
+
+
+def _over(kind: str, title: str, runs: list[Condensed], name: str, label: str, series: list[Series]) -> Chart:
+    ends = [value for one in series for value in one.y]
+    text = f"Residual of {name} {title} in {len(runs)} runs, from {min(ends):.2f} to {max(ends):.2f} K."
+    return Chart(f"{kind}-{name}", f"{name}: {title}", text, label, "measured − model", "K", tuple(series))
+
+
+def _courses(found: Refinement) -> Iterable[Chart]:
+    """Measured, before and after, for the components with an effect, in the test runs first."""
+    changed = list(dict.fromkeys(effect["component"] for effect in found.effects))
+    for number, run in enumerate([*found.before.test, *found.before.fit]):
+        old, new = found.before.curves[run], found.after.curves[run]
+        hours = (old.time_s - old.time_s[0]) / 3600.0
+        for name in changed:
+            if name not in old.measured:
+                continue
+            good = np.isfinite(old.measured[name])
+            series = (
+                Series("measured", hours[good].tolist(), old.measured[name][good].tolist(), 6, dots=True),
+                Series("before", hours.tolist(), old.model[name].tolist(), 1),
+                Series("after", hours.tolist(), new.model[name].tolist(), 0),
+            )
+            kind = "test" if run in found.before.test else "fit"
+            title = f"{name}, {kind} run {run.rsplit('/', 1)[-1]}"
+            yield Chart(
+                f"course-{number}-{name}", title, f"Temperatures of {title}.", "time (h)", "temperature", "degC", series
+            )
+
+
+def _next(found: Refinement) -> list[str]:
+    asked = [
+        f"{effect['component']}, {effect['name']} or {other['name']}: {other['told_apart_by']}"
+        for effect in found.effects
+        for other in effect["evidence"]["lookalikes"]
+    ]
+    if found.verdict in ("unexplained", "partly explained"):
+        for name, left in found.remains.items():
+            if left.shares and left.rms_K > left.noise_K:
+                key, share = next(iter(left.shares.items()))
+                asked.append(
+                    f"{name}: what is left goes with {key} ({share:.0%} of its variance); vary it alone, the rest held"
+                )
+    return list(dict.fromkeys([*asked, *found.excitation.missing]))

@@ -1,0 +1,35 @@
+"""Named physical effects that a model of poles and gains scheduled by PWM lacks; one file each, found by name.
+
+An effect belongs to one component. Most are heat: a state E (in K) that is added to the component's rise, with
+``E' = q - rate E``, where q is heating in K/s (a simple function of channels, PWM and temperatures) and rate is the
+component's own, ``A(0)/A'(0)`` at the present PWM, or 1/tau_s. Others stand between the temperature and its reading
+(offset, gain, lag, drift), or change entries that the coefficient file has anyway.
+
+A new effect is a new module here with one subclass of :class:`Effect`; nothing else has to know of it.
+"""
+
+from gen.model.effects.base import (
+    REGISTRY,
+    Applied,
+    Effect,
+    Free,
+    Lanes,
+    Moment,
+    Parameters,
+    Setting,
+    Variant,
+    registry,
+)
+
+__all__ = [
+    "REGISTRY",
+    "Applied",
+    "Effect",
+    "Free",
+    "Lanes",
+    "Moment",
+    "Parameters",
+    "Setting",
+    "Variant",
+    "registry",
+]
