@@ -401,3 +401,13 @@ def test_the_self_test_knows_the_flash(power_up: Open, tmp_path: Path) -> None:
     assert f"test flash FAILED {crc}" in findings
     assert "test sensors FAILED 00100" in findings
     assert "test FAILED" in findings
+
+
+def test_a_board_run_in_slices_shorter_than_its_sleep_does_not_stop(power_up: Open) -> None:
+    board = power_up()
+    board.started()
+    before = board.seconds
+    for _ in range(8000):  # an interrupt falls together with a slice's end now and then
+        board.run_seconds(0.0005)
+    assert board.seconds - before == pytest.approx(4.0, abs=0.1)
+    assert len(board.hear(0.1).rows) >= 3
