@@ -93,6 +93,26 @@ def test_an_offset_of_the_sensor_is_found_by_cooling_and_not_learnt() -> None:
     assert loaded.model.component("part").steady_rise([153])[0] == pytest.approx(of.steady[153], abs=0.15)
 
 
+def test_a_part_that_answers_at_once_is_not_taken_for_a_sensor_that_is_off() -> None:
+    """The part has heat of its own: a quick rise of 5 K that no K/A(s) without zeros can follow, besides 30 K."""
+    rng = np.random.default_rng(5)
+    runs = []
+    for pwm in (102, 178, 255):
+        command = profile((pwm, 9000), (0, 6000))
+        quick, slow, rise = 0.0, 0.0, np.zeros(len(command))
+        for k, now in enumerate(command):
+            rise[k] = quick + slow
+            quick += (5.0 * now / 255 - quick) / 120.0
+            slow += (30.0 * now / 255 - slow) / 1900.0
+        seen = np.round((AMBIENT + rise + 0.1 * rng.standard_normal(len(rise))) * 4.0) / 4.0
+        time = np.arange(len(command), dtype=np.float64)
+        runs.append(Run(time, command, {"part": seen}, np.full(len(time), AMBIENT), {}))
+    item, loaded = found_of(runs)
+    assert abs(item.fit.offset) <= 2.2
+    for pwm in (102, 178, 255):
+        assert loaded.model.component("part").steady_rise([pwm])[0] == pytest.approx(35.0 * pwm / 255, abs=1.5)
+
+
 def test_one_linear_system_is_recognised() -> None:
     flat = Plant(np.full((256, 1), 1200.0), np.linspace(0.0, 45.0, 256, dtype=np.float64), 0.1, 0.0)
     rng = np.random.default_rng(5)
