@@ -24,8 +24,9 @@ additions can carry past the byte at which it stops (each byte product is at mos
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
+from gen.firmware.asm_text import AsmText
 from gen.lowering.formats import Format, dropped_bytes
 from gen.lowering.lower import Program
 from gen.lowering.program import FixedComponent
@@ -38,27 +39,6 @@ _COMPONENTS, _RUNS = 10, 9
 _WORD = (20, 21, 22, 23, 24, 25)  # a word in the dead a and d
 _FILL, _SPARE = 12, 14  # bytes above a shifted word
 _BYTES = 6
-_WIDTH = 116
-
-
-@dataclass
-class _Text:
-    """Lines of a C++ string: a comment for each group of instructions."""
-
-    model: str
-    lines: list[str] = field(default_factory=list)
-
-    def group(self, comment: str, *code: str) -> None:
-        if comment:
-            self.lines.append(f"        // {comment}")
-        row = '        "'
-        for instruction in code:
-            piece = f"{instruction}\\n\\t"
-            if len(row) + len(piece) > _WIDTH:
-                self.lines.append(row + '"')
-                row = '        "'
-            row += piece
-        self.lines.append(row + '"')
 
 
 @dataclass(frozen=True)
@@ -92,7 +72,7 @@ def block(program: Program) -> Block:
         What is emitted; its shapes lie in the board's state in their order.
     """
     name = program.model.name.upper()
-    text, after = _Text(name), _Text(name)
+    text, after = AsmText(name), AsmText(name)
     shapes = [
         (shape, component)
         for shape in program.shapes
@@ -149,7 +129,7 @@ def block(program: Program) -> Block:
 class _Shape:
     """Emits one shape's part."""
 
-    def __init__(self, text: _Text, name: str, layout: Format, count: int, runs: int, *, last: bool) -> None:
+    def __init__(self, text: AsmText, name: str, layout: Format, count: int, runs: int, *, last: bool) -> None:
         self.text, self.name, self.layout, self.count, self.runs, self.last = text, name, layout, count, runs, last
         self.order = layout.order
         # Another word; the product's bytes leave r26 or r11 free.
@@ -315,7 +295,7 @@ class _Shape:
             code += [f"ldd r0, Z+{j}", f"sbc r0, r{r}", f"std Z+{j}, r0"]
         self.text.group(f"x1 += q >> {total}: less the product's part, and one", *code)
 
-    def leave(self, text: _Text) -> None:
+    def leave(self, text: AsmText) -> None:
         """Give back what a change of PWM needs of the product."""
         first = self.layout.carry_byte
         taken = self._q()[first : first + 4]
@@ -324,12 +304,12 @@ class _Shape:
         )
 
 
-def _multiply(text: _Text, dropped: int, k: int, *, wide: bool, zero: bool) -> None:
+def _multiply(text: AsmText, dropped: int, k: int, *, wide: bool, zero: bool) -> None:
     """b2..b7 and, if wide, the sign = a * d; ``zero`` if the sign's register is 0 already."""
     text.lines.append(f"        // product, from bit {k} on")
     if not zero:
         text.group("", f"clr r{_SIGN}")
-    text.lines.append(f"        {text.model}_PRODUCT_{dropped * (dropped + 1) // 2}")
+    text.lines.append(f"        {text.prefix}_PRODUCT_{dropped * (dropped + 1) // 2}")
     needed = 4 if wide else k // 8
     code = [f"sub r{_B[4]}, r18", f"sbc r{_B[5]}, r19"]
     if needed > 2:

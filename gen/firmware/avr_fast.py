@@ -20,8 +20,9 @@ additions can carry past the byte at which it stops (each byte product is at mos
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
+from gen.firmware.asm_text import AsmText
 from gen.lowering.fast_format import BLOCK, RESIDUE_BITS, FastComponent
 from gen.lowering.lower import Program
 
@@ -29,7 +30,6 @@ _A = (18, 19, 20, 21)
 _FIRST, _SECOND = (24, 25, 26, 27), (22, 23, 30, 31)
 _ZERO, _FIFTH = 17, 16
 _WORD_BYTES = 5
-_WIDTH = 116
 
 Registers = Sequence[int]
 
@@ -58,24 +58,6 @@ class FastBlock:
     model_bytes: int
 
 
-@dataclass
-class _Text:
-    lines: list[str] = field(default_factory=list)
-
-    def group(self, comment: str, *code: str) -> None:
-        if comment:
-            self.lines.append(f"        // {comment}")
-        row = '        "'
-        for instruction in code:
-            piece = f"{instruction}\\n\\t"
-            if len(row) + len(piece) > _WIDTH:
-                self.lines.append(row + '"')
-                row = '        "'
-            row += piece
-        if code:
-            self.lines.append(row + '"')
-
-
 def coefficient_bytes(component: FastComponent) -> int:
     """Size of a component's coefficients on the board."""
     steady = 3 if component.layout.narrow else 4
@@ -94,7 +76,7 @@ def fast_block(program: Program) -> FastBlock:
     state_bytes = sum(_WORD_BYTES * component.order for component in members)
     coefficients = state_bytes
     state = 0
-    text = _Text()
+    text = AsmText()
     text.group("", f"clr r{_ZERO}")
     turns: list[list[tuple[FastComponent, int, int]]] = [[] for _ in range(BLOCK)]
     fifth = False
@@ -115,7 +97,7 @@ def fast_block(program: Program) -> FastBlock:
     return FastBlock(tuple(text.lines), clobbers, _rounded_product(), _series_terms(), state_bytes, model_bytes)
 
 
-def _take_turns(text: _Text, turns: list[list[tuple[FastComponent, int, int]]], phase: int) -> None:
+def _take_turns(text: AsmText, turns: list[list[tuple[FastComponent, int, int]]], phase: int) -> None:
     """Advance the phase, then the first-order components whose block ends now."""
     text.lines.append("        // ---- first order: whose turn is it ----")
     text.group("", f"lds r18, {_at(phase)}", "inc r18", f"sts {_at(phase)}, r18")
@@ -135,7 +117,7 @@ def _take_turns(text: _Text, turns: list[list[tuple[FastComponent, int, int]]], 
     text.group("", "9:")
 
 
-def _block_end(text: _Text, state: int, coefficients: int) -> None:
+def _block_end(text: AsmText, state: int, coefficients: int) -> None:
     """x1 -= y (x1 - S)."""
     d = (22, 23, 24, 25)  # its lowest byte counts as 0
     text.group(
@@ -152,7 +134,7 @@ def _block_end(text: _Text, state: int, coefficients: int) -> None:
 class _Component:
     """Emits a component of order 2 to 4."""
 
-    def __init__(self, text: _Text, component: FastComponent, state: int, coefficients: int) -> None:
+    def __init__(self, text: AsmText, component: FastComponent, state: int, coefficients: int) -> None:
         self.text, self.layout, self.order = text, component.layout, component.order
         self.at = [state + _WORD_BYTES * i for i in range(self.order)]
         self.coefficients = coefficients
@@ -292,7 +274,7 @@ class _Component:
         self.text.group("x1 += it", *code, f"sts {_at(at + 4)}, r0")
 
 
-def _product(text: _Text, d: Registers, a: Registers, b: Registers, *, narrow: bool = False) -> None:
+def _product(text: AsmText, d: Registers, a: Registers, b: Registers, *, narrow: bool = False) -> None:
     """b = d * a from bit 32 on (:func:`gen.lowering.fast_format.fast_product`); d is lost."""
     hold = d[0]
     text.group("(1,3)@4 and (3,3)@6, fresh", f"mul r{d[1]}, r{a[3]}", f"movw r{b[0]}, r0")
@@ -340,7 +322,7 @@ def _product(text: _Text, d: Registers, a: Registers, b: Registers, *, narrow: b
     )
 
 
-def _narrow_product(text: _Text, d: Registers, a: Registers, b: Registers) -> None:
+def _narrow_product(text: AsmText, d: Registers, a: Registers, b: Registers) -> None:
     """b = d * a from bit 16 on, 24 bits each (:func:`gen.lowering.fast_format.narrow_product`)."""
     text.group("(0,2)@2 and (2,2)@4, fresh", f"mul r{d[0]}, r{a[2]}", f"movw r{b[0]}, r0")
     text.group("", f"mulsu r{d[2]}, r{a[2]}", f"movw r{b[2]}, r0")
@@ -368,7 +350,7 @@ def _rounded_product() -> tuple[str, ...]:
 
     Each byte's products are added to the five bytes that the sum has from there on; the lowest is then complete.
     """
-    text = _Text()
+    text = AsmText()
     d, a, c = (22, 23, 24, 25), _A, [26, 27, 30, 31, _FIFTH]
     text.group("", f"clr r{_ZERO}")
     text.group("byte 0", f"mul r{d[0]}, r{a[0]}", f"movw r{c[0]}, r0", f"mul r{d[0]}, r{a[2]}", f"movw r{c[2]}, r0")
@@ -392,7 +374,7 @@ def _rounded_product() -> tuple[str, ...]:
 
 def _series_terms() -> tuple[str, ...]:
     """r22..r25 = (r20 y + r18 y^2) / 2^8 for y in r22..r25; r19 = 0."""
-    text = _Text()
+    text = AsmText()
     zero = 19
     text.group("r30:r31 = square of the upper half of y, its upper half", f"clr r{zero}")
     text.group("", "mul r24, r24", "mov r26, r1", "mul r25, r25", "movw r30, r0", "mul r24, r25")
