@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -239,6 +240,45 @@ def test_crash_is_an_error_with_its_place(emulate: Emulate, name: str, body: str
         for _ in range(2):
             with pytest.raises(EmulationFailed, match=r"the firmware crashed: .*\(pc 0x.*cycle \d+\)"):
                 mega.run_cycles(100_000)
+
+
+ASTRAY = """
+import sys
+from pathlib import Path
+from gen.verify.avr.simulator import EmulatedMega, EmulationFailed
+with EmulatedMega(Path(sys.argv[1]), Path(sys.argv[2])) as mega:
+    try:
+        mega.run_cycles(100_000)
+    except EmulationFailed:
+        print("crashed")
+    else:
+        print("went on")
+"""
+
+
+@pytest.mark.parametrize(
+    ("body", "outcome"),
+    [
+        # 0x2200 bytes end at data address 0x21FF: these would hit the size of the next piece of the host's heap
+        *(
+            (f"*reinterpret_cast<volatile unsigned char *>({at:#x}) = 0x7f;", "crashed")
+            for at in (0x2208, 0x2209, 0x220A)
+        ),
+        ("*reinterpret_cast<volatile unsigned char *>(0xffff) = 1;", "crashed"),
+        # the last place that RAMPZ reaches, 16 MB on; the chip takes the address modulo its flash
+        (
+            '__asm__ __volatile__("ldi r30, 0xff\\n ldi r31, 0xff\\n ldi r24, 0xff\\n out 0x3b, r24\\n elpm r24, Z");',
+            "went on",
+        ),
+    ],
+)
+def test_firmware_gone_astray_leaves_the_process_alone(
+    emulate: Emulate, cache: Path, tmp_path: Path, body: str, outcome: str
+) -> None:
+    emulate("astray.cpp", text=f"int main() {{ {body} for (;;) {{ }} }}\n").close()
+    command = [sys.executable, "-c", ASTRAY, str(tmp_path / "astray.cpp.elf"), str(cache)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.strip(), done.stderr) == (0, outcome, "")
 
 
 def test_endless_firmware_meets_its_limit(emulate: Emulate) -> None:

@@ -13,6 +13,8 @@
 #define PORF 1u
 #define EXTERNAL_INTERRUPTS 8
 #define RAM_START 0x200
+#define DATA_SPACE 0x10000u    /* what a 16-bit address reaches */
+#define FLASH_SPACE 0x2000004u /* what EIND and RAMPZ reach: 2^24 words, and an opcode's second word */
 
 /* ---- stopping ------------------------------------------------------------------------------------------------- */
 
@@ -126,6 +128,26 @@ void gen_mega_close(struct gen_mega *mega)
 	free(mega);
 }
 
+static int widen(uint8_t **memory, size_t held, size_t wanted)
+{
+	uint8_t *wide = calloc(1, wanted); /* pages that nobody touches cost nothing */
+	if (!wide)
+		return -1;
+	memcpy(wide, *memory, held);
+	free(*memory);
+	*memory = wide;
+	return 0;
+}
+
+/* simavr 1.6 reports an access behind the end of a memory, and then does it all the same. A firmware that goes astray
+ * must not write into this process's own heap: both memories get room for every address that the chip can form.
+ */
+static int widen_memories(avr_t *avr)
+{
+	return widen(&avr->data, (size_t)avr->ramend + 1, DATA_SPACE) ||
+	       widen(&avr->flash, (size_t)avr->flashend + 3, FLASH_SPACE);
+}
+
 /* NULL only when memory is short; else a handle, whose message tells what went wrong, if anything did. */
 struct gen_mega *gen_mega_open(const char *elf)
 {
@@ -146,6 +168,11 @@ struct gen_mega *gen_mega_open(const char *elf)
 		return mega;
 	}
 	avr_init(mega->avr);
+	if (widen_memories(mega->avr) != 0) {
+		mega_note(mega, "out of memory");
+		free_firmware(&firmware);
+		return mega;
+	}
 	mega->avr->log = LOG_ERROR;
 	mega->avr->custom.data = mega;
 	strcpy(firmware.mmcu, "atmega2560");
