@@ -46,7 +46,6 @@ def test_the_campaign_takes_every_rule_through_every_state(tmp_path: Path) -> No
     assert expected["stop"].any()
 
 
-@pytest.mark.xdist_group("avr")
 def test_no_word_differs_on_any_target(tmp_path: Path) -> None:
     library, rules = emitted(tmp_path)
     hosts = ("g++ -O2", "clang++ sanitized")
