@@ -5,7 +5,7 @@ A chart is drawn in a box of 440 x 270 units and scales with the page.  Coordina
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import pairwise
@@ -287,6 +287,15 @@ def response_charts(
         Chart(f"step-{name}", "Step responses", text, "time (s)", "rise", "K", (*lines, *dots)),
         Chart(f"error-{name}", "Error of the board", wrong, "time (s)", "error", "µK", tuple(errors)),
     ]
+
+
+def course_chart(times: Sequence[float], errors: Mapping[str, Sequence[float]]) -> Chart:
+    """The largest error of each component within each interval of a run, in µK; `times` (s) are the intervals' ends."""
+    lines = [
+        Series(name, times, [value * 1e6 for value in values], i % 8) for i, (name, values) in enumerate(errors.items())
+    ]
+    text = f"Largest error of every component over a run of {times[-1]:g} s. {_ends(lines)}"
+    return Chart("course", "Largest error over the run", text, "time (s)", "error", "µK", tuple(lines))
 
 
 def _ends(lines: list[Series]) -> str:

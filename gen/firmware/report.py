@@ -15,7 +15,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from gen import __version__
 from gen.coefficients import Coefficients
-from gen.firmware.charts import Chart, plain, power, response_charts, schedule_charts, scientific, svg
+from gen.firmware.charts import Chart, course_chart, plain, power, response_charts, schedule_charts, scientific, svg
 from gen.lowering.dynamics import domain_rows
 from gen.lowering.fast_format import FastComponent
 from gen.lowering.float32 import LOW_BITS, FloatComponent
@@ -75,6 +75,9 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
             verdict=verdict(own),
             own=own,
             combinations=combinations,
+            comparisons=[row for combination in combinations for row in comparisons(combination)],
+            targets=TARGETS,
+            course=course_chart(*own["error_course"].values()) if own and "error_course" in own else None,
             limit_name=(limit_name := f"{'fast' if program.speed == 'fast' else program.arithmetic}_limit_K"),
             limit=getattr(coefficients.accuracy, limit_name),
             window=window,
@@ -138,7 +141,7 @@ def verdict(own: Mapping[str, Any] | None) -> Verdict:
         return Verdict("none", "Not verified yet", "run gen verify for this coefficient file, then build again.")
     targets = own["targets"]
     differing = sum(target["differing"] for target in targets)
-    names = dict.fromkeys(target["target"].removesuffix(", every command") for target in targets)
+    names = dict.fromkeys(target["target"].partition(", ")[0] for target in targets)
     detail = (
         f"{_count(sum(target['samples'] for target in targets))} samples and "
         f"{_count(sum(target['words'] for target in targets))} words compared, {_count(differing)} "
@@ -148,6 +151,30 @@ def verdict(own: Mapping[str, Any] | None) -> Verdict:
         return Verdict("equal", "Equal, word for word", detail)
     failed = next(target for target in targets if target["differing"])
     return Verdict("different", "Different", detail, f"First mismatch, {failed['target']}: {failed['mismatch']}")
+
+
+#: Columns of the table of comparisons: how `gen verify` calls its targets.
+TARGETS = ("g++ -O2", "clang++ -O2", "g++ sanitized", "clang++ sanitized", "ATmega2560 (simavr)")
+
+
+def comparisons(combination: Mapping[str, Any]) -> list[tuple[str, str, list[tuple[str, bool]]]]:
+    """Rows of the table of comparisons: combination, what was compared, and for each target a text and its alarm."""
+    label = f"{combination['arithmetic']}/{combination['schedule']}"
+    label += "/fast" if combination.get("speed") == "fast" else ""
+    found: dict[str, dict[str, Mapping[str, Any]]] = {}
+    for target in combination["targets"]:
+        name, _, what = target["target"].partition(", ")
+        found.setdefault(what or "states, random profiles", {})[name] = target
+    rows = []
+    for what, by_target in found.items():
+        cells = []
+        for name in TARGETS:
+            target = by_target.get(name)
+            differing = target["differing"] if target else 0
+            text = f"{_count(target['words'])}" if target else "–"
+            cells.append((f"{_count(differing)} of {text}" if differing else text, differing > 0))
+        rows.append((label, what, cells))
+    return rows
 
 
 @singledispatch

@@ -9,8 +9,6 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-
 from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware import render
@@ -18,12 +16,11 @@ from gen.firmware.context import project_context
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.lower import Program, lower
 from gen.lowering.program import Arithmetic, ScheduleKind, Speed
-from gen.model.exact import ExactSolution
-from gen.reference.model import ReferenceModel
 from gen.verify import compare
+from gen.verify.accuracy import ErrorCourse, error_course
 from gen.verify.alarms import AlarmCampaign, compare_alarms
 from gen.verify.compare import Mismatch
-from gen.verify.profiles import Integers, Profile, campaign, every_command
+from gen.verify.profiles import Profile, campaign, every_command
 from gen.verify.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
 
 Target = Literal["host", "avr", "all"]
@@ -36,8 +33,8 @@ HOST_LANES, HOST_LENGTH = 64, 16_400
 AVR_LANES, AVR_LENGTH = 8, 5_400
 #: The same for the alarm rules.
 ALARM_LANES, ALARM_LENGTH = 24, 1_800
-#: Lanes judged against the exact solution over 10 800 s each.
-ACCURACY_LANES, ACCURACY_LENGTH = 12, 43_200
+#: Lanes judged against the exact solution.
+ACCURACY_LANES = 12
 
 
 @dataclass(frozen=True)
@@ -61,6 +58,7 @@ class CombinationResult:
     targets: list[TargetResult]
     bound_K: dict[str, float | None]
     error_K: dict[str, float]
+    error_course: ErrorCourse
     cost: Cost | None = None
     helpers: list[str] = field(default_factory=list)
     speed: Speed = "normal"
@@ -182,12 +180,14 @@ def _combination(
     for name, given, difference in compare_alarms(library, rules, ALARM_LANES, length, hosts, board=target != "host"):
         targets.append(_alarm_result(name, given, difference))
     progress(f"{label}: exact solution")
+    course = error_course(program, max(2, int(ACCURACY_LANES * min(scale, 1.0))))
     return CombinationResult(
         program.arithmetic,
         program.schedule,
         targets,
         {c.name: c.proof.bound_K if c.proof else None for c in program.components},
-        measured_error(program, max(2, int(ACCURACY_LANES * min(scale, 1.0)))),
+        course.largest(),
+        course,
         cost,
         helpers,
         program.speed,
@@ -225,39 +225,6 @@ def _alarm_result(name: str, given: AlarmCampaign, difference: Mismatch | None) 
     if difference is None:
         return TargetResult(name, given.expected.size, words, 0)
     return TargetResult(name, given.expected.size, words, difference.differing, str(difference))
-
-
-def measured_error(program: Program, lanes: int, length: int = ACCURACY_LENGTH) -> dict[str, float]:
-    """Largest difference of the reference from the exact solution, per component, in K.
-
-    Parameters
-    ----------
-    program
-        What the board holds.
-    lanes, length
-        Of a campaign whose starts lie inside the declared domain.
-    """
-    profile = campaign(program.model, lanes, length, seed=10_800)
-    low = max(component.start_range_mK[0] for component in program.components)
-    high = min(component.start_range_mK[1] for component in program.components)
-    start = np.clip(profile.start_mK, low, high) // 250 * 250  # a quarter of a kelvin is exact in every format
-    start = np.where(start < low, start + 250, start)
-    names = program.model.component_names
-    rise = dict.fromkeys(names, start / 1000.0)
-    exact = ExactSolution(program.model).simulate(_in_domain(program, profile.pwm), rise)
-    model = ReferenceModel(program, [int(value) for value in start])
-    worst = np.zeros(len(names))
-    for step in range(length):
-        model.step(profile.pwm[:, step])
-        truth = np.array([exact[name][:, step + 1] for name in names])
-        worst = np.maximum(worst, np.abs(model.rises - truth).max(axis=1))
-    return {name: float(value) for name, value in zip(names, worst, strict=True)}
-
-
-def _in_domain(program: Program, pwm: Integers) -> Integers:
-    low, high = program.model.domain_pwm
-    clamped: Integers = np.clip(np.abs(pwm), low, high)
-    return clamped
 
 
 def summary(coefficients: Coefficients, results: list[CombinationResult]) -> dict[str, Any]:

@@ -16,8 +16,8 @@ from gen.lowering.program import FixedComponent, rounded_up
 from gen.model.exact import ExactSolution
 from gen.reference.fixed import FixedStep, product
 from gen.reference.model import ReferenceModel
+from gen.verify.accuracy import error_course
 from gen.verify.profiles import campaign
-from gen.verify.verify import measured_error
 from tests.verify_helpers import EXAMPLES, example
 
 
@@ -36,7 +36,7 @@ def test_every_component_is_proven_within_the_file_s_limit(name: str) -> None:
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_three_hours_of_any_profile_stay_within_1e_5_K_and_within_the_proof(name: str) -> None:
     program = fixed(name)
-    worst = measured_error(program, lanes=6)
+    worst = error_course(program, lanes=6).largest()
     for component in program.components:
         assert component.proof is not None
         assert worst[component.name] < 1e-5
@@ -98,7 +98,7 @@ def test_the_bound_is_not_vacuous() -> None:
     """Within a factor of fifty of what is measured: a bound of kelvins would prove nothing."""
     component = fixed("my1016").components[0]
     assert component.proof is not None
-    assert component.proof.bound_K < 50.0 * measured_error(fixed("my1016"), lanes=6)["brush"]
+    assert component.proof.bound_K < 50.0 * error_course(fixed("my1016"), lanes=6).largest()["brush"]
 
 
 @settings(max_examples=200, deadline=None)
