@@ -172,7 +172,7 @@ def comparisons(combination: Mapping[str, Any]) -> list[tuple[str, str, list[tup
             target = by_target.get(name)
             differing = target["differing"] if target else 0
             text = f"{_count(target['words'])}" if target else "–"
-            cells.append((f"{_count(differing)} of {text}" if differing else text, differing > 0))
+            cells.append((f"{_count(differing)} of {text} differ" if differing else text, differing > 0))
         rows.append((label, what, cells))
     return rows
 

@@ -55,6 +55,7 @@ def verification(coefficients: Coefficients, differing: int = 0) -> dict[str, An
                 "targets": targets,
                 "bound_K": dict.fromkeys(names, 1e-6),
                 "error_K": dict.fromkeys(names, 2.31e-7),
+                "error_course": {"time_s": [5400.0, 10800.0], "error_K": dict.fromkeys(names, [2.31e-7, 1e-7])},
                 "cost": cost | {"flash_bytes": 15_162, "ram_bytes": 81, "stack_bytes": 69},
                 "helpers": [],
             }
@@ -114,7 +115,13 @@ def test_different_shows_the_first_mismatch() -> None:
     assert 'class="verdict different"' in line
     assert "3 words differ" in text(line)
     assert "First mismatch, ATmega2560 (simavr): step 7, brush.x1: board 0x01" in text(line)
-    assert '<td class="wrong">3</td>' in html
+    assert '<td class="wrong">3 of 115 200 differ</td>' in html.replace("\u202f", " ")
+
+
+def test_the_error_over_whole_runs_is_drawn_where_it_was_measured() -> None:
+    assert 'id="course-title"' not in report()
+    html = report_html(example("my1016"), lowered(), verification(example("my1016")))
+    assert "Largest error of every component over a run of 10800 s. brush: 0.231 to 0.1." in html
 
 
 @pytest.mark.parametrize("name", ["my1016", "two_mass"])
