@@ -55,7 +55,7 @@ def verification(coefficients: Coefficients, differing: int = 0) -> dict[str, An
                 "targets": targets,
                 "bound_K": dict.fromkeys(names, 1e-6),
                 "error_K": dict.fromkeys(names, 2.31e-7),
-                "error_course": {"time_s": [5400.0, 10800.0], "error_K": dict.fromkeys(names, [2.31e-7, 1e-7])},
+                "error_course": {"time_s": [5400.0, 10800.0], "error_K": {name: [2.31e-7, 1e-7] for name in names}},
                 "cost": cost | {"flash_bytes": 15_162, "ram_bytes": 81, "stack_bytes": 69},
                 "helpers": [],
             }
