@@ -80,6 +80,9 @@ class ReferenceAlarms:
             value = measured_mC[rule.component]
             if rule.needs_model:
                 value = value - model_mC[rule.component]
+                if rule.relative_to is not None:
+                    seen &= ((valid >> rule.relative_to) & 1) == 1
+                    value = value - (measured_mC[rule.relative_to] - model_mC[rule.relative_to])
                 value = value if rule.quantity == "above" else -value
             holds = seen & self._holds(number, rule, value, trip, clear, seen)
             released = asleep | (seen & ~holds)
@@ -108,6 +111,8 @@ class ReferenceAlarms:
         awake: NDArray[np.bool_] = ~waiting & ~settling
         if rule.requires is not None:
             awake &= ((self.latched >> rule.requires) & 1) == 1
+        if rule.unless is not None:
+            awake &= ((self.latched >> rule.unless) & 1) == 0
         return awake
 
     def _holds(
