@@ -203,14 +203,21 @@ class Document(Part):
                     expected = listed(earlier) if earlier else "none, as this is the first rule"
                     raise fault(f'found "{named}", expected the name of an earlier rule ({expected})', "alarms", i, key)
             if not isinstance(alarm, OverTemperature) and alarm.relative_to is not None:
-                at = ("alarms", i, "relative_to")
                 others = [name for name in names if name != alarm.component]
                 if alarm.relative_to not in others:
                     raise fault(
-                        f'found "{alarm.relative_to}", expected the name of another component: {listed(others)}', *at
+                        f'found "{alarm.relative_to}", expected the name of another component: {listed(others)}',
+                        "alarms",
+                        i,
+                        "relative_to",
                     )
                 if alarm.beyond == "error_band":
-                    raise fault("error bands are of one component each; expected no relative_to beside them", *at)
+                    raise fault(
+                        "error bands are of one component each; expected no relative_to beside them",
+                        "alarms",
+                        i,
+                        "beyond",
+                    )
 
     def _check_window(self, alarm: AlarmRule, *at: str | int) -> None:
         ordered(*alarm.speed_percent, *at, "speed_percent")
