@@ -32,6 +32,10 @@ EEPROM_CYCLES = 100_000
 """Erase and write cycles that the ATmega2560's data sheet promises for a byte of EEPROM."""
 _FIRMWARE_BYTES = 8
 """End of the EEPROM: the firmware's CRC and its complement."""
+_LATCH_SLOTS = 4
+_LATCH_BYTES = 14
+"""A record of the latched alarms: identity 4, number 4, alarms 2, CRC 4."""
+_LATCH_AT = EEPROM_BYTES - _FIRMWARE_BYTES - _LATCH_SLOTS * _LATCH_BYTES
 _RECORD_FIXED = 4 + 4 + 2 + 4
 """Bytes of a copy beside the measured temperatures and the states: identity, number, PWM, CRC."""
 _START_MS = 5000
@@ -56,6 +60,7 @@ def sketch_files(device: Context) -> dict[str, str]:
         ("encoder", device["encoder"]),
         ("observer", device["observe"]),
         ("memory", device["memory"]),
+        ("latch", device["latch"]),
         ("indicator", device["led"] is not None or device["button"] is not None),
     ):
         if wanted:
@@ -85,6 +90,7 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
     start_samples = max(2 * CONFIRMATIONS * read_samples, math.ceil(_START_MS / sample_ms))
     row_samples = max(1, round(wiring.row_every_s / program.model.sample_time))
     columns = _columns(coefficients, chips, pulses is not None)
+    memory = _memory(wiring, chips, names, program, coefficients.sha256, sample_ms)
     return {
         "baud": wiring.serial_baud,
         "row_samples": row_samples,
@@ -111,7 +117,10 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         "encoder": pulses,
         "drive": _drive(wiring.drive, sample_ms) if wiring.drive else None,
         "observe": _observe(wiring.observe) if wiring.observe else None,
-        "memory": _memory(wiring, chips, names, program, coefficients.sha256, sample_ms),
+        "memory": memory,
+        "latch": {"at": _LATCH_AT, "slots": _LATCH_SLOTS, "bytes": _LATCH_BYTES}
+        if memory and document.alarms
+        else None,
         "idle_timers": _idle_timers(wiring),
         "alarms": [alarm.name for alarm in document.alarms],
     }
@@ -241,7 +250,7 @@ def _memory(
     if wiring.memory is None or not any(chip["channel"] in names for chip in chips):
         return None
     record = _RECORD_FIXED + 2 * len(chips) + state_bytes(program)
-    slots = (EEPROM_BYTES - _FIRMWARE_BYTES) // record
+    slots = _LATCH_AT // record
     identity = zlib.crc32(f"{__version__} {sha256} {program.arithmetic} {program.schedule}".encode())
     years = EEPROM_CYCLES * slots * wiring.memory.interval_s / (365.25 * 86400)
     return {

@@ -53,6 +53,16 @@ class ReferenceAlarms:
             record[mask].astype(np.int64) for mask in ("latched", "active", "asleep")
         )
 
+    def restore(self, latched: Integers) -> None:
+        """Raise alarms that were latched before a reset of the board.
+
+        Parameters
+        ----------
+        latched
+            Bit masks, shape (L,); bits without a rule are ignored.
+        """
+        self.latched |= latched & ((1 << len(self._rules)) - 1)
+
     def reset(self, lanes: NDArray[np.bool_]) -> None:
         """Forget the alarms raised in the lanes that are marked, shape (L,)."""
         for values in (self.latched, self.active, *self._held, *self._sum):

@@ -95,7 +95,7 @@ def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, s
     program, rules
         What the board holds.
     profile
-        PWM and start rises. The first lane begins trusted, the second untrusted, the others with timers and sums close
+        PWM and start rises. The first lane begins trusted, the second untrusted with alarms restored, the others with timers and sums close
         to their ends, which would take hours to reach.
     """
     random = np.random.default_rng(seed)
@@ -111,6 +111,10 @@ def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, s
     inputs["measured_mC"][:, 0, :] = profile.start_mK[:, None]
     inputs["valid"][:, 0] = trusted | preset << 1
     begun = alarms.record()
+    restored = np.arange(lanes) == 1  # any mask, with bits that no rule has
+    begun["latched"][restored] = random.integers(0, 1 << 16, int(restored.sum()))
+    alarms.restore(np.where(restored, begun["latched"], 0).astype(np.int64))
+    inputs["valid"][:, 0] |= (restored << 2).astype(np.uint16)
     for name in begun.dtype.names or ():
         inputs[name][:, 0] = begun[name]
     expected = np.zeros((lanes, length), dtype=output_type(program, rules))
