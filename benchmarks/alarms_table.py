@@ -3,8 +3,8 @@
     python benchmarks/alarms_table.py [COEFFS ...] [--target twin|emulated] [--speeds 70 100] [--json FILE]
 
 Without COEFFS: the study's rules with the study's model (`examples/my1016`), then the rules of `gen thresholds` with
-the model of `gen identify` (`examples/my1016_rig`). Both are on the same simulated motor (`gen.rig`) with the same sensors,
-each off by up to 1.1 K; noise, ambient and load are others than in the runs that the thresholds come from.
+the model of `gen identify` (`examples/my1016_rig`). Both are on the same simulated motor (`gen.rig`) with the same
+sensors, each off by up to 1.1 K; noise, ambient and load are others than in the runs that the thresholds come from.
 
 Cold: all parts at 30 degC when power comes on. Warm: the motor has run at 60 % for three hours before. Moving: the
 ambient swings by 1 K to either side within two hours, with 1 % of the rated torque as load. The faults begin an hour

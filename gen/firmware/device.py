@@ -10,6 +10,7 @@ import numpy as np
 from gen import __version__
 from gen.coefficients import Coefficients
 from gen.coefficients.wiring import Drive, Encoder, Observe, Thermocouple, Wiring
+from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.context import Context
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
 from gen.lowering.lower import Program
@@ -123,6 +124,7 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         else None,
         "idle_timers": _idle_timers(wiring),
         "alarms": [alarm.name for alarm in document.alarms],
+        "alarm_texts": alarm_texts(coefficients),
     }
 
 

@@ -36,7 +36,8 @@ class Spread:
     low_K, high_K
         Of any run.
     scatter_K
-        Standard deviation of the runs' own extremes about their range's mean, pooled over the ranges; of the larger side.
+        Standard deviation of the runs' own extremes about their range's mean, pooled over the ranges; of both sides
+        the larger one.
     runs
         How many runs took part.
     """
@@ -149,16 +150,16 @@ def complete(rule: dict[str, Any], document: Document, runs: Sequence[HealthyRun
         return _limit(made, component, document, runs) if "limit_degC" not in rule else made
     if kind not in ("above_model", "below_model", "cusum") or "threshold_K" in rule or "threshold_K_s" in rule:
         return made
+    spans = [band.pwm for band in _declared(document, component) if band.pwm[1] > 0] or [document.validity.pwm]
     other = rule.get("relative_to")
     if other is not None:
-        seen = spread(differences(runs, component, str(other)), component, [document.validity.pwm])
+        seen = spread(differences(runs, component, str(other)), component, spans)
         end = -seen.low_K if kind == "below_model" else seen.high_K
         made["threshold_K"] = max(0.0, round(end + seen.margin_K, 3))
         of = f"{component} minus {other}: {seen.low_K:+.2f}..{seen.high_K:+.2f} K in {seen.runs} healthy runs"
         made.setdefault("hysteresis_K", round(seen.margin_K / 2.0, 3))
         return _noted(made, f"{of}, and the margin beyond. {_margin_text(seen)}")
-    spans = [band.pwm for band in _declared(document, component) if band.pwm[1] > 0]
-    seen = spread(runs, component, spans or [document.validity.pwm])
+    seen = spread(runs, component, spans)
     made.setdefault("beyond", "error_band")
     of = f"Counted from the range of {seen.runs} healthy runs at the present speed (provenance.error)"
     if kind == "cusum":

@@ -95,8 +95,8 @@ def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, s
     program, rules
         What the board holds.
     profile
-        PWM and start rises. The first lane begins trusted, the second untrusted with alarms restored, the others with timers and sums close
-        to their ends, which would take hours to reach.
+        PWM and start rises. The first lane begins trusted, the second untrusted with alarms restored, the others with
+        timers and sums close to their ends, which would take hours to reach.
     """
     random = np.random.default_rng(seed)
     lanes, length = profile.pwm.shape

@@ -60,7 +60,10 @@ FAULTS = {
     "late by a sample": ("timers->held <= rule.persistence) {", "timers->held < rule.persistence) {"),
     "16-bit sum": ("const int32_t sum = timers->sum + (value", "const int32_t sum = (int16_t)timers->sum + (value"),
     "sum below zero": ("sum < 0 ? 0 : ", ""),
-    "missing samples are used": ("return (sample->valid >> component) & 1u", "return (sample->valid >> component) != 0xFFFFu"),
+    "missing samples are used": (
+        "return (sample->valid >> component) & 1u",
+        "return (sample->valid >> component) != 0xFFFFu",
+    ),
     "other part's missing samples are used": ("|| (rule.relative_to != NONE &&", "|| (false &&"),
     "other part not subtracted": ("if (rule.relative_to != NONE) {\n", "if (false) {\n"),
     "excluding alarm ignored": ("(rule.unless == NONE ||", "(true ||"),
