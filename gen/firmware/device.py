@@ -43,6 +43,8 @@ _START_MS = 5000
 """How long the model's start waits for thermocouples that are not believed yet."""
 _LINE_BYTES = 110
 """Longest line that is not a row (output.h)."""
+_LATE_SAMPLES = 3
+"""Samples whose pulses at full speed the encoder's interrupt takes before it takes the line for noisy."""
 _MARGIN = 1.25
 """The encoder's fastest pulse train over the nominal one."""
 
@@ -203,7 +205,9 @@ def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> Context:
         "unit_us": 2**shift,
         "factor": factor,
         "most": (2**32 - 1) // factor,
-        "wide": fastest >= 65535.0,
+        "wide": _LATE_SAMPLES * fastest >= 65535.0,
+        "limit": math.ceil(_LATE_SAMPLES * fastest),
+        "fastest_rpm": math.ceil(fastest_rpm),
         "stall_pwm": encoder.stall_pwm,
         "stall_samples": max(1, math.ceil(encoder.stall_s * 1000.0 / sample_ms)),
         "stall_s": f"{encoder.stall_s:g}",
@@ -253,7 +257,7 @@ def _memory(
         return None
     record = _RECORD_FIXED + 2 * len(chips) + state_bytes(program)
     slots = _LATCH_AT // record
-    identity = zlib.crc32(f"{__version__} {sha256} {program.arithmetic} {program.schedule}".encode())
+    identity = zlib.crc32(f"{__version__} {sha256} {program.arithmetic} {program.schedule} {program.speed}".encode())
     years = EEPROM_CYCLES * slots * wiring.memory.interval_s / (365.25 * 86400)
     return {
         "cycles": f"{EEPROM_CYCLES:,}".replace(",", " "),

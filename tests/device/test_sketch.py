@@ -22,7 +22,7 @@ from tests.device.conftest import Open
 from tests.device.variants import CHANNELS, VARIANTS, variant
 
 SAMPLE_S = 0.25
-LATE, DROPPED, STALL, AMBIENT, STOPPED = 0x100, 0x200, 0x400, 0x1000, 0x2000
+LATE, DROPPED, STALL, AMBIENT, STOPPED, NOISY = 0x100, 0x200, 0x400, 0x1000, 0x2000, 0x4000
 TEMPERATURES = {"brush": 61.25, "bearing": 55.5, "magnet": 52.0, "casing": 50.75, "ambient": 24.5}
 
 
@@ -289,6 +289,29 @@ def test_speed_comes_from_the_pulses_and_a_stall_is_flagged(power_up: Open, name
     assert 1.0 <= stalled[0] - float(rows[0]["time_s"]) <= 2.3  # 2 s after the last pulse, up to 1 s before that row
     board.send("30")  # too little to turn it: no stall
     assert not int(board.hear(1.0).rows[-1]["flags"]) & STALL
+
+
+@pytest.mark.parametrize(("name", "pin"), [("my1016", 2), ("counted", 47)])
+def test_a_noisy_encoder_line_is_flagged_and_costs_no_sample(power_up: Open, name: str, pin: int) -> None:
+    """360 000 edges a second leave 44 cycles for an interrupt of some 50: the board would do nothing else."""
+    board = power_up(name)
+    board.attach_encoder(pin)
+    board.started()
+    board.send("rows 1")
+    board.send_pulses(5 * 360_000, 5.0)
+    board.hear(1.0)
+    rows = board.hear(3.5).rows
+    assert all(int(row["flags"]) & NOISY for row in rows)
+    assert all(row["speed_rpm"] == "" for row in rows)
+    step = 0.25 if name == "my1016" else 0.1
+    times = np.array([float(row["time_s"]) for row in rows])
+    assert np.diff(times) == pytest.approx(step, abs=1e-6)
+    assert board.resets == 0
+    board.hear(2.0)
+    board.send_pulses(3 * 22_000, 3.0)  # and it is heard again
+    row = board.hear(2.5).rows[-1]
+    assert float(row["speed_rpm"]) == pytest.approx(2640, rel=0.005)
+    assert not int(row["flags"]) & NOISY
 
 
 def test_no_pulse_is_lost_at_full_speed(power_up: Open) -> None:
