@@ -20,6 +20,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,7 @@ from gen.emulate.rig import RigPlant
 from gen.emulate.session import run_session
 from gen.emulate.twin import alarm_times
 from gen.rig import Fault, MotorConfig, Profile, sensors, warm_start
+from gen.rig.config import FaultKind
 from gen.rig.profiles import counts, random_levels, step
 from gen.rig.signals import sine
 
@@ -45,7 +47,8 @@ SPEEDS = tuple(range(10, 101, 10))
 CHANGING = 0
 """Stands for the line with changing speeds."""
 HEALTHY = ("healthy, cold", "healthy, warm", "healthy, moving")
-CASES = (*HEALTHY, "bearing", "brush")
+KINDS: tuple[FaultKind, ...] = get_args(FaultKind)
+CASES: tuple[str, ...] = (*HEALTHY, *KINDS)
 VERDICTS = {"bearing": "bearing_fault", "brush": "brush_fault"}
 SWING_K, PERIOD_S, LOAD_NM = 1.0, 7200.0, 0.01
 
@@ -68,10 +71,11 @@ class Case:
         wiring = coefficients.document.wiring
         assert wiring is not None
         moving = self.name == "healthy, moving"
+        faults = {kind: (Fault(kind, FAULT_START_S),) for kind in KINDS}
         own = 1000 * seed + 10 * self.speed + CASES.index(self.name)
         return RigPlant(
             [chip.channel for chip in wiring.thermocouples],
-            motor=MotorConfig(faults=(Fault(self.name, FAULT_START_S),) if self.name in ("bearing", "brush") else ()),
+            motor=MotorConfig(faults=faults.get(self.name, ())),
             sensors=sensors(sensor_seed),
             start_degC=warm_start(step(153, DURATION_S)) if self.name == "healthy, warm" else None,
             ambient_degC=sine(30.0, SWING_K, PERIOD_S, 700.0 * self.speed) if moving else 30.0,
