@@ -71,7 +71,7 @@ class Case:
         wiring = coefficients.document.wiring
         assert wiring is not None
         moving = self.name == "healthy, moving"
-        faults = {kind: (Fault(kind, FAULT_START_S),) for kind in KINDS}
+        faults = {str(kind): (Fault(kind, FAULT_START_S),) for kind in KINDS}
         own = 1000 * seed + 10 * self.speed + CASES.index(self.name)
         return RigPlant(
             [chip.channel for chip in wiring.thermocouples],
