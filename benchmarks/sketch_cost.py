@@ -9,7 +9,8 @@ samples and rows gives the share of time awake.
 
 longest tick: from the beginning of a sample's work to its end as the firmware measures it (micros(), steps of 64
 cycles), the encoder's interrupts included. longest awake: the longest stretch without sleep that the emulator saw in
-the quiet minute, with all text (the self test goes on in slices between the samples, without sleep). stack: the deepest place that was written, interrupts included.
+the quiet minute, with all text (the self test goes on in slices between the samples, without sleep).
+stack: the deepest place that was written, interrupts included.
 
 Current of the ATmega2560 alone at 5 V and 16 MHz, from its data sheet (2549): supply current at 8 MHz and 5 V, with all
 power reduction bits set, active 10 mA typical and 14 mA at most, idle 2.7 mA and 4 mA (DC characteristics), taken as
