@@ -24,6 +24,7 @@ from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.box import MARKDOWN
 from rich.console import Console
 from rich.table import Table
 
@@ -174,7 +175,7 @@ def main() -> None:
     if options.all:
         options.speeds = [*ALL_SPEEDS, CHANGING]
     cases = [Case(speed, name) for speed in options.speeds for name in options.cases]
-    console = Console(width=220)
+    console = Console(width=300)
     found = []
     for path in options.coefficients:
         coefficients = load(path)
@@ -182,13 +183,12 @@ def main() -> None:
         with Console(stderr=True).status("") as status:
             first = times(coefficients, cases, options, status.update)
         title = f"{coefficients.name}, {options.target}, sensors {options.sensors}, seed {options.seed}"
-        table = Table("speed", *options.cases, title=title)
+        table = Table("speed", *options.cases, box=MARKDOWN)
         for index in range(0, len(cases), len(options.cases)):
             part = slice(index, index + len(options.cases))
             cells = [text_of(case, row, names) for case, row in zip(cases[part], first[part], strict=True)]
             table.add_row(f"{cases[index].speed} %" if cases[index].speed else "changing", *cells)
-        console.print(table)
-        console.print(summary(cases, first, names))
+        console.print(title, table, summary(cases, first, names), sep="\n", highlight=False)
         found += [
             {
                 "model": coefficients.name,

@@ -19,6 +19,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from rich.box import MARKDOWN
 from rich.console import Console
 from rich.table import Table
 
@@ -360,11 +361,11 @@ def main() -> None:
             if options.only is None or name in options.only:
                 status.update(name)
                 lines.append(job())
-    table = Table("fault", "host", "emulated Mega", "LED, s", "the board")
+    table = Table("fault", "host", "emulated Mega", "LED, s", "the board", box=MARKDOWN)
     for line in lines:
         led = "" if line.led_s is None else f"{line.led_s:.2f}"
         table.add_row(line.fault, str(line.host), str(line.board), led, line.outcome)
-    Console(width=200).print(table)
+    Console(width=400).print(table)
     if options.json is not None:
         options.json.write_text(json.dumps([asdict(line) for line in lines], indent=1) + "\n")
 

@@ -29,6 +29,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import cast
 
+from rich.box import MARKDOWN
 from rich.console import Console
 from rich.table import Table
 
@@ -170,7 +171,7 @@ def main() -> None:
             costs.append(measure(coefficients, form))
     table = Table(
         "form", "flash, B", "RAM, B", "stack, B", "longest tick, cycles", "of a tick", "longest awake, cycles", "awake",
-        "current, mA", title=coefficients.name,
+        "current, mA", box=MARKDOWN,
     )  # fmt: skip
     for cost in costs:
         table.add_row(
@@ -184,7 +185,7 @@ def main() -> None:
             f"{cost.awake_share:.1%}",
             f"{cost.typical_mA:.1f} typical, {cost.most_mA:.1f} at most",
         )
-    Console(width=180).print(table)
+    Console(width=300).print(table)
     print(f"A tick has {TICK_CYCLES} cycles. Modules that are on: {', '.join(modules_on_text(coefficients))}.")
     if options.json is not None:
         options.json.write_text(json.dumps([asdict(cost) for cost in costs], indent=1) + "\n")
