@@ -1,21 +1,30 @@
-"""False alarms of a healthy motor, and what the rules say of both faults, at ten speeds.
+"""False alarms of a healthy motor, and what the rules say of both faults: the study's rules beside our own.
 
-    python benchmarks/alarms_table.py [COEFFS] [--target twin|emulated] [--speeds 70 100] [--json FILE]
+    python benchmarks/alarms_table.py [COEFFS ...] [--all] [--target twin|emulated] [--speeds 70 100] [--json FILE]
 
-The simulated motor (`gen.rig`) has the study's sensors, each with an offset within 1.1 K that the seed chooses. Cold:
-all parts at 30 degC when power comes on. Warm: the motor has run at 60 % for three hours before. The faults begin an
-hour after a cold start. `twin` judges with the references of model and rules, which `gen verify` proves equal to the
-board's; `emulated` runs the firmware itself on the emulated Mega, some 100 s for a run.
+Without COEFFS: the study's rules with the study's model (`examples/my1016`), then the rules of `gen thresholds` with
+the model of `gen identify` (`examples/my1016_rig`). Both are on the same simulated motor (`gen.rig`) with the same
+sensors, each off by up to 1.1 K; noise, ambient and load are others than in the runs that the thresholds come from.
+
+Cold: all parts at 30 degC when power comes on. Warm: the motor has run at 60 % for three hours before. Moving: the
+ambient swings by 1 K to either side within two hours, with 1 % of the rated torque as load. The faults begin an hour
+after a cold start. Default are four speeds; `--all` are all ten and a line that changes speed every 15 to 45 minutes.
+`twin` judges with the references of model and rules, which `gen verify` proves equal to the board's; `emulated` runs
+the firmware itself on the emulated Mega, some 100 s for a run.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.box import MARKDOWN
 from rich.console import Console
 from rich.table import Table
 
@@ -27,38 +36,65 @@ from gen.emulate.rig import RigPlant
 from gen.emulate.session import run_session
 from gen.emulate.twin import alarm_times
 from gen.rig import Fault, MotorConfig, Profile, sensors, warm_start
+from gen.rig.config import FaultKind
+from gen.rig.profiles import counts, random_levels, step
+from gen.rig.signals import sine
 
 ROOT = Path(__file__).parent.parent
+EXAMPLES = [ROOT / "examples" / name / "coeffs.json" for name in ("my1016", "my1016_rig")]
 DURATION_S = 10_800.0
 FAULT_START_S = 3600.0
-SPEEDS = tuple(range(10, 101, 10))
-CASES = ("healthy, cold", "healthy, warm", "bearing", "brush")
+SPEEDS = (10, 40, 70, 100)
+ALL_SPEEDS = tuple(range(10, 101, 10))
+CHANGING = 0
+"""Stands for the line with changing speeds."""
+HEALTHY = ("healthy, cold", "healthy, warm", "healthy, moving")
+KINDS: tuple[FaultKind, ...] = get_args(FaultKind)
+CASES: tuple[str, ...] = (*HEALTHY, *KINDS)
+VERDICTS = {"bearing": "bearing_fault", "brush": "brush_fault"}
+SWING_K, PERIOD_S, LOAD_NM = 1.0, 7200.0, 0.01
 
 
-def plant_of(coefficients: Coefficients, case: str, seed: int) -> RigPlant:
-    """Make the motor of a case, cold or warm, healthy or not."""
-    wiring = coefficients.document.wiring
-    assert wiring is not None
-    faults = (Fault("bearing", FAULT_START_S),) if case == "bearing" else ()
-    faults = (Fault("brush", FAULT_START_S),) if case == "brush" else faults
-    start = warm_start(Profile((0.0,), (153,), DURATION_S)) if case == "healthy, warm" else None
-    return RigPlant(
-        [chip.channel for chip in wiring.thermocouples],
-        motor=MotorConfig(faults=faults),
-        sensors=sensors(seed),
-        start_degC=start,
-        pulses_per_revolution=wiring.encoder.pulses_per_revolution if wiring.encoder else 0,
-        seed=seed,
-    )
+@dataclass(frozen=True)
+class Case:
+    """One run: a speed in percent, or `CHANGING`, and what the motor is like."""
+
+    speed: int
+    name: str
+
+    def profile(self, seed: int) -> Profile:
+        """What PWM acts."""
+        if self.speed == CHANGING:
+            return random_levels(seed + 1, DURATION_S, hold_s=(900.0, 2700.0))
+        return step(counts(self.speed), DURATION_S)
+
+    def plant(self, coefficients: Coefficients, sensor_seed: int, seed: int) -> RigPlant:
+        """Make the motor with its sensors."""
+        wiring = coefficients.document.wiring
+        assert wiring is not None
+        moving = self.name == "healthy, moving"
+        faults = {str(kind): (Fault(kind, FAULT_START_S),) for kind in KINDS}
+        own = 1000 * seed + 10 * self.speed + CASES.index(self.name)
+        return RigPlant(
+            [chip.channel for chip in wiring.thermocouples],
+            motor=MotorConfig(faults=faults.get(self.name, ())),
+            sensors=sensors(sensor_seed),
+            start_degC=warm_start(step(153, DURATION_S)) if self.name == "healthy, warm" else None,
+            ambient_degC=sine(30.0, SWING_K, PERIOD_S, 700.0 * self.speed) if moving else 30.0,
+            load_Nm=LOAD_NM if moving else 0.0,
+            pulses_per_revolution=wiring.encoder.pulses_per_revolution if wiring.encoder else 0,
+            seed=own,
+        )
 
 
-def emulated_times(coefficients: Coefficients, plant: RigPlant, pwm: int) -> NDArray[np.float64]:
+def emulated_times(coefficients: Coefficients, plant: RigPlant, profile: Profile) -> NDArray[np.float64]:
     """Time of each rule's first alarm as the firmware itself has it, s, NaN without."""
     wiring = coefficients.document.wiring
     assert wiring is not None
     firmware = build_firmware(coefficients, "fixed", "table", "coeffs.json", cache_folder())
-    board = Board(firmware.elf, firmware.cache, wiring, plant)
-    session = run_session(board, DURATION_S, profile=((0.0, pwm),))
+    board = Board(firmware.elf, firmware.cache, wiring, plant, encoder="batched")
+    levels = tuple(zip(profile.starts_s, profile.levels, strict=True))
+    session = run_session(board, DURATION_S, profile=levels)
     first = np.full(len(coefficients.document.alarms), np.nan)
     names = [rule.name for rule in coefficients.document.alarms]
     for alarm in results_of(coefficients.document, board, session).alarms:
@@ -69,63 +105,101 @@ def emulated_times(coefficients: Coefficients, plant: RigPlant, pwm: int) -> NDA
     return first
 
 
-def text_of(case: str, first: NDArray[np.float64], names: list[str]) -> str:
-    """Say what the rules said: alarms in order; for faults with the delay since the fault began."""
+def times(
+    coefficients: Coefficients, cases: Sequence[Case], options: argparse.Namespace, tell: Callable[[str], None]
+) -> NDArray[np.float64]:
+    """Time of each rule's first alarm in each case, s, NaN without; shape (cases, rules)."""
+    plants = [case.plant(coefficients, options.sensors, options.seed) for case in cases]
+    profiles = [case.profile(options.seed) for case in cases]
+    if options.target == "twin":
+        return alarm_times(
+            coefficients, plants, profiles, DURATION_S, progress=lambda t: tell(f"{t:.0f} of {DURATION_S:.0f} s")
+        )
+    rows = []
+    for number, (plant, profile) in enumerate(zip(plants, profiles, strict=True), start=1):
+        tell(f"run {number} of {len(cases)}")
+        rows.append(emulated_times(coefficients, plant, profile))
+    return np.array(rows)
+
+
+def text_of(case: Case, first: NDArray[np.float64], names: list[str]) -> str:
+    """Say what the rules said: alarms in order; for faults with the delay since the fault began, and the verdict."""
     order = [i for i in np.argsort(first) if not np.isnan(first[i])]
+    if case.name in HEALTHY:
+        return ", ".join(f"{names[i]} {first[i]:.0f} s" for i in order) or "none"
     if not order:
-        return "none" if case.startswith("healthy") else "not detected"
-    if case.startswith("healthy"):
-        return ", ".join(f"{names[i]} {first[i]:.0f} s" for i in order)
-    early = any(first[i] < FAULT_START_S for i in order)
-    said = ", ".join(f"{names[i]} {first[i] - FAULT_START_S:+.0f} s" for i in order)
-    return f"{said} (false alarm before the fault)" if early else said
+        return "not detected"
+    early = [i for i in order if first[i] < FAULT_START_S]
+    if early:
+        return "false alarm before: " + ", ".join(f"{names[i]} {first[i]:.0f} s" for i in early)
+    verdicts = [(kind, first[names.index(rule)]) for kind, rule in VERDICTS.items() if rule in names]
+    given = sorted((when, kind) for kind, when in verdicts if not np.isnan(when))
+    said = ", then ".join(f"{kind} {when - FAULT_START_S:+.0f} s" for when, kind in given) or "no verdict"
+    return f"{names[order[0]]} {first[order[0]] - FAULT_START_S:+.0f} s; {said}"
+
+
+def summary(cases: Sequence[Case], first: NDArray[np.float64], names: list[str]) -> str:
+    """Count false alarms, detections and right verdicts."""
+    false = sum(1 for case, row in zip(cases, first, strict=True) if _false(case, row))
+    lines = [f"{false} of {len(cases)} runs have a false alarm (of a healthy motor, or before the fault)"]
+    for kind, rule in VERDICTS.items():
+        rows = [row for case, row in zip(cases, first, strict=True) if case.name == kind]
+        if not rows:
+            continue
+        detected = sum(1 for row in rows if np.any(row >= FAULT_START_S) and not np.any(row < FAULT_START_S))
+        other = VERDICTS["brush" if kind == "bearing" else "bearing"]
+        right = [row for row in rows if not np.isnan(row[names.index(rule)]) and np.isnan(row[names.index(other)])]
+        lines.append(
+            f"{kind}: {detected} of {len(rows)} detected without a false alarm before, {len(right)} told right"
+        )
+    return "; ".join(lines)
+
+
+def _false(case: Case, first: NDArray[np.float64]) -> bool:
+    limit = DURATION_S + 1.0 if case.name in HEALTHY else FAULT_START_S
+    return bool(np.any(first < limit))
 
 
 def main() -> None:
-    """Run the cases and print the table."""
+    """Run the cases and print a table for each file."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("coefficients", type=Path, nargs="?", default=ROOT / "examples" / "my1016" / "coeffs.json")
+    parser.add_argument("coefficients", type=Path, nargs="*", default=EXAMPLES)
     parser.add_argument("--target", choices=("twin", "emulated"), default="twin")
-    parser.add_argument("--speeds", type=int, nargs="+", default=SPEEDS, help="percent")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--speeds", type=int, nargs="+", default=SPEEDS, help="percent; 0: changing")
+    parser.add_argument("--all", action="store_true", help="all ten speeds, and changing ones")
+    parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES)
+    parser.add_argument("--sensors", type=int, default=0, help="seed of the sensors' offsets")
+    parser.add_argument("--seed", type=int, default=1, help="of noise and changing speeds")
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
-    coefficients = load(options.coefficients)
-    names = [rule.name for rule in coefficients.document.alarms]
-    runs = [(speed, case) for speed in options.speeds for case in CASES]
-    pwm = [round(speed / 100.0 * 255) for speed, _ in runs]
-    plants = [plant_of(coefficients, case, options.seed) for _, case in runs]
-    console = Console()
-    with Console(stderr=True).status("") as status:
-        if options.target == "twin":
-            first = alarm_times(
-                coefficients,
-                plants,
-                pwm,
-                DURATION_S,
-                progress=lambda t: status.update(f"{t:.0f} of {DURATION_S:.0f} s"),
-            )
-        else:
-            rows = []
-            for number, (plant, value) in enumerate(zip(plants, pwm, strict=True), start=1):
-                status.update(f"run {number} of {len(runs)}")
-                rows.append(emulated_times(coefficients, plant, value))
-            first = np.array(rows)
-    table = Table("speed", *CASES, title=f"{coefficients.name}, {options.target}, sensors' seed {options.seed}")
-    for index, speed in enumerate(options.speeds):
-        cells = first[index * len(CASES) : (index + 1) * len(CASES)]
-        table.add_row(f"{speed} %", *(text_of(case, cell, names) for case, cell in zip(CASES, cells, strict=True)))
-    console.print(table)
-    if options.json is not None:
-        found = [
-            {"speed_percent": speed, "case": case, "first_s": dict(zip(names, map(_or_none, times), strict=True))}
-            for (speed, case), times in zip(runs, first, strict=True)
+    if options.all:
+        options.speeds = [*ALL_SPEEDS, CHANGING]
+    cases = [Case(speed, name) for speed in options.speeds for name in options.cases]
+    console = Console(width=300)
+    found = []
+    for path in options.coefficients:
+        coefficients = load(path)
+        names = [rule.name for rule in coefficients.document.alarms]
+        with Console(stderr=True).status("") as status:
+            first = times(coefficients, cases, options, status.update)
+        title = f"{coefficients.name}, {options.target}, sensors {options.sensors}, seed {options.seed}"
+        table = Table("speed", *options.cases, box=MARKDOWN)
+        for index in range(0, len(cases), len(options.cases)):
+            part = slice(index, index + len(options.cases))
+            cells = [text_of(case, row, names) for case, row in zip(cases[part], first[part], strict=True)]
+            table.add_row(f"{cases[index].speed} %" if cases[index].speed else "changing", *cells)
+        console.print(title, table, summary(cases, first, names), sep="\n", highlight=False)
+        found += [
+            {
+                "model": coefficients.name,
+                "speed_percent": case.speed,
+                "case": case.name,
+                "first_s": {name: None if np.isnan(t) else float(t) for name, t in zip(names, row, strict=True)},
+            }
+            for case, row in zip(cases, first, strict=True)
         ]
-        options.json.write_text(json.dumps({"model": coefficients.name, "runs": found}, indent=1) + "\n")
-
-
-def _or_none(time_s: float) -> float | None:
-    return None if np.isnan(time_s) else float(time_s)
+    if options.json is not None:
+        options.json.write_text(json.dumps({"target": options.target, "runs": found}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

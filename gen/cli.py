@@ -14,6 +14,7 @@ from gen.commands.identify import identify, study
 from gen.commands.log import log
 from gen.commands.refine import refine
 from gen.commands.simulate import simulate
+from gen.commands.thresholds import thresholds
 from gen.commands.verify import verify
 from gen.errors import CheckFailed, InputError
 
@@ -27,7 +28,7 @@ def cli() -> None:
     """Turn identified motor-temperature coefficients into proven firmware for the Arduino Mega 2560."""
 
 
-for command in (build, verify, simulate, emulate, log, identify, study, refine):
+for command in (build, verify, simulate, emulate, log, identify, thresholds, study, refine):
     cli.add_command(command)
 
 

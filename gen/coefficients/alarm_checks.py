@@ -23,7 +23,7 @@ def check_alarms(document: Document) -> tuple[str, ...]:
     bands = document.provenance.error if document.provenance else ()
     warnings = []
     for index, rule in enumerate(document.alarms):
-        if isinstance(rule, OverTemperature) or rule.beyond == "error_band":
+        if isinstance(rule, OverTemperature) or rule.beyond == "error_band" or rule.relative_to is not None:
             continue
         key, threshold = ("slack_K", rule.slack_K) if isinstance(rule, Cusum) else ("threshold_K", rule.threshold_K)
         declared = {

@@ -18,6 +18,7 @@ class Rule(Part):
 
     name: Name
     description: str = ""
+    note: Annotated[str, Field(description="Why the rule's numbers are what they are; goes to README and report.")] = ""
     component: Annotated[str, Field(description="The component whose temperature is watched.")]
     speed_percent: Annotated[
         tuple[Percent, Percent],
@@ -31,6 +32,9 @@ class Rule(Part):
     ] = 0.0
     requires: Annotated[
         str | None, Field(description="The rule is evaluated only while this earlier rule's alarm is raised.")
+    ] = None
+    unless: Annotated[
+        str | None, Field(description="The rule is not evaluated while this earlier rule's alarm is raised.")
     ] = None
     stop_motor: Annotated[bool, Field(description="The sketch stops the motor while this rule's alarm is raised.")] = (
         False
@@ -47,6 +51,13 @@ class ModelRule(Rule):
             "band that provenance.error declares for the component at the present PWM."
         ),
     ] = "model"
+    relative_to: Annotated[
+        str | None,
+        Field(
+            description="Another component, whose own deviation (measured minus model) is subtracted first: what both "
+            "share, such as a wrong ambient, cancels."
+        ),
+    ] = None
 
 
 class Deviation(ModelRule):

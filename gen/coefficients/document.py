@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from gen.coefficients.alarms import MOST_RULES, MOST_SAMPLES, AlarmRule, window_counts
+from gen.coefficients.alarms import MOST_RULES, MOST_SAMPLES, AlarmRule, OverTemperature, window_counts
 from gen.coefficients.base import Celsius, Counts, Name, Number, Part, Positive, fault, listed, ordered
 from gen.coefficients.effects import EffectEntry
 from gen.coefficients.schedule import ScheduleEntry
@@ -197,14 +197,27 @@ class Document(Part):
             _known(alarm.component, names, "alarms", i, "component")
             self._check_window(alarm, "alarms", i)
             earlier = [rule.name for rule in self.alarms[:i]]
-            if alarm.requires is not None and alarm.requires not in earlier:
-                expected = listed(earlier) if earlier else "none, as this is the first rule"
-                raise fault(
-                    f'found "{alarm.requires}", expected the name of an earlier rule ({expected})',
-                    "alarms",
-                    i,
-                    "requires",
-                )
+            for key in ("requires", "unless"):
+                named = getattr(alarm, key)
+                if named is not None and named not in earlier:
+                    expected = listed(earlier) if earlier else "none, as this is the first rule"
+                    raise fault(f'found "{named}", expected the name of an earlier rule ({expected})', "alarms", i, key)
+            if not isinstance(alarm, OverTemperature) and alarm.relative_to is not None:
+                others = [name for name in names if name != alarm.component]
+                if alarm.relative_to not in others:
+                    raise fault(
+                        f'found "{alarm.relative_to}", expected the name of another component: {listed(others)}',
+                        "alarms",
+                        i,
+                        "relative_to",
+                    )
+                if alarm.beyond == "error_band":
+                    raise fault(
+                        "error bands are of one component each; expected no relative_to beside them",
+                        "alarms",
+                        i,
+                        "beyond",
+                    )
 
     def _check_window(self, alarm: AlarmRule, *at: str | int) -> None:
         ordered(*alarm.speed_percent, *at, "speed_percent")

@@ -11,7 +11,7 @@ from pathlib import Path
 from gen.coefficients import Coefficients
 from gen.firmware.project import project_files
 from gen.lowering.lower import lower
-from gen.lowering.program import Arithmetic, ScheduleKind
+from gen.lowering.program import Arithmetic, ScheduleKind, Speed
 from gen.verify.avr.compile import ArduinoCore, build_elf
 
 OPTIMISATION = "-Os"
@@ -33,13 +33,18 @@ def cache_folder() -> Path:
 
 
 def build_firmware(
-    coefficients: Coefficients, arithmetic: Arithmetic, schedule: ScheduleKind, source_name: str, cache: Path
+    coefficients: Coefficients,
+    arithmetic: Arithmetic,
+    schedule: ScheduleKind,
+    source_name: str,
+    cache: Path,
+    speed: Speed = "normal",
 ) -> Firmware:
     """Emit the project of a coefficient file and compile it with the Arduino core, unless that was done before.
 
     Parameters
     ----------
-    coefficients, arithmetic, schedule
+    coefficients, arithmetic, schedule, speed
         What to emit, as `gen build` does.
     source_name
         The coefficient file's name.
@@ -53,7 +58,7 @@ def build_firmware(
     BuildFailed
         When the project does not compile.
     """
-    program = lower(coefficients, arithmetic, schedule)
+    program = lower(coefficients, arithmetic, schedule, speed)
     files = project_files(coefficients, program, source_name, None)
     library = f"lib/{coefficients.name}/src/"
     wanted = {path: text for path, text in files.items() if path.startswith(("src/", library))}

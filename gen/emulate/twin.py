@@ -19,6 +19,7 @@ from gen.lowering.lower import lower
 from gen.lowering.program import Arithmetic, ScheduleKind
 from gen.reference.alarms import ReferenceAlarms
 from gen.reference.model import ReferenceModel
+from gen.rig import Profile
 
 _COUNT_MC = 250
 _COLD_MK = 2000  # as the emitted config.h has it: a start within so much of ambient is a cold motor's
@@ -27,14 +28,14 @@ _COLD_MK = 2000  # as the emitted config.h has it: a start within so much of amb
 def alarm_times(
     coefficients: Coefficients,
     plants: Sequence[Plant],
-    pwm: Sequence[int],
+    pwm: Sequence[int | Profile],
     duration_s: float,
     *,
     arithmetic: Arithmetic = "fixed",
     schedule: ScheduleKind = "table",
     progress: Callable[[float], None] = lambda _: None,
 ) -> NDArray[np.float64]:
-    """Run a board for each plant, at a held PWM each, from the measured temperatures at the start.
+    """Run a board for each plant, with a PWM or a profile each, from the measured temperatures at the start.
 
     Parameters
     ----------
@@ -60,7 +61,7 @@ def alarm_times(
     names = program.model.component_names
     rules = lower_alarms(coefficients)
     step_s = program.model.sample_time
-    command = np.asarray(pwm, dtype=np.int64)
+    profiles = [Profile((0.0,), (item,), duration_s) if isinstance(item, int) else item for item in pwm]
     valid = np.full(len(plants), (1 << len(names)) - 1, dtype=np.int64)
     measured, ambient = _read([plant.step(0, step_s).words for plant in plants], names)
     model = ReferenceModel(program, {name: (measured[i] - ambient).tolist() for i, name in enumerate(names)})
@@ -69,6 +70,7 @@ def alarm_times(
     first = np.full((len(plants), len(rules)), np.nan)
     bits = 1 << np.arange(len(rules))
     for sample in range(1, round(duration_s / step_s) + 1):
+        command = np.array([profile.at((sample - 1) * step_s) for profile in profiles], dtype=np.int64)
         words = [plant.step(int(value), step_s).words for plant, value in zip(plants, command, strict=True)]
         measured, ambient = _read(words, names)
         model.step(command)

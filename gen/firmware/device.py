@@ -10,6 +10,7 @@ import numpy as np
 from gen import __version__
 from gen.coefficients import Coefficients
 from gen.coefficients.wiring import Drive, Encoder, Observe, Thermocouple, Wiring
+from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.context import Context
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
 from gen.lowering.lower import Program
@@ -32,12 +33,18 @@ EEPROM_CYCLES = 100_000
 """Erase and write cycles that the ATmega2560's data sheet promises for a byte of EEPROM."""
 _FIRMWARE_BYTES = 8
 """End of the EEPROM: the firmware's CRC and its complement."""
+_LATCH_SLOTS = 4
+_LATCH_BYTES = 14
+"""A record of the latched alarms: identity 4, number 4, alarms 2, CRC 4."""
+_LATCH_AT = EEPROM_BYTES - _FIRMWARE_BYTES - _LATCH_SLOTS * _LATCH_BYTES
 _RECORD_FIXED = 4 + 4 + 2 + 4
 """Bytes of a copy beside the measured temperatures and the states: identity, number, PWM, CRC."""
 _START_MS = 5000
 """How long the model's start waits for thermocouples that are not believed yet."""
 _LINE_BYTES = 110
 """Longest line that is not a row (output.h)."""
+_LATE_SAMPLES = 3
+"""Samples whose pulses at full speed the encoder's interrupt takes before it takes the line for noisy."""
 _MARGIN = 1.25
 """The encoder's fastest pulse train over the nominal one."""
 
@@ -56,6 +63,7 @@ def sketch_files(device: Context) -> dict[str, str]:
         ("encoder", device["encoder"]),
         ("observer", device["observe"]),
         ("memory", device["memory"]),
+        ("latch", device["latch"]),
         ("indicator", device["led"] is not None or device["button"] is not None),
     ):
         if wanted:
@@ -85,6 +93,7 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
     start_samples = max(2 * CONFIRMATIONS * read_samples, math.ceil(_START_MS / sample_ms))
     row_samples = max(1, round(wiring.row_every_s / program.model.sample_time))
     columns = _columns(coefficients, chips, pulses is not None)
+    memory = _memory(wiring, chips, names, program, coefficients.sha256, sample_ms)
     return {
         "baud": wiring.serial_baud,
         "row_samples": row_samples,
@@ -111,9 +120,13 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         "encoder": pulses,
         "drive": _drive(wiring.drive, sample_ms) if wiring.drive else None,
         "observe": _observe(wiring.observe) if wiring.observe else None,
-        "memory": _memory(wiring, chips, names, program, coefficients.sha256, sample_ms),
+        "memory": memory,
+        "latch": {"at": _LATCH_AT, "slots": _LATCH_SLOTS, "bytes": _LATCH_BYTES}
+        if memory and document.alarms
+        else None,
         "idle_timers": _idle_timers(wiring),
         "alarms": [alarm.name for alarm in document.alarms],
+        "alarm_texts": alarm_texts(coefficients),
     }
 
 
@@ -192,7 +205,9 @@ def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> Context:
         "unit_us": 2**shift,
         "factor": factor,
         "most": (2**32 - 1) // factor,
-        "wide": fastest >= 65535.0,
+        "wide": _LATE_SAMPLES * fastest >= 65535.0,
+        "limit": math.ceil(_LATE_SAMPLES * fastest),
+        "fastest_rpm": math.ceil(fastest_rpm),
         "stall_pwm": encoder.stall_pwm,
         "stall_samples": max(1, math.ceil(encoder.stall_s * 1000.0 / sample_ms)),
         "stall_s": f"{encoder.stall_s:g}",
@@ -241,8 +256,8 @@ def _memory(
     if wiring.memory is None or not any(chip["channel"] in names for chip in chips):
         return None
     record = _RECORD_FIXED + 2 * len(chips) + state_bytes(program)
-    slots = (EEPROM_BYTES - _FIRMWARE_BYTES) // record
-    identity = zlib.crc32(f"{__version__} {sha256} {program.arithmetic} {program.schedule}".encode())
+    slots = _LATCH_AT // record
+    identity = zlib.crc32(f"{__version__} {sha256} {program.arithmetic} {program.schedule} {program.speed}".encode())
     years = EEPROM_CYCLES * slots * wiring.memory.interval_s / (365.25 * 86400)
     return {
         "cycles": f"{EEPROM_CYCLES:,}".replace(",", " "),

@@ -15,6 +15,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from gen import __version__
 from gen.coefficients import Coefficients
+from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.charts import Chart, course_chart, plain, power, response_charts, schedule_charts, scientific, svg
 from gen.lowering.dynamics import domain_rows
 from gen.lowering.fast_format import FastComponent
@@ -88,6 +89,7 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
             words=[row for component in program.components for row in words(component)],
             constants=constants(program),
             rows=_rows(program),
+            alarms=alarm_texts(coefficients),
         )
     )
 

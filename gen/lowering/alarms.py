@@ -61,13 +61,15 @@ class LoweredRule:
         What is compared: "above" (measured minus model), "below" (model minus measured) or "measured".
     component
         Index of the component.
+    relative_to
+        Index of the component whose deviation from the model is subtracted from this one's, or None.
     segments
         Not overlapping, in the order of |PWM|.
     settle, start_wait, persistence
         In samples: since PWM entered the segments, within the segments since a start whose slopes are unknown, and
         before the alarm.
-    requires
-        Index of the rule whose alarm must be raised, or None.
+    requires, unless
+        Index of the rule whose alarm must be raised, and of the one whose alarm must not be, or None.
     stops
         Whether the motor stops while this alarm is raised.
     sum_limit
@@ -78,11 +80,13 @@ class LoweredRule:
     description: str
     quantity: str
     component: int
+    relative_to: int | None
     segments: tuple[Segment, ...]
     settle: int
     start_wait: int
     persistence: int
     requires: int | None
+    unless: int | None
     stops: bool
     sum_limit: int | None
 
@@ -106,9 +110,11 @@ def lower_alarms(coefficients: Coefficients) -> tuple[LoweredRule, ...]:
     rules = []
     for rule in document.alarms:
         counts = window_counts(rule, document.input.full_scale)
-        wait = 0
+        wait, other = 0, None
         if not isinstance(rule, OverTemperature):
-            wait = start_wait(model, components[rule.component], counts)
+            wait, other = start_wait(model, components[rule.component], counts), rule.relative_to
+            if other is not None:
+                wait = max(wait, start_wait(model, components[other], counts))
         sum_limit = None
         if isinstance(rule, Cusum):
             sum_limit = max(1, min(MOST_SUM, round(rule.threshold_K_s * 1000.0 / model.sample_time)))
@@ -118,11 +124,13 @@ def lower_alarms(coefficients: Coefficients) -> tuple[LoweredRule, ...]:
                 description=rule.description,
                 quantity=quantity(rule),
                 component=model.component_names.index(rule.component),
+                relative_to=None if other is None else model.component_names.index(other),
                 segments=_segments(document, rule),
                 settle=_samples(rule.settle_s, model),
                 start_wait=wait,
                 persistence=_samples(rule.persistence_s, model),
                 requires=None if rule.requires is None else names.index(rule.requires),
+                unless=None if rule.unless is None else names.index(rule.unless),
                 stops=rule.stop_motor,
                 sum_limit=sum_limit,
             )

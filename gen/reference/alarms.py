@@ -53,6 +53,16 @@ class ReferenceAlarms:
             record[mask].astype(np.int64) for mask in ("latched", "active", "asleep")
         )
 
+    def restore(self, latched: Integers) -> None:
+        """Raise alarms that were latched before a reset of the board.
+
+        Parameters
+        ----------
+        latched
+            Bit masks, shape (L,); bits without a rule are ignored.
+        """
+        self.latched |= latched & ((1 << len(self._rules)) - 1)
+
     def reset(self, lanes: NDArray[np.bool_]) -> None:
         """Forget the alarms raised in the lanes that are marked, shape (L,)."""
         for values in (self.latched, self.active, *self._held, *self._sum):
@@ -80,6 +90,9 @@ class ReferenceAlarms:
             value = measured_mC[rule.component]
             if rule.needs_model:
                 value = value - model_mC[rule.component]
+                if rule.relative_to is not None:
+                    seen &= ((valid >> rule.relative_to) & 1) == 1
+                    value = value - (measured_mC[rule.relative_to] - model_mC[rule.relative_to])
                 value = value if rule.quantity == "above" else -value
             holds = seen & self._holds(number, rule, value, trip, clear, seen)
             released = asleep | (seen & ~holds)
@@ -108,6 +121,8 @@ class ReferenceAlarms:
         awake: NDArray[np.bool_] = ~waiting & ~settling
         if rule.requires is not None:
             awake &= ((self.latched >> rule.requires) & 1) == 1
+        if rule.unless is not None:
+            awake &= ((self.latched >> rule.unless) & 1) == 0
         return awake
 
     def _holds(

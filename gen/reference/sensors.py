@@ -34,8 +34,11 @@ class SensorCheck:
     def __init__(self, limits: SensorLimits) -> None:
         self.limits = limits
         self.code = SensorCode.UNREAD
-        self._believed: int | None = None
+        self._believed = 0  # the last believed sample
+        self._known = False  # it says where the part may be now
         self._since = 0  # samples since the last believed one
+        self._then_mC: int | None = None  # the model's temperature at the last believed one; None: set anew since
+        self._displaced = False  # it jumped farther than physics allows, and has not come back
         self._run = 0  # consistent samples in a row, up to CONFIRMATIONS
         self._previous: int | None = None
         self._watching = False  # the next three are about the present model and count
@@ -46,11 +49,19 @@ class SensorCheck:
     @property
     def temperature_mC(self) -> int:
         """The last believed sample in thousandths of a degree Celsius; 0 before the first."""
-        return (self._believed or 0) * COUNT_mK
+        return self._believed * COUNT_mK
 
     def model_set(self) -> None:
-        """The model was started anew: what it moved before says nothing about a stuck sensor."""
+        """The model was started anew: what it moved before says nothing about a sensor."""
         self._watching = False
+        self._then_mC = None
+
+    def accept(self) -> None:
+        """Somebody has looked at the sensor: the level at which it is now is confirmed as at the start."""
+        if self._displaced:
+            self._displaced = False
+            self._known = False
+            self._run = 0
 
     def check(self, word: int, finished: bool, model_mC: int) -> SensorCode:
         """Judge one reading.
@@ -88,14 +99,32 @@ class SensorCheck:
         self._previous = counts
         if self._stuck():
             return SensorCode.STUCK
-        reach = NOISE_COUNTS + self.limits.step * self._since
-        if jumped or (self._believed is not None and abs(counts - self._believed) > reach):
+        if self._is_displaced(counts, model_mC) or jumped:
             return SensorCode.JUMP
         if self._run < CONFIRMATIONS:
             return SensorCode.UNCONFIRMED
         self._believed = counts
+        self._known = True
+        self._then_mC = model_mC
+        self._displaced = False
         self._since = 0
         return SensorCode.OK
+
+    def _is_displaced(self, counts: int, model_mC: int) -> bool:
+        """Whether the sample cannot be the part's temperature, by the last believed one.
+
+        Once a sound sample was out of reach, time does not make its level true: it is believed again only where the
+        last believed one would be now, had it moved as the model did.
+        """
+        if not self._known:
+            return False
+        if self._then_mC is None:
+            self._then_mC = model_mC
+        if not self._displaced:
+            self._displaced = abs(counts - self._believed) > NOISE_COUNTS + self.limits.step * self._since
+            return self._displaced
+        expected_mC = self._believed * COUNT_mK + model_mC - self._then_mC
+        return abs(counts * COUNT_mK - expected_mC) > (NOISE_COUNTS + self.limits.step) * COUNT_mK
 
     def _fault(self, word: int, counts: int) -> SensorCode:
         if word & 0xFFFE == 0:

@@ -95,8 +95,8 @@ def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, s
     program, rules
         What the board holds.
     profile
-        PWM and start rises. The first lane begins trusted, the second untrusted, the others with timers and sums close
-        to their ends, which would take hours to reach.
+        PWM and start rises. The first lane begins trusted, the second untrusted with alarms restored, the others with
+        timers and sums close to their ends, which would take hours to reach.
     """
     random = np.random.default_rng(seed)
     lanes, length = profile.pwm.shape
@@ -111,6 +111,10 @@ def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, s
     inputs["measured_mC"][:, 0, :] = profile.start_mK[:, None]
     inputs["valid"][:, 0] = trusted | preset << 1
     begun = alarms.record()
+    restored = np.arange(lanes) == 1  # any mask, with bits that no rule has
+    begun["latched"][restored] = random.integers(0, 1 << 16, int(restored.sum()))
+    alarms.restore(np.where(restored, begun["latched"], 0).astype(np.int64))
+    inputs["valid"][:, 0] |= (restored << 2).astype(np.uint16)
     for name in begun.dtype.names or ():
         inputs[name][:, 0] = begun[name]
     expected = np.zeros((lanes, length), dtype=output_type(program, rules))
@@ -172,10 +176,11 @@ class _Measurements:
     def __init__(self, random: np.random.Generator, rules: Sequence[LoweredRule], lanes: int, components: int) -> None:
         self._random = random
         self._shape = (components, lanes)
-        levels: list[list[tuple[str, int]]] = [[] for _ in range(components)]
+        levels: list[list[tuple[str, int, int | None]]] = [[] for _ in range(components)]
         for rule in rules:
             for segment in rule.segments:
-                levels[rule.component] += [(rule.quantity, segment.trip_mK), (rule.quantity, segment.clear_mK)]
+                ends = (segment.trip_mK, segment.clear_mK)
+                levels[rule.component] += [(rule.quantity, end, rule.relative_to) for end in ends]
         self._levels = levels
         self._offset = np.zeros(self._shape, dtype=np.int64)
         self._absolute = np.zeros(self._shape, dtype=bool)
@@ -205,10 +210,12 @@ class _Measurements:
         if not self._levels[component] or random.random() < 0.2:
             self._offset[component, lane] = random.integers(-20_000, 20_000)
             return
-        quantity, level = self._levels[component][random.integers(len(self._levels[component]))]
+        quantity, level, other = self._levels[component][random.integers(len(self._levels[component]))]
         near = level + int(random.choice([0, 1, -1, 250, -250, 1500, -1500, 10_000, -10_000]))
         self._absolute[component, lane] = quantity == "measured"
         self._offset[component, lane] = -near if quantity == "below" else near
+        if other is not None:
+            self._offset[component, lane] += self._offset[other, lane]
 
 
 class HostAlarms:

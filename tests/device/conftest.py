@@ -18,6 +18,7 @@ ALARMS = """
 static const char test_name[] PROGMEM = "test";
 volatile uint16_t test_alarms;
 extern "C" void my1016_alarms_begin(uint8_t) {}
+extern "C" void my1016_alarms_restore(uint16_t alarms) { test_alarms |= alarms; }
 extern "C" void my1016_alarms_step(int16_t, const my1016_Sample *) {}
 extern "C" uint16_t my1016_alarms(void) { return test_alarms; }
 extern "C" uint16_t my1016_alarms_active(void) { return test_alarms; }

@@ -16,11 +16,13 @@ RULE = LoweredRule(
     description="",
     quantity="above",
     component=0,
+    relative_to=None,
     segments=(Segment(77, 178, 5000, 4000),),
     settle=3,
     start_wait=0,
     persistence=2,
     requires=None,
+    unless=None,
     stops=False,
     sum_limit=None,
 )
@@ -161,3 +163,28 @@ def test_lanes_do_not_touch_each_other(data: st.DataObject) -> None:
         for bench, (deviation, pwm, valid) in zip(alone, step, strict=True):
             bench.step(deviation, pwm, valid=valid)
         assert together.record().tolist() == [bench.alarms.record()[0].item() for bench in alone]
+
+
+def test_a_rule_with_an_excluding_alarm_sleeps_once_that_is_raised() -> None:
+    first = replace(EAGER, quantity="below")
+    second = replace(EAGER, name="second", unless=0)
+    bench = Bench(first, second)
+    assert [bench.step(value)[0] for value in (0, 9000, -9000, 9000)] == [0, 2, 3, 3]
+    assert bench.step(9000)[2] == 2
+    bench.alarms.reset(np.array([True]))
+    assert bench.step(9000)[0] == 2
+
+
+def test_a_relative_rule_sees_only_what_the_other_part_does_not_share() -> None:
+    rule = replace(EAGER, relative_to=1)
+    alarms = ReferenceAlarms([rule], np.array([True]))
+
+    def active(own_mK: int, other_mK: int, valid: int = 3) -> int:
+        model = np.array([[40_000], [50_000]])
+        alarms.step(np.array([100]), model + np.array([[own_mK], [other_mK]]), model, np.array([valid]))
+        return int(alarms.active[0])
+
+    assert active(9000, 9000) == 0
+    assert active(5000, -1) == 1
+    assert active(9000, 9000, valid=1) == 1  # without the other's sample it stays as it is
+    assert active(9000, 5000) == 0

@@ -16,7 +16,7 @@ from gen.verify.runners import Library, write_library
 from tests.verify_helpers import example
 
 NAME = "two_mass"
-LANES, LENGTH = 12, 1000
+LANES, LENGTH = 20, 1000
 
 
 def emitted(folder: Path, fault: tuple[str, str] | None = None) -> tuple[Library, tuple[LoweredRule, ...]]:
@@ -60,7 +60,13 @@ FAULTS = {
     "late by a sample": ("timers->held <= rule.persistence) {", "timers->held < rule.persistence) {"),
     "16-bit sum": ("const int32_t sum = timers->sum + (value", "const int32_t sum = (int16_t)timers->sum + (value"),
     "sum below zero": ("sum < 0 ? 0 : ", ""),
-    "missing samples are used": ("if (!((sample->valid >> rule.component) & 1u))", "if (sample->valid == 0xFFFF)"),
+    "missing samples are used": (
+        "return (sample->valid >> component) & 1u",
+        "return (sample->valid >> component) != 0xFFFFu",
+    ),
+    "other part's missing samples are used": ("|| (rule.relative_to != NONE &&", "|| (false &&"),
+    "other part not subtracted": ("if (rule.relative_to != NONE) {\n", "if (false) {\n"),
+    "excluding alarm ignored": ("(rule.unless == NONE ||", "(true ||"),
     "reset keeps the sum": ("timers[rule].sum = 0", "timers[rule].sum += 0"),
     "range open at its end": ("pwm <= segment->high", "pwm < segment->high"),
     "required alarm ignored": ("return !slept && (rule.requires == NONE ||", "return !slept && (true ||"),

@@ -1,0 +1,91 @@
+"""The alarm rules in words, for the README and the report of an emitted project."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gen.coefficients import Coefficients
+from gen.coefficients.alarm_checks import declared_deviation_K
+from gen.coefficients.alarms import AlarmRule, Cusum, Deviation, OverTemperature
+from gen.lowering.alarms import LoweredRule, lower_alarms
+
+
+@dataclass(frozen=True)
+class AlarmText:
+    """One rule.
+
+    Attributes
+    ----------
+    name, description, note
+        From the coefficient file.
+    condition
+        What is compared with what, and for how long.
+    thresholds
+        By range of |PWM|: the threshold as the board has it, beside what the file declares of a healthy motor there.
+    """
+
+    name: str
+    description: str
+    note: str
+    condition: str
+    thresholds: tuple[str, ...]
+
+
+def alarm_texts(coefficients: Coefficients) -> tuple[AlarmText, ...]:
+    """Say what each rule of a coefficient file does.
+
+    Parameters
+    ----------
+    coefficients
+        A checked coefficient file.
+    """
+    pairs = zip(coefficients.document.alarms, lower_alarms(coefficients), strict=True)
+    return tuple(
+        AlarmText(rule.name, rule.description, rule.note, _condition(rule), _thresholds(coefficients, rule, lowered))
+        for rule, lowered in pairs
+    )
+
+
+def _condition(rule: AlarmRule) -> str:
+    low, high = rule.speed_percent
+    parts = [f"{_compared(rule)}, at {low:g} to {high:g} % speed"]
+    if rule.persistence_s:
+        parts.append(f"for {rule.persistence_s:g} s")
+    if rule.settle_s:
+        parts.append(f"from {rule.settle_s:g} s after PWM came there")
+    if rule.requires is not None:
+        parts.append(f"only while {rule.requires} is raised")
+    if rule.unless is not None:
+        parts.append(f"not while {rule.unless} is raised")
+    return ", ".join(parts)
+
+
+def _compared(rule: AlarmRule) -> str:
+    if isinstance(rule, OverTemperature):
+        return f"{rule.component} over {rule.limit_degC:g} degC"
+    beyond = " beyond the healthy range" if rule.beyond == "error_band" else ""
+    if isinstance(rule, Cusum):
+        excess = f"{rule.component} {rule.direction} the model by more than {rule.slack_K:g} K{beyond}"
+        return f"{excess}, summed up to {rule.threshold_K_s:g} K s"
+    side = "above" if rule.kind == "above_model" else "below"
+    other = f" than {rule.relative_to} is" if rule.relative_to is not None else ""
+    more = "farther " if other else ""
+    return f"{rule.component} {more}{side} the model{other} by more than {rule.threshold_K:g} K{beyond}"
+
+
+def _thresholds(coefficients: Coefficients, rule: AlarmRule, lowered: LoweredRule) -> tuple[str, ...]:
+    if isinstance(rule, OverTemperature):
+        return ()
+    return tuple(
+        f"PWM {segment.low}..{segment.high}: {segment.trip_mK / 1000.0:g} K"
+        + _declared(coefficients, rule, segment.low, segment.high)
+        for segment in lowered.segments
+    )
+
+
+def _declared(coefficients: Coefficients, rule: Deviation | Cusum, low: int, high: int) -> str:
+    bands = coefficients.document.provenance.error if coefficients.document.provenance else ()
+    if rule.relative_to is not None or not bands:
+        return ""
+    known = [value for pwm in range(low, high + 1) if (value := declared_deviation_K(bands, rule, pwm)) is not None]
+    return f" (healthy up to {max(known):.2f} K)" if known else " (no healthy range declared)"

@@ -1,0 +1,197 @@
+"""Error bands and thresholds from a healthy motor's deviations.
+
+**Band**: lowest and highest deviation of any healthy run within a range of PWM. **Margin**: what a further healthy run
+may lie beyond it: the scatter of the runs' own extremes, and no less than two counts of the converter. A rule's missing
+numbers follow from these two; what its author has written stays.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gen.coefficients.document import Document, ErrorBand
+from gen.errors import InputError
+from gen.thresholds.healthy import MEAN_S, SETTLE_S, HealthyRun, differences
+
+LEAST_MARGIN_K = 0.5
+"""Two counts of a MAX6675."""
+HALF_HOUR_S = 1800.0
+"""A CUSUM's threshold is the margin for so long."""
+HEADROOM_K = 10.0
+"""An over-temperature limit over the hottest healthy reading, moved to the warmest declared ambient."""
+_LIMIT_STEP_DEGC = 5.0
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Healthy deviations of a quantity.
+
+    Attributes
+    ----------
+    low_K, high_K
+        Of any run.
+    scatter_K
+        Standard deviation of the runs' own extremes about their range's mean, pooled over the ranges; of both sides
+        the larger one.
+    runs
+        How many runs took part.
+    """
+
+    low_K: float
+    high_K: float
+    scatter_K: float
+    runs: int
+
+    @property
+    def margin_K(self) -> float:
+        """What goes beyond the band, rounded up to hundredths."""
+        return math.ceil(max(LEAST_MARGIN_K, self.scatter_K) * 100.0 - 1e-9) / 100.0
+
+
+def spread(runs: Sequence[HealthyRun], component: str, ranges: Sequence[tuple[int, int]]) -> Spread:
+    """Spread of a component's deviation over ranges of |PWM|, both ends included.
+
+    Raises
+    ------
+    InputError
+        When no run says anything about it.
+    """
+    sides: list[list[float]] = [[], []]
+    lows, highs, took = [], [], set()
+    for span in ranges:
+        extremes = {run.name: ends for run in runs if (ends := _extremes(run, component, span)) is not None}
+        took |= set(extremes)
+        for number, side in enumerate(sides):
+            own = np.array([ends[number] for ends in extremes.values()])
+            if own.size > 1:
+                side += ((own - own.mean()) * math.sqrt(own.size / (own.size - 1))).tolist()
+        lows += [ends[0] for ends in extremes.values()]
+        highs += [ends[1] for ends in extremes.values()]
+    if not took:
+        raise InputError(f"the healthy runs say nothing about {component} that has settled for {SETTLE_S:g} s")
+    scatter = max((math.sqrt(float(np.mean(np.square(side)))) for side in sides if side), default=0.0)
+    return Spread(min(lows), max(highs), scatter, len(took))
+
+
+def _extremes(run: HealthyRun, component: str, span: tuple[int, int]) -> tuple[float, float] | None:
+    values = run.deviation_K.get(component)
+    if values is None:
+        return None
+    mine = values[(run.pwm >= span[0]) & (run.pwm <= span[1]) & ~np.isnan(values)]
+    return (float(mine.min()), float(mine.max())) if mine.size else None
+
+
+def error_bands(document: Document, runs: Sequence[HealthyRun]) -> list[dict[str, Any]]:
+    """The file's bands, with what the healthy runs show in their place, as entries of ``provenance.error``.
+
+    A band between speeds without a healthy run spans those of its two neighbours that have one. A file without bands
+    gets one over its validity range; a component of which the runs say nothing keeps what the file declares.
+    """
+    entries: list[dict[str, Any]] = []
+    for component in document.components:
+        declared = _declared(document, component.name)
+        spans = [band.pwm for band in declared] or [document.validity.pwm]
+        found = [_range(runs, component.name, span) for span in spans]
+        known = [i for i, item in enumerate(found) if item is not None]
+        if not known:
+            entries += [band.model_dump(mode="json") for band in declared]
+            continue
+        for i, span in enumerate(spans):
+            if span[1] == 0:  # at rest no rule needs it, and no run is healthy or faulty
+                entries += [band.model_dump(mode="json") for band in declared if band.pwm == span]
+                continue
+            near = [i] if i in known else [*[k for k in known if k < i][-1:], *[k for k in known if k > i][:1]]
+            ends = [item for k in near if (item := found[k]) is not None]
+            low, high = min(item[0] for item in ends), max(item[1] for item in ends)
+            where = "" if near == [i] else " at the speeds beside it"
+            entries.append(
+                {
+                    "component": component.name,
+                    "pwm": list(span),
+                    "model_minus_measured_K": [round(-high, 3), round(-low, 3)],
+                    "note": f"{max(item[2] for item in ends)} healthy runs{where}, means over {MEAN_S:g} s "
+                    f"from {SETTLE_S:g} s after a change of PWM",
+                }
+            )
+    return entries
+
+
+def _declared(document: Document, component: str) -> list[ErrorBand]:
+    return [band for band in (document.provenance.error if document.provenance else ()) if band.component == component]
+
+
+def _range(runs: Sequence[HealthyRun], component: str, span: tuple[int, int]) -> tuple[float, float, int] | None:
+    """Lowest and highest deviation of any run in a range of |PWM|, and how many runs were there."""
+    found = [ends for run in runs if (ends := _extremes(run, component, span)) is not None]
+    if not found:
+        return None
+    return min(ends[0] for ends in found), max(ends[1] for ends in found), len(found)
+
+
+def complete(rule: dict[str, Any], document: Document, runs: Sequence[HealthyRun]) -> dict[str, Any]:
+    """Give a rule with its missing numbers, and a note that says where they come from.
+
+    Parameters
+    ----------
+    rule
+        As in the rules file. Missing may be ``threshold_K``, ``hysteresis_K``, ``slack_K``, ``threshold_K_s`` and
+        ``limit_degC``; a rule whose threshold is missing counts from the error band unless it is relative.
+    document, runs
+        The model and its healthy runs.
+    """
+    made = dict(rule)
+    kind, component = rule.get("kind"), str(rule.get("component"))
+    if kind == "over_temperature":
+        return _limit(made, component, document, runs) if "limit_degC" not in rule else made
+    if kind not in ("above_model", "below_model", "cusum") or "threshold_K" in rule or "threshold_K_s" in rule:
+        return made
+    spans = [band.pwm for band in _declared(document, component) if band.pwm[1] > 0] or [document.validity.pwm]
+    other = rule.get("relative_to")
+    if other is not None:
+        seen = spread(differences(runs, component, str(other)), component, spans)
+        end = -seen.low_K if kind == "below_model" else seen.high_K
+        made["threshold_K"] = max(0.0, round(end + seen.margin_K, 3))
+        of = f"{component} minus {other}: {seen.low_K:+.2f}..{seen.high_K:+.2f} K in {seen.runs} healthy runs"
+        made.setdefault("hysteresis_K", round(seen.margin_K / 2.0, 3))
+        return _noted(made, f"{of}, and the margin beyond. {_margin_text(seen)}")
+    seen = spread(runs, component, spans)
+    made.setdefault("beyond", "error_band")
+    of = f"Counted from the range of {seen.runs} healthy runs at the present speed (provenance.error)"
+    if kind == "cusum":
+        made.setdefault("slack_K", 0.0)
+        made["threshold_K_s"] = round(seen.margin_K * HALF_HOUR_S, 1)
+        return _noted(made, f"{of}; the sum is the margin for half an hour. {_margin_text(seen)}")
+    made["threshold_K"] = seen.margin_K
+    made.setdefault("hysteresis_K", round(seen.margin_K / 2.0, 3))
+    return _noted(made, f"{of}; the threshold is the margin beyond. {_margin_text(seen)}")
+
+
+def _limit(made: dict[str, Any], component: str, document: Document, runs: Sequence[HealthyRun]) -> dict[str, Any]:
+    rises = [run.hottest_rise_K[component] for run in runs if component in run.hottest_rise_K]
+    if not rises:
+        raise InputError(f"the healthy runs say nothing about {component}")
+    warmest = document.domain.ambient_degC[1]
+    made["limit_degC"] = math.ceil((max(rises) + warmest + HEADROOM_K) / _LIMIT_STEP_DEGC) * _LIMIT_STEP_DEGC
+    made.setdefault("hysteresis_K", 5.0)
+    return _noted(
+        made,
+        f"{max(rises):.1f} K over ambient was the most in {len(rises)} healthy runs; at the warmest declared ambient "
+        f"of {warmest:g} degC and with {HEADROOM_K:g} K to spare. A limit of the material, where known, goes before.",
+    )
+
+
+def _margin_text(seen: Spread) -> str:
+    return (
+        f"Margin {seen.margin_K:g} K: the larger of {LEAST_MARGIN_K:g} K (two counts of the converter) and the "
+        f"standard deviation of the runs' extremes, {seen.scatter_K:.2f} K."
+    )
+
+
+def _noted(made: dict[str, Any], note: str) -> dict[str, Any]:
+    made.setdefault("note", note)
+    return made

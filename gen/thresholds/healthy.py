@@ -1,0 +1,118 @@
+"""A healthy motor's deviations from its model, as an alarm rule would see them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.coefficients import Coefficients
+from gen.lowering.alarms import start_wait
+from gen.reference.simulate import simulate_run
+from gen.runs import Run
+
+Array = NDArray[np.float64]
+
+MEAN_S = 60.0
+"""Deviations are means over so long: the converter's noise is no deviation, and rules have a persistence."""
+SETTLE_S = 600.0
+"""What lies so soon after a change of PWM is left out, as by a rule with this ``settle_s``."""
+COLD_K = 2.0
+"""A run that starts within so much of ambient starts cold (as in the emitted ``config.h``)."""
+
+
+@dataclass(frozen=True, eq=False)
+class HealthyRun:
+    """One run beside its model.
+
+    Attributes
+    ----------
+    name
+        The run's file.
+    pwm
+        |PWM| of each mean, shape (n,).
+    deviation_K
+        Measured minus model by component, shape (n,); NaN where the rule would sleep or nothing was measured.
+    hottest_rise_K
+        Highest measured rise over ambient by component.
+    """
+
+    name: str
+    pwm: NDArray[np.int64]
+    deviation_K: dict[str, Array]
+    hottest_rise_K: dict[str, float]
+
+
+def compare(coefficients: Coefficients, run: Run, name: str) -> HealthyRun:
+    """Hold a run against the exact solution of its model.
+
+    Parameters
+    ----------
+    coefficients
+        The model.
+    run
+        Measured on the healthy motor; starts from its first measured temperatures.
+    name
+        The run's file, for messages.
+
+    Raises
+    ------
+    InputError
+        If no ambient is known.
+    """
+    model = coefficients.model
+    shown = simulate_run(coefficients, run, "exact", "auto", name)
+    magnitude = np.abs(run.pwm)
+    since = _since_change(run.time_s, magnitude)
+    window = np.floor(run.time_s / MEAN_S).astype(np.int64)
+    begins = np.flatnonzero((np.diff(window, prepend=window[0] - 1) != 0) | (np.diff(magnitude, prepend=-1) != 0))
+    cold = all(
+        abs(shown[f"{part}_degC"][0] - _ambient(coefficients, run)[0]) <= COLD_K
+        for part in model.component_names
+        if part in run.temps
+    )
+    low, high = model.validity
+    deviations, hottest = {}, {}
+    for component in model.components:
+        measured = run.temps.get(component.name)
+        if measured is None:
+            continue
+        wait = 0.0 if cold else start_wait(model, component, range(max(low, 1), high + 1)) * model.sample_time
+        seen = (since >= SETTLE_S) & (run.time_s - run.time_s[0] >= wait)
+        difference = np.where(seen, measured - shown[f"{component.name}_degC"], np.nan)
+        deviations[component.name] = _means(difference, begins)
+        hottest[component.name] = float(np.nanmax(measured - _ambient(coefficients, run), initial=0.0))
+    return HealthyRun(name, magnitude[begins].astype(np.int64), deviations, hottest)
+
+
+def differences(runs: Iterable[HealthyRun], component: str, other: str) -> list[HealthyRun]:
+    """The runs with the difference of two components' deviations in the first one's place."""
+    return [
+        HealthyRun(run.name, run.pwm, {component: run.deviation_K[component] - run.deviation_K[other]}, {})
+        for run in runs
+        if component in run.deviation_K and other in run.deviation_K
+    ]
+
+
+def _ambient(coefficients: Coefficients, run: Run) -> Array:
+    fixed = coefficients.model.ambient_fixed
+    if run.ambient is not None and not np.all(np.isnan(run.ambient)):
+        known = ~np.isnan(run.ambient)
+        return np.interp(run.time_s, run.time_s[known], run.ambient[known])
+    return np.full(len(run.time_s), np.nan if fixed is None else fixed)
+
+
+def _since_change(time_s: Array, magnitude: NDArray[np.int64]) -> Array:
+    """Time for which |PWM| has been what it is, s."""
+    changed = np.flatnonzero(np.diff(magnitude, prepend=-1) != 0)
+    return time_s - time_s[changed[np.searchsorted(changed, np.arange(len(time_s)), side="right") - 1]]
+
+
+def _means(values: Array, begins: NDArray[np.int64]) -> Array:
+    """Means over the windows, NaN for one that is not whole."""
+    ends = np.append(begins[1:], len(values))
+    counts = (ends - begins).astype(np.float64)
+    means: Array = np.add.reduceat(values, begins) / counts
+    return means

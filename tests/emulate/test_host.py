@@ -1,0 +1,53 @@
+"""The emitted library on this computer judges as the references do."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gen.emulate.host import HostDevice
+from gen.emulate.rig import RigPlant
+from gen.lowering.lower import lower
+from gen.lowering.sensors import sensor_limits
+from gen.reference.model import ReferenceModel
+from gen.reference.sensors import SensorCheck
+from gen.rig import SensorFault
+from tests.verify_helpers import example
+
+
+def test_words_give_the_references_codes_and_states() -> None:
+    coefficients = example("my1016")
+    faults = {
+        "brush": (SensorFault("open", 10.0, 14.0), SensorFault("jump", 30.0, 40.0)),
+        "magnet": (SensorFault("spike", 5.0, 60.0, every_s=7.0),),
+    }
+    wiring = coefficients.document.wiring
+    assert wiring is not None
+    channels = [chip.channel for chip in wiring.thermocouples]
+    plant = RigPlant(channels, sensor_faults=faults, start_degC={"brush": 60.0, "casing": 50.0})
+    checks = {limits.channel: SensorCheck(limits) for limits in sensor_limits(coefficients)}
+    names = coefficients.model.component_names
+    model = ReferenceModel(lower(coefficients, "fixed", "table"), {name: [0] for name in names})
+    ambient, started, seen = 30_000, False, set()
+    with HostDevice(coefficients) as host:
+        for sample in range(280):
+            pwm = (0, 200, -90)[sample % 280 // 100]
+            words = plant.step(pwm, 0.25).words
+            expected = {}
+            for channel in channels:
+                part = int(model.rises_mK[names.index(channel), 0]) + ambient if channel in names else 0
+                code = checks[channel].check(words[channel], True, part)
+                expected[channel] = (int(code), checks[channel].temperature_mC / 1000.0)
+                seen.add(int(code))
+                if channel == "ambient" and code == 0:
+                    ambient = checks[channel].temperature_mC
+            assert host.sample(words, pwm) == expected
+            if started:
+                model.step(np.array([pwm]))
+            elif all(code == 0 for code, _ in expected.values()):
+                started = True
+                rises = {name: [checks[name].temperature_mC - ambient] for name in names}
+                model = ReferenceModel(lower(coefficients, "fixed", "table"), rises)
+                for check in checks.values():
+                    check.model_set()
+            assert host.started == started
+    assert {0, 1, 5, 8} <= seen
