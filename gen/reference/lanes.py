@@ -59,6 +59,9 @@ class FixedLanes:
     def sample(self, row: Integers, before: Integers | None) -> None:
         """See :class:`ComponentLanes`."""
         rates, steady = self._coefficients(row)
+        if self._component.layout.corrected:
+            self._step.advance_corrected(self._state, rates, self._step.increment(self._state, rates, steady))
+            return
         if self._component.order > 1 and (before is None or bool(np.any(before != row))):
             old = np.zeros(len(row), dtype=np.int64)
             if before is not None:
