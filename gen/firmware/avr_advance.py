@@ -1,7 +1,8 @@
 """The AVR's recursion as one block of assembly, for every shape that cannot saturate.
 
-One function does the whole sample, so that registers are saved once and the code's speed does not depend on the
-compiler's options.  The same code gives -q for a change of PWM: the T flag tells whether to leave after it.
+One block does the whole sample, so that registers are saved once and the code's speed does not depend on the
+compiler's options.  Where a change of PWM needs -q too (the carried form) the block is a function of its own, and the T
+flag tells whether to leave after -q; else it stands in the step itself and knows where everything lies.
 
 =========  =============================================================================================
 register   holds
@@ -14,7 +15,7 @@ r16:r17    b4:b5
 r14:r15    scratch, b6
 r12:r13    scratch, b7
 r11        0 within a product, then its sign extension
-r10, r9    components and runs left
+r10, r9    components and runs left (a block in the step looks at Z instead of r10)
 =========  =============================================================================================
 
 Products are those of :func:`gen.reference.fixed.product`; the order of their byte products is such that no chain of
@@ -40,6 +41,7 @@ _COMPONENTS, _RUNS = 10, 9
 _WORD = (20, 21, 22, 23, 24, 25)  # a word in the dead a and d
 _FILL, _SPARE = 12, 14  # bytes above a shifted word
 _BYTES = 6
+_ONE_BYTE = 256
 
 
 @dataclass(frozen=True)
@@ -82,18 +84,18 @@ def block(program: Program) -> Block:
     kept = [number for number, (_, component) in enumerate(shapes) if not component.saturates]
     carried = [number for number in kept if shapes[number][1].order > 1 and not shapes[number][1].layout.corrected]
     tasks = {shapes[number][0].identifier: 2 * index + 1 for index, number in enumerate(carried)}
-    text.group(
-        "Y: coefficients; T: whether to leave after q." if carried else "Y: coefficients.",
-        "push r28",
-        "push r29",
-        "movw r28, r26",
-    )
+    text.group("", "push r28", "push r29")
     if carried:
+        text.group("Y: coefficients; T: whether to leave after q.", "movw r28, r26")
         text.group("", "bst r20, 0", "brtc 1f", "rjmp 6f", "1:")
+    else:
+        text.group("Z: state; Y: coefficients.", *_load_pointer(30, "%[state]"), *_load_pointer(28, "%[now]"))
     skipped = [0, 0]  # bytes of state and coefficients
+    passed = 0  # bytes of state
     for number in range(kept[0] if kept else 0, kept[-1] + 1 if kept else 0):
         shape, component = shapes[number]
         order, count = component.order, len(shape.members)
+        passed += _BYTES * order * count
         if component.saturates:
             skipped[0] += _BYTES * order * count
             skipped[1] += 4 * (order + 1) * count
@@ -104,6 +106,8 @@ def block(program: Program) -> Block:
         names = ", ".join(program.components[member].name for member in shape.members)
         text.lines.append(f"        // ---- {names} ----")
         emitter = _Shape(text, shape.identifier, component.layout, count, component.substeps, last=number == kept[-1])
+        if not carried and _BYTES * order * count <= _ONE_BYTE:
+            emitter.end = f"%[state]+{passed}"
         emitter.emit(carried=number in carried)
         if number in carried:
             emitter.leave(after)
@@ -120,8 +124,8 @@ def block(program: Program) -> Block:
     text.group("The compiler wants r1 = 0.", "9:", "pop r29", "pop r28", "clr r1")
     used = [0, 1, 11, 12, 13, 14, 15, 16, 17, 18, 19, 21]
     if not carried:  # else they are operands
-        used += [20, 22, 23, 24, 25]
-    if any(len(shapes[number][0].members) > 1 for number in kept):
+        used += [20, 22, 23, 24, 25, 26, 27, 30, 31]
+    if any("mov r10," in line for line in text.lines):
         used.append(_COMPONENTS)
     if any(shapes[number][1].substeps > 1 for number in kept):
         used.append(_RUNS)
@@ -135,6 +139,8 @@ class _Shape:
     def __init__(self, text: AsmText, name: str, layout: Format, count: int, runs: int, *, last: bool) -> None:
         self.text, self.name, self.layout, self.count, self.runs, self.last = text, name, layout, count, runs, last
         self.order = layout.order
+        #: Where Z is after the last component, where that is known: its lowest byte tells whether another one is left.
+        self.end = ""
         # Another word; the product's bytes leave r26 or r11 free.
         self.copy = (12, 11 if layout.product_shifts[-1] == 16 else 26, 18, 19, 0, 1)
         # Order 1 walks its pointers along as it goes.
@@ -144,7 +150,8 @@ class _Shape:
         """The increment and the chain of additions, for each component and run."""
         group = self.text.group
         if self.count > 1:
-            group("Each component.", f"ldi r18, {self.count}", f"mov r{_COMPONENTS}, r18", f".Lc{self.name}%=:")
+            counter = [] if self.end else [f"ldi r18, {self.count}", f"mov r{_COMPONENTS}, r18"]
+            group("Each component.", *counter, f".Lc{self.name}%=:")
         if self.runs > 1:
             group("Each run.", f"ldi r18, {self.runs}", f"mov r{_RUNS}, r18", f".Lr{self.name}%=:")
         self._increment()
@@ -156,7 +163,8 @@ class _Shape:
         if not self.walks and (self.count > 1 or not self.last):
             group("The next component.", f"adiw r30, {_BYTES * self.order}", f"adiw r28, {4 * self.order + 4}")
         if self.count > 1:
-            group("", f"dec r{_COMPONENTS}", "breq 1f", f"rjmp .Lc{self.name}%=", "1:")
+            done = f"cpi r30, lo8({self.end})" if self.end else f"dec r{_COMPONENTS}"
+            group("", done, "breq 1f", f"rjmp .Lc{self.name}%=", "1:")
 
     def _increment(self) -> None:
         """The product whose negative is q, in b2..b7 and the sign."""
@@ -417,6 +425,10 @@ def _copy(target: Sequence[int], source: Sequence[int]) -> list[str]:
         code.append(f"{'movw' if pair else 'mov'} r{target[j]}, r{source[j]}")
         j += 2 if pair else 1
     return code
+
+
+def _load_pointer(register: int, address: str) -> list[str]:
+    return [f"ldi r{register}, lo8({address})", f"ldi r{register + 1}, hi8({address})"]
 
 
 def _step_pointer(register: int, distance: int) -> list[str]:
