@@ -82,7 +82,7 @@ def block(program: Program) -> Block:
         if isinstance(component := program.components[shape.members[0]], FixedComponent)
     ]
     kept = [number for number, (_, component) in enumerate(shapes) if not component.saturates]
-    carried = [number for number in kept if shapes[number][1].order > 1 and not shapes[number][1].layout.corrected]
+    carried = [number for number in kept if shapes[number][1].carries]
     tasks = {shapes[number][0].identifier: 2 * index + 1 for index, number in enumerate(carried)}
     text.group("", "push r28", "push r29")
     if carried:
@@ -243,7 +243,7 @@ class _Shape:
         )
 
     def _corrected_chain(self) -> None:
-        """The additions of :mod:`gen.lowering.correction`; -q is in r27, r16, r17, r15, r13 and the sign, R2 still in a."""
+        """Those of :mod:`gen.lowering.correction`; -q is in r27, r16, r17, r15, r13 and the sign, R2 still in a."""
         group, shift = self.text.group, self.layout.chain_shifts
         gain, last = 21, (26, 27, 14, 18, 19)
         group("r21: 4/3 of R2's uppermost byte", f"ldi r22, {GAIN_FACTOR}", "fmul r21, r22", f"mov r{gain}, r1")

@@ -130,7 +130,7 @@ def _shape(program: Program, shape: Shape) -> Context:
 
 def carries(component: AnyComponent) -> bool:
     """Whether the board hands something over when PWM changes."""
-    return component.order > 1 and not (isinstance(component, FixedComponent) and component.layout.corrected)
+    return component.carries if isinstance(component, FixedComponent) else component.order > 1
 
 
 def _fast_shape(component: FastComponent) -> Context:

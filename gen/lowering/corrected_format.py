@@ -4,8 +4,8 @@ Its short numbers lie on whole bytes if x3 has ten bits more than x2 and the las
 24 on; a component for which that cannot be has the carried form.  Words and products are those of
 :mod:`gen.lowering.formats`, with two differences:
 
-* Roundings are all down, so what they lose lies between 0 and a known sum.  Its middle acts like a wrong steady rise and
-  is taken off S; only the half enters the bound.
+* Roundings are all down, so what they lose lies between 0 and a known sum.  Its middle acts like a wrong steady rise
+  and is taken off S; only the half enters the bound.
 * The first product goes without its lowest six byte products instead of three.
 """
 

@@ -91,19 +91,8 @@ class FixedStep:
         inner = (state[2] >> RESIDUE_BITS) + product(inner, rates[1], second, wide=False)
         return -product(inner, rates[2], last, wide=True)
 
-    def advance_corrected(self, state: list[Word], rates: list[Word], q: Word) -> None:
-        """Do the additions of the corrected form, see :mod:`gen.lowering.correction`."""
-        first, second = self._component.layout.chain_shifts
-        rise = state[0] + (state[1] >> first)
-        last = state[2] + q
-        byte = rates[0] >> 24 + self._component.layout.first_rate_cut
-        short = (last >> 33) + byte * (state[1] >> 40)
-        short = (short * (rates[1] >> 24) >> 8) - 2 * (-q >> 24)
-        correction = short * ((rates[2] >> 24) * 2 * GAIN_FACTOR >> 8) >> 7
-        state[:] = [rise, state[1] + (last >> second) + correction, last]
-
     def carry(self, state: list[Word], old: Word, new: Word) -> None:
-        """Carry q/12 of x[n-1] over a change of PWM, given q before and after (orders 2 to 4)."""
+        """Carry q/12 of x[n-1] over a change of PWM, given q before and after (the carried form of orders 2 to 4)."""
         layout = self._component.layout
         cut, (whole, bits) = 8 * layout.carry_byte, divmod(layout.chain_shifts[-1], 8)
         change = self._high((-old >> cut) - (-new >> cut)) >> bits
@@ -111,8 +100,11 @@ class FixedStep:
         place = self._component.order - 2
         state[place] = self._word(state[place] + part)
 
-    def advance(self, state: list[Word], q: Word) -> None:
-        """Do the chain of additions, see :mod:`gen.lowering.increments`."""
+    def advance(self, state: list[Word], rates: list[Word], q: Word) -> None:
+        """Do the additions, see :mod:`gen.lowering.increments` and (this needs the rates) ``gen.lowering.correction``."""
+        if self._component.layout.corrected:
+            self._advance_corrected(state, rates, q)
+            return
         order = self._component.order
         shift = self._component.layout.chain_shifts
         if order == 1:
@@ -131,6 +123,16 @@ class FixedStep:
             state[1] = self._word(state[1] + (state[2] >> shift[1]))
             state[3] = self._word(state[3] + q)
             state[2] = self._word(state[2] + (state[3] >> shift[2]))
+
+    def _advance_corrected(self, state: list[Word], rates: list[Word], q: Word) -> None:
+        first, second = self._component.layout.chain_shifts
+        rise = state[0] + (state[1] >> first)
+        last = state[2] + q
+        byte = rates[0] >> 24 + self._component.layout.first_rate_cut
+        short = (last >> 33) + byte * (state[1] >> 40)
+        short = (short * (rates[1] >> 24) >> 8) - 2 * (-q >> 24)
+        correction = short * ((rates[2] >> 24) * 2 * GAIN_FACTOR >> 8) >> 7
+        state[:] = [rise, state[1] + (last >> second) + correction, last]
 
     def _high(self, value: Word) -> Word:
         return self._limited(value, self._limit_high) if self._component.saturates else value
