@@ -101,7 +101,7 @@ class FixedStep:
         state[place] = self._word(state[place] + part)
 
     def advance(self, state: list[Word], rates: list[Word], q: Word) -> None:
-        """Do the additions, see :mod:`gen.lowering.increments` and (this needs the rates) ``gen.lowering.correction``."""
+        """Do the additions, see :mod:`gen.lowering.increments` and (for the rates) :mod:`gen.lowering.correction`."""
         if self._component.layout.corrected:
             self._advance_corrected(state, rates, q)
             return
