@@ -105,8 +105,9 @@ def _lower_corrected(component: Component, exact: Dynamics) -> FixedComponent | 
         return None
     for layout in corrected_format.candidates(inner, exact.rates.max(axis=0)):
         tables, rates = correction.tabulate(exact, layout)
-        rounding = corrected_format.rounding(layout, tables.rates, rates)
-        proof = _prove_corrected(recursion, tables, layout, rates, rounding)
+        lost = corrected_format.rounding(layout, tables.rates, rates).steady
+        steady = np.rint((tables.steady - lost) / layout.high_lsb[0]).astype(np.int64)
+        proof = _prove_corrected(recursion, exact, layout, rates, steady)
         if proof is not None:
             return FixedComponent(
                 name=component.name,
@@ -114,21 +115,19 @@ def _lower_corrected(component: Component, exact: Dynamics) -> FixedComponent | 
                 substeps=1,
                 layout=layout,
                 rates=rates,
-                steady=np.rint((tables.steady - rounding.steady) / layout.high_lsb[0]).astype(np.int64),
-                start_range_mK=tables.start_range_mK,
+                steady=steady,
+                start_range_mK=exact.start_range_mK,
                 proof=proof,
             )
     return None
 
 
 def _prove_corrected(
-    recursion: SwitchedRecursion,
-    tables: Dynamics,
-    layout: Format,
-    rates: Integers,
-    rounding: corrected_format.Rounding,
+    recursion: SwitchedRecursion, exact: Dynamics, layout: Format, rates: Integers, steady: Integers
 ) -> Proof | None:
     """:func:`prove` for the corrected form."""
+    tables = correction.corrected(exact, correction.Correction.of(layout, rates))
+    rounding = corrected_format.rounding(layout, tables.rates, rates)
     ranges = bounds.state_ranges(recursion, tables)
     inner = bounds.inner_ranges(recursion, tables)
     q_range = float(inner[-1] * tables.rates[:, -1].max())
@@ -138,7 +137,9 @@ def _prove_corrected(
     if not corrected_format.fits(layout, ranges, q_range, rates):
         return None
     changed_c = increments.from_rates(rates * 2.0 ** -np.array(layout.rate_fraction_bits)) - tables.c
-    q_error = rounding.q + np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
+    away = np.abs(steady * layout.high_lsb[0] - (tables.steady - rounding.steady))
+    q_error = rounding.q + tables.c[:, 0] * np.maximum(0.0, away - 0.5 * layout.high_lsb[0])
+    q_error += np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
     chain = rounding.chain.copy()
     chain[:, 1] += correction.Correction.of(layout, rates).on_q * q_error
     error = bounds.worst_error(
@@ -171,6 +172,8 @@ def with_rows(lowered: FixedComponent, exact: Dynamics, rates: Integers, steady:
     given = replace(lowered, rates=rates, steady=steady, proof=None)
     try:
         recursion = SwitchedRecursion(exact.exact)
+        if lowered.layout.corrected:
+            return replace(given, proof=_prove_corrected(recursion, exact, lowered.layout, rates, steady))
         ranges = bounds.state_ranges(recursion, exact)
     except NoProofError:
         return given
