@@ -65,7 +65,7 @@ def test_a_table_of_rows_that_stand_alone_leaves_the_code_no_room_within_the_goa
     by_itself = rows * plain / 8.0
     from_neighbours = rows / 2.0 * (plain + predicted) / 8.0
     print(
-        f"\nrow by itself {plain} bits, table {by_itself:.0f} B; every other from its neighbours {from_neighbours:.0f} B"
+        f"\nrow by itself {plain} bits, table {by_itself:.0f} B; every other by its neighbours {from_neighbours:.0f} B"
     )
     # Packed to the last bit, each column alone at the limit: what is left has to hold the code and the unpacking.
     assert FLASH_GOAL - by_itself < 2_000
