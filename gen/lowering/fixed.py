@@ -33,7 +33,7 @@ def tabulate(exact: Dynamics, layout: Format) -> tuple[Integers, Integers]:
 
 
 def lower_component(
-    model: ThermalModel, component: Component, limit_K: float, *, tabulated: bool = True
+    model: ThermalModel, component: Component, limit_K: float, *, tabulated: bool = False
 ) -> FixedComponent:
     """Find formats, integers and proof for one component.
 

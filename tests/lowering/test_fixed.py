@@ -31,7 +31,7 @@ def fixed(name: str) -> Program:
 def carried_brushes() -> tuple[FixedComponent, ...]:
     """The order-3 components as a schedule on board needs them."""
     models = [example(name).model for name in ("my1016", "my1016_averaged")]
-    return tuple(lower_component(model, model.components[0], 1e-5, tabulated=False) for model in models)
+    return tuple(lower_component(model, model.components[0], 1e-5) for model in models)
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
