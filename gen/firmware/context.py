@@ -15,11 +15,12 @@ from gen.firmware.avr_fast import coefficient_bytes, fast_block
 from gen.firmware.onboard_cpp import helpers
 from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.alarms import lower_alarms
+from gen.lowering.corrected_format import FIRST_DROPPED
 from gen.lowering.dynamics import domain_rows
 from gen.lowering.fast_block import BACKWARD, FORWARD
 from gen.lowering.fast_format import BLOCK, FastComponent
 from gen.lowering.float32 import LIMIT_BITS, ONBOARD_STEADY_SHIFT, Column, FloatComponent, column_words
-from gen.lowering.formats import CARRY_FACTOR, RESIDUE_BITS, start_scale
+from gen.lowering.formats import CARRY_FACTOR, GAIN_FACTOR, RESIDUE_BITS, start_scale
 from gen.lowering.lower import AnyComponent, Program, Shape
 from gen.lowering.program import FixedComponent, rounded_up
 from gen.reference.fast import SIXTH
@@ -50,6 +51,7 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
             "name": component.name,
             "description": component.description,
             "order": component.order,
+            "carried": carries(program.components[number]),
             "substeps": program.components[number].substeps,
             "shape": places[number][0].identifier,
             "place": places[number][1],
@@ -79,7 +81,7 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "outside_validity": _outside(model.validity, model.domain_pwm),
         "zeroed": _zeroed(program),
         "components": components,
-        "carried": [component for component in components if component["order"] > 1],
+        "carried": [component for component in components if component["carried"]],
         "carry_factor": CARRY_FACTOR,
         "start_members": _start_members(program),
         "saturates": program.saturates,
@@ -113,6 +115,8 @@ def _shape(program: Program, shape: Shape) -> Context:
         "count": len(shape.members),
         "members": [program.components[member].name for member in shape.members],
         "order": component.order,
+        "carried": carries(component),
+        "corrected": component.order > 1 and not carries(component),
         "substeps": component.substeps,
         "saturates": component.saturates,
         "start_mK": component.start_range_mK,
@@ -122,6 +126,11 @@ def _shape(program: Program, shape: Shape) -> Context:
         return common | _fast_shape(component)
     common |= {"short_rate": False, "short_steady": False}
     return common | (_fixed_shape(component) if isinstance(component, FixedComponent) else _float_shape(component))
+
+
+def carries(component: AnyComponent) -> bool:
+    """Whether the board hands something over when PWM changes."""
+    return component.carries if isinstance(component, FixedComponent) else component.order > 1
 
 
 def _fast_shape(component: FastComponent) -> Context:
@@ -157,6 +166,9 @@ def _fixed_shape(component: FixedComponent) -> Context:
         "product_shifts": layout.product_shifts,
         "chain_shifts": layout.chain_shifts,
         "output_bits": output_bits,
+        "first_dropped": FIRST_DROPPED,
+        "first_rate_cut": layout.first_rate_cut if layout.corrected else 0,
+        "gain_factor": GAIN_FACTOR,
         "carry_byte": layout.carry_byte,
         "carry_bits": layout.chain_shifts[-1] % 8 if component.order > 1 else 0,
         "carry_place": 8 * layout.carry_byte - layout.chain_shifts[-1] // 8 * 8 if component.order > 1 else 0,

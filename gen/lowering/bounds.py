@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from gen.lowering import increments
 from gen.lowering.dynamics import Dynamics
-from gen.lowering.reach import SwitchedRecursion
+from gen.lowering.reach import ReachSet, SwitchedRecursion
 
 Array = NDArray[np.float64]
 
@@ -60,13 +60,41 @@ def state_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> StateRanges:
     NoProofError
         If the recursion has no invariant polytope.
     """
+    reach = _state_reach(recursion, exact)
+    extents = np.array([reach.extent(axis) for axis in np.eye(exact.order)]) * (1.0 + _WIDENING)
+    return _ranges(exact, extents)
+
+
+def inner_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> Array:
+    """Largest magnitude of what each rate multiplies, (x1 - S), x2 + R0 (x1 - S) .., shape (n,), in K per sample^k.
+
+    Read off the polytope in each sum's own direction: its terms are not at their largest together.
+
+    Raises
+    ------
+    NoProofError
+        If the recursion has no invariant polytope.
+    """
+    reach = _state_reach(recursion, exact)
+    largest = np.zeros(exact.order)
+    for state_map, rates, steady in zip(exact.state_maps(), exact.rates, exact.steady, strict=True):
+        direction = np.zeros(exact.order)
+        for i in range(exact.order):
+            direction = direction * (rates[i - 1] if i else 1.0)
+            direction[i] = 1.0
+            true = direction @ state_map
+            value = reach.extent(true) * (1.0 + _WIDENING) + abs(true[0] * (exact.centre - steady))
+            largest[i] = max(largest[i], value)
+    return largest
+
+
+def _state_reach(recursion: SwitchedRecursion, exact: Dynamics) -> ReachSet:
+    """What the true state, less the centre, can reach."""
     n = exact.order
     towards = (np.eye(n) - exact.exact)[:, :, 0] * (exact.steady - exact.centre)[:, None]
     start = np.zeros((1, n))
     start[0, 0] = max(exact.start[1] - exact.centre, exact.centre - exact.start[0])
-    reach = recursion.bound(towards[:, None, :], start)
-    extents = np.array([reach.extent(axis) for axis in np.eye(n)]) * (1.0 + _WIDENING)
-    return _ranges(exact, extents)
+    return recursion.bound(towards[:, None, :], start)
 
 
 def unproven_ranges(exact: Dynamics) -> StateRanges:
@@ -102,7 +130,7 @@ def worst_error(
     start_error
         Bound on the rounding of the start value, in K.
     carry
-        Share of q that the board carries over at a change of PWM.
+        Share of q that the board carries over at a change of PWM; 0 where nothing happens then.
 
     Returns
     -------
@@ -115,7 +143,7 @@ def worst_error(
         If the recursion has no invariant polytope.
     """
     n, rows = exact.order, len(exact.steady)
-    state_maps = increments.state_map(exact.c, carry)
+    state_maps = exact.state_maps(carry)
     from_board = np.linalg.inv(state_maps)
     disturbance = np.zeros((rows, 2 * n + 1, n))
     coefficients = np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
@@ -144,7 +172,7 @@ def _ranges(exact: Dynamics, extents: Array) -> StateRanges:
     true_distance = np.tile(extents, (len(exact.steady), 1))
     true_distance[:, 0] = extents[0] + np.abs(exact.steady - exact.centre)
     # The share of q that a board carries is 1/12 but for its rounding, which moves nothing by more than the widening.
-    distance = np.einsum("pij,pj->pi", np.abs(increments.state_map(exact.c)), true_distance)
+    distance = np.einsum("pij,pj->pi", np.abs(exact.state_maps()), true_distance)
     excess = float((distance[:, 0] - true_distance[:, 0]).max())  # x1 is T plus a little of the increments
     rise = (exact.centre - float(extents[0]) - excess, exact.centre + float(extents[0]) + excess)
     magnitude = distance.max(axis=0)

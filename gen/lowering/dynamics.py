@@ -30,6 +30,8 @@ class Dynamics:
         One (sub)sample of the increment form and of the differential equation, shape (rows, n, n).
     start
         Lowest and highest rise from which the board may start, in K.
+    constant_map
+        How the true state becomes the board's where PWM has no part in it, shape (n, n); None for the carried form.
     """
 
     rates: Array
@@ -38,6 +40,7 @@ class Dynamics:
     form: Array
     exact: Array
     start: tuple[float, float]
+    constant_map: Array | None = None
 
     @property
     def start_range_mK(self) -> tuple[int, int]:
@@ -48,6 +51,12 @@ class Dynamics:
     def order(self) -> int:
         """The component's order n."""
         return int(self.rates.shape[1])
+
+    def state_maps(self, carry: float = increments.CARRY) -> Array:
+        """The matrices M(p) of :func:`gen.lowering.increments.state_map`, shape (rows, n, n)."""
+        if self.constant_map is None:
+            return increments.state_map(self.c, carry)
+        return np.tile(self.constant_map, (len(self.c), 1, 1))
 
     @property
     def centre(self) -> float:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gen.lowering import bounds, formats, increments
+from gen.lowering import bounds, corrected_format, correction, formats, increments
 from gen.lowering.bounds import Array, StateRanges
 from gen.lowering.dynamics import Dynamics, LoweringError, dynamics
 from gen.lowering.formats import RESIDUE_BITS, START_UNITS, Format
@@ -32,7 +32,9 @@ def tabulate(exact: Dynamics, layout: Format) -> tuple[Integers, Integers]:
     return rates, steady
 
 
-def lower_component(model: ThermalModel, component: Component, limit_K: float) -> FixedComponent:
+def lower_component(
+    model: ThermalModel, component: Component, limit_K: float, *, tabulated: bool = False
+) -> FixedComponent:
     """Find formats, integers and proof for one component.
 
     Parameters
@@ -41,12 +43,18 @@ def lower_component(model: ThermalModel, component: Component, limit_K: float) -
         What to lower.
     limit_K
         The error bound to aim for; more substeps are tried until it holds.
+    tabulated
+        Whether the integers come from a table, so that the corrected form is worth trying.
 
     Raises
     ------
     LoweringError
         If the poles do not fit the sample time or no formats can hold the ranges.
     """
+    if tabulated and component.order == correction.ORDER:
+        found = _lower_corrected(component, dynamics(model, component, 1))
+        if found is not None and found.proof is not None and found.proof.bound_K <= limit_K:
+            return found
     return fewest_substeps(
         component.order,
         limit_K,
@@ -87,6 +95,68 @@ def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float)
     )
 
 
+def _lower_corrected(component: Component, exact: Dynamics) -> FixedComponent | None:
+    """The component in the corrected form, None if it cannot have it."""
+    try:
+        recursion = SwitchedRecursion(exact.exact)
+        inner = bounds.inner_ranges(recursion, exact)
+        inner = np.maximum(inner, bounds.state_ranges(recursion, exact).magnitude)
+    except NoProofError:
+        return None
+    for layout in corrected_format.candidates(inner, exact.rates.max(axis=0)):
+        tables, rates = correction.tabulate(exact, layout)
+        lost = corrected_format.rounding(layout, tables.rates, rates).steady
+        steady = np.rint((tables.steady - lost) / layout.high_lsb[0]).astype(np.int64)
+        proof = _prove_corrected(recursion, exact, layout, rates, steady)
+        if proof is not None:
+            return FixedComponent(
+                name=component.name,
+                order=component.order,
+                substeps=1,
+                layout=layout,
+                rates=rates,
+                steady=steady,
+                start_range_mK=exact.start_range_mK,
+                proof=proof,
+            )
+    return None
+
+
+def _prove_corrected(
+    recursion: SwitchedRecursion, exact: Dynamics, layout: Format, rates: Integers, steady: Integers
+) -> Proof | None:
+    """:func:`prove` for the corrected form."""
+    tables = correction.corrected(exact, correction.Correction.of(layout, rates))
+    rounding = corrected_format.rounding(layout, tables.rates, rates)
+    ranges = bounds.state_ranges(recursion, tables)
+    inner = bounds.inner_ranges(recursion, tables)
+    q_range = float(inner[-1] * tables.rates[:, -1].max())
+    needed = np.maximum(inner, ranges.magnitude)
+    if np.any(needed > (2.0**31 - 8.0) * np.array(layout.high_lsb)):
+        return None
+    if not corrected_format.fits(layout, ranges, q_range, rates):
+        return None
+    changed_c = increments.from_rates(rates * 2.0 ** -np.array(layout.rate_fraction_bits)) - tables.c
+    away = np.abs(steady * layout.high_lsb[0] - (tables.steady - rounding.steady))
+    q_error = rounding.q + tables.c[:, 0] * np.maximum(0.0, away - 0.5 * layout.high_lsb[0])
+    q_error += np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
+    chain = rounding.chain.copy()
+    chain[:, 1] += correction.Correction.of(layout, rates).on_q * q_error
+    error = bounds.worst_error(
+        recursion,
+        tables,
+        ranges,
+        changed_c=np.zeros_like(changed_c),
+        q_error=q_error,
+        chain_error=chain,
+        start_error=START_UNITS * layout.high_lsb[0],
+        carry=0.0,
+    )
+    if error is None:
+        return None
+    return Proof(ranges.rise, tuple(float(v) for v in ranges.magnitude[1:]), error + layout.high_lsb[0])
+
+
 def with_rows(lowered: FixedComponent, exact: Dynamics, rates: Integers, steady: Integers) -> FixedComponent:
     """The same component with given integers, such as an onboard schedule computes, and their own proof.
 
@@ -102,6 +172,8 @@ def with_rows(lowered: FixedComponent, exact: Dynamics, rates: Integers, steady:
     given = replace(lowered, rates=rates, steady=steady, proof=None)
     try:
         recursion = SwitchedRecursion(exact.exact)
+        if lowered.layout.corrected:
+            return replace(given, proof=_prove_corrected(recursion, exact, lowered.layout, rates, steady))
         ranges = bounds.state_ranges(recursion, exact)
     except NoProofError:
         return given

@@ -25,6 +25,8 @@ WORD_BITS = 48
 RESIDUE_BITS = 16
 #: 2^16 / 12: the share of q that x[n-1] carries (:mod:`gen.lowering.increments`), as the board multiplies by it.
 CARRY_FACTOR = 5461
+#: 2^7 times 4/3, a little more for what the byte of R2 has lost: how the corrected form takes a twelfth of R2.
+GAIN_FACTOR = 172
 #: The start value's distance from the given one, in units of the high word of x1: rounded down, with a rounded factor.
 START_UNITS = 2.0
 _PRODUCT_SHIFTS = (32, 24, 16)
@@ -44,17 +46,26 @@ class Format:
         Bits after the binary point of the 32-bit unsigned rates, length n.
     carry_byte
         At a change of PWM, 32 bits of q from this byte of its word on are carried over, 1 or 2.
+    corrected
+        Whether every sample corrects itself (:mod:`gen.lowering.correction`), so that nothing happens at a change of
+        PWM.
     """
 
     fraction_bits: tuple[int, ...]
     product_shifts: tuple[int, ...]
     rate_fraction_bits: tuple[int, ...]
     carry_byte: int = 2
+    corrected: bool = False
 
     @property
     def order(self) -> int:
         """The component's order n."""
         return len(self.fraction_bits)
+
+    @property
+    def first_rate_cut(self) -> int:
+        """By how many bits the corrected form shortens R0's uppermost byte."""
+        return self.rate_fraction_bits[0] - self.chain_shifts[-1] - 31
 
     @property
     def chain_shifts(self) -> tuple[int, ...]:
@@ -109,6 +120,12 @@ def dropped_error(shift: int, *, wide: bool) -> float:
     return sum((s + 1) * 255.0 * 255.0 * 256.0**s for s in range(rank)) / 2.0**shift
 
 
+def corrected_gain(last_rates: NDArray[np.int64]) -> NDArray[np.int64]:
+    """F of the corrected form, R2/12 from R2's uppermost byte (:mod:`gen.lowering.correction`)."""
+    gain: NDArray[np.int64] = (last_rates >> 24) * 2 * GAIN_FACTOR >> 8
+    return gain
+
+
 def choose(ranges: Array, rate_maxima: Array, sensitivity: Array, tolerance: float) -> Format | None:
     """The formats with the fewest odd shifts whose rounding stays within a tolerance.
 
@@ -128,16 +145,14 @@ def choose(ranges: Array, rate_maxima: Array, sensitivity: Array, tolerance: flo
     Format or None
         None if a range cannot be held together with the others' (chain shifts would have to be negative or > 31).
     """
-    finest = [WORD_BITS - 1 - _bits(value) for value in ranges]
-    for i in reversed(range(len(finest) - 1)):
-        finest[i] = min(finest[i], finest[i + 1])
+    finest = largest_formats(ranges)
     best: tuple[tuple[float, ...], Format] | None = None
     for coarser in itertools.product(range(8), repeat=len(finest)):
         bits = tuple(f - c for f, c in zip(finest, coarser, strict=True))
         shifts = [b - a for a, b in itertools.pairwise(bits)]
         if any(not 0 <= s <= 31 for s in shifts):
             continue
-        candidate = _with_products(bits, rate_maxima)
+        candidate = with_products(bits, rate_maxima)
         if candidate is None:
             continue
         error = float(sum(s * lsb for s, lsb in zip(sensitivity, candidate.high_lsb, strict=True)))
@@ -148,7 +163,16 @@ def choose(ranges: Array, rate_maxima: Array, sensitivity: Array, tolerance: flo
     return best[1] if best else None
 
 
-def _with_products(bits: tuple[int, ...], rate_maxima: Array) -> Format | None:
+def largest_formats(ranges: Array) -> list[int]:
+    """Most bits after the binary point that the states' words can have, not decreasing."""
+    finest = [WORD_BITS - 1 - _bits(value) for value in ranges]
+    for i in reversed(range(len(finest) - 1)):
+        finest[i] = min(finest[i], finest[i + 1])
+    return finest
+
+
+def with_products(bits: tuple[int, ...], rate_maxima: Array) -> Format | None:
+    """The finest rates for given bits of the states, None if a rate is too large for any product."""
     shifts, rate_bits = [], []
     for i, largest in enumerate(rate_maxima):
         gap = bits[i + 1] - bits[i] if i + 1 < len(bits) else RESIDUE_BITS

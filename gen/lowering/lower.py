@@ -139,7 +139,7 @@ def lower(
     onboard: list[OnboardComponent] = []
     for component in model.components:
         try:
-            lowered = _table(model, component, arithmetic, limit)
+            lowered = _table(model, component, arithmetic, limit, tabulated=schedule == "table")
             if schedule == "onboard":
                 lowered, tape = _onboard(model, component, lowered, limit)
                 onboard.append(tape)
@@ -174,10 +174,10 @@ def _check_bound(lowered: AnyComponent, limit: float, kind: str) -> None:
 
 
 def _table(
-    model: ThermalModel, component: Component, arithmetic: Arithmetic, limit: float
+    model: ThermalModel, component: Component, arithmetic: Arithmetic, limit: float, *, tabulated: bool
 ) -> FixedComponent | FloatComponent:
     if arithmetic == "fixed":
-        return fixed.lower_component(model, component, min(limit, fixed.TARGET_K))
+        return fixed.lower_component(model, component, min(limit, fixed.TARGET_K), tabulated=tabulated)
     return float32.lower_component(model, component, limit)
 
 

@@ -89,6 +89,11 @@ class FixedComponent:
         """Whether the additions saturate because no range could be proven."""
         return self.proof is None
 
+    @property
+    def carries(self) -> bool:
+        """Whether a change of PWM hands q/12 over (the carried form of orders 2 to 4)."""
+        return self.order > 1 and not self.layout.corrected
+
     def describe(self) -> dict[str, Any]:
         """Formats and proof for the manifest; numbers from linear algebra rounded to two digits, upwards."""
         return {

@@ -11,13 +11,14 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.formats import CARRY_FACTOR, RESIDUE_BITS, WORD_BITS, dropped_bytes, start_scale
+from gen.lowering.corrected_format import FIRST_DROPPED
+from gen.lowering.formats import CARRY_FACTOR, GAIN_FACTOR, RESIDUE_BITS, WORD_BITS, dropped_bytes, start_scale
 from gen.lowering.program import FixedComponent
 
 Word = TypeVar("Word", int, NDArray[np.int64])
 
 
-def product(difference: Word, rate: Word, shift: int, *, wide: bool) -> Word:
+def product(difference: Word, rate: Word, shift: int, *, wide: bool, dropped: int | None = None) -> Word:
     """``difference * rate >> shift`` without the lowest byte products, rounded down.
 
     Parameters
@@ -30,11 +31,14 @@ def product(difference: Word, rate: Word, shift: int, *, wide: bool) -> Word:
         16, 24 or 32.
     wide
         Whether the result is a 48-bit word (else it is a high word, whose range is proven to be 32 bits).
+    dropped
+        How many columns of byte products to leave out, if not the usual number.
     """
-    whole = difference * rate - (difference & 0xFF) * (rate & 0xFF)
-    if dropped_bytes(shift, wide=wide) == 2:
-        cross = (difference & 0xFF) * ((rate >> 8) & 0xFF) + ((difference >> 8) & 0xFF) * (rate & 0xFF)
-        whole = whole - (cross << 8)
+    whole = difference * rate
+    for column in range(dropped_bytes(shift, wide=wide) if dropped is None else dropped):
+        for i in range(column + 1):
+            part = ((difference >> 8 * i) & 0xFF) * ((rate >> 8 * (column - i)) & 0xFF)
+            whole = whole - (part << 8 * column)
     return whole >> shift
 
 
@@ -69,6 +73,8 @@ class FixedStep:
     def increment(self, state: list[Word], rates: list[Word], steady: Word) -> Word:
         """Give q, as a word of x[n], for a state (not changed), integer rates and integer steady rise."""
         layout = self._component.layout
+        if layout.corrected:
+            return self._corrected_increment(state, rates, steady)
         inner = self._high((state[0] >> RESIDUE_BITS) - steady)
         for i in range(layout.order - 1):
             inner = self._high(
@@ -78,8 +84,15 @@ class FixedStep:
             )
         return -product(inner, rates[-1], layout.product_shifts[-1], wide=True)
 
+    def _corrected_increment(self, state: list[Word], rates: list[Word], steady: Word) -> Word:
+        first, second, last = self._component.layout.product_shifts
+        inner = (state[0] >> RESIDUE_BITS) - steady
+        inner = (state[1] >> RESIDUE_BITS) + product(inner, rates[0], first, wide=False, dropped=FIRST_DROPPED)
+        inner = (state[2] >> RESIDUE_BITS) + product(inner, rates[1], second, wide=False)
+        return -product(inner, rates[2], last, wide=True)
+
     def carry(self, state: list[Word], old: Word, new: Word) -> None:
-        """Carry q/12 of x[n-1] over a change of PWM, given q before and after (orders 2 to 4)."""
+        """Carry q/12 of x[n-1] over a change of PWM, given q before and after (the carried form of orders 2 to 4)."""
         layout = self._component.layout
         cut, (whole, bits) = 8 * layout.carry_byte, divmod(layout.chain_shifts[-1], 8)
         change = self._high((-old >> cut) - (-new >> cut)) >> bits
@@ -87,8 +100,11 @@ class FixedStep:
         place = self._component.order - 2
         state[place] = self._word(state[place] + part)
 
-    def advance(self, state: list[Word], q: Word) -> None:
-        """Do the chain of additions, see :mod:`gen.lowering.increments`."""
+    def advance(self, state: list[Word], rates: list[Word], q: Word) -> None:
+        """Do the additions, see :mod:`gen.lowering.increments` and (for the rates) :mod:`gen.lowering.correction`."""
+        if self._component.layout.corrected:
+            self._advance_corrected(state, rates, q)
+            return
         order = self._component.order
         shift = self._component.layout.chain_shifts
         if order == 1:
@@ -107,6 +123,16 @@ class FixedStep:
             state[1] = self._word(state[1] + (state[2] >> shift[1]))
             state[3] = self._word(state[3] + q)
             state[2] = self._word(state[2] + (state[3] >> shift[2]))
+
+    def _advance_corrected(self, state: list[Word], rates: list[Word], q: Word) -> None:
+        first, second = self._component.layout.chain_shifts
+        rise = state[0] + (state[1] >> first)
+        last = state[2] + q
+        byte = rates[0] >> 24 + self._component.layout.first_rate_cut
+        short = (last >> 33) + byte * (state[1] >> 40)
+        short = (short * (rates[1] >> 24) >> 8) - 2 * (-q >> 24)
+        correction = short * ((rates[2] >> 24) * 2 * GAIN_FACTOR >> 8) >> 7
+        state[:] = [rise, state[1] + (last >> second) + correction, last]
 
     def _high(self, value: Word) -> Word:
         return self._limited(value, self._limit_high) if self._component.saturates else value

@@ -59,13 +59,13 @@ class FixedLanes:
     def sample(self, row: Integers, before: Integers | None) -> None:
         """See :class:`ComponentLanes`."""
         rates, steady = self._coefficients(row)
-        if self._component.order > 1 and (before is None or bool(np.any(before != row))):
+        if self._component.carries and (before is None or bool(np.any(before != row))):
             old = np.zeros(len(row), dtype=np.int64)
             if before is not None:
                 old = self._step.increment(self._state, *self._coefficients(before))
             self._step.carry(self._state, old, self._step.increment(self._state, rates, steady))
         for _ in range(self._component.substeps):
-            self._step.advance(self._state, self._step.increment(self._state, rates, steady))
+            self._step.advance(self._state, rates, self._step.increment(self._state, rates, steady))
 
     def rise(self) -> NDArray[np.float64]:
         """See :class:`ComponentLanes`."""

@@ -68,14 +68,15 @@ def replaced(path_end: str, old: str, new: str) -> Callable[[Files], Files]:
 
 
 FAULTS: dict[str, tuple[Target, Callable[[Files], Files]]] = {
-    "wrong shift": ("host", replaced("_word.h", "_whole(word) >> 12)", "_whole(word) >> 11)")),
+    "wrong shift": ("host", replaced("_word.h", "_whole(word) >> 13)", "_whole(word) >> 12)")),
     "lost residue": ("host", replaced("_word.h", "(uint16_t)(whole & 0xFFFF)", "(uint16_t)(whole & 0xFFFE)")),
     "missing cast to 32 bits": (
         "avr",
         replaced("_word.h", "(uint32_t)(uint8_t)rise_mK * fraction", "(uint8_t)rise_mK * fraction"),
     ),
     "wrong product shift": ("host", replaced("_step.h", "_high32(inner", "_high24(inner")),
-    "carry forgotten": ("host", replaced("_step.h", "(before - after)", "0 * (before - after)")),
+    "correction forgotten": ("host", replaced("_step.h", "change * twelfth", "0 * change * twelfth")),
+    "half a correction on the board": ("avr", replaced("src/my1016.cpp", "fmul r21", "mul r21")),
 }
 
 
