@@ -29,6 +29,8 @@ class Run:
         Further columns by their full name.
     comments
         The comment lines; a line without a colon has an empty value.
+    rows_in_file
+        Rows of the file that it was read from, more than N when it was thinned; None for a run from elsewhere.
     """
 
     time_s: FloatArray
@@ -37,3 +39,4 @@ class Run:
     ambient: FloatArray | None = None
     extras: dict[str, FloatArray] = field(default_factory=dict)
     comments: dict[str, str] = field(default_factory=dict)
+    rows_in_file: int | None = None

@@ -16,6 +16,8 @@ from gen.loop.identify.records import Record, condense
 from gen.loop.identify.structure import FloatArray
 from gen.runs import Run, read_run
 
+MOST_ROWS = 100_000
+"""A run of more than twice as many rows is thinned to about as many: blocks are longer than that in the end."""
 FEWEST = 20
 """Samples that a component needs in a run."""
 MOVES_K = 0.5
@@ -80,7 +82,7 @@ def read_data(paths: Sequence[Path], ambient: float | None) -> Data:
     InputError
         When nothing can be identified from them.
     """
-    sources = [Source(str(path), read_run(path)) for path in paths]
+    sources = [Source(str(path), read_run(path, most_rows=MOST_ROWS)) for path in paths]
     return make_data(sources, ambient)
 
 
