@@ -19,7 +19,7 @@ from gen.model.exact import ExactSolution
 from gen.model.extended import FINEST_S, ExtendedSolution, own_rate
 from gen.reference.simulate import held_over_gaps
 from gen.runs import Run, read_run
-from gen.runs.run import FloatArray
+from gen.runs.run import FloatArray, board_columns
 
 BINS = 240
 """Aimed at for a run of some time constants."""
@@ -131,7 +131,9 @@ def read_measured(coefficients: Coefficients, path: Path) -> Run:
         raise InputError(f"no component's temperature was measured; expected {expected}", file=str(path))
     if run.time_s.size < 8:
         raise InputError(f"found {run.time_s.size} rows, expected at least 8", file=str(path))
-    return replace(run, temps=measured)
+    own = board_columns([*(f"{name}_degC" for name in run.temps), *run.extras])
+    extras = {name: values for name, values in run.extras.items() if name not in own}
+    return replace(run, temps=measured, extras=extras)
 
 
 def free_run(baseline: Coefficients, model: Coefficients, path: Path) -> tuple[Run, dict[str, FloatArray]]:

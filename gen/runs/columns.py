@@ -38,16 +38,21 @@ class Columns:
             self._compact()
         for i, array in enumerate(self._arrays):
             if rows > array.size:
-                grown = np.empty(max(2 * array.size, rows), dtype=array.dtype)
-                grown[: self.rows] = array[: self.rows]
-                self._arrays[i] = grown
+                self._arrays[i] = self._copied(i, max(2 * array.size, rows), array.dtype)
             self._arrays[i][self.rows : rows] = values[:, i]
         self.rows = rows
 
     def _compact(self) -> None:
-        kinds = {"time_s": np.dtype(np.float64), "pwm": np.dtype(np.int16)}
+        kinds: dict[str, np.dtype[Any]] = {"time_s": np.dtype(np.float64), "pwm": np.dtype(np.int16)}
         for i, name in enumerate(self._names):
-            self._arrays[i] = self._arrays[i].astype(kinds.get(name, np.dtype(np.float32)), copy=False)
+            kind = kinds.get(name, np.dtype(np.float32))
+            if self._arrays[i].dtype != kind:
+                self._arrays[i] = self._copied(i, self._arrays[i].size, kind)
+
+    def _copied(self, i: int, size: int, kind: np.dtype[Any]) -> NDArray[Any]:
+        made = np.empty(size, dtype=kind)
+        made[: self.rows] = self._arrays[i][: self.rows]
+        return made
 
     def finished(self) -> dict[str, NDArray[Any]]:
         """The columns by name."""

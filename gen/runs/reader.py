@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gen.errors import InputError
 from gen.runs.columns import Columns
-from gen.runs.run import AMBIENT, FloatArray, Run
+from gen.runs.run import AMBIENT, FloatArray, Run, board_columns
 from gen.runs.thinning import thinned
 
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
@@ -46,7 +46,8 @@ def read_run(
         The CSV file.
     components
         Names of the model's components: their ``<name>_degC`` columns, as far as present, become `temps`, and
-        other columns `extras`. None: every column ``<name>_degC`` but the ambient is a component.
+        other columns `extras`. None: every column ``<name>_degC`` is a component but the ambient and what a board's
+        model says.
     require
         Components whose column must be present.
     ambient
@@ -74,7 +75,10 @@ def read_run(
     time_s, pwm = channels.pop("time_s"), channels.pop("pwm")
     measured = channels.pop(ambient, None)
     if components is None:
-        components = [name.removesuffix("_degC") for name in channels if re.fullmatch(r".+_degC", name)]
+        own = board_columns(channels)
+        components = [
+            name.removesuffix("_degC") for name in channels if re.fullmatch(r".+_degC", name) and name not in own
+        ]
     return Run(
         time_s=time_s,
         pwm=pwm.astype(np.int64),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,6 +10,13 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 AMBIENT = "ambient_degC"
+_STATUS = {"flags", "sensors", "alarms"}
+
+
+def board_columns(names: Collection[str]) -> set[str]:
+    """Columns that a board adds on its own account: its model's temperatures and its status. They measure nothing."""
+    models = {name for name in names if name.endswith("_model_degC") and name.replace("_model_", "_") in names}
+    return models | (_STATUS & set(names))
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,7 +76,7 @@ def _means(values: NDArray[Any], kept: NDArray[np.int64]) -> FloatArray:
 
 def _averaged(time: FloatArray, pwm: NDArray[Any], kept: NDArray[np.int64]) -> NDArray[np.int64]:
     """Mean |PWM| over time until the next kept row, commoner sign; the rounded rest goes to the next."""
-    step = np.diff(time, append=time[-1])
+    step = np.diff(time, append=2.0 * time[-1] - time[-2])  # the last row counts, too
     span = np.maximum(np.add.reduceat(step, kept), 1e-12)
     mean = np.add.reduceat(np.abs(pwm) * step, kept) / span
     backward = np.add.reduceat((pwm < 0) * step, kept) > np.add.reduceat((pwm > 0) * step, kept)
