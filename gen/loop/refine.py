@@ -14,10 +14,11 @@ from gen.coefficients import Coefficients, parse
 from gen.errors import InputError
 from gen.loop.admission import admitted
 from gen.loop.excitation import Excitation, excitation
+from gen.loop.found import Found, Tracing
 from gen.loop.remains import Remains, remains
 from gen.loop.residual import Condensed, condense
 from gen.loop.score import Curve, Score, score, total
-from gen.loop.trace import Found, Tracing, trace
+from gen.loop.trace import trace
 from gen.model.effects.sensor_offset import SensorOffset
 
 EXPLAINED = 1.3

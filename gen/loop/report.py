@@ -12,9 +12,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from gen.coefficients import Coefficients
 from gen.firmware.charts import Chart, Series, svg
+from gen.loop.found import Candidate
 from gen.loop.refine import Refinement
 from gen.loop.residual import Condensed
-from gen.loop.trace import Candidate
 from gen.model.effects import registry
 
 _SENTENCES = {
