@@ -114,21 +114,60 @@ def show(text: str, fit: dict[str, Run], test: dict[str, Run]) -> None:
 
 
 def tclab(folder: Path) -> None:
-    """Two heaters, one of them modelled."""
+    """Two heaters, one of them modelled, either way round."""
     table = pd.read_csv(folder / "tclab" / "tclab_apm_runs.csv")
-    runs = {}
-    for name, rows in table.groupby("run"):
-        runs[str(name)] = Run(
-            time_s=rows.t_s.to_numpy(),
-            pwm=np.rint(rows.Q1.to_numpy() * 2.55).astype(np.int64),
-            temps={"heater1": rows.T1_C.to_numpy()},
-            ambient=np.full(len(rows), float(rows.T1_C.iloc[0])),
-            extras={"Q2_percent": rows.Q2.to_numpy(), "T2_degC": rows.T2_C.to_numpy()},
-        )
-    print("Temperature Control Lab, only heater 1 modelled")
-    test = {k: v for k, v in runs.items() if k == "apm_hybrid_mimo"}
-    fit = {k: v for k, v in runs.items() if k not in test}
-    show(baseline("tclab", list(fit.values()), ["heater1"], second="Q2_percent"), fit, test)
+    for own, other in ((1, 2), (2, 1)):
+        runs = {}
+        for name, rows in table.groupby("run"):
+            temps = rows[f"T{own}_C"].to_numpy()
+            runs[str(name)] = Run(
+                time_s=rows.t_s.to_numpy(),
+                pwm=np.rint(rows[f"Q{own}"].to_numpy() * 2.55).astype(np.int64),
+                temps={f"heater{own}": temps},
+                ambient=np.full(len(rows), float(temps[0])),
+                extras={
+                    f"Q{other}_percent": rows[f"Q{other}"].to_numpy(),
+                    f"T{other}_degC": rows[f"T{other}_C"].to_numpy(),
+                },
+            )
+        print(f"Temperature Control Lab, only heater {own} modelled")
+        test = {k: v for k, v in runs.items() if k == "apm_hybrid_mimo"}
+        fit = {k: v for k, v in runs.items() if k not in test}
+        show(baseline("tclab", list(fit.values()), [f"heater{own}"], second=f"Q{other}_percent"), fit, test)
+        told(runs, f"heater{own}", f"T{other}_degC")
+
+
+def told(runs: dict[str, Run], component: str, other: str) -> None:
+    """What these runs tell of the other heater: its heat fitted together with all else, at several ambients."""
+    print(f"  heat exchanged with {other}, in 1/s, when gain, both time constants and it are fitted together:")
+    for names in ([*runs], *([name] for name in runs)):
+        cells = []
+        for room in (-2.0, 0.0, 2.0, 4.0):
+
+            def residual(u: np.ndarray, names: list[str] = names, room: float = room) -> np.ndarray:
+                gain, tau, lag = np.exp(u[:3])
+                parts = []
+                for name in names:
+                    run = runs[name]
+                    around = run.temps[component][0] + room
+                    shown = np.empty(run.time_s.size)
+                    part = shown[0] = run.temps[component][0]
+                    for k, h in enumerate(np.diff(run.time_s)):
+                        rate = 1.0 / tau + u[3]
+                        target = ((around + gain * abs(run.pwm[k])) / tau + u[3] * run.extras[other][k]) / rate
+                        part = target + (part - target) * np.exp(-rate * h)
+                        shown[k + 1] = part + (shown[k] - part) * np.exp(-h / lag)
+                    parts.append((run.temps[component] - shown) / np.sqrt(run.time_s.size))
+                return np.concatenate(parts)
+
+            limits = (
+                [np.log(0.02), np.log(30.0), np.log(3.0), -2e-3],
+                [np.log(2.0), np.log(2000.0), np.log(120.0), 3e-2],
+            )
+            found = least_squares(residual, [np.log(0.22), np.log(190.0), np.log(15.0), 1e-3], bounds=limits)
+            rms = np.sqrt(2.0 * found.cost / len(names))
+            cells.append(f"ambient {room:+.0f} K: {found.x[3]:+.4f} ({rms:.2f} K left)")
+        print(f"    {'all runs' if len(names) > 1 else names[0]:16s} {'; '.join(cells)}")
 
 
 def paderborn(folder: Path) -> None:

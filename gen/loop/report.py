@@ -12,6 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from gen.coefficients import Coefficients
 from gen.firmware.charts import Chart, Series, svg
+from gen.loop.evidence import TOO_LITTLE
 from gen.loop.found import Candidate
 from gen.loop.refine import Refinement
 from gen.loop.residual import Condensed
@@ -24,7 +25,7 @@ _SENTENCES = {
     "nothing missing": "The residual is near the sensors' noise; no effect is added.",
     "unexplained": "Something is missing, and no effect of the library explains it on left-out runs.",
 }
-_MOST_CONSIDERED = 14
+_MOST_COURSES = 12
 
 
 def page(found: Refinement, baseline: Coefficients) -> str:
@@ -53,11 +54,15 @@ def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
     names = tracing.problem.components
     before, after = found.before.summary(), found.after.summary()
     totals = [[key, *_four(before[key], after[key])] for key in ("fit", "test")]
-    errors = [
-        [run, "fit" if run in found.before.fit else "test", name, *_four(before["per_run"][run][name], own)]
-        for run, parts in after["per_run"].items()
-        for name, own in parts.items()
-    ]
+    short = _short_names([*found.before.fit, *found.before.test])
+    errors = {
+        kind: [
+            [short[run] if first else "", name, *_four(before["per_run"][run][name], after["per_run"][run][name])]
+            for run, parts in getattr(found.before, kind).items()
+            for first, name in zip([True] + [False] * len(parts), parts, strict=False)
+        ]
+        for kind in ("test", "fit")
+    }
     return {
         "name": baseline.name,
         "verdict": found.verdict,
@@ -72,7 +77,8 @@ def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
         "effects": [_effect(effect) for effect in found.effects],
         "totals": totals,
         "errors": errors,
-        "courses": list(islice(_courses(found), 8)),
+        "runs": [(short[run.name], number % 8) for number, run in enumerate(found.runs)],
+        "courses": list(islice(_courses(found, short), _MOST_COURSES)),
         "left": [_over("left", "What is left over time", found.runs, name, *_left(found, name)) for name in names],
         "next": _next(found),
     }
@@ -86,6 +92,7 @@ def _component(found: Refinement, name: str) -> dict[str, Any]:
     tracing = found.tracing
     variance = float(tracing.problem.noise_K[tracing.problem.components.index(name)]) ** 2
     left = found.remains[name]
+    considered = _distinct(tracing.considered.get(name, []))
     most = ", ".join(f"{key} {share:.0%}" for key, share in islice(left.shares.items(), 4))
     remains = f"{left.rms_K:.2f} K (bins' means, left-out runs) beside a sensor noise of {left.noise_K:.2f} K."
     if left.rms_K > left.noise_K:
@@ -93,7 +100,8 @@ def _component(found: Refinement, name: str) -> dict[str, Any]:
     return {
         "name": name,
         "null": f"{np.sqrt(tracing.null[name].loss[0] + variance):.2f}",
-        "considered": [_considered(c) for c in _distinct(tracing.considered.get(name, []))],
+        "considered": [_considered(c) for c in considered if TOO_LITTLE not in c.judgement.reasons],
+        "no_help": ", ".join(c.label for c in considered if TOO_LITTLE in c.judgement.reasons),
         "remains": remains,
         "residual": [
             _over("time", "over time", found.runs, name, *_residual(found.runs, name, "time")),
@@ -109,13 +117,15 @@ def _distinct(candidates: Iterable[Candidate]) -> list[Candidate]:
     best: dict[str, Candidate] = {}
     for candidate in candidates:
         best.setdefault(candidate.label, candidate)
-    return list(best.values())[:_MOST_CONSIDERED]
+    return list(best.values())
 
 
 def _considered(candidate: Candidate) -> tuple[str, str, str, str]:
     judgement = candidate.judgement
-    why = "; ".join(judgement.reasons) or "passes; its signature: " + candidate.effect.signature
-    return candidate.label, f"{judgement.after_K:.2f}", f"{judgement.p_value:.1e}", why
+    against = "against: " + "; ".join(judgement.reasons) if judgement.reasons else ""
+    why = against or "passes every test; its signature: " + candidate.effect.signature
+    p = "1" if judgement.p_value > 0.995 else f"{judgement.p_value:.2g}" if judgement.p_value > 1e-3 else "< 0.001"
+    return candidate.label, f"{judgement.after_K:.2f}", p, why
 
 
 def _effect(effect: dict[str, Any]) -> dict[str, Any]:
@@ -128,6 +138,8 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
                 rows.append([f"{key}[{i}]", _number(entry), _interval(intervals.get(f"{key}[{i}]"))])
         elif value is not None:
             rows.append([key, _number(value), _interval(intervals.get(key))])
+        elif key == "tau_s":
+            rows.append([key, "the component's own", ""])
     note = effect["evidence"].get("note", "")
     return {
         "name": effect["name"],
@@ -141,6 +153,8 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
 
 
 def _number(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
@@ -183,8 +197,8 @@ def _over(kind: str, title: str, runs: list[Condensed], name: str, label: str, s
     return Chart(f"{kind}-{name}", f"{name}: {title}", text, label, "measured − model", "K", tuple(series))
 
 
-def _courses(found: Refinement) -> Iterable[Chart]:
-    """Measured, before and after, for the components with an effect, in the test runs first."""
+def _courses(found: Refinement, short: dict[str, str]) -> Iterable[Chart]:
+    """What is left before and after, for the components with an effect, in the test runs first."""
     changed = list(dict.fromkeys(effect["component"] for effect in found.effects))
     for number, run in enumerate([*found.before.test, *found.before.fit]):
         old, new = found.before.curves[run], found.after.curves[run]
@@ -193,16 +207,21 @@ def _courses(found: Refinement) -> Iterable[Chart]:
             if name not in old.measured:
                 continue
             good = np.isfinite(old.measured[name])
+            x = hours[good].tolist()
             series = (
-                Series("measured", hours[good].tolist(), old.measured[name][good].tolist(), 6, dots=True),
-                Series("before", hours.tolist(), old.model[name].tolist(), 1),
-                Series("after", hours.tolist(), new.model[name].tolist(), 0),
+                Series("before", x, (old.measured[name] - old.model[name])[good].tolist(), 1),
+                Series("after", x, (new.measured[name] - new.model[name])[good].tolist(), 0),
             )
             kind = "test" if run in found.before.test else "fit"
-            title = f"{name}, {kind} run {run.rsplit('/', 1)[-1]}"
-            yield Chart(
-                f"course-{number}-{name}", title, f"Temperatures of {title}.", "time (h)", "temperature", "degC", series
-            )
+            title = f"{name}, {kind} run {short[run]}"
+            text = f"Measured minus model before and after, {title}."
+            yield Chart(f"course-{number}-{name}", title, text, "time (h)", "measured − model", "K", series)
+
+
+def _short_names(paths: list[str]) -> dict[str, str]:
+    """File names where they tell the runs apart, else the paths as they were given."""
+    names = [path.rsplit("/", 1)[-1] for path in paths]
+    return dict(zip(paths, names if len(set(names)) == len(names) else paths, strict=True))
 
 
 def _next(found: Refinement) -> list[str]:
