@@ -18,6 +18,7 @@ from gen.loop.problem import Problem
 LEVEL = 0.05
 LEAST_GAIN = 0.05
 """An effect must lower the left-out RMSE, the sensor's noise included, by this share: less is not worth its cost."""
+ALONE = "what drives it is in one left-out group of runs alone, so that no other can confirm it"
 TOO_LITTLE = f"lowers the error on left-out runs by less than {LEAST_GAIN:.0%}"
 WORSE_RUN = 1.05
 """No left-out run may get worse by more than this factor (beside a third of the noise)."""
@@ -124,7 +125,9 @@ def _parameters(found: Fit, c: int, added: int) -> list[str]:
             steady = bool(np.all(each > 0.0) or np.all(each < 0.0)) and np.min(np.abs(each)) > SAME * np.max(
                 np.abs(each)
             )
-            if not np.isfinite(spread) or (not steady and "[" not in free.name):
+            if not steady and np.any(np.abs(each - _starts(found)[i]) < 1e-9):
+                reasons.append(ALONE)  # without that group the fit stayed where it began
+            elif not np.isfinite(spread) or (not steady and "[" not in free.name):
                 reasons.append(f"{free.name} cannot be told from no effect")
         if first and not free.log and value >= free.high * 0.999:
             reasons.append(f"{free.name} is at its physical limit")
@@ -135,3 +138,9 @@ def _parameters(found: Fit, c: int, added: int) -> list[str]:
             if anywhere or not 1.01 * free.low < value < free.high / 1.01:
                 reasons.append(f"{free.name} is not determined" if anywhere else f"{free.name} is at its limit")
     return reasons
+
+
+def _starts(found: Fit) -> list[float]:
+    """Where the fits began, in their own scale."""
+    pairs = ((free, x) for term in found.terms for free, x in zip(term.variant.free, term.start, strict=True))
+    return [float(np.log(max(x, 1e-12))) if free.log else x for free, x in pairs]

@@ -12,7 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from gen.coefficients import Coefficients
 from gen.firmware.charts import Chart, Series, svg
-from gen.loop.evidence import TOO_LITTLE
+from gen.loop.evidence import ALONE, TOO_LITTLE
 from gen.loop.found import Candidate
 from gen.loop.refine import Refinement
 from gen.loop.residual import Condensed
@@ -237,4 +237,8 @@ def _next(found: Refinement) -> list[str]:
                 asked.append(
                     f"{name}: what is left goes with {key} ({share:.0%} of its variance); vary it alone, the rest held"
                 )
+    for name, considered in found.tracing.considered.items():
+        if not found.tracing.final[name].terms:
+            alone = [c.label for c in _distinct(considered) if ALONE in c.judgement.reasons]
+            asked += [f"{name}: {label} would fit, but one run alone excites it: run that again" for label in alone[:2]]
     return list(dict.fromkeys([*asked, *found.excitation.missing]))
