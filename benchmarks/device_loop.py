@@ -4,7 +4,8 @@
 
 1. `gen identify` on steps from cold of the simulated motor as it was commissioned: the baseline, with rules of alarm.
 2. The motor at work has an effect that this model lacks. By default the lack is real: the motor was commissioned at
-   three speeds only, and works at those between (`schedule_error`). The others change the motor's physics.
+   three speeds only, and works at those between (`schedule_error`); with ``--baseline
+   examples/my1016/coeffs.json`` the study's own model, its schedules and its rules. Others change the motor's physics.
 3. Its logs: from the rig at once (`rig`), or printed by the baseline's firmware on the emulated Mega (`emulated`, some
    60 s of this machine for an hour).
 4. `gen refine` on the logs, `gen build` of the refined file.
@@ -94,8 +95,10 @@ def gen(*arguments: str | Path) -> str:
     return done.stdout
 
 
-def commissioned(folder: Path, effect: str, seed: int) -> Path:
-    """The baseline: `gen identify` on steps from cold, with the board's wiring and the rules."""
+def commissioned(folder: Path, effect: str, seed: int, given: Path | None) -> Path:
+    """The baseline: `gen identify` on steps from cold, with the board's wiring and the rules; or the file given."""
+    if given is not None:
+        return given
     runs = []
     for speed in COMMISSIONED.get(effect, ALL_SPEEDS):
         setup = Setup(sensors=sensors(seed), seed=seed + speed)
@@ -171,30 +174,32 @@ def judged(coefficients: Coefficients, motor: MotorConfig, seed: int, emulated: 
     return first.reshape(len(SPEEDS), len(CASES), -1)
 
 
-def lines(before: np.ndarray, after: np.ndarray, summary: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """The table: what, before, after."""
+def lines(
+    before: np.ndarray, after: np.ndarray, summary: dict[str, Any], names: Sequence[str]
+) -> list[tuple[str, str, str]]:
+    """The table: what, before, after; `names` are the rules'."""
     made = []
     for key in ("rmse_K", "max_abs_K"):
         cells = [f"{summary[when]['test'][key]:.2f} K" for when in ("before", "after")]
         made.append(("RMSE of test logs" if key == "rmse_K" else "worst error of test logs", *cells))
     at70 = SPEEDS.index(70)
     for c, case in enumerate(CASES):
-        cells = []
+        told = []
         for first in (before, after):
-            raised = ~np.isnan(first[:, c, 0])
+            earliest = np.min(np.where(np.isnan(first[:, c]), np.inf, first[:, c]), axis=-1)
+            raised = np.isfinite(earliest)
             text = f"at {raised.sum()} of {len(SPEEDS)} speeds"
             if case == "healthy" and raised.any():
                 text += f" ({', '.join(f'{s} %' for s, r in zip(SPEEDS, raised, strict=True) if r)})"
             if case != "healthy" and raised.any():
-                text += f", after {np.nanmedian(first[:, c, 0]):.0f} s"
-            cells.append(text)
-        made.append((f"{'false alarms' if case == 'healthy' else f'{case} fault detected'}", *cells))
-        if case != "healthy":
-            said = []
-            for first in (before, after):
-                names = [RULES[i]["name"] for i in (1, 2) if not np.isnan(first[at70, c, i])]
-                said.append(", ".join(names) or "none")
-            made.append((f"{case} fault at 70 % is called", *said))
+                text += f", after {np.median(earliest[raised]):.0f} s"
+            told.append(text)
+        made.append(("false alarms" if case == "healthy" else f"{case} fault detected", *told))
+        called = [
+            ", ".join(n for n, t in zip(names, first[at70, c], strict=True) if not np.isnan(t)) or "nothing"
+            for first in (before, after)
+        ]
+        made.append((f"said at 70 %, {case}", *called))
     return [(a, b, c) for a, b, c in made]
 
 
@@ -204,6 +209,7 @@ def main() -> None:
     parser.add_argument("--effect", choices=list(EFFECTS), default="schedule_error")
     parser.add_argument("--logs", choices=("rig", "emulated"), default="rig")
     parser.add_argument("--judge", choices=("twin", "emulated"), default="twin")
+    parser.add_argument("--baseline", type=Path, help="instead of identifying one: a coefficient file with rules")
     parser.add_argument("--seed", type=int, default=0, help="of the board's sensors")
     parser.add_argument("--keep", type=Path, help="keep all files in this folder")
     options = parser.parse_args()
@@ -213,7 +219,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = options.keep or Path(name)
         folder.mkdir(parents=True, exist_ok=True)
-        baseline = commissioned(folder, options.effect, options.seed)
+        baseline = commissioned(folder, options.effect, options.seed, options.baseline)
         model = load(baseline)
         fit, test = (
             [
@@ -231,7 +237,7 @@ def main() -> None:
             print(f"not in the firmware: {', '.join(dropped)}")
         before, after = (judged(load(p), motor, options.seed, options.judge == "emulated") for p in (baseline, board))
     table = Table(options.effect, "baseline", "refined", title=f"logs: {options.logs}; alarms: {options.judge}")
-    for line in lines(before, after, summary):
+    for line in lines(before, after, summary, [rule.name for rule in model.document.alarms]):
         table.add_row(*line)
     Console(width=110).print(table)
 

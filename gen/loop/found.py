@@ -34,7 +34,8 @@ class Candidate:
     def label(self) -> str:
         """Name and what it acts through."""
         through = self.variant.fixed.get("channel") or self.variant.fixed.get("source")
-        return f"{self.effect.name} ({through})" if through else self.effect.name
+        name = f"{self.effect.name} ({through})" if through else self.effect.name
+        return f"{name}, judged on stretches" if self.by_stretch else name
 
 
 @dataclass

@@ -79,7 +79,7 @@ def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
         "errors": errors,
         "runs": [(short[run.name], number % 8) for number, run in enumerate(found.runs)],
         "courses": list(islice(_courses(found, short), _MOST_COURSES)),
-        "left": [_over("left", "What is left over time", found.runs, name, *_left(found, name)) for name in names],
+        "left": [_over("left", "what is left over time", found.runs, name, *_left(found, name)) for name in names],
         "next": _next(found),
     }
 
@@ -101,6 +101,8 @@ def _component(found: Refinement, name: str) -> dict[str, Any]:
         "name": name,
         "null": f"{np.sqrt(tracing.null[name].loss[0] + variance):.2f}",
         "considered": [_considered(c) for c in considered if TOO_LITTLE not in c.judgement.reasons],
+        "tried": bool(considered),
+        "together": _together(found, name),
         "no_help": ", ".join(c.label for c in considered if TOO_LITTLE in c.judgement.reasons),
         "remains": remains,
         "residual": [
@@ -124,16 +126,33 @@ def _considered(candidate: Candidate) -> tuple[str, str, str, str]:
     judgement = candidate.judgement
     against = "against: " + "; ".join(judgement.reasons) if judgement.reasons else ""
     why = against or "passes every test; its signature: " + candidate.effect.signature
-    p = "1" if judgement.p_value > 0.995 else f"{judgement.p_value:.2g}" if judgement.p_value > 1e-3 else "< 0.001"
+    p = "<1e-9" if judgement.p_value < 1e-9 else f"{judgement.p_value:.1g}"
     return candidate.label, f"{judgement.after_K:.2f}", p, why
+
+
+def _together(found: Refinement, name: str) -> str:
+    """What several effects leave that were accepted at one component."""
+    terms = [term.effect.name for term in found.tracing.final[name].terms]
+    if len(terms) < 2:
+        return ""
+    c = found.tracing.problem.components.index(name)
+    left = np.sqrt(found.tracing.final[name].loss[0] + found.tracing.problem.noise_K[c] ** 2)
+    return (
+        f"Accepted together: {' with '.join(terms)}, left-out RMSE {left:.2f} K. The best of the table were each tried "
+        "with every second effect, because two can hide each other: alone, either may do little."
+    )
 
 
 def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     known = registry()[effect["name"]]
     intervals = effect["evidence"].get("intervals_95", {})
     rows = []
+    levels = effect["parameters"].get("pwm") if isinstance(effect["parameters"].get("pwm"), list) else None
     for key, value in effect["parameters"].items():
-        if isinstance(value, list):
+        if levels is not None and isinstance(value, list):
+            if key != "pwm":
+                rows += _over_pwm(key, levels, value, intervals)
+        elif isinstance(value, list):
             for i, entry in enumerate(value):
                 rows.append([f"{key}[{i}]", _number(entry), _interval(intervals.get(f"{key}[{i}]"))])
         elif value is not None:
@@ -152,6 +171,16 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def _over_pwm(key: str, levels: list[int], values: list[float], intervals: dict[str, list[float]]) -> list[list[str]]:
+    """A table over |PWM|, without the entries that were not fitted."""
+    ends = [intervals.get(f"{key}[{i}]") for i in range(len(values))]
+    return [
+        [f"{key} at PWM {level}", _number(value), _interval(own)]
+        for level, value, own in zip(levels, values, ends, strict=True)
+        if own is None or own[0] < own[1]
+    ]
+
+
 def _number(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
@@ -165,30 +194,38 @@ def _interval(ends: list[float] | None) -> str:
 Points = tuple[str, list[Series]]
 
 
+def _time_unit(runs: list[Condensed]) -> tuple[str, float]:
+    """Hours, or minutes where runs are short: label and s."""
+    longest = max(float(run.edges[-1] - run.edges[0]) for run in runs)
+    return ("h", 3600.0) if longest > 5400.0 else ("min", 60.0)
+
+
 def _residual(runs: list[Condensed], name: str, over: str) -> Points:
     series = []
+    unit = _time_unit(runs)
     for r, run in enumerate(runs):
         own = run.traces.get(name)
         if own is None:
             continue
         good = np.isfinite(own.residual)
-        middle = 0.5 * (run.edges[1:] + run.edges[:-1]) / 3600.0
+        middle = 0.5 * (run.edges[1:] + run.edges[:-1]) / unit[1]
         x = {"time": middle, "speed": run.pwm, "temperature": 0.5 * (own.base[1:] + own.base[:-1])}[over]
         series.append(Series("", x[good].tolist(), own.residual[good].tolist(), r % 8, dots=over != "time"))
-    label = {"time": "time (h)", "speed": "|PWM| (counts)", "temperature": "modelled rise (K)"}[over]
+    label = {"time": f"time ({unit[0]})", "speed": "|PWM| (counts)", "temperature": "modelled rise (K)"}[over]
     return label, series
 
 
 def _left(found: Refinement, name: str) -> Points:
     series = []
+    unit = _time_unit(found.runs)
     fitted = found.tracing.final[name]
     for r, run in enumerate(found.runs):
         size = run.edges.size - 1
         good = found.tracing.problem.weight[:size, found.tracing.problem.components.index(name), 0, r] > 0
-        middle = 0.5 * (run.edges[1:] + run.edges[:-1]) / 3600.0
+        middle = 0.5 * (run.edges[1:] + run.edges[:-1]) / unit[1]
         if good.any():
             series.append(Series("", middle[good].tolist(), fitted.left_out[:size, 0, r][good].tolist(), r % 8))
-    return "time (h)", series
+    return f"time ({unit[0]})", series
 
 
 def _over(kind: str, title: str, runs: list[Condensed], name: str, label: str, series: list[Series]) -> Chart:
@@ -200,14 +237,15 @@ def _over(kind: str, title: str, runs: list[Condensed], name: str, label: str, s
 def _courses(found: Refinement, short: dict[str, str]) -> Iterable[Chart]:
     """What is left before and after, for the components with an effect, in the test runs first."""
     changed = list(dict.fromkeys(effect["component"] for effect in found.effects))
+    unit = _time_unit(found.runs)
     for number, run in enumerate([*found.before.test, *found.before.fit]):
         old, new = found.before.curves[run], found.after.curves[run]
-        hours = (old.time_s - old.time_s[0]) / 3600.0
+        elapsed = (old.time_s - old.time_s[0]) / unit[1]
         for name in changed:
             if name not in old.measured:
                 continue
             good = np.isfinite(old.measured[name])
-            x = hours[good].tolist()
+            x = elapsed[good].tolist()
             series = (
                 Series("before", x, (old.measured[name] - old.model[name])[good].tolist(), 1),
                 Series("after", x, (new.measured[name] - new.model[name])[good].tolist(), 0),
@@ -215,7 +253,7 @@ def _courses(found: Refinement, short: dict[str, str]) -> Iterable[Chart]:
             kind = "test" if run in found.before.test else "fit"
             title = f"{name}, {kind} run {short[run]}"
             text = f"Measured minus model before and after, {title}."
-            yield Chart(f"course-{number}-{name}", title, text, "time (h)", "measured − model", "K", series)
+            yield Chart(f"course-{number}-{name}", title, text, f"time ({unit[0]})", "measured − model", "K", series)
 
 
 def _short_names(paths: list[str]) -> dict[str, str]:

@@ -90,6 +90,7 @@ def trace(
             if name in considered and not final[name].terms:
                 entry = by_stretch(one, setting(coefficients, runs, whole, name), tried)
                 if entry is not None:
+                    considered[name].insert(0, entry)
                     found.append(Found(name, entry, []))
                     final[name] = entry.fit
     found.sort(key=lambda f: -_importance(whole, f))
