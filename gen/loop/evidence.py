@@ -125,9 +125,10 @@ def _parameters(found: Fit, c: int, added: int) -> list[str]:
             steady = bool(np.all(each > 0.0) or np.all(each < 0.0)) and np.min(np.abs(each)) > SAME * np.max(
                 np.abs(each)
             )
-            if not steady and np.any(np.abs(each - _starts(found)[i]) < 1e-9):
-                reasons.append(ALONE)  # without that group the fit stayed where it began
-            elif not np.isfinite(spread) or (not steady and "[" not in free.name):
+            entry = "[" in free.name
+            if not entry and np.any(np.abs(each - _starts(found)[i]) < 1e-9):
+                reasons.append(ALONE)  # without that group the fit stayed where it began, which says nothing
+            elif not np.isfinite(spread) or not (steady or entry):
                 reasons.append(f"{free.name} cannot be told from no effect")
         if first and not free.log and value >= free.high * 0.999:
             reasons.append(f"{free.name} is at its physical limit")
