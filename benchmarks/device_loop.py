@@ -123,10 +123,16 @@ def plant(coefficients: Coefficients, motor: MotorConfig, seed: int, noise: int)
 
 
 def logged(
-    path: Path, speeds: Sequence[int], baseline: Coefficients, motor: MotorConfig, seed: int, emulated: bool
+    path: Path,
+    speeds: Sequence[int],
+    hold_s: float,
+    baseline: Coefficients,
+    motor: MotorConfig,
+    seed: int,
+    emulated: bool,
 ) -> Path:
     """A log of the motor at work."""
-    profile: Profile = staircase([counts(speed) for speed in speeds], HOLD_S)
+    profile: Profile = staircase([counts(speed) for speed in speeds], hold_s)
     noise = seed + sum(speeds)
     if not emulated:
         make_run(profile, Setup(motor=motor, sensors=sensors(seed), channels=("speed_rpm",), seed=noise)).write(path)
@@ -210,6 +216,7 @@ def main() -> None:
     parser.add_argument("--logs", choices=("rig", "emulated"), default="rig")
     parser.add_argument("--judge", choices=("twin", "emulated"), default="twin")
     parser.add_argument("--baseline", type=Path, help="instead of identifying one: a coefficient file with rules")
+    parser.add_argument("--hold", type=float, default=HOLD_S, help="how long the logs hold a speed, s")
     parser.add_argument("--seed", type=int, default=0, help="of the board's sensors")
     parser.add_argument("--keep", type=Path, help="keep all files in this folder")
     options = parser.parse_args()
@@ -223,7 +230,7 @@ def main() -> None:
         model = load(baseline)
         fit, test = (
             [
-                logged(folder / f"{key}{i}.csv", speeds, model, motor, options.seed, emulated)
+                logged(folder / f"{key}{i}.csv", speeds, options.hold, model, motor, options.seed, emulated)
                 for i, speeds in enumerate(group)
             ]
             for key, group in zip(("fit", "test"), work, strict=True)

@@ -123,7 +123,9 @@ def refine(
     for path in fit_paths:
         progress(f"reading {path}")
         runs.append(condense(baseline, path))
+    long = [f"{run.name}: {run.thinned}" for run in runs if run.thinned]
     runs, warnings = admitted(baseline, runs)
+    warnings += long
     tracing = trace(baseline, runs, progress)
     effects = [entry(f, tracing) for f in tracing.found]
     effects += calibrations(tracing)

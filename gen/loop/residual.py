@@ -87,6 +87,8 @@ class Condensed:
         By component.
     comments
         The run file's.
+    thinned
+        What was left out of a long file, as a sentence; empty for nothing.
     """
 
     name: str
@@ -100,6 +102,7 @@ class Condensed:
     channels: dict[str, FloatArray]
     traces: dict[str, Trace]
     comments: Mapping[str, str]
+    thinned: str = ""
 
 
 def condense(coefficients: Coefficients, path: Path) -> Condensed:
@@ -243,6 +246,7 @@ def _condensed(coefficients: Coefficients, run: Run, measured: dict[str, FloatAr
         channels={key: held(values) for key, values in extras.items()},
         traces=traces,
         comments=run.comments,
+        thinned=run.thinned,
     )
 
 

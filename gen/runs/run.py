@@ -48,3 +48,11 @@ class Run:
     extras: dict[str, FloatArray] = field(default_factory=dict)
     comments: dict[str, str] = field(default_factory=dict)
     rows_in_file: int | None = None
+
+    @property
+    def thinned(self) -> str:
+        """Say how much of its file this run is, or nothing."""
+        rows = self.time_s.size
+        if self.rows_in_file is None or self.rows_in_file == rows:
+            return ""
+        return f"{self.rows_in_file} rows, of which {rows} are used"

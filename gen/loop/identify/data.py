@@ -88,7 +88,7 @@ def read_data(paths: Sequence[Path], ambient: float | None) -> Data:
 
 def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     """Condense runs in memory, as :func:`read_data` does."""
-    warnings: list[str] = []
+    warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     if not any(np.any(source.run.pwm != 0) for source in sources):
         raise InputError("found PWM 0 in every row, expected runs in which the motor turns", file=sources[0].path)
     names = _components(sources)
