@@ -133,7 +133,7 @@ def add(name: str, physics: Physics, random: np.random.Generator, base: Baseline
         return len(physics.hidden) - 1
 
     def driven(k: int, plan: Plan) -> Array:
-        return base.gain[at][np.abs(plan.pwm[k])]
+        return np.asarray(base.gain[at][np.abs(plan.pwm[k])])
 
     if name == "ambient":
         physics.ambient_matters = True
