@@ -228,7 +228,7 @@ def _stalled(sensors: pd.DataFrame, controller: pd.DataFrame, fan: bool) -> Run:
     clock, winding = at["Winding Temp"].t_s.to_numpy(), at["Winding Temp"].T_C.to_numpy()
     first = clock[np.argmax(winding > np.median(winding[:20]) + 1.0)]
     on = float(controller.t_s[controller.P_W > 50.0].iloc[0])
-    time = np.arange(max(on - 2.0, 0.0), float(controller.t_s.max()), 0.5)
+    time = np.asarray(np.arange(max(on - 2.0, 0.0), float(controller.t_s.max()), 0.5), dtype=np.float64)
     held = controller.iloc[np.clip(np.searchsorted(controller.t_s, time, side="right") - 1, 0, None)]
     shown = {
         key: np.interp(time, rows.t_s.to_numpy() - (first - on), rows.T_C.to_numpy(), right=np.nan)
