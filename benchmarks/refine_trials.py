@@ -1,17 +1,20 @@
 """Planted effects: does `gen refine` find what was planted, and only that?
 
-    python benchmarks/refine_trials.py --share 1.0 --out trials.json
+    python benchmarks/refine_trials.py --share 1.0 --seed 50000 --out trials.jsonl
+    python benchmarks/refine_trials.py --share 1.0 --seed 50000 --wide --out wide.jsonl
 
 ``--share 1.0``: every library effect alone x 20, nothing x 50, pairs x 50, eight effects outside the library x 10.
-Prints the confusion matrix, errors on test runs before and after beside the noise floor, and the goals beside what
-was reached. ``--part 0/2`` does every second trial, so that two processes share the work; ``--table A.json B.json``
-prints their table. The noise floor is the RMSE of the readings about the truth, the sensors' small constant offsets
-included.
+``--wide`` plants the same effects in forms that the library does not have. Prints the confusion matrix, errors on test
+runs before and after beside the noise floor, and the goals beside what was reached. Every result is appended to the
+file at once; an interrupted campaign goes on where it stopped when the command is given again. ``--part 0/2`` does
+every second trial, so that two processes share the work; ``--table A.jsonl B.jsonl`` prints their table. The noise
+floor is the RMSE of the readings about the truth, the sensors' small constant offsets included.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import shutil
 import sys
@@ -32,11 +35,11 @@ from tests.loop.plant import COEFFICIENTS  # noqa: E402
 from tests.loop.plant_effects import LIBRARY, OUTSIDE, make  # noqa: E402
 
 
-def trial(kinds: tuple[str, ...], seed: int) -> dict[str, Any]:
+def trial(kinds: tuple[str, ...], seed: int, wide: bool) -> dict[str, Any]:
     """Plant, refine, compare."""
     folder = Path(tempfile.mkdtemp(prefix="refine-trial-"))
     try:
-        fit, test, floor = make(folder, kinds, seed)
+        fit, test, floor = make(folder, kinds, seed, wide=wide)
         started = time.perf_counter()
         found = refine(load(COEFFICIENTS), COEFFICIENTS.read_text(encoding="utf-8"), fit, test)
         seconds = time.perf_counter() - started
@@ -46,6 +49,7 @@ def trial(kinds: tuple[str, ...], seed: int) -> dict[str, Any]:
     return {
         "planted": list(kinds),
         "seed": seed,
+        "wide": wide,
         "verdict": found.verdict,
         "named": list(dict.fromkeys(e["name"] for e in effects)),
         "lookalikes": sorted({o["name"] for e in effects for o in e["evidence"]["lookalikes"]}),
@@ -137,27 +141,42 @@ def table(results: list[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
+def done_before(path: Path | None) -> list[dict[str, Any]]:
+    """Results of an earlier, perhaps interrupted, campaign: a JSON object a line; a torn last line does not count."""
+    made = []
+    for line in path.read_text(encoding="utf-8").splitlines() if path and path.exists() else []:
+        with contextlib.suppress(json.JSONDecodeError):
+            made.append(json.loads(line))
+    return made
+
+
 def main() -> None:
     """Run the campaign, or print the table of earlier ones."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--share", type=float, default=1.0)
     parser.add_argument("--part", default="0/1")
+    parser.add_argument("--wide", action="store_true", help="plant forms that the library does not have")
     parser.add_argument("--only", choices=["single", "nothing", "pair", "outside"])
     parser.add_argument("--seed", type=int, default=0, help="added to every trial's seed")
-    parser.add_argument("--out", type=Path)
-    parser.add_argument("--table", type=Path, nargs="+")
+    parser.add_argument("--out", type=Path, help="append each result here, and skip those that it has")
+    parser.add_argument("--table", type=Path, nargs="+", help="only print the table of these files")
     options = parser.parse_args()
     if options.table:
-        print(table([r for path in options.table for r in json.loads(path.read_text(encoding="utf-8"))]))
+        print(table([result for path in options.table for result in done_before(path)]))
         return
     part, parts = (int(x) for x in options.part.split("/"))
-    results = []
-    wanted = [(k, s) for k, s in campaign(options.share) if options.only in (None, group(k))]
+    results = done_before(options.out)
+    done = {(tuple(r["planted"]), r["seed"], r["wide"]) for r in results}
+    wanted = [(k, s + options.seed) for k, s in campaign(options.share) if options.only in (None, group(k))]
     for kinds, seed in wanted[part::parts]:
-        results.append(trial(kinds, seed + options.seed))
-        print(json.dumps(results[-1]), flush=True)
+        if (kinds, seed, options.wide) in done:
+            continue
+        results.append(trial(kinds, seed, options.wide))
+        line = json.dumps(results[-1])
+        print(line, flush=True)
         if options.out:
-            options.out.write_text(json.dumps(results), encoding="utf-8")
+            with options.out.open("a", encoding="utf-8") as stream:
+                stream.write(line + "\n")
     print(table(results))
 
 

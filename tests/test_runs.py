@@ -1,5 +1,8 @@
 """Run files: what is read, what is written, and where a fault is said to be."""
 
+import os
+import subprocess
+import sys
 import timeit
 from pathlib import Path
 
@@ -238,3 +241,92 @@ def test_half_a_million_rows_are_quick(file: Path) -> None:
     written(file, header + b"".join(b"%d.25" % i + row for i in range(n)))
     assert min(timeit.repeat(lambda: read_run(file), number=1, repeat=3)) < 5.0
     assert read_run(file).time_s.size == n
+
+
+LONG = 60_000
+
+
+def _long(file: Path, pwm: np.ndarray, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Write a run of LONG rows at 4 Hz."""
+    made = {"time_s": np.arange(LONG) * 0.25, "pwm": pwm, **columns}
+    write_columns(file, made)
+    return made
+
+
+def test_thinning_keeps_samples_as_they_are_and_every_change_of_pwm(file: Path) -> None:
+    random = np.random.default_rng(3)
+    pwm = np.repeat(random.integers(-255, 256, 60), LONG // 60)
+    values = np.where(random.random(LONG) < 0.1, np.nan, np.round(random.normal(40, 5, LONG) * 4) / 4)
+    current = np.where(np.arange(LONG) % 2 == 0, 1.0, 3.0)
+    full = _long(file, pwm, {"casing_degC": values, "current_A": current})
+    run = read_run(file, most_rows=6_000)
+    assert 4_000 < run.time_s.size < 8_000
+    assert run.rows_in_file == LONG
+    assert run.thinned == f"60000 rows, of which {run.time_s.size} are used"
+    assert read_run(file).thinned == ""
+    assert run.time_s[0] == 0.0
+    assert run.time_s[-1] == full["time_s"][-1]
+    rows = np.rint(run.time_s * 4).astype(int)
+    assert np.array_equal(run.pwm, pwm[rows])
+    assert np.array_equal(run.temps["casing"], values[rows], equal_nan=True)
+    held = run.pwm[np.searchsorted(run.time_s, full["time_s"], side="right") - 1]
+    assert np.array_equal(held, pwm)
+    whole = np.average(run.extras["current_A"][:-1], weights=np.diff(run.time_s))
+    assert whole == pytest.approx(np.mean(current[:-1]), abs=1e-3)
+
+
+def test_thinning_leaves_sensors_that_take_turns_their_share(file: Path) -> None:
+    row = np.arange(LONG)
+    turns = {f"t{i}_degC": np.where(row % 30 == 10 * i, 30.0 + i, np.nan) for i in range(3)}
+    _long(file, np.full(LONG, 102), turns)
+    run = read_run(file, most_rows=600)
+    counts = [int(np.isfinite(values).sum()) for values in run.temps.values()]
+    assert min(counts) > 150
+    assert max(counts) - min(counts) <= 2
+
+
+def test_thinning_averages_a_pwm_that_changes_with_every_row(file: Path) -> None:
+    random = np.random.default_rng(4)
+    pwm = -np.clip(100 + random.integers(-9, 10, LONG), 0, 255)
+    _long(file, pwm, {"casing_degC": np.full(LONG, 30.0)})
+    run = read_run(file, most_rows=600)
+    assert run.time_s.size < 1_000
+    assert np.all(run.pwm < 0)
+    assert np.average(run.pwm[:-1], weights=np.diff(run.time_s)) == pytest.approx(pwm.mean(), abs=0.1)
+
+
+def test_a_fault_in_a_row_that_thinning_takes_out_is_found(file: Path) -> None:
+    rows = [f"{i / 4},{i // 1000},30" for i in range(LONG)]
+    rows[54_321] = rows[54_320]
+    with pytest.raises(InputError, match="line 54323, column time_s"):
+        read_run(written(file, "time_s,pwm,x_degC\n" + "\n".join(rows) + "\n"), most_rows=100)
+
+
+def test_what_a_board_says_of_its_model_is_no_measurement(file: Path) -> None:
+    written(file, "time_s,pwm,brush_degC,brush_model_degC,my_model_degC,flags\n0,1,30,31,32,0\n")
+    run = read_run(file)
+    assert run.temps.keys() == {"brush", "my_model"}
+    assert run.extras.keys() == {"brush_model_degC", "flags"}
+
+
+_PEAK = """
+import resource, sys
+from gen.runs import read_run
+peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+before = peak()
+run = read_run(sys.argv[1], most_rows=100_000)
+print(peak() - before)
+"""
+
+
+@pytest.mark.campaign
+def test_memory_of_a_long_log(file: Path) -> None:
+    """Thirty bytes a row for time, PWM, ambient and four temperatures: a third of a gigabyte for ten million rows."""
+    n = 10_000_000 if os.environ.get("GEN_CAMPAIGN") == "full" else 500_000
+    row = b",12,30.25,41.5,40,39.75,30\n"
+    with file.open("wb") as stream:
+        stream.write(b"time_s,pwm,brush_degC,bearing_degC,magnet_degC,casing_degC,ambient_degC\n")
+        for first in range(0, n, 100_000):
+            stream.write(b"".join(b"%d.25" % i + row for i in range(first, first + 100_000)))
+    done = subprocess.run([sys.executable, "-c", _PEAK, str(file)], capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 60 * n + 60e6

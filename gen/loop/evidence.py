@@ -18,6 +18,8 @@ from gen.loop.problem import Problem
 LEVEL = 0.05
 LEAST_GAIN = 0.05
 """An effect must lower the left-out RMSE, the sensor's noise included, by this share: less is not worth its cost."""
+ALONE = "what drives it is in one left-out group of runs alone, so that no other can confirm it"
+TOO_LITTLE = f"lowers the error on left-out runs by less than {LEAST_GAIN:.0%}"
 WORSE_RUN = 1.05
 """No left-out run may get worse by more than this factor (beside a third of the noise)."""
 TIE_LEVEL = 0.05
@@ -90,9 +92,9 @@ def judge(problem: Problem, c: int, null: Fit, found: Fit, tried: int, added: in
     p = p_better(problem, c, null, found)
     reasons = []
     if after > (1.0 - LEAST_GAIN) * before:
-        reasons.append(f"lowers the error on left-out runs by less than {LEAST_GAIN:.0%}")
+        reasons.append(TOO_LITTLE)
     if p > LEVEL / tried:
-        reasons.append(f"not more than chance: p = {p:.2g} over {LEVEL:g}/{tried}")
+        reasons.append("not more than chance")
     worse = _worse_run(problem, c, null, found, variance)
     if worse:
         reasons.append("makes a left-out run worse")
@@ -123,9 +125,23 @@ def _parameters(found: Fit, c: int, added: int) -> list[str]:
             steady = bool(np.all(each > 0.0) or np.all(each < 0.0)) and np.min(np.abs(each)) > SAME * np.max(
                 np.abs(each)
             )
-            if not np.isfinite(spread) or (not steady and "[" not in free.name):
+            entry = "[" in free.name
+            if not entry and np.any(np.abs(each - _starts(found)[i]) < 1e-9):
+                reasons.append(ALONE)  # without that group the fit stayed where it began, which says nothing
+            elif not np.isfinite(spread) or not (steady or entry):
                 reasons.append(f"{free.name} cannot be told from no effect")
-        edge = 1.001 if free.log else 1.0
-        if first and not free.log and value >= free.high * 0.999 / edge:
+        if first and not free.log and value >= free.high * 0.999:
             reasons.append(f"{free.name} is at its physical limit")
+        # A time constant of which the data say nothing, or that they push to its limit, is no part's: the hypothesis
+        # lends its form to something else.
+        if free.name.endswith("tau_s") and free.log:
+            anywhere = 4.0 * spread > np.log(free.high / free.low)
+            if anywhere or not 1.01 * free.low < value < free.high / 1.01:
+                reasons.append(f"{free.name} is not determined" if anywhere else f"{free.name} is at its limit")
     return reasons
+
+
+def _starts(found: Fit) -> list[float]:
+    """Where the fits began, in their own scale."""
+    pairs = ((free, x) for term in found.terms for free, x in zip(term.variant.free, term.start, strict=True))
+    return [float(np.log(max(x, 1e-12))) if free.log else x for free, x in pairs]

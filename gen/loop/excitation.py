@@ -69,7 +69,7 @@ def excitation(coefficients: Coefficients, runs: Sequence[Condensed]) -> Excitat
             missing.append(f"no {what} was logged: its effect cannot be seen")
     for name in sorted(common):
         values = np.concatenate([run.channels[name] for run in runs])
-        facts.append((name, f"{values.min():.3g} .. {values.max():.3g}"))
+        facts.append((name, f"{values.min():.4g} .. {values.max():.4g}"))
         if float(np.std(values)) < 1e-9:
             missing.append(f"{name} never changes: its effect cannot be seen")
     if all(run.measured_ambient is None for run in runs):

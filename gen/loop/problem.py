@@ -14,7 +14,8 @@ from gen.model.effects.response import Response, answer, response
 from gen.model.effects.sensor_offset import SensorOffset
 from gen.runs.run import FloatArray
 
-FOLDS = 5
+FOLDS = 6
+"""Most folds; fewer runs than that are left out one by one, so that each effect is excited in as many as can be."""
 BLOCKS = 6
 """Blocks of each run for the test of an improvement."""
 LEAST_BLOCKS = 36

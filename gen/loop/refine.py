@@ -14,10 +14,11 @@ from gen.coefficients import Coefficients, parse
 from gen.errors import InputError
 from gen.loop.admission import admitted
 from gen.loop.excitation import Excitation, excitation
+from gen.loop.found import Found, Tracing
 from gen.loop.remains import Remains, remains
 from gen.loop.residual import Condensed, condense
 from gen.loop.score import Curve, Score, score, total
-from gen.loop.trace import Found, Tracing, trace
+from gen.loop.trace import trace
 from gen.model.effects.sensor_offset import SensorOffset
 
 EXPLAINED = 1.3
@@ -122,7 +123,9 @@ def refine(
     for path in fit_paths:
         progress(f"reading {path}")
         runs.append(condense(baseline, path))
+    long = [f"{run.name}: {run.thinned}" for run in runs if run.thinned]
     runs, warnings = admitted(baseline, runs)
+    warnings += long
     tracing = trace(baseline, runs, progress)
     effects = [entry(f, tracing) for f in tracing.found]
     effects += calibrations(tracing)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen.loop.found import Tracing
 from gen.loop.residual import Condensed
-from gen.loop.trace import Tracing
 
 _CLASSES = 8
 

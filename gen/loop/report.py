@@ -12,9 +12,10 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from gen.coefficients import Coefficients
 from gen.firmware.charts import Chart, Series, svg
+from gen.loop.evidence import ALONE, TOO_LITTLE
+from gen.loop.found import Candidate
 from gen.loop.refine import Refinement
 from gen.loop.residual import Condensed
-from gen.loop.trace import Candidate
 from gen.model.effects import registry
 
 _SENTENCES = {
@@ -24,7 +25,7 @@ _SENTENCES = {
     "nothing missing": "The residual is near the sensors' noise; no effect is added.",
     "unexplained": "Something is missing, and no effect of the library explains it on left-out runs.",
 }
-_MOST_CONSIDERED = 14
+_MOST_COURSES = 12
 
 
 def page(found: Refinement, baseline: Coefficients) -> str:
@@ -53,11 +54,15 @@ def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
     names = tracing.problem.components
     before, after = found.before.summary(), found.after.summary()
     totals = [[key, *_four(before[key], after[key])] for key in ("fit", "test")]
-    errors = [
-        [run, "fit" if run in found.before.fit else "test", name, *_four(before["per_run"][run][name], own)]
-        for run, parts in after["per_run"].items()
-        for name, own in parts.items()
-    ]
+    short = _short_names([*found.before.fit, *found.before.test])
+    errors = {
+        kind: [
+            [short[run] if first else "", name, *_four(before["per_run"][run][name], after["per_run"][run][name])]
+            for run, parts in getattr(found.before, kind).items()
+            for first, name in zip([True] + [False] * len(parts), parts, strict=False)
+        ]
+        for kind in ("test", "fit")
+    }
     return {
         "name": baseline.name,
         "verdict": found.verdict,
@@ -72,8 +77,9 @@ def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
         "effects": [_effect(effect) for effect in found.effects],
         "totals": totals,
         "errors": errors,
-        "courses": list(islice(_courses(found), 8)),
-        "left": [_over("left", "What is left over time", found.runs, name, *_left(found, name)) for name in names],
+        "runs": [(short[run.name], number % 8) for number, run in enumerate(found.runs)],
+        "courses": list(islice(_courses(found, short), _MOST_COURSES)),
+        "left": [_over("left", "what is left over time", found.runs, name, *_left(found, name)) for name in names],
         "next": _next(found),
     }
 
@@ -86,6 +92,7 @@ def _component(found: Refinement, name: str) -> dict[str, Any]:
     tracing = found.tracing
     variance = float(tracing.problem.noise_K[tracing.problem.components.index(name)]) ** 2
     left = found.remains[name]
+    considered = _distinct(tracing.considered.get(name, []))
     most = ", ".join(f"{key} {share:.0%}" for key, share in islice(left.shares.items(), 4))
     remains = f"{left.rms_K:.2f} K (bins' means, left-out runs) beside a sensor noise of {left.noise_K:.2f} K."
     if left.rms_K > left.noise_K:
@@ -93,7 +100,10 @@ def _component(found: Refinement, name: str) -> dict[str, Any]:
     return {
         "name": name,
         "null": f"{np.sqrt(tracing.null[name].loss[0] + variance):.2f}",
-        "considered": [_considered(c) for c in _distinct(tracing.considered.get(name, []))],
+        "considered": [_considered(c) for c in considered if TOO_LITTLE not in c.judgement.reasons],
+        "tried": bool(considered),
+        "together": _together(found, name),
+        "no_help": ", ".join(c.label for c in considered if TOO_LITTLE in c.judgement.reasons),
         "remains": remains,
         "residual": [
             _over("time", "over time", found.runs, name, *_residual(found.runs, name, "time")),
@@ -109,25 +119,46 @@ def _distinct(candidates: Iterable[Candidate]) -> list[Candidate]:
     best: dict[str, Candidate] = {}
     for candidate in candidates:
         best.setdefault(candidate.label, candidate)
-    return list(best.values())[:_MOST_CONSIDERED]
+    return list(best.values())
 
 
 def _considered(candidate: Candidate) -> tuple[str, str, str, str]:
     judgement = candidate.judgement
-    why = "; ".join(judgement.reasons) or "passes; its signature: " + candidate.effect.signature
-    return candidate.label, f"{judgement.after_K:.2f}", f"{judgement.p_value:.1e}", why
+    against = "against: " + "; ".join(judgement.reasons) if judgement.reasons else ""
+    why = against or "passes every test; its signature: " + candidate.effect.signature
+    p = "<1e-9" if judgement.p_value < 1e-9 else f"{judgement.p_value:.1g}"
+    return candidate.label, f"{judgement.after_K:.2f}", p, why
+
+
+def _together(found: Refinement, name: str) -> str:
+    """What several effects leave that were accepted at one component."""
+    terms = [term.effect.name for term in found.tracing.final[name].terms]
+    if len(terms) < 2:
+        return ""
+    c = found.tracing.problem.components.index(name)
+    left = np.sqrt(found.tracing.final[name].loss[0] + found.tracing.problem.noise_K[c] ** 2)
+    return (
+        f"Accepted together: {' with '.join(terms)}, left-out RMSE {left:.2f} K. The best of the table were each tried "
+        "with every second effect, because two can hide each other: alone, either may do little."
+    )
 
 
 def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     known = registry()[effect["name"]]
     intervals = effect["evidence"].get("intervals_95", {})
     rows = []
+    levels = effect["parameters"].get("pwm") if isinstance(effect["parameters"].get("pwm"), list) else None
     for key, value in effect["parameters"].items():
-        if isinstance(value, list):
+        if levels is not None and isinstance(value, list):
+            if key != "pwm":
+                rows += _over_pwm(key, levels, value, intervals)
+        elif isinstance(value, list):
             for i, entry in enumerate(value):
                 rows.append([f"{key}[{i}]", _number(entry), _interval(intervals.get(f"{key}[{i}]"))])
         elif value is not None:
             rows.append([key, _number(value), _interval(intervals.get(key))])
+        elif key == "tau_s":
+            rows.append([key, "the component's own", ""])
     note = effect["evidence"].get("note", "")
     return {
         "name": effect["name"],
@@ -140,7 +171,19 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def _over_pwm(key: str, levels: list[int], values: list[float], intervals: dict[str, list[float]]) -> list[list[str]]:
+    """A table over |PWM|, without the entries that were not fitted."""
+    ends = [intervals.get(f"{key}[{i}]") for i in range(len(values))]
+    return [
+        [f"{key} at PWM {level}", _number(value), _interval(own)]
+        for level, value, own in zip(levels, values, ends, strict=True)
+        if own is None or own[0] < own[1]
+    ]
+
+
 def _number(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
@@ -151,30 +194,38 @@ def _interval(ends: list[float] | None) -> str:
 Points = tuple[str, list[Series]]
 
 
+def _time_unit(runs: list[Condensed]) -> tuple[str, float]:
+    """Hours, or minutes where runs are short: label and s."""
+    longest = max(float(run.edges[-1] - run.edges[0]) for run in runs)
+    return ("h", 3600.0) if longest > 5400.0 else ("min", 60.0)
+
+
 def _residual(runs: list[Condensed], name: str, over: str) -> Points:
     series = []
+    unit = _time_unit(runs)
     for r, run in enumerate(runs):
         own = run.traces.get(name)
         if own is None:
             continue
         good = np.isfinite(own.residual)
-        middle = 0.5 * (run.edges[1:] + run.edges[:-1]) / 3600.0
+        middle = 0.5 * (run.edges[1:] + run.edges[:-1]) / unit[1]
         x = {"time": middle, "speed": run.pwm, "temperature": 0.5 * (own.base[1:] + own.base[:-1])}[over]
         series.append(Series("", x[good].tolist(), own.residual[good].tolist(), r % 8, dots=over != "time"))
-    label = {"time": "time (h)", "speed": "|PWM| (counts)", "temperature": "modelled rise (K)"}[over]
+    label = {"time": f"time ({unit[0]})", "speed": "|PWM| (counts)", "temperature": "modelled rise (K)"}[over]
     return label, series
 
 
 def _left(found: Refinement, name: str) -> Points:
     series = []
+    unit = _time_unit(found.runs)
     fitted = found.tracing.final[name]
     for r, run in enumerate(found.runs):
         size = run.edges.size - 1
         good = found.tracing.problem.weight[:size, found.tracing.problem.components.index(name), 0, r] > 0
-        middle = 0.5 * (run.edges[1:] + run.edges[:-1]) / 3600.0
+        middle = 0.5 * (run.edges[1:] + run.edges[:-1]) / unit[1]
         if good.any():
             series.append(Series("", middle[good].tolist(), fitted.left_out[:size, 0, r][good].tolist(), r % 8))
-    return "time (h)", series
+    return f"time ({unit[0]})", series
 
 
 def _over(kind: str, title: str, runs: list[Condensed], name: str, label: str, series: list[Series]) -> Chart:
@@ -183,26 +234,32 @@ def _over(kind: str, title: str, runs: list[Condensed], name: str, label: str, s
     return Chart(f"{kind}-{name}", f"{name}: {title}", text, label, "measured − model", "K", tuple(series))
 
 
-def _courses(found: Refinement) -> Iterable[Chart]:
-    """Measured, before and after, for the components with an effect, in the test runs first."""
+def _courses(found: Refinement, short: dict[str, str]) -> Iterable[Chart]:
+    """What is left before and after, for the components with an effect, in the test runs first."""
     changed = list(dict.fromkeys(effect["component"] for effect in found.effects))
+    unit = _time_unit(found.runs)
     for number, run in enumerate([*found.before.test, *found.before.fit]):
         old, new = found.before.curves[run], found.after.curves[run]
-        hours = (old.time_s - old.time_s[0]) / 3600.0
+        elapsed = (old.time_s - old.time_s[0]) / unit[1]
         for name in changed:
             if name not in old.measured:
                 continue
             good = np.isfinite(old.measured[name])
+            x = elapsed[good].tolist()
             series = (
-                Series("measured", hours[good].tolist(), old.measured[name][good].tolist(), 6, dots=True),
-                Series("before", hours.tolist(), old.model[name].tolist(), 1),
-                Series("after", hours.tolist(), new.model[name].tolist(), 0),
+                Series("before", x, (old.measured[name] - old.model[name])[good].tolist(), 1),
+                Series("after", x, (new.measured[name] - new.model[name])[good].tolist(), 0),
             )
             kind = "test" if run in found.before.test else "fit"
-            title = f"{name}, {kind} run {run.rsplit('/', 1)[-1]}"
-            yield Chart(
-                f"course-{number}-{name}", title, f"Temperatures of {title}.", "time (h)", "temperature", "degC", series
-            )
+            title = f"{name}, {kind} run {short[run]}"
+            text = f"Measured minus model before and after, {title}."
+            yield Chart(f"course-{number}-{name}", title, text, f"time ({unit[0]})", "measured − model", "K", series)
+
+
+def _short_names(paths: list[str]) -> dict[str, str]:
+    """File names where they tell the runs apart, else the paths as they were given."""
+    names = [path.rsplit("/", 1)[-1] for path in paths]
+    return dict(zip(paths, names if len(set(names)) == len(names) else paths, strict=True))
 
 
 def _next(found: Refinement) -> list[str]:
@@ -218,4 +275,8 @@ def _next(found: Refinement) -> list[str]:
                 asked.append(
                     f"{name}: what is left goes with {key} ({share:.0%} of its variance); vary it alone, the rest held"
                 )
+    for name, considered in found.tracing.considered.items():
+        if not found.tracing.final[name].terms:
+            alone = [c.label for c in _distinct(considered) if ALONE in c.judgement.reasons]
+            asked += [f"{name}: {label} would fit, but one run alone excites it: run that again" for label in alone[:2]]
     return list(dict.fromkeys([*asked, *found.excitation.missing]))

@@ -16,14 +16,16 @@ from numpy.typing import NDArray
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.model.exact import ExactSolution
-from gen.model.extended import ExtendedSolution, own_rate
+from gen.model.extended import FINEST_S, ExtendedSolution, own_rate
 from gen.reference.simulate import held_over_gaps
 from gen.runs import Run, read_run
-from gen.runs.run import FloatArray
+from gen.runs.run import FloatArray, board_columns
 
 BINS = 240
 """Aimed at for a run of some time constants."""
 
+MOST_ROWS = 100_000
+"""A run of more than twice as many rows is thinned to about as many: they say all that the bins can hold."""
 LONGEST_BIN_S = 60.0
 START_WINDOW_S = 60.0
 """The start of the free run is the first measured temperature, its noise averaged over this time."""
@@ -85,6 +87,8 @@ class Condensed:
         By component.
     comments
         The run file's.
+    thinned
+        What was left out of a long file, as a sentence; empty for nothing.
     """
 
     name: str
@@ -98,6 +102,7 @@ class Condensed:
     channels: dict[str, FloatArray]
     traces: dict[str, Trace]
     comments: Mapping[str, str]
+    thinned: str = ""
 
 
 def condense(coefficients: Coefficients, path: Path) -> Condensed:
@@ -121,14 +126,17 @@ def read_measured(coefficients: Coefficients, path: Path) -> Run:
         When the file is not a run, is too short, or holds no temperature of any component.
     """
     model = coefficients.model
-    run = read_run(path, model.component_names, ambient=model.ambient_channel or "ambient_degC")
+    ambient = model.ambient_channel or "ambient_degC"
+    run = read_run(path, model.component_names, ambient=ambient, most_rows=MOST_ROWS)
     measured = {name: values for name, values in run.temps.items() if np.any(np.isfinite(values))}
     if not measured:
         expected = ", ".join(f"{name}_degC" for name in model.component_names)
         raise InputError(f"no component's temperature was measured; expected {expected}", file=str(path))
     if run.time_s.size < 8:
         raise InputError(f"found {run.time_s.size} rows, expected at least 8", file=str(path))
-    return replace(run, temps=measured)
+    own = board_columns([*(f"{name}_degC" for name in run.temps), *run.extras])
+    extras = {name: values for name, values in run.extras.items() if name not in own}
+    return replace(run, temps=measured, extras=extras)
 
 
 def free_run(baseline: Coefficients, model: Coefficients, path: Path) -> tuple[Run, dict[str, FloatArray]]:
@@ -166,7 +174,9 @@ def free_run(baseline: Coefficients, model: Coefficients, path: Path) -> tuple[R
             raise InputError(
                 f'the effect "{applied.effect.name}" needs the column {column}', file=str(path), place="header"
             )
-    shown = ExtendedSolution(model.model, model.effects).simulate_times(
+    # The effects' states are integrated in steps of 1 s: over a month this would be more steps than rows were kept.
+    finest = max(FINEST_S, float(run.time_s[-1] - run.time_s[0]) / (4 * MOST_ROWS))
+    shown = ExtendedSolution(model.model, model.effects, finest).simulate_times(
         run.time_s, run.pwm, own, smooth, channels, start
     )
     return run, {name: shown[name] for name in run.temps}
@@ -236,6 +246,7 @@ def _condensed(coefficients: Coefficients, run: Run, measured: dict[str, FloatAr
         channels={key: held(values) for key, values in extras.items()},
         traces=traces,
         comments=run.comments,
+        thinned=run.thinned,
     )
 
 

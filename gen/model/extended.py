@@ -55,10 +55,13 @@ class ExtendedSolution:
         The baseline, with what can be folded into it already there.
     effects
         The others.
+    finest_s
+        Longest step of the effects' states, s.
     """
 
-    def __init__(self, model: ThermalModel, effects: Sequence[Applied]) -> None:
+    def __init__(self, model: ThermalModel, effects: Sequence[Applied], finest_s: float = FINEST_S) -> None:
         self.model = model
+        self._finest_s = finest_s
         self.effects = tuple(effects)
         self._baseline = ExactSolution(model)
 
@@ -91,7 +94,7 @@ class ExtendedSolution:
         dict
             What each component's sensor shows, degC.
         """
-        fine, rows = _refined(time_s)
+        fine, rows = _refined(time_s, self._finest_s)
         held = np.clip(np.searchsorted(time_s, fine, side="right") - 1, 0, time_s.size - 1)
         counts = np.abs(pwm[held])
         shared = _shared(self.model, fine, pwm[held], {name: values[held] for name, values in channels.items()})
@@ -146,9 +149,9 @@ class ExtendedSolution:
         )
 
 
-def _refined(time_s: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
+def _refined(time_s: FloatArray, finest_s: float) -> tuple[FloatArray, NDArray[np.int64]]:
     """The run's times with more between them where they lie far apart, and where the run's own are."""
-    parts = np.maximum(np.ceil(np.diff(time_s) / FINEST_S - 1e-9), 1.0).astype(np.int64)
+    parts = np.maximum(np.ceil(np.diff(time_s) / finest_s - 1e-9), 1.0).astype(np.int64)
     rows = np.concatenate([[0], np.cumsum(parts)])
     if rows[-1] == time_s.size - 1:
         return time_s, rows

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gen.errors import InputError
-from gen.runs.run import AMBIENT, FloatArray, Run
+from gen.runs.columns import Columns
+from gen.runs.run import AMBIENT, FloatArray, Run, board_columns
+from gen.runs.thinning import thinned
 
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _PLAIN = b"0123456789+-.eE,"
-_BLOCK = 10_000
+_BLOCK_BYTES = 1 << 19
 
 
 @dataclass(frozen=True)
@@ -32,6 +36,7 @@ def read_run(
     *,
     require: Collection[str] = (),
     ambient: str = AMBIENT,
+    most_rows: int | None = None,
 ) -> Run:
     """Read a run file.
 
@@ -41,11 +46,15 @@ def read_run(
         The CSV file.
     components
         Names of the model's components: their ``<name>_degC`` columns, as far as present, become `temps`, and
-        other columns `extras`. None: every column ``<name>_degC`` but the ambient is a component.
+        other columns `extras`. None: every column ``<name>_degC`` is a component but the ambient and what a board's
+        model says.
     require
         Components whose column must be present.
     ambient
         Name of the column with the ambient temperature.
+    most_rows
+        A file of more than twice as many rows is thinned to about as many (see :mod:`gen.runs.thinning`) and read
+        in little memory; every row is checked all the same.
 
     Raises
     ------
@@ -53,14 +62,23 @@ def read_run(
         With file, line and column, what was found and what was expected.
     """
     try:
-        head, values = _parse(_read(Path(path)), require)
+        with _opened(Path(path)) as stream:
+            head = _parse_head(stream)
+            _check_columns(head, require)
+            channels = _read_rows(stream, head, None if most_rows is None else 2 * most_rows)
     except InputError as error:
         raise InputError(error.message, file=str(path), place=error.place) from error.__cause__
-    channels = {name: values[:, i].copy() for i, name in enumerate(head.columns)}
+    rows = channels["time_s"].size
+    if most_rows is not None and rows > 2 * most_rows:
+        sampled = {name for name in channels if name.endswith("_degC")}
+        channels = thinned(channels, sampled, most_rows)
     time_s, pwm = channels.pop("time_s"), channels.pop("pwm")
     measured = channels.pop(ambient, None)
     if components is None:
-        components = [name.removesuffix("_degC") for name in channels if re.fullmatch(r".+_degC", name)]
+        own = board_columns(channels)
+        components = [
+            name.removesuffix("_degC") for name in channels if re.fullmatch(r".+_degC", name) and name not in own
+        ]
     return Run(
         time_s=time_s,
         pwm=pwm.astype(np.int64),
@@ -68,38 +86,38 @@ def read_run(
         ambient=measured,
         extras=channels,
         comments=head.comments,
+        rows_in_file=rows,
     )
 
 
-def _parse(raw: bytes, require: Collection[str]) -> tuple[_Head, FloatArray]:
-    raw = raw.removeprefix(b"\xef\xbb\xbf").replace(b"\r\n", b"\n")
-    if not raw.strip():
-        raise InputError("the file is empty; expected a header line and rows")
-    head, body = _parse_head(raw)
-    _check_columns(head, require)
-    body = body.rstrip(b"\n")
-    if not body:
-        raise InputError("there are no rows; expected at least one", place=f"line {head.first_row}")
-    values = _parse_rows(body.split(b"\n"), head)
-    _check_values(values, head)
-    return head, values
+@contextmanager
+def _opened(path: Path) -> Iterator[IO[bytes]]:
+    try:
+        with path.open("rb") as stream:
+            yield stream
+    except FileNotFoundError:
+        raise InputError("there is no such file; expected a run file") from None
+    except IsADirectoryError:
+        raise InputError("this is a directory; expected a run file") from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror or error}") from None
 
 
-def _parse_head(raw: bytes) -> tuple[_Head, bytes]:
+def _parse_head(stream: IO[bytes]) -> _Head:
     comments: dict[str, str] = {}
-    start = 0
     number = 0
-    while start < len(raw):
+    while raw := stream.readline():
         number += 1
-        end = raw.find(b"\n", start)
-        end = len(raw) if end < 0 else end
-        line = _decode(raw[start:end], number).strip()
-        start = end + 1
+        if number == 1:
+            raw = raw.removeprefix(b"\xef\xbb\xbf")
+        line = _decode(raw.removesuffix(b"\n").removesuffix(b"\r"), number).strip()
         if line.startswith("#"):
             key, _, value = line[1:].partition(":")
             comments[key.strip()] = value.strip()
         elif line:
-            return _Head(comments, [name.strip() for name in line.split(",")], number + 1), raw[start:]
+            return _Head(comments, [name.strip() for name in line.split(",")], number + 1)
+    if not comments:
+        raise InputError("the file is empty; expected a header line and rows")
     raise InputError("there are only comments; expected a header line and rows", place=f"line {number}")
 
 
@@ -121,14 +139,37 @@ def _check_columns(head: _Head, require: Collection[str]) -> None:
             raise InputError(f"missing column {name}; found {found}{hint}", place=place)
 
 
-def _parse_rows(lines: list[bytes], head: _Head) -> FloatArray:
+def _read_rows(stream: IO[bytes], head: _Head, compact_after: int | None) -> dict[str, FloatArray]:
     """Parse block by block, which bounds the memory and confines the slow way to the blocks that need it."""
-    parts = []
-    for first in range(0, len(lines), _BLOCK):
-        block = lines[first : first + _BLOCK]
-        values = _parse_fast(block, len(head.columns))
-        parts.append(_parse_slowly(block, head, head.first_row + first) if values is None else values)
-    return np.concatenate(parts)
+    columns = Columns(head.columns, compact_after)
+    last_time = -np.inf
+    for first, lines in _blocks(stream, head.first_row):
+        fast = _parse_fast(lines, len(head.columns))
+        values = _parse_slowly(lines, head, first) if fast is None else fast
+        _check_values(values, head, first, last_time)
+        last_time = values[-1, head.columns.index("time_s")]
+        columns.append(values)
+    if columns.rows == 0:
+        raise InputError("there are no rows; expected at least one", place=f"line {head.first_row}")
+    return columns.finished()
+
+
+def _blocks(stream: IO[bytes], first: int) -> Iterator[tuple[int, list[bytes]]]:
+    """Blocks of whole lines with the number of their first; empty lines at the file's end belong to none."""
+    rest = b""
+    while True:
+        read = stream.read(_BLOCK_BYTES)
+        whole, newline, rest = (rest + read).rpartition(b"\n") if read else (rest, b"", b"")
+        block = (whole + newline).replace(b"\r\n", b"\n")
+        body = block.rstrip(b"\n")
+        if body:
+            lines = body.split(b"\n")
+            yield first, lines
+            first += len(lines)
+        if not read:
+            return
+        # Empty lines that others follow are a fault of the next block: they go there, but for the last line's own end.
+        rest = block[len(body) + bool(body) :] + rest
 
 
 def _parse_fast(lines: list[bytes], width: int) -> FloatArray | None:
@@ -176,22 +217,22 @@ def _number(text: str, line: int, column: str) -> float:
     return value
 
 
-def _check_values(values: FloatArray, head: _Head) -> None:
+def _check_values(values: FloatArray, head: _Head, first: int, last_time: float) -> None:
     def fail(bad: NDArray[np.bool_], column: str, message: str) -> None:
         row = int(np.argmax(bad))
         value = values[row, head.columns.index(column)]
         found = "found nothing" if np.isnan(value) else f"found {value:.17g}"
-        raise InputError(f"{found}, {message}", place=f"line {head.first_row + row}, column {column}")
+        raise InputError(f"{found}, {message}", place=f"line {first + row}, column {column}")
 
     time_s = values[:, head.columns.index("time_s")]
     pwm = values[:, head.columns.index("pwm")]
     for column, channel in (("time_s", time_s), ("pwm", pwm)):
         if np.isnan(channel).any():
             fail(np.isnan(channel), column, "expected a number in every row")
-    late = np.diff(time_s, prepend=-np.inf) <= 0.0
+    before = np.concatenate([[last_time], time_s[:-1]])
+    late = time_s <= before
     if late.any():
-        row = int(np.argmax(late))
-        fail(late, "time_s", f"expected more than {time_s[row - 1]:.17g} s, the time of the row before")
+        fail(late, "time_s", f"expected more than {before[np.argmax(late)]:.17g} s, the time of the row before")
     wrong = (np.abs(pwm) > 255) | (pwm != np.round(pwm))
     if wrong.any():
         fail(wrong, "pwm", "expected a whole number -255..255")
@@ -204,14 +245,3 @@ def _decode(line: bytes, number: int) -> str:
         raise InputError(
             f"byte 0x{line[error.start]:02x} is not UTF-8; expected a UTF-8 text", place=f"line {number}"
         ) from error
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except FileNotFoundError:
-        raise InputError("there is no such file; expected a run file") from None
-    except IsADirectoryError:
-        raise InputError("this is a directory; expected a run file") from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror or error}") from None

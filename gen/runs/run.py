@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,6 +10,13 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 AMBIENT = "ambient_degC"
+_STATUS = {"flags", "sensors", "alarms"}
+
+
+def board_columns(names: Collection[str]) -> set[str]:
+    """Columns that a board adds on its own account: its model's temperatures and its status. They measure nothing."""
+    models = {name for name in names if name.endswith("_model_degC") and name.replace("_model_", "_") in names}
+    return models | (_STATUS & set(names))
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +37,8 @@ class Run:
         Further columns by their full name.
     comments
         The comment lines; a line without a colon has an empty value.
+    rows_in_file
+        Rows of the file that it was read from, more than N when it was thinned; None for a run from elsewhere.
     """
 
     time_s: FloatArray
@@ -37,3 +47,12 @@ class Run:
     ambient: FloatArray | None = None
     extras: dict[str, FloatArray] = field(default_factory=dict)
     comments: dict[str, str] = field(default_factory=dict)
+    rows_in_file: int | None = None
+
+    @property
+    def thinned(self) -> str:
+        """Say how much of its file this run is, or nothing."""
+        rows = self.time_s.size
+        if self.rows_in_file is None or self.rows_in_file == rows:
+            return ""
+        return f"{self.rows_in_file} rows, of which {rows} are used"

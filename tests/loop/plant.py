@@ -80,9 +80,9 @@ def plan(random: np.random.Generator, runs: int, hours: float, ambient_moves: bo
             pwm[at : at + length, r] = level * (-1 if random.random() < 0.3 else 1)
             last = level
             at += length
-        current[:, r] = np.where(pwm[:, r] == 0, 0.0, _pieces(random, steps, 900, 0.4, 6.0))
-        voltage[:, r] = _pieces(random, steps, 2000, 22.0, 26.0)
-        fan[:, r] = _pieces(random, steps, 1500, 0.0, 1.0) > 0.6
+        current[:, r] = np.where(pwm[:, r] == 0, 0.0, pieces(random, steps, 900, 0.4, 6.0))
+        voltage[:, r] = pieces(random, steps, 2000, 22.0, 26.0)
+        fan[:, r] = pieces(random, steps, 1500, 0.0, 1.0) > 0.6
         swing = random.uniform(2.0, 6.0) if ambient_moves else 0.1
         ambient[:, r] = AMBIENT + swing * np.sin(2 * np.pi * (t / random.uniform(5000, 16000) + random.random()))
         humidity[:, r] = 45 + 10 * np.sin(2 * np.pi * (t / random.uniform(4000, 20000) + random.random()))
@@ -91,7 +91,8 @@ def plan(random: np.random.Generator, runs: int, hours: float, ambient_moves: bo
     return Plan(pwm, current, voltage, fan, ambient, humidity, vibration, start, t)
 
 
-def _pieces(random: np.random.Generator, steps: int, typical_s: float, low: float, high: float) -> Array:
+def pieces(random: np.random.Generator, steps: int, typical_s: float, low: float, high: float) -> Array:
+    """Constant pieces of random length and height."""
     out = np.empty(steps)
     at = 0
     while at < steps:
@@ -197,8 +198,9 @@ def write(
     sensors: Sensors,
     random: np.random.Generator,
     fit: int,
+    missing: float = 0.0,
 ) -> tuple[list[Path], list[Path], float]:
-    """Write the run files.
+    """Write the run files; `missing` is the share of temperature samples that are not there.
 
     Returns
     -------
@@ -222,6 +224,8 @@ def write(
             noisy = clean + sensors.offset[n] + random.normal(0.0, sensors.noise, rows.size)
             temps[n] = np.round(noisy / 0.25) * 0.25
             squares.append(np.mean((temps[n] - clean - sensors.offset[n]) ** 2))
+            if missing:
+                temps[n][random.random(rows.size) < missing] = np.nan
         room = np.round((plan.ambient[rows, r] + random.normal(0.0, 0.1, rows.size)) / 0.25) * 0.25
         run = Run(
             time_s=plan.time[rows],

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.loop import plant_wide
 from tests.loop.plant import AMBIENT, COEFFICIENTS, NAMES, Array, Baseline, Physics, Sensors, plan, simulate, write
 
 Part = Callable[..., Array]
@@ -173,11 +174,16 @@ OUTSIDE = ("sine", "bursts", "per_run", "thermostat", "humidity", "switching", "
 RUNS, FIT, HOURS = 8, 6, 2.5
 
 
-def make(folder: Path, kinds: tuple[str, ...], seed: int) -> tuple[list[Path], list[Path], float]:
-    """Write the run files of one trial; give fit, test and the noise floor in K, offsets of the sensors not counted."""
-    random = np.random.default_rng([seed, *(zlib.crc32(kind.encode()) for kind in kinds)])
+def make(
+    folder: Path, kinds: tuple[str, ...], seed: int, *, wide: bool = False
+) -> tuple[list[Path], list[Path], float]:
+    """Write the run files of one trial; give fit, test and the noise floor in K, offsets of the sensors counted.
+
+    `wide` plants forms that the library does not have, by ``plant_wide``.
+    """
+    random = np.random.default_rng([seed, *(zlib.crc32(kind.encode()) for kind in kinds), *([1] if wide else [])])
     base = Baseline.of(COEFFICIENTS)
-    profile = plan(random, RUNS, HOURS, "ambient" in kinds)
+    profile = (plant_wide.profiles if wide else plan)(random, RUNS, HOURS, "ambient" in kinds)
     if "initial_state" in kinds:
         profile.start = random.uniform(8.0, 28.0, RUNS) * (random.random(RUNS) < 0.7)
     physics = Physics()
@@ -185,8 +191,8 @@ def make(folder: Path, kinds: tuple[str, ...], seed: int) -> tuple[list[Path], l
         if kind in OUTSIDE:
             outside(kind, physics, random, base, RUNS)
         else:
-            add(kind, physics, random, base, RUNS, profile.start)
+            (plant_wide.add if wide else add)(kind, physics, random, base, RUNS, profile.start)
     true = simulate(base, profile, physics)
     sensors = Sensors(float(random.uniform(0.1, 0.3)), {name: float(random.normal(0.0, 0.3)) for name in NAMES})
-    fit, test, floor = write(folder, profile, true, physics, sensors, random, FIT)
+    fit, test, floor = write(folder, profile, true, physics, sensors, random, FIT, missing=0.05 if wide else 0.0)
     return fit, test, float(np.hypot(floor, np.sqrt(np.mean([o**2 for o in sensors.offset.values()]))))

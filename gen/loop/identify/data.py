@@ -16,6 +16,8 @@ from gen.loop.identify.records import Record, condense
 from gen.loop.identify.structure import FloatArray
 from gen.runs import Run, read_run
 
+MOST_ROWS = 100_000
+"""A run of more than twice as many rows is thinned to about as many: blocks are longer than that in the end."""
 FEWEST = 20
 """Samples that a component needs in a run."""
 MOVES_K = 0.5
@@ -80,13 +82,13 @@ def read_data(paths: Sequence[Path], ambient: float | None) -> Data:
     InputError
         When nothing can be identified from them.
     """
-    sources = [Source(str(path), read_run(path)) for path in paths]
+    sources = [Source(str(path), read_run(path, most_rows=MOST_ROWS)) for path in paths]
     return make_data(sources, ambient)
 
 
 def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     """Condense runs in memory, as :func:`read_data` does."""
-    warnings: list[str] = []
+    warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     if not any(np.any(source.run.pwm != 0) for source in sources):
         raise InputError("found PWM 0 in every row, expected runs in which the motor turns", file=sources[0].path)
     names = _components(sources)
