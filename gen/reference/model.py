@@ -67,6 +67,12 @@ class ReferenceModel:
         self._first, self._last = int(rows[0]), int(rows[-1])
         self._samples = 0
 
+    @property
+    def within_ranges(self) -> NDArray[np.bool_]:
+        """Lanes in which no effect's value was held to its range so far, shape (L,)."""
+        limited = self._effects.limited if self._effects is not None else np.zeros(self.lanes)
+        return np.asarray(limited == 0)
+
     def _words(self) -> dict[int, tuple[Integers, int]]:
         """Rises of the components that the effects watch, as words with their fraction bits."""
         tracked = self._program.effects.tracked if self._program.effects is not None else ()
