@@ -50,7 +50,7 @@ def effects_context(program: Program) -> dict[str, Any] | None:
         for shape in program.shapes
         for index, member in enumerate(shape.members)
     }
-    tracked = []
+    tracked: list[dict[str, Any]] = []
     for index, limits in zip(effects.tracked, effects.rise_limits, strict=True):
         lowered = program.components[index]
         assert isinstance(lowered, FixedComponent | FloatComponent)
@@ -121,8 +121,8 @@ def _component(
         number += 1
     for i, inner in enumerate(part.inners):
         q = inner.fraction_bits
-        end = KELVIN_LIMIT << q if q == KELVIN_BITS else 1 << WEIGHT_BITS
-        begins.append(f"e->inner[{i}] = above({printer.output(part.start, number, q, str(end))});")
+        most = KELVIN_LIMIT << q if q == KELVIN_BITS else 1 << WEIGHT_BITS
+        begins.append(f"e->inner[{i}] = above({printer.output(part.start, number, q, str(most))});")
         number += 1
     readings = []
     printer.reading()
@@ -258,13 +258,9 @@ class _Printer:
             self._known[key] = f"{self._name}_table{len(self._known)}"
             kind = "int32_t" if self._fixed else "float"
             numbers = [f"{int(v)}L" if self._fixed else _single(float(v)) for v in step.table]
-            rows = ",\n".join(
-                "    " + ", ".join(numbers[i : i + _PER_LINE]) for i in range(0, len(numbers), _PER_LINE)
-            )
+            rows = ",\n".join("    " + ", ".join(numbers[i : i + _PER_LINE]) for i in range(0, len(numbers), _PER_LINE))
             unit = f"  // 2^-{step.q}" if self._fixed else ""
-            self.tables.append(
-                f"static const {kind} {self._known[key]}[] PROGMEM = {{{unit}\n{rows},\n}};\n"
-            )
+            self.tables.append(f"static const {kind} {self._known[key]}[] PROGMEM = {{{unit}\n{rows},\n}};\n")
         return self._known[key]
 
 

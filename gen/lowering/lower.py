@@ -153,9 +153,7 @@ def lower(
         _check_bound(lowered, limit, arithmetic)
         components.append(lowered)
     effects = lower_effects(coefficients, arithmetic, components)
-    return Program(
-        arithmetic, schedule, model, tuple(components), _shapes(components), tuple(onboard), effects=effects
-    )
+    return Program(arithmetic, schedule, model, tuple(components), _shapes(components), tuple(onboard), effects=effects)
 
 
 def _lower_fast(coefficients: Coefficients) -> Program:

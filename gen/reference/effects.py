@@ -11,7 +11,7 @@ A sample, after the baseline's own step (its rise goes from B0 to B1 meanwhile):
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,8 @@ Values = Mapping[Operand, Integers]
 Fields = list[tuple[str, str]]
 Words = list[NDArray[Any]]
 Lowered = FixedComponent | FloatComponent
+AnyLowered = Sequence[object]
+"""A program's components; those with effects are of the kinds above."""
 
 _COUNT_LIMIT = 0xFFFF
 _CHAIN_BITS = WORD_BITS + GUARD_BITS
@@ -263,12 +265,12 @@ class FloatChain:
 
     def saturations(self) -> Integers:
         """How often the recursion itself limited a word (a component without a proof)."""
-        return np.zeros_like(self.drive) + self._step.saturations
+        return np.asarray(np.zeros_like(self.drive) + self._step.saturations)
 
     def words(self) -> Words:
         """See :class:`FixedChain`."""
-        kept = [*(rate.view(np.uint32) for rate in self.rates), self.drive] if self._component.order > 1 else []
-        return [*FloatStep.words(self.x), *kept]
+        kept: Words = [*(rate.view(np.uint32) for rate in self.rates), self.drive]
+        return [*FloatStep.words(self.x), *(kept if self._component.order > 1 else [])]
 
     def _at(self, row: Integers) -> list[NDArray[np.float32]]:
         return [np.ascontiguousarray(self._rates[row, i]) for i in range(self._component.order)]
@@ -382,7 +384,8 @@ class _Component:
 
 def followed(state: Integers, target: Integers, factor: int) -> Integers:
     """A follower's state after a sample."""
-    return state + (target - (state >> FOLLOWER_BITS)) * factor
+    advanced: Integers = state + (target - (state >> FOLLOWER_BITS)) * factor
+    return advanced
 
 
 class ReferenceEffects:
@@ -401,14 +404,15 @@ class ReferenceEffects:
     """
 
     def __init__(
-        self, program: EffectsProgram, components: tuple[Lowered, ...], lanes: int, channels: Integers | None = None
+        self, program: EffectsProgram, components: AnyLowered, lanes: int, channels: Integers | None = None
     ) -> None:
-        self._program, self._lowered = program, components
+        self._program = program
         self._counter = Counter(lanes)
         self._channels = np.array([np.full(lanes, c.neutral) for c in program.channels], dtype=np.int64)
         self._elapsed: Integers = np.zeros(lanes, dtype=np.int64)
         self._components = {
-            part.index: _Component(part, components[part.index], self._counter, lanes) for part in program.components
+            part.index: _Component(part, _plain(components[part.index]), self._counter, lanes)
+            for part in program.components
         }
         zero = np.zeros(lanes, dtype=np.int64)
         self._rise = dict.fromkeys(program.tracked, zero)
@@ -479,7 +483,7 @@ class ReferenceEffects:
         """How often a value was held to its limits, as the board counts."""
         chains = (part.chain for part in self._components.values())
         own = sum((c.saturations() for c in chains if isinstance(c, FloatChain)), np.zeros_like(self._row))
-        return np.minimum(self._counter.count + own, _COUNT_LIMIT)
+        return np.asarray(np.minimum(self._counter.count + own, _COUNT_LIMIT))
 
     def shown(self, index: int) -> Integers | None:
         """What the sensor shows over the ambient, in 2^-20 K; None for a component without effects."""
@@ -504,18 +508,20 @@ class ReferenceEffects:
 
     def _added(self, index: int) -> Integers:
         part = self._components.get(index)
-        return np.zeros_like(self._row) if part is None else part.added()
+        nothing: Integers = np.zeros_like(self._row)
+        return nothing if part is None else part.added()
 
     def _total(self, index: int, base: Integers, added: Integers) -> Integers:
         low, high = self._program.rise_limits[self._program.tracked.index(index)]
         return self._counter.held(base + added, low, high)
 
 
-def effect_fields(program: EffectsProgram, components: tuple[Lowered, ...]) -> Fields:
+def effect_fields(program: EffectsProgram, components: AnyLowered) -> Fields:
     """Names and types of the states, in the order of the board's structure."""
     fields: Fields = []
     for index in program.tracked:
-        name, part, lowered = components[index].name, program.component(index), components[index]
+        lowered, part = _plain(components[index]), program.component(index)
+        name = lowered.name
         if part is not None:
             if part.chain is not None:
                 fields += _chain_fields(f"{name}.E", lowered)
@@ -528,6 +534,11 @@ def effect_fields(program: EffectsProgram, components: tuple[Lowered, ...]) -> F
     if program.elapsed_limit:
         fields.append(("elapsed", "<u4"))
     return [*fields, ("limited", "<u2")]
+
+
+def _plain(component: object) -> Lowered:
+    assert isinstance(component, FixedComponent | FloatComponent), "the fast form has no effects"
+    return component
 
 
 def _chain_fields(name: str, lowered: Lowered) -> Fields:

@@ -48,15 +48,15 @@ class ReferenceModel:
         self._effects: ReferenceEffects | None = None
         if program.effects is not None:
             self._effects = ReferenceEffects(program.effects, program.components, self.lanes, channels)
-            for index, component in enumerate(program.components):
-                shown = np.asarray(starts[component.name], dtype=np.int64)
-                starts[component.name] = self._effects.start(index, shown).tolist()
+            for index, name in enumerate(program.model.component_names):
+                shown = np.asarray(starts[name], dtype=np.int64)
+                starts[name] = self._effects.start(index, shown).tolist()
         #: Rise from which each component's baseline starts, in thousandths of a kelvin, before its limits.
-        self.starts_mK = {name: np.asarray(values, dtype=np.int64) for name, values in starts.items()}
+        self.starts_mK = {name: np.asarray(given, dtype=np.int64) for name, given in starts.items()}
         self._components = [lanes_of(component, starts[component.name]) for component in program.components]
         if self._effects is not None:
-            for index, word in self._words().items():
-                self._effects.started(index, *word)
+            for number, word in self._words().items():
+                self._effects.started(number, *word)
         self._flags = np.zeros(self.lanes, dtype=np.int64)
         for component in self._components:
             self._flags |= np.where(component.limited, START_CLAMPED, 0)
@@ -116,7 +116,9 @@ class ReferenceModel:
     def rises_mK(self) -> Integers:
         """The same in thousandths of a kelvin, rounded down, as integers."""
         rises = [component.rise_mK() for component in self._components]
-        return np.array([value if own is None else thousandths(own, KELVIN_BITS) for value, own in self._with_shown(rises)])
+        return np.array(
+            [value if own is None else thousandths(own, KELVIN_BITS) for value, own in self._with_shown(rises)]
+        )
 
     def _with_shown(self, rises: list[Any]) -> list[tuple[Any, Integers | None]]:
         """Each component's rise, and what its sensor shows where effects change that."""

@@ -85,9 +85,7 @@ class HeldSolution:
         k2 = slope(moved(k1, h / 2), h / 2)
         k3 = slope(moved(k2, h / 2), h / 2)
         k4 = slope(moved(k3, h), h)
-        self._state = [
-            a + h / 6 * (p + 2 * q + 2 * r + s) for a, p, q, r, s in zip(y, k1, k2, k3, k4, strict=True)
-        ]
+        self._state = [a + h / 6 * (p + 2 * q + 2 * r + s) for a, p, q, r, s in zip(y, k1, k2, k3, k4, strict=True)]
         self._elapsed += h
         self._measured = ambient
 
@@ -172,7 +170,7 @@ class _Part:
             value = a.effect.reading(a.values, value, ambient, measured, elapsed)
         return value, before
 
-    def slope(self, y: Array, m: Any, count: Integers, elapsed: float) -> Array:
+    def slope(self, y: Array, m: Moment, count: Integers, elapsed: float) -> Array:
         n, timed = self.order, len(self._timed)
         out = np.zeros_like(y)
         a = self._a[count]

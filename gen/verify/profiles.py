@@ -12,7 +12,6 @@ from gen.model import ThermalModel
 Integers = NDArray[np.int64]
 
 
-
 def record_type(channels: int) -> np.dtype[np.void]:
     """A lane's record as both harnesses read it, with so many channels of the effects."""
     told = [("channels", "<i4", (channels,))] if channels else []

@@ -17,7 +17,7 @@ from tests.verify_helpers import ROOT, example
 Entry = dict[str, Any]
 
 
-def effect(name: str, component: str, **parameters: Any) -> Entry:
+def effect(name: str, component: str, **parameters: object) -> Entry:
     """An entry of $.effects."""
     return {"name": name, "component": component, "parameters": parameters}
 

@@ -50,10 +50,8 @@ def chain(
     capacity = room * 2.0 ** (31.0 - np.array(bits))
     exact = dynamics(model, component, lowered.substeps)
     largest = reached(exact) if not lowered.saturates else None
-    if largest is None:
-        limit_K = _UNPROVEN_SHARE * float(capacity[0])
-    else:
-        limit_K = float((capacity / (largest * _MARGIN)).min())
+    reach = capacity / (largest * _MARGIN) if largest is not None else capacity[:1] * _UNPROVEN_SHARE
+    limit_K = float(reach.min())
     coarser = 0
     if isinstance(lowered, FloatComponent):
         coarser = min(max(0, ceil(log2(max(magnitude_K, 1e-9) / limit_K))), _MOST_COARSER)

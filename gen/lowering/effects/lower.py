@@ -20,7 +20,6 @@ from gen.lowering.effects.program import (
     KELVIN_BITS,
     KELVIN_LIMIT,
     WEIGHT_BITS,
-    Chain,
     Channel,
     EffectComponent,
     EffectsProgram,
@@ -82,13 +81,14 @@ class _Builder:
         self.rows = domain_rows(self.model)
         self.step = self.model.sample_time
         self.limits = [_rise_limits(component) for component in self.components]
-        self.drift = max((abs(a.values.get("drift_K_per_h", 0.0)) for a in self.effects), default=0.0)
+        self.drift = max((abs(float(a.values.get("drift_K_per_h", 0.0))) for a in self.effects), default=0.0)
         #: The model counts from its fixed ambient where the measured one acts through an effect.
         fixed = any(applied.effect.name == "ambient" for applied in self.effects)
         self.fixed_ambient = self.model.ambient_fixed if fixed else None
 
     @property
     def elapsed_limit(self) -> int:
+        """Samples after which a drift's clock stops; 0 without a drift."""
         if not self.drift:
             return 0
         return min(_MOST_SAMPLES, int(_MOST_DRIFT_K / self.drift * 3600.0 / self.step))
@@ -228,9 +228,7 @@ class _Builder:
             round(weight * 2.0**WEIGHT_BITS),
         )
 
-    def _readings(
-        self, graph: Graph, index: int, own: Sequence[Applied]
-    ) -> tuple[tuple[Tape, ...], tuple[Lag, ...]]:
+    def _readings(self, graph: Graph, index: int, own: Sequence[Applied]) -> tuple[tuple[Tape, ...], tuple[Lag, ...]]:
         ambient, measured = self._ambient(graph), self._channel(graph, 0)
         elapsed = graph.operand("elapsed", 0, 0.0, float(self.elapsed_limit)) * self.step
         shown: Any = self._rise(graph, index) + ambient
@@ -252,8 +250,8 @@ class _Start:
 
     def __init__(self, builder: _Builder, graph: Graph) -> None:
         self._graph = graph
-        self._ambient = builder._ambient(graph)  # noqa: SLF001
-        self._measured = builder._channel(graph, 0)  # noqa: SLF001
+        self._ambient = builder._ambient(graph)
+        self._measured = builder._channel(graph, 0)
         limit = KELVIN_LIMIT * 1000.0
         shown = graph.operand("shown", 0, -limit, limit) * 0.001
         self.seen: Node = shown + (self._measured - self._ambient) if builder.fixed_ambient is not None else shown
@@ -299,4 +297,4 @@ def _lag(step: float, lag: float) -> Lag:
 
 def _share(value: float) -> int:
     """A share below 1 as 32 bits."""
-    return min(round(value * 2.0**FOLLOWER_BITS), 2**FOLLOWER_BITS - 1)
+    return int(min(round(value * 2.0**FOLLOWER_BITS), 2**FOLLOWER_BITS - 1))
