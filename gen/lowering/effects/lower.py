@@ -66,7 +66,9 @@ def lower_effects(
     if not effects:
         return None
     model = coefficients.model
-    return _Builder(model, effects, arithmetic, components, channels(model, effects, {})).program()
+    wired = coefficients.document.wiring.channels if coefficients.document.wiring is not None else ()
+    declared = {channel.column: channel.limits for channel in wired}
+    return _Builder(model, effects, arithmetic, components, channels(model, effects, declared)).program()
 
 
 @dataclass
