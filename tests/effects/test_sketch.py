@@ -131,11 +131,11 @@ def test_a_channel_out_of_range_is_not_used_and_flagged(board: Board) -> None:
 def test_states_of_the_effects_outlast_a_reset(board: Board) -> None:
     _drive(board, 15.0, fan=False)
     board.started()
-    rows = board.hear(160.0).rows  # a copy begins after a minute, and takes one to be written byte by byte
-    copied = next(row for row in rows if float(row["time_s"]) >= 60.0)
+    rows = board.hear(160.0).rows
+    copied = [next(row for row in rows if float(row["time_s"]) >= time) for time in (60.0, 120.0)]
     board.press_reset()
     after = board.started()
     assert after.events[-1].endswith("start from memory")
-    start, then = float(after.rows[0]["bearing_model_degC"]), float(copied["bearing_model_degC"])
-    assert then > 50.0, "only the effect heats here"
-    assert start == pytest.approx(then, abs=1.0)
+    start, then = float(after.rows[0]["bearing_model_degC"]), [float(row["bearing_model_degC"]) for row in copied]
+    assert then[0] > 50.0, "only the effect heats here"
+    assert min(abs(start - value) for value in then) < 1.0, "a copy is made every minute"
