@@ -49,5 +49,10 @@ def build(
     click.echo(
         f"{out}: {loaded.name}, arithmetic {arithmetic}, schedule {schedule}" + (", fast" if speed == "fast" else "")
     )
+    changed = {part.name for part in program.effects.components} if program.effects is not None else set()
     for component in program.components:
-        click.echo(f"  {component.name}: never more than {bound_text(component)} from the exact solution")
+        what = "baseline never" if component.name in changed else "never"
+        click.echo(f"  {component.name}: {what} more than {bound_text(component)} from the exact solution")
+    if program.effects is not None:
+        for part in program.effects.components:
+            click.echo(f"  {part.name}: {len(part.notes)} effects; `gen verify` measures their error")

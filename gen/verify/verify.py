@@ -20,6 +20,7 @@ from gen.verify import compare
 from gen.verify.accuracy import ErrorCourse, error_course
 from gen.verify.alarms import AlarmCampaign, compare_alarms
 from gen.verify.compare import Mismatch
+from gen.verify.effect_costs import EffectCost, effect_costs
 from gen.verify.effects import EFFECTS_LENGTH, course_with_effects, with_channels
 from gen.verify.profiles import Profile, campaign, every_command
 from gen.verify.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
@@ -63,6 +64,7 @@ class CombinationResult:
     cost: Cost | None = None
     helpers: list[str] = field(default_factory=list)
     speed: Speed = "normal"
+    effects: list[EffectCost] = field(default_factory=list)
 
     @property
     def label(self) -> str:
@@ -153,6 +155,7 @@ def _combination(
     targets: list[TargetResult] = []
     cost: Cost | None = None
     helpers: list[str] = []
+    effects: list[EffectCost] = []
     commands = with_channels(every_command(program.model), program.effects, seed=511)
     if target in ("host", "all"):
         profile = campaign(program.model, HOST_LANES, max(600, int(HOST_LENGTH * scale)))
@@ -176,6 +179,7 @@ def _combination(
         targets.append(_compared(program, board.name, board.run, profile, expected))
         cost = board.cost(profile) if targets[-1].differing == 0 else None
         helpers = board.helper_symbols()
+        effects = effect_costs(coefficients, program, folder, progress)
     progress(f"{label}: alarms")
     rules = lower_alarms(coefficients)
     hosts = host_builds if target in ("host", "all") else ()
@@ -194,6 +198,7 @@ def _combination(
         cost,
         helpers,
         program.speed,
+        effects,
     )
 
 
