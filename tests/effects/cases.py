@@ -107,6 +107,21 @@ CASES: dict[str, tuple[str, list[Entry]]] = {
     ),
 }
 
+#: All of them at once on each example, but for those that change what the ambient means.
+TOGETHER = ("all on my1016", "all on two_mass")
+CASES |= {
+    label: (
+        label.split()[-1],
+        [
+            entry
+            for name, effects in CASES.values()
+            for entry in effects
+            if name == label.split()[-1] and entry["name"] != "ambient"
+        ],
+    )
+    for label in TOGETHER
+}
+
 
 @cache
 def case(label: str) -> Coefficients:
