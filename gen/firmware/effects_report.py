@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from gen.coefficients import Coefficients
+from gen.lowering.effects.channels import columns
 
 Cells = tuple[str, ...]
 _UNKNOWN = "not measured"
@@ -37,3 +38,16 @@ def effect_rows(coefficients: Coefficients, own: Mapping[str, Any] | None) -> li
                 cost = tuple(str(costs[place][key]) for key in ("cycles", "flash_bytes", "ram_bytes"))
         rows.append((applied.effect.title, entry.component, before, after, *cost))
     return rows
+
+
+def unwired(coefficients: Coefficients) -> list[str]:
+    """What to say of channels that effects need and the sketch cannot read; nothing for a file without wiring."""
+    wiring = coefficients.document.wiring
+    if wiring is None:
+        return []
+    known = {channel.column for channel in wiring.channels}
+    return [
+        f"$.wiring.channels has no {column}: in the sketch the effects that need it do nothing"
+        for column in columns(coefficients.model, coefficients.effects)
+        if column not in known
+    ]
