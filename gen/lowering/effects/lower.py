@@ -158,7 +158,7 @@ class _Builder:
         inner_starts: list[Node] = []
         followers: list[Follower] = []
         targets: list[Node] = []
-        drive = graph.node(0.0)
+        passing = graph.node(0.0)
         at_start = _Start(self, graph)
         for applied in own:
             effect, p = applied.effect, applied.values
@@ -180,13 +180,14 @@ class _Builder:
                 inner_starts.append(begin)
             if tau is None:
                 heat = graph.node(effect.heat(p, m)) + graph.node(effect.per_rise(p, m)) * m.rise
-                drive = drive + heat * (1.0 / rate)
+                passing = passing + heat
                 at_start.chain = at_start.chain + at_start.begin(applied)
             else:
                 followers.append(self._follower(f"{effect.name}, E in K", tau))
                 targets.append(graph.node(effect.heat(p, m)) * tau)
                 at_start.followers.append(at_start.begin(applied))
         passes = any(a.effect.heats and a.values.get("tau_s") is None for a in own)
+        drive = passing * (1.0 / rate)
         outputs = [drive, *targets] if passes else targets
         readings, lags = self._readings(graph, index, own)
         starts = [at_start.rise * 1000.0]
