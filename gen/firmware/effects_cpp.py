@@ -71,6 +71,7 @@ def effects_context(program: Program) -> dict[str, Any] | None:
         "tracked": tracked,
         "parts": [component for component in tracked if component["part"]],
         "heating": [c["name"] for c in tracked if c["part"] and c["part"]["heats"]],
+        "finer": [c["name"] for c in tracked if c["felt"] is not None and c["part"] and c["part"]["sixth"]],
         "shown": [component["name"] for component in tracked if component["part"]],
         "felt": [component for component in tracked if component["felt"] is not None],
         "channels": [
@@ -147,6 +148,10 @@ def _component(
         "inners": part.inners,
         "lags": part.lags,
         "notes": part.notes,
+        "sixth": part.sixth,
+        "driven": _shifted(f"((int64_t){name}_drive - {name}_first)", part.chain.fraction_bits - KELVIN_BITS)
+        if part.chain is not None
+        else None,
         "drives": drives + lines,
         "moment": any(kind in ("rise", "reverse") for kind, _ in part.drives.operands)
         or any(step.op == "row" for step in part.drives.steps),

@@ -4,7 +4,8 @@ A sample, after the baseline's own step (its rise goes from B0 to B1 meanwhile):
 
 1. Where a drive depends on rises, every such rise is predicted: the drives at the sample's start are tried for one
    sample, and the mean of start and prediction stands for the rise within the sample (second order, like the
-   trapezoidal rule).
+   trapezoidal rule). For a fast component of order 1 a second trial adds a term: with y = rate Ts,
+   mean = T0 + dT/2 + (y/6) (dT - dD), dT and dD the change of rise and of drive that the trials gave.
 2. With those, every drive and target once more; chains and followers advance by it.
 3. Inner states advance (exactly: their target is held), and sensors show what they see.
 """
@@ -460,12 +461,26 @@ class ReferenceEffects:
         inner = {index: part.inner_operands(row) for index, part in self._components.items()}
         rises: dict[Operand, Integers] = {("rise", index): self._rise[index] for index in self._program.felt}
         middle: dict[Operand, Integers] = {}
+        first: dict[int, Integers] = {}
         for index in self._program.felt:
             part = self._components.get(index)
             added = self._added(index)
             if part is not None and part.part.heats:
-                added = part.added(row, part.drives(common | rises | inner[index], row))
+                drives = part.drives(common | rises | inner[index], row)
+                added, first[index] = part.added(row, drives), drives[0]
             middle["rise", index] = (before[index] + self._total(index, base[index], added)) >> 1
+        finer: dict[Operand, Integers] = {}
+        for index in self._program.felt:
+            part = self._components.get(index)
+            if part is None or not part.part.sixth or part.part.chain is None:
+                continue
+            drives = part.drives(common | middle | inner[index], row)
+            change = self._total(index, base[index], part.added(row, drives)) - before[index]
+            driven = rounded(drives[0] - first[index], part.part.chain.fraction_bits - KELVIN_BITS)
+            share = np.asarray(part.part.sixth, dtype=np.int64)[row]
+            mean = before[index] + (change >> 1) + rounded((change - driven) * share, WEIGHT_BITS)
+            finer["rise", index] = self._held(index, mean)
+        middle |= finer
         for index, part in self._components.items():
             part.advance(row, part.drives(common | middle | inner[index], row) if part.part.heats else [])
         elapsed = self._elapsed
@@ -512,8 +527,11 @@ class ReferenceEffects:
         return nothing if part is None else part.added()
 
     def _total(self, index: int, base: Integers, added: Integers) -> Integers:
+        return self._held(index, base + added)
+
+    def _held(self, index: int, rise: Integers) -> Integers:
         low, high = self._program.rise_limits[self._program.tracked.index(index)]
-        return self._counter.held(base + added, low, high)
+        return self._counter.held(rise, low, high)
 
 
 def effect_fields(program: EffectsProgram, components: AnyLowered) -> Fields:

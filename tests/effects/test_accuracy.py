@@ -44,14 +44,14 @@ def _realistic(program: Program) -> Program:
 @pytest.mark.parametrize("label", CASES)
 def test_every_effect_stays_within_the_limit(label: str, arithmetic: Arithmetic) -> None:
     program = _realistic(lowered(label, arithmetic))
-    course = course_with_effects(program, case(label).effects, lanes=6, length=240)
+    course = course_with_effects(program, case(label).effects, lanes=6, length=120)
     assert max(course.largest().values()) < LIMIT_K[arithmetic]
     assert min(course.error_K[name][-1] for name in course.error_K) > 0.0, "lanes must have counted to the end"
 
 
 # Slope of (T, z) given T, z, second: T' of the casing or bearing without the effect is added to it.
 Heat = Callable[[float, float, float], tuple[float, float]]
-PWM, START_K, SECONDS = -180, 20.0, 120.0
+PWM, START_K, SECONDS = -180, 20.0, 300.0
 BY_HAND: dict[str, tuple[str, Heat, float]] = {
     "hidden_node": ("casing", lambda T, z, t: (6e-3 * z, (180 / 255 - z) / 1200.0), 0.0),
     "radiation": (

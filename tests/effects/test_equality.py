@@ -20,7 +20,7 @@ from gen.verify.runners import WARNINGS, AvrRunner, HostRunner, Library, write_l
 from tests.effects.cases import CASES, TOGETHER, case, lowered
 
 #: What leaves parts of the code out: no heat, no chain, no own state; and what no other case has beside it.
-SPECIAL = ("sensor_offset", "load_heating, own time constant", "ambient, delayed", "ambient, own time constant")
+SPECIAL = ("fast", "sensor_offset", "load_heating, own time constant", "ambient, delayed", "ambient, own time constant")
 
 
 def _library(label: str, arithmetic: Arithmetic, folder: Path) -> Library:

@@ -37,6 +37,8 @@ from gen.model.extended import own_rate
 #: The clock of a drift stops where it has grown by so much, or after so many samples.
 _MOST_DRIFT_K = 500.0
 _MOST_SAMPLES = 2**28
+#: From this rate times Ts on a rise's mean within a sample takes another term (see `EffectComponent.sixth`).
+_FAST = 7e-4
 #: A part with effects may be so much hotter or colder than its baseline can be: once more its own range.
 _WIDER = 1.0
 
@@ -203,8 +205,14 @@ class _Builder:
             start=record(graph, starts, self.arithmetic),
             readings=readings,
             lags=lags,
+            sixth=self._sixth(component, rate) if passes else (),
             notes=tuple(self._note(applied) for applied in own),
         )
+
+    def _sixth(self, component: Component, rate: Array) -> tuple[int, ...]:
+        if component.order > 1 or float(rate.max()) * self.step < _FAST:
+            return ()
+        return tuple(round(float(v) * self.step / 6.0 * 2.0**WEIGHT_BITS) for v in rate)
 
     def _note(self, applied: Applied) -> str:
         number = next(i for i, other in enumerate(self.effects) if other is applied)

@@ -135,6 +135,9 @@ class EffectComponent:
         From the rise, or from the lag before, to the next lag; the last one gives the reading over the ambient.
     lags
         One fewer.
+    sixth
+        A component of order 1 that is fast and whose rise is in some drive: its rate times Ts/6 by row, 2^-30, for one
+        more term of the rise's mean within a sample. Empty for all others.
     notes
         Title and equation of each effect, with its JSON path.
     """
@@ -148,6 +151,7 @@ class EffectComponent:
     start: Tape
     readings: tuple[Tape, ...]
     lags: tuple[Lag, ...]
+    sixth: tuple[int, ...]
     notes: tuple[str, ...]
 
     @property
