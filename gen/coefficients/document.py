@@ -13,7 +13,7 @@ from gen.coefficients.schedule import ScheduleEntry
 from gen.coefficients.wiring import Wiring
 
 SKETCH_FILES = frozenset(["board", "commands", "config", "console", "crc32", "device", "drive", "encoder"])
-SKETCH_FILES |= {"indicator", "memory", "observer", "output", "selftest", "thermocouples"}
+SKETCH_FILES |= {"channels", "indicator", "memory", "observer", "output", "selftest", "thermocouples"}
 """Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
 
 CountRange = tuple[Counts, Counts]

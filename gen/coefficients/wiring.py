@@ -23,6 +23,12 @@ MAX6675_HIGHEST = 1023.75
 """What the largest count of a MAX6675 means, in degC."""
 
 
+SUPPLY_V = 5.0
+"""What the converter compares voltages with."""
+MOST_VALUE = 1e5
+"""No channel's value is larger, in its unit."""
+
+
 class Thermocouple(Part):
     """One MAX6675 on bit-banged SPI, and what is plausible from it; a sample beyond that is not used."""
 
@@ -98,6 +104,45 @@ class Encoder(Part):
         return self
 
 
+class ChannelInput(Part):
+    """What effects are told beside the PWM, and run files hold: a voltage, or a contact to ground."""
+
+    column: Annotated[
+        str,
+        Field(
+            pattern=r"^[A-Za-z][A-Za-z0-9_]{0,30}$",
+            description="Its column in run files, the unit at the end: current_A.",
+        ),
+    ]
+    analog_pin: Annotated[Pin | None, Field(ge=54, description="A0..A15: a voltage of 0..5 V.")] = None
+    contact_pin: Annotated[Pin | None, Field(description="1 while it is closed to ground, else 0.")] = None
+    zero_V: Annotated[float, Field(ge=-5, le=10, description="Voltage at which the value is 0.")] = 0.0
+    per_V: Annotated[float, Field(description="Change of the value for each volt, in its unit.")] = 1.0
+    min: Annotated[float | None, Field(description="Lowest plausible value; without it the one at 0 V.")] = None
+    max: Annotated[float | None, Field(description="Highest plausible value; without it the one at 5 V.")] = None
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The plausible range, in the unit."""
+        if self.contact_pin is not None:
+            return 0.0, 1.0
+        ends = sorted(self.per_V * (volts - self.zero_V) for volts in (0.0, SUPPLY_V))
+        return ends[0] if self.min is None else self.min, ends[1] if self.max is None else self.max
+
+    @model_validator(mode="after")
+    def _check(self) -> ChannelInput:
+        if (self.analog_pin is None) == (self.contact_pin is None):
+            raise fault('expected either "analog_pin" or "contact_pin"')
+        if self.per_V == 0.0:
+            raise fault("found 0, expected another number", "per_V")
+        low, high = self.limits
+        if not -MOST_VALUE <= low < high <= MOST_VALUE:
+            raise fault(
+                f"found a range of {low:g}..{high:g}, expected one within -{MOST_VALUE:g}..{MOST_VALUE:g}", "max"
+            )
+        return self
+
+
 class ProfileStep(Part):
     """One step of a profile."""
 
@@ -152,6 +197,9 @@ class Wiring(Part):
     button_pin: Annotated[Pin | None, Field(description="To ground; resets latched alarms.")] = None
     thermocouples: Annotated[tuple[Thermocouple, ...], Field(max_length=17)] = ()
     encoder: Encoder | None = None
+    channels: Annotated[
+        tuple[ChannelInput, ...], Field(max_length=16, description="Inputs beside the thermocouples.")
+    ] = ()
     drive: Drive | None = None
     observe: Observe | None = None
     memory: Annotated[Memory | None, Field(description="null: no copies.")] = Memory()
@@ -175,6 +223,11 @@ class Wiring(Part):
                 )
         if self.drive and self.observe:
             raise fault('found both "drive" and "observe"; expected one of them: who drives the motor?', "observe")
+        columns: set[str] = set()
+        for i, channel in enumerate(self.channels):
+            if channel.column.lower() in columns:
+                raise fault(f'"{channel.column}" is taken already; expected one each', "channels", i, "column")
+            columns.add(channel.column.lower())
         taken: dict[int, tuple[str, str]] = {0: ("rx", "the serial port"), 1: ("tx", "the serial port")}
         for role, pin, at in self._roles():
             owner = taken.setdefault(pin, (role, _place(at)))
@@ -195,6 +248,11 @@ class Wiring(Part):
                 pin = getattr(getattr(self, name), key, None)
                 if pin is not None:
                     roles.append((key, pin, (name, key)))
+        for i, channel in enumerate(self.channels):
+            for key in ("analog_pin", "contact_pin"):
+                pin = getattr(channel, key)
+                if pin is not None:
+                    roles.append((f"channel {channel.column}", pin, ("channels", i, key)))
         for i, thermocouple in enumerate(self.thermocouples):
             roles += [(key, getattr(thermocouple, key), ("thermocouples", i, key)) for key in ("cs", "so", "sck")]
         return roles

@@ -34,12 +34,15 @@ def build(
     """Write the complete PlatformIO project for a coefficient file."""
     from gen.coefficients import load
     from gen.files import replace_folder
+    from gen.firmware.effects_report import unwired
     from gen.firmware.project import kept_verification, project_files, read_verification
     from gen.lowering.lower import check_speed, lower
 
     check_speed(arithmetic, schedule, speed)
     loaded = load(coefficients)
     for warning in loaded.warnings:
+        click.echo(f"warning: {coefficients}: {warning}", err=True)
+    for warning in unwired(loaded):
         click.echo(f"warning: {coefficients}: {warning}", err=True)
     record = read_verification(verification, loaded) if verification else kept_verification(out, loaded)
     program = lower(loaded, arithmetic, schedule, speed)
@@ -49,5 +52,10 @@ def build(
     click.echo(
         f"{out}: {loaded.name}, arithmetic {arithmetic}, schedule {schedule}" + (", fast" if speed == "fast" else "")
     )
+    changed = {part.name for part in program.effects.components} if program.effects is not None else set()
     for component in program.components:
-        click.echo(f"  {component.name}: never more than {bound_text(component)} from the exact solution")
+        what = "baseline never" if component.name in changed else "never"
+        click.echo(f"  {component.name}: {what} more than {bound_text(component)} from the exact solution")
+    if program.effects is not None:
+        for part in program.effects.components:
+            click.echo(f"  {part.name}: {len(part.notes)} effects; `gen verify` measures their error")

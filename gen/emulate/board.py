@@ -114,6 +114,12 @@ class Board:
         self._next = reading
         for channel, number in self._chips.items():
             self.mega.set_word(number, reading.words.get(channel, 0))
+        for wired in self.wiring.channels:
+            value = reading.channels.get(wired.column, 0.0)
+            if wired.analog_pin is not None:
+                self.mega.drive_analog(wired.analog_pin, wired.zero_V + value / wired.per_V)
+            elif wired.contact_pin is not None:
+                self.mega.drive_pin(wired.contact_pin, False if value >= 0.5 else None)
 
     def _observe(self, pwm: int) -> None:
         observe = self.wiring.observe

@@ -83,6 +83,12 @@ class DeviceMega(EmulatedMega):
         level_code = -1 if level is None else int(level)
         self._library.gen_mega_pin_drive(self._open(), place.port.encode(), place.bit, level_code)
 
+    def drive_analog(self, pin: int, volts: float) -> None:
+        """Put a voltage, 0..5 V, on an analog pin, 54..69."""
+        if not 54 <= pin <= 69:
+            raise ValueError(f"pin {pin} has no converter")
+        self._library.gen_mega_adc(self._open(), pin - 54, round(min(max(volts, 0.0), 5.0) * 1000.0))
+
     def pin_level(self, pin: int) -> bool:
         """Give a pin's level at present (of a running PWM: the port's latch, see `pin_duty`)."""
         return bool(self._pin(pin) & 1)

@@ -22,10 +22,13 @@ class Reading:
         By channel, a component's name or ``ambient``: the 16 bits that its MAX6675 gives from now on.
     pulses
         Rising edges of the encoder during the step.
+    channels
+        What else can be measured, by column and in its unit.
     """
 
     words: Mapping[str, int]
     pulses: int = 0
+    channels: Mapping[str, float] = field(default_factory=dict)
 
 
 class Plant(Protocol):

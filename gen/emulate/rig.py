@@ -86,12 +86,12 @@ class RigPlant:
         """See `gen.emulate.plant.Plant.step`."""
         before = self.motor.revolutions
         start = max(self._time, 0.0)
-        self.motor.step(pwm, dt_s, load_Nm=value(self._load, start), ambient_degC=value(self._ambient, start))
+        drive = self.motor.step(pwm, dt_s, load_Nm=value(self._load, start), ambient_degC=value(self._ambient, start))
         self._time += dt_s
         true = self.temperatures
         words = {name: sensor.read(true[name], self._time) for name, sensor in self._sensors.items()}
         pulses = self._encoder.between(before, self.motor.revolutions) if self._encoder is not None else 0
-        return Reading(words, pulses)
+        return Reading(words, pulses, {"current_A": drive.current_A, "voltage_V": drive.voltage_V})
 
 
 def _later(fault: Fault) -> Fault:

@@ -13,13 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
-from gen.emulate.plant import AMBIENT, Plant
+from gen.emulate.plant import AMBIENT, Plant, Reading
 from gen.lowering.alarms import lower_alarms
-from gen.lowering.lower import lower
+from gen.lowering.lower import Program, lower
 from gen.lowering.program import Arithmetic, ScheduleKind
 from gen.reference.alarms import ReferenceAlarms
 from gen.reference.model import ReferenceModel
 from gen.rig import Profile
+
+Integers = NDArray[np.int64]
 
 _COUNT_MC = 250
 _COLD_MK = 2000  # as the emitted config.h has it: a start within so much of ambient is a cold motor's
@@ -63,16 +65,21 @@ def alarm_times(
     step_s = program.model.sample_time
     profiles = [Profile((0.0,), (item,), duration_s) if isinstance(item, int) else item for item in pwm]
     valid = np.full(len(plants), (1 << len(names)) - 1, dtype=np.int64)
-    measured, ambient = _read([plant.step(0, step_s).words for plant in plants], names)
-    model = ReferenceModel(program, {name: (measured[i] - ambient).tolist() for i, name in enumerate(names)})
+    readings = [plant.step(0, step_s) for plant in plants]
+    measured, ambient = _read([reading.words for reading in readings], names)
+    starts = {name: (measured[i] - ambient).tolist() for i, name in enumerate(names)}
+    model = ReferenceModel(program, starts, _told(program, ambient, readings))
     cold = np.all(np.abs(measured - ambient) <= _COLD_MK, axis=0)
     alarms = ReferenceAlarms(rules, cold)
     first = np.full((len(plants), len(rules)), np.nan)
     bits = 1 << np.arange(len(rules))
     for sample in range(1, round(duration_s / step_s) + 1):
         command = np.array([profile.at((sample - 1) * step_s) for profile in profiles], dtype=np.int64)
-        words = [plant.step(int(value), step_s).words for plant, value in zip(plants, command, strict=True)]
-        measured, ambient = _read(words, names)
+        readings = [plant.step(int(value), step_s) for plant, value in zip(plants, command, strict=True)]
+        measured, ambient = _read([reading.words for reading in readings], names)
+        told = _told(program, ambient, readings)
+        if told is not None:
+            model.set_channels(told)
         model.step(command)
         alarms.step(command, measured, model.rises_mK + ambient, valid)
         fresh = ((alarms.latched[:, None] & bits) != 0) & np.isnan(first)
@@ -86,3 +93,14 @@ def _read(words: Sequence[Mapping[str, int]], names: Sequence[str]) -> tuple[NDA
     table = np.array([[reading[name] for reading in words] for name in (*names, AMBIENT)], dtype=np.int64)
     degrees = (table >> 3) * _COUNT_MC
     return degrees[:-1], degrees[-1]
+
+
+def _told(program: Program, ambient: Integers, readings: Sequence[Reading]) -> Integers | None:
+    """What the effects are told, in thousandths, shape (channels, runs); what the plant lacks stays neutral."""
+    if program.effects is None:
+        return None
+    others = [
+        [round(reading.channels.get(channel.column, channel.neutral / 1000.0) * 1000.0) for reading in readings]
+        for channel in program.effects.channels[1:]
+    ]
+    return np.array([ambient.tolist(), *others], dtype=np.int64)

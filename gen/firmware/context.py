@@ -12,6 +12,7 @@ from gen.coefficients import Coefficients
 from gen.firmware import avr_advance
 from gen.firmware.alarms_cpp import alarm_context
 from gen.firmware.avr_fast import coefficient_bytes, fast_block
+from gen.firmware.effects_cpp import effects_context
 from gen.firmware.onboard_cpp import helpers
 from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.alarms import lower_alarms
@@ -104,6 +105,7 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "steady_shift": ONBOARD_STEADY_SHIFT,
         "limit_literals": _limit_literals,
         "schedule_comments": _schedule_comments(program),
+        "effects": effects_context(program),
     } | alarm_context(lower_alarms(coefficients), model)
 
 

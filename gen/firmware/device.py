@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 import zlib
+from collections.abc import Sequence
 
 import numpy as np
 
 from gen import __version__
 from gen.coefficients import Coefficients
-from gen.coefficients.wiring import Drive, Encoder, Observe, Thermocouple, Wiring
+from gen.coefficients.wiring import SUPPLY_V, ChannelInput, Drive, Encoder, Observe, Thermocouple, Wiring
 from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.context import Context
+from gen.firmware.effects_cpp import identifier
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
 from gen.lowering.lower import Program
 from gen.lowering.sensors import (
@@ -24,6 +26,7 @@ from gen.lowering.sensors import (
     reading_samples,
     sensor_limits,
 )
+from gen.reference.effects import effect_fields
 from gen.reference.lanes import state_fields
 
 #: Modules of the sketch that every project has.
@@ -45,6 +48,10 @@ _LINE_BYTES = 110
 """Longest line that is not a row (output.h)."""
 _LATE_SAMPLES = 3
 """Samples whose pulses at full speed the encoder's interrupt takes before it takes the line for noisy."""
+_CONVERSIONS = 16
+"""Conversions of a voltage that are added up for a value: their sum has 14 bits."""
+_SCALE_BITS = 16
+"""Of the factor that such a sum is multiplied by."""
 _MARGIN = 1.25
 """The encoder's fastest pulse train over the nominal one."""
 
@@ -59,6 +66,7 @@ def sketch_files(device: Context) -> dict[str, str]:
     """
     modules = [*_ALWAYS]
     for module, wanted in (
+        ("channels", device["channels"]),
         ("thermocouples", device["chips"]),
         ("encoder", device["encoder"]),
         ("observer", device["observe"]),
@@ -92,9 +100,16 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
     pulses = _encoder(wiring.encoder, document.input.nominal_speed_rpm, sample_ms) if wiring.encoder else None
     start_samples = max(2 * CONFIRMATIONS * read_samples, math.ceil(_START_MS / sample_ms))
     row_samples = max(1, round(wiring.row_every_s / program.model.sample_time))
-    columns = _columns(coefficients, chips, pulses is not None)
+    columns = _columns(coefficients, chips, pulses is not None, wiring.channels)
     memory = _memory(wiring, chips, names, program, coefficients.sha256, sample_ms)
+    inputs = _channels(wiring.channels, program)
+    analog = [channel for channel in inputs if channel["analog"]]
     return {
+        "channels": inputs,
+        "analog": analog,
+        "contacts": [channel for channel in inputs if not channel["analog"]],
+        "conversions": _CONVERSIONS,
+        "didr": [sum(1 << (c["mux"] & 7) for c in analog if c["mux"] // 8 == half) for half in (0, 1)],
         "baud": wiring.serial_baud,
         "row_samples": row_samples,
         "row_every": f"{row_samples * program.model.sample_time:g}",
@@ -134,12 +149,15 @@ def _ambient_column(coefficients: Coefficients) -> str:
     return coefficients.model.ambient_channel or "ambient_degC"
 
 
-def _columns(coefficients: Coefficients, chips: list[Context], encoder: bool) -> list[str]:
+def _columns(
+    coefficients: Coefficients, chips: list[Context], encoder: bool, inputs: Sequence[ChannelInput]
+) -> list[str]:
     """The run file's columns, in the order in which the console prints a row."""
     wired = {chip["channel"] for chip in chips}
     names = [component.name for component in coefficients.document.components]
     columns = ["time_s", "pwm", *(f"{name}_degC" for name in names if name in wired)]
     columns += [_ambient_column(coefficients)] if "ambient" in wired else []
+    columns += [channel.column for channel in inputs]
     columns += ["speed_rpm"] if encoder else []
     columns += [f"{name}_model_degC" for name in names]
     columns += ["flags"]
@@ -189,6 +207,37 @@ def _stuck_text(limits: SensorLimits, sample_time: float) -> str:
         return "not checked for being stuck"
     after = f"stuck after {limits.stuck_samples * reading_samples(sample_time) * sample_time:g} s"
     return after + (f" in which the model moved by {limits.stuck_mK / 1000:g} K" if limits.stuck_mK else "")
+
+
+def _channels(wired: Sequence[ChannelInput], program: Program) -> list[Context]:
+    """Inputs of the wiring; a voltage's value is zero + (sum of conversions times scale >> shift), in thousandths."""
+    told = {channel.column: channel for channel in program.effects.channels} if program.effects is not None else {}
+    found = []
+    for number, channel in enumerate(wired):
+        path = f"$.wiring.channels[{number}]"
+        low, high = (round(value * 1000.0) for value in channel.limits)
+        own = told.get(channel.column)
+        pin = channel.analog_pin if channel.analog_pin is not None else channel.contact_pin
+        assert pin is not None
+        for_each = channel.per_V * SUPPLY_V * 1000.0 / (1024.0 * _CONVERSIONS)
+        shift = max(0, min(30, _SCALE_BITS - 1 - math.floor(math.log2(abs(for_each)))))
+        found.append(
+            _pin(pin, path)
+            | {
+                "number": number,
+                "column": channel.column,
+                "analog": channel.analog_pin is not None,
+                "mux": pin - 54 if channel.analog_pin is not None else 0,
+                "zero": round(-channel.zero_V * channel.per_V * 1000.0),
+                "scale": round(for_each * 2**shift),
+                "shift": shift,
+                "low": low,
+                "high": high,
+                "neutral": own.neutral if own is not None else min(max(0, low), high),
+                "told": identifier(channel.column) if own is not None else None,
+            }
+        )
+    return found
 
 
 def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> Context:
@@ -275,8 +324,9 @@ def _memory(
 
 def state_bytes(program: Program) -> int:
     """Bytes of the model's states on the board, with its phase where it has one (checked there at compile time)."""
+    effects = effect_fields(program.effects, program.components) if program.effects is not None else []
     return (program.speed == "fast") + sum(
-        np.dtype(list(state_fields(component))).itemsize for component in program.components
+        np.dtype(fields).itemsize for fields in (*map(state_fields, program.components), effects) if fields
     )
 
 

@@ -123,6 +123,7 @@ def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, 
         "domain_pwm": list(program.model.domain_pwm),
         "validity_pwm": list(program.model.validity),
         "components": [component.describe() for component in program.components],
+        **({"effects": program.effects.describe()} if program.effects is not None else {}),
         "wiring": _plain(coefficients.document.wiring),
         "alarms": [_plain(alarm) for alarm in coefficients.document.alarms],
         "files": {

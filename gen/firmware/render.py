@@ -39,9 +39,12 @@ _BY_SCHEDULE = {
     },
 }
 
-
 #: Templates that control every line break themselves, with {%- and -%}.
 _OWN_LINE_BREAKS = ("lib/model/src/onboard_math.h.j2",)
+_EFFECTS = {
+    "lib/NAME/src/NAME_effects.h": "lib/model/src/effects.h.j2",
+    "lib/NAME/src/NAME_effects.cpp": "lib/model/src/effects.cpp.j2",
+}
 
 
 @cache
@@ -74,4 +77,4 @@ def library(context: Context) -> dict[str, str]:
     if (context["arithmetic"], schedule) == ("float", "table"):
         sources = {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table_float.cpp.j2"}
     recursion = _FAST if context["speed"] == "fast" else _BY_ARITHMETIC[context["arithmetic"]]
-    return render(LIBRARY | recursion | sources, context)
+    return render(LIBRARY | recursion | sources | (_EFFECTS if context["effects"] else {}), context)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal, localcontext
 from functools import cache, singledispatch
 from importlib import resources
@@ -17,6 +17,7 @@ from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.charts import Chart, course_chart, plain, power, response_charts, schedule_charts, scientific, svg
+from gen.firmware.effects_report import effect_rows
 from gen.lowering.dynamics import domain_rows
 from gen.lowering.fast_format import FastComponent
 from gen.lowering.float32 import LOW_BITS, FloatComponent
@@ -65,7 +66,7 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
         (c for c in combinations if (c["arithmetic"], c["schedule"], c.get("speed", "normal")) == wanted),
         None,
     )
-    window, responses = _responses(program)
+    window, responses = _responses(replace(program, effects=None))  # of the baseline: effects have no such exact ones
     return (
         _environment()
         .get_template("report.html.j2")
@@ -90,6 +91,8 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
             constants=constants(program),
             rows=_rows(program),
             alarms=alarm_texts(coefficients),
+            effects=effect_rows(coefficients, own),
+            affected=[part.name for part in program.effects.components] if program.effects is not None else [],
         )
     )
 

@@ -51,6 +51,11 @@ def parts(device: Context) -> list[Part]:
         signals = [Terminal(key.upper(), chip["lines"][key]["label"]) for key in ("cs", "so", "sck")]
         supply = [Terminal("VCC", "5 V"), Terminal("GND", "GND")]
         found.append(Part(f"MAX6675: {chip['channel']}", (*signals, *supply)))
+    for channel in device["channels"]:
+        title = f"{channel['column']}: {'0..5 V' if channel['analog'] else 'contact'}"
+        found.append(
+            Part(title, (Terminal("OUT" if channel["analog"] else "1", channel["label"]), Terminal("GND", "GND")))
+        )
     if device["encoder"]:
         pulses = Terminal("pulses", device["encoder"]["label"])
         found.append(Part("Encoder", (pulses, Terminal("VCC", "5 V"), Terminal("GND", "GND"))))

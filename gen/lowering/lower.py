@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -12,6 +13,7 @@ from gen.coefficients import Coefficients
 from gen.errors import CheckFailed, InputError
 from gen.lowering import bounds, fast, fixed, float32
 from gen.lowering.dynamics import Dynamics, LoweringError, domain_rows, dynamics
+from gen.lowering.effects import EffectsProgram, lower_effects
 from gen.lowering.fast_format import BLOCK, FastComponent
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.onboard import OnboardComponent, compile_component, tuned
@@ -65,6 +67,8 @@ class Program:
         How the board computes each component's coefficients; empty for a table.
     speed
         ``fast``: shorter words and products, fixed point and table only.
+    effects
+        What runs after the baseline's step; None without effects.
     """
 
     arithmetic: Arithmetic
@@ -74,6 +78,7 @@ class Program:
     shapes: tuple[Shape, ...]
     onboard: tuple[OnboardComponent, ...] = ()
     speed: Speed = "normal"
+    effects: EffectsProgram | None = None
 
     @property
     def label(self) -> str:
@@ -96,8 +101,8 @@ def refuse_effects(coefficients: Coefficients, what: str) -> None:
     """
     for applied in coefficients.effects:
         raise CheckFailed(
-            f'the effect "{applied.effect.name}" of component {applied.component} is not yet part of {what}; remove it '
-            "from $.effects, or use `gen simulate --arithmetic exact`"
+            f'the effect "{applied.effect.name}" of component {applied.component} is not part of {what}; leave that '
+            "out, or remove the effect from $.effects"
         )
 
 
@@ -129,13 +134,13 @@ def lower(
         See :func:`check_speed`.
     """
     check_speed(arithmetic, schedule, speed)
-    refuse_effects(coefficients, "the firmware")
     if speed == "fast":
+        refuse_effects(coefficients, "--speed fast")
         return _lower_fast(coefficients)
     model = coefficients.model
     accuracy = coefficients.accuracy
     limit = accuracy.fixed_limit_K if arithmetic == "fixed" else accuracy.float_limit_K
-    components: list[AnyComponent] = []
+    components: list[FixedComponent | FloatComponent] = []
     onboard: list[OnboardComponent] = []
     for component in model.components:
         try:
@@ -147,7 +152,8 @@ def lower(
             raise CheckFailed(str(error)) from error
         _check_bound(lowered, limit, arithmetic)
         components.append(lowered)
-    return Program(arithmetic, schedule, model, tuple(components), _shapes(components), tuple(onboard))
+    effects = lower_effects(coefficients, arithmetic, components)
+    return Program(arithmetic, schedule, model, tuple(components), _shapes(components), tuple(onboard), effects=effects)
 
 
 def _lower_fast(coefficients: Coefficients) -> Program:
@@ -214,7 +220,7 @@ def _formats(component: AnyComponent) -> object:
     return component.fraction_bits if isinstance(component, FloatComponent) else component.layout
 
 
-def _shapes(components: list[AnyComponent]) -> tuple[Shape, ...]:
+def _shapes(components: Sequence[AnyComponent]) -> tuple[Shape, ...]:
     keys = [(c.order, c.substeps, _formats(c), c.start_range_mK, c.saturates) for c in components]
     first = {key: index for index, key in reversed(list(enumerate(keys)))}
     order = sorted(range(len(components)), key=lambda index: (first[keys[index]], index))

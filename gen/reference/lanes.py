@@ -75,7 +75,7 @@ class FixedLanes:
     def rise_mK(self) -> Integers:
         """See :class:`ComponentLanes`."""
         bits = self._component.layout.fraction_bits[0] - RESIDUE_BITS
-        return _thousandths(self._state[0] >> RESIDUE_BITS, bits)
+        return thousandths(self._state[0] >> RESIDUE_BITS, bits)
 
     def saturations(self) -> Integers:
         """See :class:`ComponentLanes`."""
@@ -129,7 +129,7 @@ class FloatLanes:
 
     def rise_mK(self) -> Integers:
         """See :class:`ComponentLanes`."""
-        return _thousandths(self._state[0] >> LOW_BITS, self._component.fraction_bits[0])
+        return thousandths(self._state[0] >> LOW_BITS, self._component.fraction_bits[0])
 
     def saturations(self) -> Integers:
         """See :class:`ComponentLanes`."""
@@ -148,7 +148,7 @@ class FloatLanes:
         return [self._rates[row, i] for i in range(self._component.order)], self._component.steady[row]
 
 
-def _thousandths(word: Integers, bits: int) -> Integers:
+def thousandths(word: Integers, bits: int) -> Integers:
     """A word of 2^-bits K in thousandths of a kelvin, rounded down, by way of 2^-16 K."""
     fraction = word & ((1 << bits) - 1)
     sixteenth = fraction >> (bits - 16) if bits >= 16 else fraction << (16 - bits)
@@ -181,3 +181,11 @@ def coefficient_fields(component: AnyComponent) -> Fields:
         return fast_coefficient_fields(component)
     rates = [(f"{component.name}.R{i}", "<u4") for i in range(component.order)]
     return [*rates, (f"{component.name}.S", "<i4")]
+
+
+def word_bits(component: AnyComponent) -> int:
+    """Fraction bits of a component's rise as the high word of x1 has it (not of the fast form)."""
+    if isinstance(component, FixedComponent):
+        return component.layout.fraction_bits[0] - RESIDUE_BITS
+    assert isinstance(component, FloatComponent)
+    return component.fraction_bits[0]

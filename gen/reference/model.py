@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.dynamics import domain_rows
+from gen.lowering.effects.program import KELVIN_BITS
 from gen.lowering.lower import Program
-from gen.reference.lanes import coefficient_fields, lanes_of, state_fields
+from gen.reference.effects import ReferenceEffects, effect_fields
+from gen.reference.lanes import coefficient_fields, lanes_of, state_fields, thousandths, word_bits
 
 Integers = NDArray[np.int64]
 Record = NDArray[np.void]
@@ -29,13 +32,31 @@ class ReferenceModel:
         What the board holds.
     start_mK
         Rise at the start in thousandths of a kelvin, one for each lane: of all components, or by component.
+    channels
+        What the effects are told at the start, in thousandths, shape (channels, L); None: the neutral values.
     """
 
-    def __init__(self, program: Program, start_mK: Sequence[int] | Mapping[str, Sequence[int]]) -> None:
+    def __init__(
+        self,
+        program: Program,
+        start_mK: Sequence[int] | Mapping[str, Sequence[int]],
+        channels: Integers | None = None,
+    ) -> None:
         self._program = program
-        starts = start_mK if isinstance(start_mK, Mapping) else {c.name: start_mK for c in program.components}
+        starts = dict(start_mK) if isinstance(start_mK, Mapping) else {c.name: start_mK for c in program.components}
         self.lanes = len(starts[program.components[0].name])
+        self._effects: ReferenceEffects | None = None
+        if program.effects is not None:
+            self._effects = ReferenceEffects(program.effects, program.components, self.lanes, channels)
+            for index, name in enumerate(program.model.component_names):
+                shown = np.asarray(starts[name], dtype=np.int64)
+                starts[name] = self._effects.start(index, shown).tolist()
+        #: Rise from which each component's baseline starts, in thousandths of a kelvin, before its limits.
+        self.starts_mK = {name: np.asarray(given, dtype=np.int64) for name, given in starts.items()}
         self._components = [lanes_of(component, starts[component.name]) for component in program.components]
+        if self._effects is not None:
+            for number, word in self._words().items():
+                self._effects.started(number, *word)
         self._flags = np.zeros(self.lanes, dtype=np.int64)
         for component in self._components:
             self._flags |= np.where(component.limited, START_CLAMPED, 0)
@@ -45,6 +66,22 @@ class ReferenceModel:
         self._row_flags = pwm_flags(program)
         self._first, self._last = int(rows[0]), int(rows[-1])
         self._samples = 0
+
+    @property
+    def within_ranges(self) -> NDArray[np.bool_]:
+        """Lanes in which no effect's value was held to its range so far, shape (L,)."""
+        limited = self._effects.limited if self._effects is not None else np.zeros(self.lanes)
+        return np.asarray(limited == 0)
+
+    def _words(self) -> dict[int, tuple[Integers, int]]:
+        """Rises of the components that the effects watch, as words with their fraction bits."""
+        tracked = self._program.effects.tracked if self._program.effects is not None else ()
+        return {i: (self._components[i].state_words()[1], word_bits(self._program.components[i])) for i in tracked}
+
+    def set_channels(self, values: Integers) -> None:
+        """Tell the effects the channels' values from now on, in thousandths, shape (channels, L)."""
+        if self._effects is not None:
+            self._effects.set_channels(values)
 
     def step(self, pwm: Integers) -> None:
         """Advance by one sample with the PWM of each lane, shape (L,)."""
@@ -59,6 +96,9 @@ class ReferenceModel:
             component.sample(row, before)
         if self._program.saturates:
             self._flags = self._flags | np.where(self.saturations > 0, SATURATED, 0)
+        if self._effects is not None:
+            self._effects.step(pwm, row, self._words())
+            self._flags = self._flags | np.where(self._effects.limited > 0, SATURATED, 0)
 
     @property
     def saturations(self) -> Integers:
@@ -69,12 +109,21 @@ class ReferenceModel:
     @property
     def rises(self) -> NDArray[np.float64]:
         """Rise of every component as the board gives it out, shape (components, L), in K."""
-        return np.array([component.rise() for component in self._components])
+        rises = [component.rise() for component in self._components]
+        return np.array([value if own is None else own * 2.0**-KELVIN_BITS for value, own in self._with_shown(rises)])
 
     @property
     def rises_mK(self) -> Integers:
         """The same in thousandths of a kelvin, rounded down, as integers."""
-        return np.array([component.rise_mK() for component in self._components])
+        rises = [component.rise_mK() for component in self._components]
+        return np.array(
+            [value if own is None else thousandths(own, KELVIN_BITS) for value, own in self._with_shown(rises)]
+        )
+
+    def _with_shown(self, rises: list[Any]) -> list[tuple[Any, Integers | None]]:
+        """Each component's rise, and what its sensor shows where effects change that."""
+        shown = self._effects.shown if self._effects is not None else lambda _: None
+        return [(rise, shown(index)) for index, rise in enumerate(rises)]
 
     def state_record(self) -> Record:
         """The state words alone, shape (L,); the record's other fields are 0."""
@@ -97,6 +146,10 @@ class ReferenceModel:
             record["saturations"] = self.saturations
         if self._program.speed == "fast":
             record["phase"] = self._samples % 256
+        if self._effects is not None and self._program.effects is not None:
+            fields = effect_fields(self._program.effects, self._program.components)
+            for (name, _), word in zip(fields, self._effects.words(), strict=True):
+                record[name] = word
         return record
 
 
@@ -121,4 +174,6 @@ def record_type(program: Program) -> np.dtype[np.void]:
         tail.append(("saturations", "<u2"))
     if program.speed == "fast":
         tail.append(("phase", "u1"))
+    if program.effects is not None:
+        tail += effect_fields(program.effects, program.components)
     return np.dtype(states + coefficients + tail)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
-from gen.lowering.lower import lower, refuse_effects
+from gen.lowering.lower import Program, lower
 from gen.lowering.program import Arithmetic, Speed
 from gen.model.exact import ExactSolution
 from gen.model.extended import ExtendedSolution
@@ -59,8 +59,6 @@ def simulate_run(
     InputError
         If no ambient is known, or `measured` is asked for where nothing was measured.
     """
-    if arithmetic != "exact":
-        refuse_effects(coefficients, f"the {arithmetic} arithmetic")
     ambient = _ambient(coefficients, run, file)
     rise = {name: _initial_rise(name, run, ambient, start, file) for name in coefficients.model.component_names}
     columns: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {"time_s": run.time_s}
@@ -72,33 +70,50 @@ def simulate_run(
         for name, values in solved.items():
             columns[f"{name}_degC"] = values + ambient
         return columns
-    board, words = _on_board(coefficients, arithmetic, run, rise, speed)
+    board, words = _on_board(coefficients, arithmetic, run, rise, speed, file)
     for name, values in board.items():
         columns[f"{name}_degC"] = values + ambient
     return columns | words
 
 
 def _on_board(
-    coefficients: Coefficients, arithmetic: Arithmetic, run: Run, rise: dict[str, float], speed: Speed
+    coefficients: Coefficients, arithmetic: Arithmetic, run: Run, rise: dict[str, float], speed: Speed, file: str
 ) -> tuple[dict[str, Array], dict[str, NDArray[np.int64]]]:
     program = lower(coefficients, arithmetic, "table", speed)
     samples = (run.time_s - run.time_s[0]) / program.model.sample_time
     grid = np.floor(samples + _ON_GRID).astype(np.int64)
     length = int(grid[-1])
     acting = np.searchsorted(samples, np.arange(length) + _ON_GRID, side="right") - 1
-    model = ReferenceModel(program, {name: [round(value * 1000.0)] for name, value in rise.items()})
+    ambient, told = _told(coefficients, run, program, file)
+    over = 0.0 if told is None else float(ambient[0] - told[0, 0] / 1000.0)  # rises count from what the board measures
+    starts = {name: [round((value + over) * 1000.0)] for name, value in rise.items()}
+    model = ReferenceModel(program, starts, None if told is None else told[:, :1])
     wanted = set(grid.tolist())
     kept: dict[int, tuple[Array, np.void]] = {}
     for step in range(length + 1):
         if step in wanted:
             kept[step] = (model.rises[:, 0], model.state_record()[0])
         if step < length:
+            if told is not None:
+                model.set_channels(told[:, acting[step] : acting[step] + 1])
             model.step(run.pwm[acting[step] : acting[step] + 1])
     rises = np.array([kept[int(step)][0] for step in grid])
     records = np.array([kept[int(step)][1] for step in grid], dtype=record_type(program))
     names = [name for component in program.components for name, _ in state_fields(component)]
     words = {name: records[name].astype(np.int64) for name in names}
+    if told is not None:
+        rises = rises + (told[0] / 1000.0 - ambient)[:, None]
     return {name: rises[:, i] for i, name in enumerate(program.model.component_names)}, words
+
+
+def _told(coefficients: Coefficients, run: Run, program: Program, file: str) -> tuple[Array, NDArray[np.int64] | None]:
+    """The ambient that rises count from, and what the effects on the board are told at every row, in thousandths."""
+    ambient = _ambient(coefficients, run, file)
+    if program.effects is None:
+        return ambient, None
+    measured, extras = _columns(coefficients, run, ambient, file)
+    columns = [measured, *(extras[channel.column] for channel in program.effects.channels[1:])]
+    return ambient, np.rint(np.array(columns) * 1000.0).astype(np.int64)
 
 
 def _ambient(coefficients: Coefficients, run: Run, file: str) -> Array:
@@ -130,6 +145,14 @@ def _extended(
     coefficients: Coefficients, run: Run, ambient: Array, rise: dict[str, float], file: str
 ) -> dict[str, Array]:
     """The model with its effects, what each sensor shows in degC."""
+    measured, channels = _columns(coefficients, run, ambient, file)
+    return ExtendedSolution(coefficients.model, coefficients.effects).simulate_times(
+        run.time_s, run.pwm, ambient, measured, channels, rise
+    )
+
+
+def _columns(coefficients: Coefficients, run: Run, ambient: Array, file: str) -> tuple[Array, dict[str, Array]]:
+    """The measured ambient, and the extra columns, of which the effects need some."""
     measured = ambient if run.ambient is None or np.all(np.isnan(run.ambient)) else held_over_gaps(run.ambient)
     channels = {name: held_over_gaps(column) for name, column in run.extras.items() if not np.all(np.isnan(column))}
     for applied in coefficients.effects:
@@ -142,9 +165,7 @@ def _extended(
             raise InputError(
                 f'the effect "{name}" of {applied.component} needs the column {column}', file=file, place="header"
             )
-    return ExtendedSolution(coefficients.model, coefficients.effects).simulate_times(
-        run.time_s, run.pwm, ambient, measured, channels, rise
-    )
+    return measured, channels
 
 
 def _initial_rise(name: str, run: Run, ambient: Array, start: Start, file: str) -> float:

@@ -51,9 +51,12 @@ class Mismatch:
 
 def reference_run(program: Program, profile: Profile) -> Records:
     """The reference's records for a profile, shape (L, N)."""
-    model = ReferenceModel(program, [int(rise) for rise in profile.start_mK])
+    told = None if profile.channels is None else np.moveaxis(profile.channels, (1, 2), (0, 1))  # (N + 1, channels, L)
+    model = ReferenceModel(program, [int(rise) for rise in profile.start_mK], None if told is None else told[0])
     records = np.zeros(profile.pwm.shape, dtype=record_type(program))
     for step in range(profile.pwm.shape[1]):
+        if told is not None:
+            model.set_channels(told[step + 1])
         model.step(profile.pwm[:, step])
         records[:, step] = model.record()
     return records
@@ -86,6 +89,8 @@ def shrink(program: Program, run: Runner, profile: Profile, mismatch: Mismatch) 
     Cuts after the failing step, then leaves out ever smaller pieces, then replaces values by their neighbours', as
     long as the runner still differs from the reference.
     """
+    if profile.channels is not None:  # the channels' values would have to be cut with it
+        return profile, mismatch
     pwm = profile.pwm[mismatch.lane, : mismatch.step + 1]
     start = int(profile.start_mK[mismatch.lane])
     budget = _SHRINKING_RUNS

@@ -11,8 +11,11 @@ from gen.model import ThermalModel
 
 Integers = NDArray[np.int64]
 
-#: One lane's record as both harnesses read it.
-RECORD_TYPE = np.dtype([("op", "u1"), ("pwm", "<i2"), ("start_mK", "<i4")])
+
+def record_type(channels: int) -> np.dtype[np.void]:
+    """A lane's record as both harnesses read it, with so many channels of the effects."""
+    told = [("channels", "<i4", (channels,))] if channels else []
+    return np.dtype([("op", "u1"), ("pwm", "<i2"), ("start_mK", "<i4"), *told])
 
 
 @dataclass(frozen=True)
@@ -25,10 +28,14 @@ class Profile:
         Shape (L, N), -255..255.
     start_mK
         Rise of every component at the start of each lane, shape (L,), in thousandths of a kelvin.
+    channels
+        What the effects are told before the start and before each sample, in thousandths, shape (L, N + 1, channels);
+        None without effects.
     """
 
     pwm: Integers
     start_mK: Integers
+    channels: Integers | None = None
 
     @property
     def samples(self) -> int:
@@ -38,7 +45,10 @@ class Profile:
     def records(self) -> NDArray[np.void]:
         """All lanes one behind the other, each led by its start, as the harnesses read them."""
         lanes, length = self.pwm.shape
-        records = np.zeros((lanes, length + 1), dtype=RECORD_TYPE)
+        count = 0 if self.channels is None else self.channels.shape[2]
+        records = np.zeros((lanes, length + 1), dtype=record_type(count))
+        if self.channels is not None:
+            records["channels"] = self.channels
         records["op"][:, 0] = 1
         records["start_mK"][:, 0] = self.start_mK
         records["pwm"][:, 1:] = self.pwm

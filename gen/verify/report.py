@@ -38,7 +38,7 @@ def print_results(results: Sequence[CombinationResult]) -> None:
                 result.label,
                 name,
                 f"{measured:.1e}",
-                "saturates" if bound is None else f"{bound:.1e}",
+                "none proven" if bound is None else f"{bound:.1e}",
             )
     console.print(error)
     cost = Table(
@@ -64,3 +64,10 @@ def print_results(results: Sequence[CombinationResult]) -> None:
             )
     if cost.row_count:
         console.print(cost)
+    parts = Table("combination", "effect", "component", "cycles", "flash B", "RAM B", title="Cost of each effect")
+    for result in results:
+        for part in result.effects:
+            numbers = (part.cycles, part.flash_bytes, part.ram_bytes)
+            parts.add_row(result.label, part.name, part.component, *map(str, numbers))
+    if parts.row_count:
+        console.print(parts)

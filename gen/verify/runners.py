@@ -18,7 +18,8 @@ from gen.lowering.lower import Program
 from gen.reference.model import record_type
 from gen.verify.avr.compile import CPP_FLAGS, MACHINE_FLAGS, Sizes, build_elf, compile_objects, sizes, undefined_symbols
 from gen.verify.avr.simulator import MAILBOX_FOLDER, MARKER_OVERHEAD, EmulatedMega
-from gen.verify.profiles import RECORD_TYPE, Profile
+from gen.verify.profiles import Profile
+from gen.verify.profiles import record_type as input_type
 
 Records = NDArray[np.void]
 
@@ -58,7 +59,8 @@ def write_library(program: Program, context: Context, files: Mapping[str, str], 
         target.write_text(text)
         if target.suffix == ".cpp":
             sources.append(target)
-    harness = context | {"record_size": record_type(program).itemsize}
+    channels = len(program.effects.channels) if program.effects is not None else 0
+    harness = context | {"record_size": record_type(program).itemsize, "input_size": input_type(channels).itemsize}
     for name in ("verify_host.cpp", "verify_avr.cpp"):
         text = render.environment().get_template(f"{name}.j2").render(harness)
         (folder / name).write_text(text)
@@ -160,7 +162,7 @@ class AvrRunner:
             output, cycles = mega.run_records(
                 records,
                 mega.sram_address("gen_input"),
-                RECORD_TYPE.itemsize,
+                records.dtype.itemsize,
                 mega.sram_address(self._model),
                 layout.itemsize,
                 len(records),
@@ -181,7 +183,7 @@ class AvrRunner:
         same_command[:, 1:] = profile.pwm[:, 1:] == profile.pwm[:, :-1]
         held = self.cycles[same_command]
         used, empty = sizes(self._elf), sizes(self._empty)
-        harness = RECORD_TYPE.itemsize
+        harness = profile.records().dtype.itemsize
         return Cost(
             cycles_constant=int(held.max()),
             cycles_constant_mean=round(float(held.mean()), 1),

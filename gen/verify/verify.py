@@ -20,6 +20,8 @@ from gen.verify import compare
 from gen.verify.accuracy import ErrorCourse, error_course
 from gen.verify.alarms import AlarmCampaign, compare_alarms
 from gen.verify.compare import Mismatch
+from gen.verify.effect_costs import EffectCost, effect_costs
+from gen.verify.effects import EFFECTS_LENGTH, course_with_effects, with_channels
 from gen.verify.profiles import Profile, campaign, every_command
 from gen.verify.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
 
@@ -62,6 +64,7 @@ class CombinationResult:
     cost: Cost | None = None
     helpers: list[str] = field(default_factory=list)
     speed: Speed = "normal"
+    effects: list[EffectCost] = field(default_factory=list)
 
     @property
     def label(self) -> str:
@@ -152,9 +155,11 @@ def _combination(
     targets: list[TargetResult] = []
     cost: Cost | None = None
     helpers: list[str] = []
-    commands = every_command(program.model)
+    effects: list[EffectCost] = []
+    commands = with_channels(every_command(program.model), program.effects, seed=511)
     if target in ("host", "all"):
         profile = campaign(program.model, HOST_LANES, max(600, int(HOST_LENGTH * scale)))
+        profile = with_channels(profile, program.effects)
         progress(f"{label}: reference, {profile.samples} samples")
         expected = compare.reference_run(program, profile)
         schedule = compare.reference_run(program, commands)
@@ -165,6 +170,7 @@ def _combination(
             targets.append(_compared(program, f"{name}, every command", host.run, commands, schedule))
     if target in ("avr", "all"):
         profile = campaign(program.model, AVR_LANES, max(600, int(AVR_LENGTH * scale)), seed=2560)
+        profile = with_channels(profile, program.effects, seed=2561)
         progress(f"{label}: reference, {profile.samples} samples")
         expected = compare.reference_run(program, profile)
         progress(f"{label}: emulated Mega")
@@ -173,6 +179,7 @@ def _combination(
         targets.append(_compared(program, board.name, board.run, profile, expected))
         cost = board.cost(profile) if targets[-1].differing == 0 else None
         helpers = board.helper_symbols()
+        effects = effect_costs(coefficients, program, folder, progress)
     progress(f"{label}: alarms")
     rules = lower_alarms(coefficients)
     hosts = host_builds if target in ("host", "all") else ()
@@ -180,18 +187,35 @@ def _combination(
     for name, given, difference in compare_alarms(library, rules, ALARM_LANES, length, hosts, board=target != "host"):
         targets.append(_alarm_result(name, given, difference))
     progress(f"{label}: exact solution")
-    course = error_course(program, max(2, int(ACCURACY_LANES * min(scale, 1.0))))
+    course = _course(coefficients, program, scale)
     return CombinationResult(
         program.arithmetic,
         program.schedule,
         targets,
-        {c.name: c.proof.bound_K if c.proof else None for c in program.components},
+        _bounds(program),
         course.largest(),
         course,
         cost,
         helpers,
         program.speed,
+        effects,
     )
+
+
+def _course(coefficients: Coefficients, program: Program, scale: float) -> ErrorCourse:
+    lanes = max(2, int(ACCURACY_LANES * min(scale, 1.0)))
+    if program.effects is None:
+        return error_course(program, lanes)
+    return course_with_effects(program, coefficients.effects, lanes, max(600, int(EFFECTS_LENGTH * min(scale, 1.0))))
+
+
+def _bounds(program: Program) -> dict[str, float | None]:
+    """What is guaranteed by component; nothing where effects act."""
+    changed = {part.name for part in program.effects.components} if program.effects is not None else set()
+    return {
+        component.name: component.proof.bound_K if component.proof and component.name not in changed else None
+        for component in program.components
+    }
 
 
 def _compared(

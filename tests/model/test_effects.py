@@ -241,10 +241,12 @@ def test_bad_effect_is_refused_with_its_place(entry: dict[str, Any], place: str)
 
 
 def test_firmware_refuses_what_it_cannot_emit_and_takes_the_rest() -> None:
+    radiating = _with({"name": "radiation", "component": "casing", "parameters": HEATS["radiation"][0]})
     with pytest.raises(CheckFailed, match='"radiation" of component casing'):
-        lower(
-            _with({"name": "radiation", "component": "casing", "parameters": HEATS["radiation"][0]}), "fixed", "table"
-        )
+        lower(radiating, "fixed", "table", "fast")
+    emitted = lower(radiating, "fixed", "table").effects
+    assert emitted is not None
+    assert [part.name for part in emitted.components] == ["casing"]
     changed = _with({"name": "standstill_cooling", "component": "casing", "parameters": {"cooling_factor": 2.0}})
     plain = _with()
     for pwm, factor in ((0, 2.0), (1, 1.0), (200, 1.0)):
