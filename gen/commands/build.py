@@ -58,4 +58,4 @@ def build(
         click.echo(f"  {component.name}: {what} more than {bound_text(component)} from the exact solution")
     if program.effects is not None:
         for part in program.effects.components:
-            click.echo(f"  {part.name}: {len(part.notes)} effects; `gen verify` measures their error")
+            click.echo(f"  {part.name}: with effects, whose error `gen verify` measures")

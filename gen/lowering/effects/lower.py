@@ -70,13 +70,16 @@ def lower_effects(
     model = coefficients.model
     wired = coefficients.document.wiring.channels if coefficients.document.wiring is not None else ()
     declared = {channel.column: channel.limits for channel in wired}
-    return _Builder(model, effects, arithmetic, components, channels(model, effects, declared)).program()
+    entries = [entry.applied() for entry in coefficients.document.effects]
+    told = channels(model, effects, declared)
+    return _Builder(model, effects, entries, arithmetic, components, told).program()
 
 
 @dataclass
 class _Builder:
     model: ThermalModel
     effects: Sequence[Applied]
+    document: Sequence[Applied]
     arithmetic: Arithmetic
     components: Sequence[Lowered]
     channels: tuple[Channel, ...]
@@ -215,9 +218,9 @@ class _Builder:
         return tuple(round(float(v) * self.step / 6.0 * 2.0**WEIGHT_BITS) for v in rate)
 
     def _note(self, applied: Applied) -> str:
-        number = next(i for i, other in enumerate(self.effects) if other is applied)
+        number = next(i for i, entry in enumerate(self.document) if entry == applied)
         values = ", ".join(f"{key} {value}" for key, value in applied.values.items() if value is not None)
-        return f"{applied.effect.title} ({applied.effect.name} {number}: {values}): {applied.effect.equation}"
+        return f"$.effects[{number}], {applied.effect.title} ({values}): {applied.effect.equation}"
 
     def _follower(self, label: str, tau: float) -> Follower:
         return Follower(label, tau, _share(-expm1(-self.step / tau)))
