@@ -61,7 +61,7 @@ def state_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> StateRanges:
         If the recursion has no invariant polytope.
     """
     reach = _state_reach(recursion, exact)
-    extents = np.array([reach.extent(axis) for axis in np.eye(exact.order)]) * (1.0 + _WIDENING)
+    extents = reach.extents(np.eye(exact.order)) * (1.0 + _WIDENING)
     return _ranges(exact, extents)
 
 
@@ -77,14 +77,13 @@ def inner_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> Array:
     """
     reach = _state_reach(recursion, exact)
     largest = np.zeros(exact.order)
-    for state_map, rates, steady in zip(exact.state_maps(), exact.rates, exact.steady, strict=True):
-        direction = np.zeros(exact.order)
-        for i in range(exact.order):
-            direction = direction * (rates[i - 1] if i else 1.0)
-            direction[i] = 1.0
-            true = direction @ state_map
-            value = reach.extent(true) * (1.0 + _WIDENING) + abs(true[0] * (exact.centre - steady))
-            largest[i] = max(largest[i], value)
+    directions = np.zeros((len(exact.steady), exact.order))
+    for i in range(exact.order):
+        directions = directions * (exact.rates[:, i - 1 : i] if i else 1.0)
+        directions[:, i] = 1.0
+        true = np.einsum("pi,pij->pj", directions, exact.state_maps())
+        away = np.abs(true[:, 0] * (exact.centre - exact.steady))
+        largest[i] = np.max(reach.extents(true) * (1.0 + _WIDENING) + away)
     return largest
 
 
@@ -161,7 +160,7 @@ def worst_error(
     start = np.zeros((1, n))
     start[0, 0] = start_error
     error = recursion.bound(np.einsum("pij,pkj->pki", from_board, disturbance), start)
-    extents = np.array([error.extent(axis) for axis in np.eye(n)])
+    extents = error.extents(np.eye(n))
     if np.any(extents > ranges.true_distance.min(axis=0) * _WIDENING / (1.0 + _WIDENING)):
         return None
     output = np.einsum("pj,pj->p", np.abs(state_maps[:, 0, :] - np.eye(n)[0]), ranges.true_distance).max()

@@ -41,6 +41,10 @@ _WEIGHT_TOLERANCE = 1e-11
 _FIRST_MODES = 24
 
 
+#: With how many directions the facets are compared at once.
+_TOGETHER = 128
+
+
 class NoProofError(Exception):
     """No invariant polytope was found: the switching may be unstable, or the directions too coarse."""
 
@@ -57,13 +61,20 @@ class ReachSet:
 
     def extent(self, direction: Array) -> float:
         """Upper bound of ``|direction . y|`` over everything that can be reached."""
-        target = self._inverse_shape @ np.asarray(direction, dtype=np.float64)
-        if not np.any(target):
-            return 0.0
-        weights = self._facet_inverse @ target
-        best = int(weights.min(axis=1).argmax())
-        full = self._facets[best] % len(self.height)
-        return float(np.maximum(weights[best], 0.0) @ self.height[full])
+        return float(self.extents(np.asarray(direction, dtype=np.float64)[None, :])[0])
+
+    def extents(self, directions: Array) -> Array:
+        """:meth:`extent` of many directions, shape (k, n); the result has shape (k,)."""
+        found = np.zeros(len(directions))
+        for first in range(0, len(directions), _TOGETHER):
+            targets = directions[first : first + _TOGETHER] @ self._inverse_shape.T
+            weights = self._facet_inverse @ targets.T  # (facets, n, k)
+            best = weights.min(axis=1).argmax(axis=0)
+            every = np.arange(len(targets))
+            full = self._facets[best] % len(self.height)
+            values = (np.maximum(weights[best, :, every], 0.0) * self.height[full]).sum(axis=1)
+            found[first : first + _TOGETHER] = np.where(targets.any(axis=1), values, 0.0)
+        return found
 
 
 @dataclass
@@ -127,6 +138,7 @@ class SwitchedRecursion:
         if self._weight.min() < -_WEIGHT_TOLERANCE:
             raise NoProofError("a direction leaves its neighbourhood within one sample")
         self._weight = np.maximum(self._weight, 0.0)
+        self._known: dict[bytes, ReachSet] = {}
 
     def bound(self, disturbance: Array, start: Array | None = None) -> ReachSet:
         """Enclose everything that can be reached.
@@ -143,6 +155,12 @@ class SwitchedRecursion:
         NoProofError
             If the fixed point does not exist (it would be negative or infinite).
         """
+        key = np.ascontiguousarray(disturbance).tobytes() + (b"" if start is None else start.tobytes())
+        if key not in self._known:
+            self._known[key] = self._bound(disturbance, start)
+        return self._known[key]
+
+    def _bound(self, disturbance: Array, start: Array | None) -> ReachSet:
         to_round = np.linalg.inv(self._shape)
         generators = disturbance @ to_round.T
         reward = np.abs(np.einsum("pkn,jn->jpk", generators, self._directions)).sum(axis=2)
