@@ -68,13 +68,14 @@ const __FlashStringHelper *reset_cause() {
 
 void doze(uint32_t until) {
     uint32_t time = millis();
+    uint32_t counts = 0;  // in registers: every pulse of the encoder comes by here
     do {
         uint8_t before, after;
         do {
             before = TCNT0;
             sleep_cpu();
             after = TCNT0;
-            slept += (uint8_t)(after - before);
+            counts += (uint8_t)(after - before);
             // Pulses of the encoder wake the board too; only an overflow of Timer 0 brings a new millisecond. So long
             // received bytes may wait: at 115200 baud 12, and the core's buffer holds 63. The same count again is a
             // whole turn of the timer, for woken by its overflow alone the board reads it at the same place every time.
@@ -82,9 +83,10 @@ void doze(uint32_t until) {
         const uint32_t earlier = time;
         time = millis();
         if (after == before && time != earlier) {
-            slept += 256;
+            counts += 256;
         }
     } while ((int32_t)(time - until) < 0 && Serial.available() == 0);
+    slept += counts;
     if (millis() - window > WINDOW_MS) {
         earlier_share = sleep_share();
         window = millis();

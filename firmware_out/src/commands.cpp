@@ -3,6 +3,7 @@
 #include <Arduino.h>
 #include <string.h>
 #include <my1016_alarms.h>
+#include <my1016_sensors.h>
 
 #include "config.h"
 #include "console.h"
@@ -46,6 +47,7 @@ bool obey() {
         console::begin_status();
     } else if (is(F("reset"))) {
         my1016_alarms_reset();
+        my1016_sensors_accept();
         console::event(F("alarms reset"));
     } else if (is(F("test"))) {
         selftest::start();

@@ -23,9 +23,12 @@ const int16_t STALL_PWM = 51;             // $.wiring.encoder.stall_pwm: from he
 const uint16_t STALL_SAMPLES = 8;          // .. or it is a stall after $.wiring.encoder.stall_s
 const uint32_t COPY_SAMPLES = 2400;        // $.wiring.memory.interval_s: samples between two copies in EEPROM
 const uint16_t COPY_TOLERANCE = 8;         // $.wiring.memory.tolerance_K in counts of 0.25 K
-const uint32_t COPY_IDENTITY = 0x36BC76F6UL;  // CRC-32 of the coefficients' hash, the arithmetic and gen's version
+const uint32_t COPY_IDENTITY = 0x18348CF2UL;  // CRC-32 of the coefficients' hash, the arithmetic and gen's version
 const uint16_t COPY_BYTES = 60;
-const uint16_t COPY_SLOTS = 68;
+const uint16_t COPY_SLOTS = 67;
+const uint16_t LATCH_AT = 4032;           // EEPROM address of the latched alarms
+const uint8_t LATCH_SLOTS = 4;
+const uint8_t LATCH_BYTES = 14;
 const uint16_t FIRMWARE_AT = 4088;        // EEPROM address of the firmware's CRC
 
 }  // namespace config

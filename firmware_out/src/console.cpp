@@ -239,7 +239,9 @@ void sample() {
         output::put_thousandths(now.sample.ambient_mC, 2);
     }
     output::put(',');
-    output::put_number(now.rpm);
+    if (!(now.flags & device::NOISY)) {
+        output::put_number(now.rpm);
+    }
     for (uint8_t component = 0; component < MY1016_COMPONENTS; ++component) {
         output::put(',');
         output::put_thousandths(my1016_temperature_mC(component, now.sample.ambient_mC));

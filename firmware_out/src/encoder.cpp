@@ -9,45 +9,62 @@ namespace encoder {
 
 namespace {
 
-typedef uint16_t Count;  // wraps round; more than 65535 pulses do not come in a sample
+typedef uint16_t Count;
 
-Count before;
+// A noisy line must not keep the board from its samples: after three samples' worth of pulses at 3313 rpm (a late
+// sample loses none) the interrupt switches itself off until the next one.
+const Count MOST = 20704u;
+volatile Count left;  // pulses that may still come in this sample
 uint32_t since;        // microseconds
 uint16_t revolutions;  // in a minute
 uint16_t without_pulse;  // samples with PWM and without a pulse
+bool impossible;         // more pulses than the motor can give
 
-volatile Count pulses;
-
-Count counted() {
+// Pulses since the last time.
+uint32_t take() {
     Count count;
-    ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { count = pulses; }
+    ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
+        count = (Count)(MOST - left);
+        left = MOST;
+    }
+    if (count == MOST) {
+        EIFR = _BV(INTF4);
+        EIMSK |= _BV(INT4);
+    }
     return count;
 }
 
 }  // namespace
 
 // $.wiring.encoder.pin = 2: external interrupt 4, rising edges.
-ISR(INT4_vect) { pulses = pulses + 1; }
+ISR(INT4_vect) {
+    const Count rest = (Count)(left - 1);
+    left = rest;
+    if (rest == 0) {
+        EIMSK &= (uint8_t)~_BV(INT4);
+    }
+}
 
 void begin() {
     pinMode(2, INPUT_PULLUP);
     EICRB |= _BV(ISC41) | _BV(ISC40);
     EIFR = _BV(INTF4);
+    left = MOST;
     EIMSK |= _BV(INT4);
     since = micros();
 }
 
 void sample(int16_t pwm) {
-    const Count now = counted();
-    const uint32_t count = (Count)(now - before);
-    before = now;
+    const uint32_t count = take();
     // Pulses * 60 s / (pulses per revolution * time), with the time in 4 us as it really was: samples begin up to 2 ms late.
     const uint32_t factor = 30000UL, most = 143165UL;
     const uint32_t time = micros(), passed = (time - since) >> 2;
     since = time;
+    impossible = count >= 20704u;
     if (passed > 0) {
         const uint32_t rpm = (count < most ? count : most) * factor / passed;
         revolutions = (uint16_t)(rpm < 0xFFFFu ? rpm : 0xFFFFu);
+        impossible = impossible || rpm > 3313u;
     }
     if (count > 0 || (pwm < config::STALL_PWM && pwm > -config::STALL_PWM)) {
         without_pulse = 0;
@@ -57,6 +74,8 @@ void sample(int16_t pwm) {
 }
 
 uint16_t rpm() { return revolutions; }
+
+bool noisy() { return impossible; }
 
 bool stalled() { return without_pulse >= config::STALL_SAMPLES; }
 

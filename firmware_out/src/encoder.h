@@ -12,6 +12,9 @@ void begin();
 void sample(int16_t pwm);
 
 uint16_t rpm();
+
+// True if there were more pulses than the motor can give (3313 rpm): a broken or noisy line; rpm() means nothing then.
+bool noisy();
 bool stalled();
 
 }  // namespace encoder

@@ -17,6 +17,7 @@
 #include "drive.h"
 #include "encoder.h"
 #include "indicator.h"
+#include "latch.h"
 #include "memory.h"
 #include "output.h"
 #include "selftest.h"
@@ -102,7 +103,12 @@ static void start() {
         }
     }
     my1016_sensors_model_set();
+    const uint16_t kept = my1016_alarms();  // from before the reset
     my1016_alarms_begin(resumed || is_cold());
+    my1016_alarms_restore(kept);
+    if (kept) {
+        console::event(F("alarms kept from before the reset"));
+    }
     console::event(resumed ? F("start from memory") : now.sample.valid ? F("start from measured") : F("start from ambient"));
 }
 
@@ -130,6 +136,7 @@ static void tick(uint32_t time) {
     encoder::sample(drive::pwm());
     now.rpm = encoder::rpm();
     now.flags |= encoder::stalled() ? device::STALL : 0;
+    now.flags |= encoder::noisy() ? device::NOISY : 0;
 
     if (now.started) {
         pass_sample();
@@ -147,6 +154,8 @@ static void tick(uint32_t time) {
     drive::update(stop);
     now.flags |= my1016_flags();
     now.flags |= stop ? device::STOPPED : 0;
+    latch::update(my1016_alarms());  // before the copies: it matters more
+    now.flags |= latch::failed() ? device::MEMORY : 0;
     memory::update();
     now.flags |= memory::failed() ? device::MEMORY : 0;
     console::sample();
@@ -160,6 +169,7 @@ static void indicate() {
     indicator::show(my1016_alarms(), !every_sample_is_valid());
     if (indicator::update()) {
         my1016_alarms_reset();
+        my1016_sensors_accept();
         console::event(F("alarms reset by the button"));
     }
 }
@@ -182,6 +192,7 @@ void setup() {
     indicator::begin();
     selftest::begin(selftest::flash_crc());
     memory::begin(selftest::crc());
+    my1016_alarms_restore(latch::begin());
     const uint32_t time = millis();
     tick_due = time + MY1016_SAMPLE_MS;
     read_at = time;

@@ -9,6 +9,7 @@
 #include "console.h"
 #include "crc32.h"
 #include "memory.h"
+#include "latch.h"
 #include "output.h"
 
 namespace selftest {
@@ -106,7 +107,7 @@ bool work() {
             }
             copies = (uint16_t)(copies + memory::valid(slot));
             if (++slot == config::COPY_SLOTS) {
-                finding(F("eeprom"), !memory::failed());
+                finding(F("eeprom"), !memory::failed() && !latch::failed());
                 output::put_number(copies);
                 output::put(F(" copies"));
                 end_finding(VERDICT);

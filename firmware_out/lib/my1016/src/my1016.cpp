@@ -80,13 +80,10 @@ static inline uint8_t pwm_flags(int16_t pwm, uint8_t within) {
     return flags;
 }
 
-// A new PWM, or the first one: new coefficients, and the part of the state that depends on them.
-static void change(uint8_t pwm) {
-    my1016_State *const state = &my1016_model.state;
+// A new PWM, or the first one: new coefficients.
+static inline void change(uint8_t pwm) {
     my1016_Coefficients *const now = &my1016_model.now;
-    const int32_t brush_before = my1016_A_drive(&state->a[0], &now->a[0]);
     my1016_schedule(pwm, now);
-    my1016_A_carry(&state->a[0], brush_before, my1016_A_drive(&state->a[0], &now->a[0]));
 }
 
 // A command other than the last one, or the first one; true if its magnitude is new. Apart from the step, which would
@@ -104,11 +101,112 @@ static MY1016_ONE_COPY uint8_t commanded(int16_t pwm) {
 }
 
 extern "C" void my1016_step(int16_t pwm) {
-    if (pwm != my1016_model.command || !(my1016_model.flags & STARTED)) {
+    if (__builtin_expect(!(my1016_model.flags & STARTED) || pwm != my1016_model.command, 0)) {
         commanded(pwm);
     }
 #ifdef __AVR__
-    my1016_run(my1016_model.state.a, my1016_model.now.a, 0);
+    // One sample of everything that cannot saturate, in assembly: registers are saved once, and the time that it takes
+    // does not depend on the compiler's options. my1016_step.h has the same in C++ for every other machine.
+    //
+    // Registers: Z state, Y rates, d r22..r25 times a r18..r21 (see my1016_word.h), r10 components left, r9 runs left.
+    __asm__ volatile(
+        "push r28\n\tpush r29\n\t"
+        // Z: state; Y: coefficients.
+        "ldi r30, lo8(%[state])\n\tldi r31, hi8(%[state])\n\tldi r28, lo8(%[now])\n\tldi r29, hi8(%[now])\n\t"
+        // ---- brush ----
+        ".LqA%=:\n\t"
+        // d = x1.hi - S
+        "ldd r22, Z+2\n\tldd r23, Z+3\n\tldd r24, Z+4\n\tldd r25, Z+5\n\tldd r0, Y+12+0\n\tsub r22, r0\n\t"
+        "ldd r0, Y+12+1\n\tsbc r23, r0\n\tldd r0, Y+12+2\n\tsbc r24, r0\n\tldd r0, Y+12+3\n\tsbc r25, r0\n\t"
+        // a = R0
+        "ldd r18, Y+0\n\tldd r19, Y+1\n\tldd r20, Y+2\n\tldd r21, Y+3\n\t"
+        // product, from bit 32 on
+        "clr r11\n\t"
+        MY1016_PRODUCT_6
+        // d < 0: less a * 2^32
+        "sbrs r25, 7\n\trjmp 1f\n\tsub r16, r18\n\tsbc r17, r19\n\tsbc r15, r20\n\tsbc r13, r21\n\t1:\n\t"
+        // d = x2.hi + product
+        "ldd r22, Z+8\n\tadd r22, r16\n\tldd r23, Z+9\n\tadc r23, r17\n\tldd r24, Z+10\n\tadc r24, r15\n\t"
+        "ldd r25, Z+11\n\tadc r25, r13\n\t"
+        // a = R1
+        "ldd r18, Y+4\n\tldd r19, Y+5\n\tldd r20, Y+6\n\tldd r21, Y+7\n\t"
+        // product, from bit 32 on
+        MY1016_PRODUCT_3
+        // d < 0: less a * 2^32
+        "sbrs r25, 7\n\trjmp 1f\n\tsub r16, r18\n\tsbc r17, r19\n\tsbc r15, r20\n\tsbc r13, r21\n\t1:\n\t"
+        // d = x3.hi + product
+        "ldd r22, Z+14\n\tadd r22, r16\n\tldd r23, Z+15\n\tadc r23, r17\n\tldd r24, Z+16\n\tadc r24, r15\n\t"
+        "ldd r25, Z+17\n\tadc r25, r13\n\t"
+        // a = R2
+        "ldd r18, Y+8\n\tldd r19, Y+9\n\tldd r20, Y+10\n\tldd r21, Y+11\n\t"
+        // product, from bit 24 on
+        MY1016_PRODUCT_3
+        // d < 0: less a * 2^32
+        "sbrs r25, 7\n\trjmp 1f\n\tsub r16, r18\n\tsbc r17, r19\n\tsbc r15, r20\n\tsbc r13, r21\n\tsbc r11, r11\n\t"
+        "1:\n\t"
+        // r21: 4/3 of R2's uppermost byte
+        "ldi r22, 172\n\tfmul r21, r22\n\tmov r21, r1\n\t"
+        // x3 += q; its bytes 1 to 5 stay in r26, r27, r14, r18, r19
+        "ldd r0, Z+12\n\tsub r0, r27\n\tstd Z+12, r0\n\tldd r26, Z+13\n\tsbc r26, r16\n\tstd Z+13, r26\n\t"
+        "ldd r27, Z+14\n\tsbc r27, r17\n\tstd Z+14, r27\n\tldd r14, Z+15\n\tsbc r14, r15\n\tstd Z+15, r14\n\t"
+        "ldd r18, Z+16\n\tsbc r18, r13\n\tstd Z+16, r18\n\tldd r19, Z+17\n\tsbc r19, r11\n\tstd Z+17, r19\n\t"
+        // r22:r23 = x3 >> 33, and R0's byte times x2's
+        "movw r22, r18\n\tasr r23\n\tror r22\n\tldd r20, Z+11\n\tldd r17, Y+3\n\tswap r17\n\tandi r17, 15\n\t"
+        "mulsu r20, r17\n\tadd r22, r0\n\tadc r23, r1\n\t"
+        // r16:r17 = that times R1's byte
+        "ldd r20, Y+7\n\tmulsu r23, r20\n\tmovw r16, r0\n\tmul r22, r20\n\tclr r11\n\tadd r16, r1\n\t"
+        "adc r17, r11\n\t"
+        // and 2 q: the change of q
+        "lsl r15\n\trol r13\n\tsub r16, r15\n\tsbc r17, r13\n\t"
+        // d in r24:r25 and its sign r22 = that times r21, >> 7
+        "mulsu r17, r21\n\tsbc r22, r22\n\tmovw r24, r0\n\tmul r16, r21\n\tadd r24, r1\n\tadc r25, r11\n\t"
+        "adc r22, r11\n\tlsl r0\n\trol r24\n\trol r25\n\t"
+        // >> 10
+        "asr r19\n\tror r18\n\tror r14\n\tror r27\n\tror r26\n\tasr r19\n\tror r18\n\tror r14\n\tror r27\n\t"
+        "ror r26\n\tmov r12, r19\n\tlsl r12\n\tsbc r12, r12\n\t"
+        // x3 >> 10 and d
+        "add r26, r24\n\tadc r27, r25\n\tadc r14, r22\n\tadc r18, r22\n\tadc r19, r22\n\tadc r12, r22\n\t"
+        // x2
+        "ldd r20, Z+6\n\tldd r21, Z+7\n\tldd r22, Z+8\n\tldd r23, Z+9\n\tldd r24, Z+10\n\tldd r25, Z+11\n\t"
+        // x2 again
+        "mov r15, r21\n\tmovw r16, r22\n\tmovw r0, r24\n\t"
+        // >> 13
+        "mov r11, r1\n\tlsl r11\n\tsbc r11, r11\n\tmov r13, r11\n\tlsl r15\n\trol r16\n\trol r17\n\trol r0\n\t"
+        "rol r1\n\trol r13\n\tlsl r15\n\trol r16\n\trol r17\n\trol r0\n\trol r1\n\trol r13\n\tlsl r15\n\trol r16\n\t"
+        "rol r17\n\trol r0\n\trol r1\n\trol r13\n\t"
+        // x1 += x2 >> 13
+        "ldd r15, Z+0+0\n\tadd r15, r16\n\tstd Z+0+0, r15\n\tldd r15, Z+0+1\n\tadc r15, r17\n\tstd Z+0+1, r15\n\t"
+        "ldd r15, Z+0+2\n\tadc r15, r0\n\tstd Z+0+2, r15\n\tldd r15, Z+0+3\n\tadc r15, r1\n\tstd Z+0+3, r15\n\t"
+        "ldd r15, Z+0+4\n\tadc r15, r13\n\tstd Z+0+4, r15\n\tldd r15, Z+0+5\n\tadc r15, r11\n\tstd Z+0+5, r15\n\t"
+        // x2 += x3 >> 10 and d
+        "add r20, r26\n\tstd Z+6+0, r20\n\tadc r21, r27\n\tstd Z+6+1, r21\n\tadc r22, r14\n\tstd Z+6+2, r22\n\t"
+        "adc r23, r18\n\tstd Z+6+3, r23\n\tadc r24, r19\n\tstd Z+6+4, r24\n\tadc r25, r12\n\tstd Z+6+5, r25\n\t"
+        // The next component.
+        "adiw r30, 18\n\tadiw r28, 16\n\t"
+        // ---- bearing, magnet, casing ----
+        // Each component.
+        ".LcB%=:\n\t"
+        // a = R0
+        "ld r18, Y+\n\tld r19, Y+\n\tld r20, Y+\n\tld r21, Y+\n\t"
+        // d = x1.hi - S
+        "ldd r22, Z+2\n\tldd r23, Z+3\n\tldd r24, Z+4\n\tldd r25, Z+5\n\tld r0, Y+\n\tsub r22, r0\n\tld r0, Y+\n\t"
+        "sbc r23, r0\n\tld r0, Y+\n\tsbc r24, r0\n\tld r0, Y+\n\tsbc r25, r0\n\t"
+        // product, from bit 24 on
+        "clr r11\n\t"
+        MY1016_PRODUCT_3
+        // d < 0: less a * 2^32
+        "sbrs r25, 7\n\trjmp 1f\n\tsub r16, r18\n\tsbc r17, r19\n\tsbc r15, r20\n\tsbc r13, r21\n\tsbc r11, r11\n\t"
+        "1:\n\t"
+        // x1 += q
+        "ld r0, Z\n\tsub r0, r27\n\tst Z+, r0\n\tld r0, Z\n\tsbc r0, r16\n\tst Z+, r0\n\tld r0, Z\n\tsbc r0, r17\n\t"
+        "st Z+, r0\n\tld r0, Z\n\tsbc r0, r15\n\tst Z+, r0\n\tld r0, Z\n\tsbc r0, r13\n\tst Z+, r0\n\tld r0, Z\n\t"
+        "sbc r0, r11\n\tst Z+, r0\n\t"
+        "cpi r30, lo8(%[state]+36)\n\tbreq 1f\n\trjmp .LcB%=\n\t1:\n\t"
+        // The compiler wants r1 = 0.
+        "9:\n\tpop r29\n\tpop r28\n\tclr r1\n\t"
+        :
+        : [state] "i"(my1016_model.state.a), [now] "i"(my1016_model.now.a)
+        : "r0", "r1", "r11", "r12", "r13", "r14", "r15", "r16", "r17", "r18", "r19", "r20", "r21", "r22", "r23", "r24", "r25", "r26", "r27", "r30", "r31", "memory");
 #else
     my1016_A_advance(&my1016_model.state.a[0], &my1016_model.now.a[0]);
     for (uint8_t i = 0; i < 3; ++i) {  // bearing, magnet, casing

@@ -21,8 +21,10 @@ struct Segment {
 struct Rule {
     uint8_t quantity;
     uint8_t component;
+    uint8_t relative_to;      // the component whose deviation from the model is subtracted, or NONE
     uint8_t first, segments;  // in SEGMENTS
     uint8_t requires;         // the rule whose alarm must be raised, or NONE
+    uint8_t unless;           // the rule whose alarm must not be raised, or NONE
     uint16_t settle;          // samples since PWM entered the segments
     uint16_t start_wait;      // samples within the segments after a start whose slopes are not known
     uint16_t persistence;     // samples before the alarm
@@ -42,13 +44,13 @@ static const Segment SEGMENTS[] PROGMEM = {
 
 static const Rule RULES[MY1016_ALARMS] PROGMEM = {
     // fault: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
-    {ABOVE_MODEL, MY1016_CASING, 0, 1, NONE, 2400u, 0u, 240u, 0L},
+    {ABOVE_MODEL, MY1016_CASING, NONE, 0, 1, NONE, NONE, 2400u, 0u, 240u, 0L},
     // fault_at_rated_speed: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
-    {ABOVE_MODEL, MY1016_BRUSH, 1, 1, NONE, 2400u, 36600u, 240u, 0L},
+    {ABOVE_MODEL, MY1016_BRUSH, NONE, 1, 1, NONE, NONE, 2400u, 36600u, 240u, 0L},
     // bearing_fault: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
-    {ABOVE_MODEL, MY1016_BRUSH, 2, 1, 0, 2400u, 31080u, 240u, 0L},
+    {ABOVE_MODEL, MY1016_BRUSH, NONE, 2, 1, 0, NONE, 2400u, 31080u, 240u, 0L},
     // brush_fault: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
-    {BELOW_MODEL, MY1016_BRUSH, 3, 1, 0, 2400u, 31080u, 240u, 0L},
+    {BELOW_MODEL, MY1016_BRUSH, NONE, 3, 1, 0, NONE, 2400u, 31080u, 240u, 0L},
 };
 
 // |PWM|; what does not fit a byte is in no segment but the last.
@@ -68,14 +70,25 @@ static bool find(const Rule &rule, uint8_t pwm, Segment *segment) {
     return false;
 }
 
+// Measured minus model.
+static int32_t deviation(uint8_t component, const my1016_Sample *sample) {
+    return sample->measured_mC[component] - my1016_temperature_mC(component, sample->ambient_mC);
+}
+
 static int32_t compared(const Rule &rule, const my1016_Sample *sample) {
-    const int32_t measured = sample->measured_mC[rule.component];
     if (rule.quantity == MEASURED) {
-        return measured;
+        return sample->measured_mC[rule.component];
     }
-    const int32_t above = measured - my1016_temperature_mC(rule.component, sample->ambient_mC);
+    int32_t above = deviation(rule.component, sample);
+    if (rule.relative_to != NONE) {
+        above -= deviation(rule.relative_to, sample);
+    }
     return rule.quantity == ABOVE_MODEL ? above : -above;
 }
+
+static bool raised(uint8_t rule) { return (my1016_alarm_state.latched >> rule) & 1u; }
+
+static bool is_measured(uint8_t component, const my1016_Sample *sample) { return (sample->valid >> component) & 1u; }
 
 // Whether the condition holds, given whether it held at the last sample.
 static bool holds(const Rule &rule, const Segment &segment, my1016_AlarmTimers *timers, int32_t value) {
@@ -99,7 +112,7 @@ static bool awake(const Rule &rule, my1016_AlarmTimers *timers) {
         ++timers->settled;
         slept = true;
     }
-    return !slept && (rule.requires == NONE || ((my1016_alarm_state.latched >> rule.requires) & 1u));
+    return !slept && (rule.requires == NONE || raised(rule.requires)) && (rule.unless == NONE || !raised(rule.unless));
 }
 
 static void evaluate(uint8_t number, int16_t pwm, const my1016_Sample *sample) {
@@ -119,7 +132,7 @@ static void evaluate(uint8_t number, int16_t pwm, const my1016_Sample *sample) {
         return;
     }
     my1016_alarm_state.asleep &= (uint16_t)~bit;
-    if (!((sample->valid >> rule.component) & 1u)) {
+    if (!is_measured(rule.component, sample) || (rule.relative_to != NONE && !is_measured(rule.relative_to, sample))) {
         return;
     }
     if (!holds(rule, segment, timers, compared(rule, sample))) {
@@ -142,6 +155,10 @@ extern "C" void my1016_alarms_begin(uint8_t trusted) {
     for (uint8_t rule = 0; rule < MY1016_ALARMS; ++rule) {
         my1016_alarm_state.timers[rule].start_wait = trusted ? 0 : pgm_read_word(&RULES[rule].start_wait);
     }
+}
+
+extern "C" void my1016_alarms_restore(uint16_t latched) {
+    my1016_alarm_state.latched |= (uint16_t)(latched & 15u);
 }
 
 extern "C" void my1016_alarms_step(int16_t pwm, const my1016_Sample *sample) {

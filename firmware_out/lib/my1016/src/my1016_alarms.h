@@ -32,6 +32,9 @@ typedef struct {
 // copy of the state); otherwise rules that need the model wait until a wrong slope can no longer matter.
 void my1016_alarms_begin(uint8_t trusted);
 
+// Raises alarms that were latched before a reset of the board, a mask as from my1016_alarms(); bits without a rule are ignored.
+void my1016_alarms_restore(uint16_t latched);
+
 // Evaluates every rule after a sample during which `pwm` acted. A component without a valid sample leaves its rules as they are.
 void my1016_alarms_step(int16_t pwm, const my1016_Sample *sample);
 

@@ -7,6 +7,7 @@ namespace {
 
 const uint8_t CONFIRMATIONS = 4;  // consistent samples in a row before a level is believed
 const uint16_t NOISE = 4;  // counts (1 K): what two samples of a constant temperature may differ by
+const int32_t COUNT_MK = 250;  // what a count is, in thousandths of a kelvin
 const uint16_t LONGEST = 4095;  // samples after which every count is within reach
 
 // Counts are quarters of a degree Celsius, samples are readings (250 ms).
@@ -35,12 +36,15 @@ struct Sensor {
     uint8_t run;         // consistent samples in a row, up to CONFIRMATIONS
     bool known;          // there is a believed sample
     bool watching;       // `unchanged`, `moved` and `model_mC` are about the present model and count
+    bool displaced;      // it jumped farther than physics allows, and has not come back
+    bool rebase;         // the model was set anew: `then_mC` is to be taken again
     bool moved;          // the model moved by more than stuck_mK since the count changed
     uint16_t previous;   // the last sample with a sound word in the physical range
     uint16_t believed;   // the last sample that passed every check
     uint16_t since;      // samples since then
     uint32_t unchanged;  // samples since the count changed
     int32_t model_mC;    // the model's temperature then
+    int32_t then_mC;     // the model's temperature at the last believed sample
 };
 
 Sensor sensors[MY1016_SENSORS];
@@ -80,6 +84,26 @@ bool is_stuck(Sensor *sensor, const Limits &limit, uint16_t counts, int32_t mode
     return limit.stuck_samples && sensor->unchanged >= limit.stuck_samples && (sensor->moved || !limit.stuck_mK);
 }
 
+// Whether a sample cannot be the part's temperature, by the last believed one. Once a sound sample was out of reach, time does
+// not make its level true: it is believed again only where the last believed one would be now, had it moved as the model did.
+bool is_displaced(Sensor *sensor, const Limits &limit, uint16_t counts, int32_t model_mC) {
+    if (!sensor->known) {
+        return false;
+    }
+    if (sensor->rebase) {
+        sensor->rebase = false;
+        sensor->then_mC = model_mC;
+    }
+    if (!sensor->displaced) {
+        sensor->displaced = distance(counts, sensor->believed) > NOISE + (uint32_t)limit.step * sensor->since;
+        return sensor->displaced;
+    }
+    const int32_t expected_mC = (int32_t)sensor->believed * COUNT_MK + (model_mC - sensor->then_mC);
+    const int32_t off_mK = (int32_t)counts * COUNT_MK - expected_mC;
+    const int32_t tolerance_mK = (int32_t)(NOISE + limit.step) * COUNT_MK;
+    return off_mK > tolerance_mK || off_mK < -tolerance_mK;
+}
+
 uint8_t judged(Sensor *sensor, const Limits &limit, uint16_t word, int32_t model_mC) {
     const uint16_t counts = word >> 3;
     const uint8_t fault = word_fault(word, counts, limit);
@@ -99,15 +123,17 @@ uint8_t judged(Sensor *sensor, const Limits &limit, uint16_t word, int32_t model
     if (stuck) {
         return MY1016_SAMPLE_STUCK;
     }
-    const uint32_t reach = NOISE + (uint32_t)limit.step * sensor->since;
-    if ((!first && !consistent) || (sensor->known && distance(counts, sensor->believed) > reach)) {
+    if (is_displaced(sensor, limit, counts, model_mC) || (!first && !consistent)) {
         return MY1016_SAMPLE_JUMP;
     }
     if (sensor->run < CONFIRMATIONS) {
         return MY1016_SAMPLE_UNCONFIRMED;
     }
     sensor->believed = counts;
+    sensor->then_mC = model_mC;
     sensor->known = true;
+    sensor->displaced = false;
+    sensor->rebase = false;
     sensor->since = 0;
     return MY1016_SAMPLE_OK;
 }
@@ -124,6 +150,18 @@ extern "C" void my1016_sensors_begin(void) {
 extern "C" void my1016_sensors_model_set(void) {
     for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
         sensors[channel].watching = false;
+        sensors[channel].rebase = true;
+    }
+}
+
+extern "C" void my1016_sensors_accept(void) {
+    for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
+        Sensor *const sensor = &sensors[channel];
+        if (sensor->displaced) {
+            sensor->displaced = false;
+            sensor->known = false;
+            sensor->run = 0;
+        }
     }
 }
 
@@ -144,4 +182,4 @@ extern "C" uint8_t my1016_sensors_check(uint8_t channel, uint16_t word, uint8_t 
 
 extern "C" uint8_t my1016_sensors_code(uint8_t channel) { return sensors[channel].code; }
 
-extern "C" int32_t my1016_sensors_mC(uint8_t channel) { return (int32_t)sensors[channel].believed * 250; }
+extern "C" int32_t my1016_sensors_mC(uint8_t channel) { return (int32_t)sensors[channel].believed * COUNT_MK; }

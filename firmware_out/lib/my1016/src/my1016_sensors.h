@@ -29,7 +29,7 @@ enum {
     MY1016_SAMPLE_ZEROS = 2,        // all bits 0: no supply, or SO at ground (0 degC itself cannot be told from it)
     MY1016_SAMPLE_ONES = 3,         // all bits 1, or a bit 1 that a MAX6675 always sends as 0: nobody answers, or noise
     MY1016_SAMPLE_RANGE = 4,        // outside the physical range
-    MY1016_SAMPLE_JUMP = 5,         // farther from the sample before, or the last believed one, than physics allows
+    MY1016_SAMPLE_JUMP = 5,         // farther from the sample before, or the last believed one, than physics allows; until it is back
     MY1016_SAMPLE_STUCK = 6,        // the same count for too long, although the model moved
     MY1016_SAMPLE_EARLY = 7,        // the conversion was not finished (a late loop): not read
     MY1016_SAMPLE_UNCONFIRMED = 8,  // plausible, but fewer than 4 in a row yet
@@ -44,8 +44,11 @@ void my1016_sensors_begin(void);
 // every 250 ms; returns one of the codes above.
 uint8_t my1016_sensors_check(uint8_t channel, uint16_t word, uint8_t finished, int32_t model_mC);
 
-// Says that the model was started anew: what it moved before says nothing about a stuck sensor.
+// Says that the model was started anew: what it moved before says nothing about a sensor.
 void my1016_sensors_model_set(void);
+
+// Somebody has looked at the sensors: those that had jumped are confirmed where they are now, as at the start.
+void my1016_sensors_accept(void);
 
 // The last code of a channel.
 uint8_t my1016_sensors_code(uint8_t channel);

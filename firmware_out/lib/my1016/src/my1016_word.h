@@ -26,16 +26,8 @@ struct my1016_Word {
 //   a: r18..r21    d: r22..r25 (r22, r23 clobbered)    0: r11
 //   b2:b3 r26:r27    b4:b5 r16:r17    b6 r15    b7 r13    scratch r14, r12, r0, r1
 
-// From byte 2 on, for both variants: on entry b2:b3 and r12 (for b4) hold the sum so far.
-#define MY1016_UPPER                                                                                      \
-    /* (1,3)@4 fresh into b4:b5, with (1,1)@2 */                                                              \
-    "mul r23, r21\n\t"                                                                                        \
-    "movw r16, r0\n\t"                                                                                        \
-    "mul r23, r19\n\t"                                                                                        \
-    "add r26, r0\n\t"                                                                                         \
-    "adc r27, r1\n\t"                                                                                         \
-    "adc r16, r12\n\t"                                                                                        \
-    "adc r17, r11\n\t"                                                                                        \
+// (2,1), (2,3), (1,2) and (2,2), on b3 in r27 and b4:b5.
+#define MY1016_MIDDLE                                                                                     \
     /* (2,1)@3: stops at b5 */                                                                                \
     "mul r24, r19\n\t"                                                                                        \
     "add r27, r0\n\t"                                                                                         \
@@ -54,6 +46,18 @@ struct my1016_Word {
     "add r16, r0\n\t"                                                                                         \
     "adc r17, r1\n\t"                                                                                         \
     "adc r15, r11\n\t"
+
+// From byte 2 on, for the variants with the columns 1 and 2: on entry b2:b3 and r12 (for b4) hold the sum so far.
+#define MY1016_UPPER                                                                                      \
+    /* (1,3)@4 fresh into b4:b5, with (1,1)@2 */                                                              \
+    "mul r23, r21\n\t"                                                                                        \
+    "movw r16, r0\n\t"                                                                                        \
+    "mul r23, r19\n\t"                                                                                        \
+    "add r26, r0\n\t"                                                                                         \
+    "adc r27, r1\n\t"                                                                                         \
+    "adc r16, r12\n\t"                                                                                        \
+    "adc r17, r11\n\t"                                                                                        \
+    MY1016_MIDDLE
 
 // The products of d3, and the sign.
 #define MY1016_TOP                                                                                        \
@@ -74,6 +78,17 @@ struct my1016_Word {
     "adc r17, r22\n\t"                                                                                        \
     "adc r15, r23\n\t"                                                                                        \
     "adc r13, r11\n\t"
+
+// Without the columns 0 to 2: 10 byte products.
+#define MY1016_PRODUCT_6                                                                                  \
+    /* (1,3)@4 fresh into b4:b5; (0,3)@3: at most 0xFEFF there */                                             \
+    "mul r23, r21\n\t"                                                                                        \
+    "movw r16, r0\n\t"                                                                                        \
+    "mul r22, r21\n\t"                                                                                        \
+    "mov r27, r0\n\t"                                                                                         \
+    "add r16, r1\n\t"                                                                                         \
+    "adc r17, r11\n\t"                                                                                        \
+    MY1016_MIDDLE MY1016_TOP
 
 // Without (0,0), (0,1) and (1,0): 13 byte products.
 #define MY1016_PRODUCT_3                                                                                  \
@@ -127,11 +142,16 @@ static inline my1016_Word my1016_word(int64_t whole) {
     return word;
 }
 
-// d * a without the byte products (0,0), and (0,1), (1,0) too if `columns` is 2.
+// d * a without the byte products (i,j) with i + j below `columns`.
 static inline int64_t my1016_product(int32_t d, uint32_t a, uint8_t columns) {
-    const int64_t d0 = d & 0xFF, d1 = (d >> 8) & 0xFF, a0 = (int64_t)(a & 0xFF), a1 = (int64_t)((a >> 8) & 0xFF);
-    const int64_t dropped = d0 * a0 + (columns == 2 ? (d0 * a1 + d1 * a0) * 256 : 0);
-    return (int64_t)d * (int64_t)a - dropped;
+    int64_t product = (int64_t)d * (int64_t)a;
+    for (uint8_t column = 0; column < columns; ++column) {
+        for (uint8_t i = 0; i <= column; ++i) {
+            const int64_t part = (int64_t)((d >> 8 * i) & 0xFF) * (int64_t)((a >> 8 * (column - i)) & 0xFF);
+            product -= part * ((int64_t)1 << 8 * column);
+        }
+    }
+    return product;
 }
 
 static inline int32_t my1016_high16(int32_t d, uint32_t a) { return (int32_t)(my1016_product(d, a, 1) >> 16); }
@@ -156,33 +176,11 @@ static inline void my1016_negate(my1016_Word &word) { word = my1016_word(-my1016
 static inline my1016_Word my1016_right10(my1016_Word word) {
     return my1016_word(my1016_whole(word) >> 10);
 }
-static inline my1016_Word my1016_right12(my1016_Word word) {
-    return my1016_word(my1016_whole(word) >> 12);
+static inline my1016_Word my1016_right13(my1016_Word word) {
+    return my1016_word(my1016_whole(word) >> 13);
 }
 
 #endif  // __AVR__
-
-// A twelfth of a change of q, in 2^place of the word's units, more.
-static inline void my1016_carry(my1016_Word *word, int32_t change, int8_t place) {
-    // A product of 16 by 32 bits, rounded down.
-    const int32_t part = (int32_t)(int16_t)(change >> 16) * 5461 + (int32_t)(((uint32_t)(uint16_t)change * 5461u) >> 16);  // 2^16 / 12
-    int32_t high = part >> 16;
-    uint16_t low = (uint16_t)part;
-    if (place == 8) {
-        high = part >> 8;
-        low = (uint16_t)(low << 8);
-    } else if (place == 16) {
-        high = part;
-        low = 0;
-    } else if (place < 0) {
-        const int32_t less = part >> -place;
-        high = less >> 16;
-        low = (uint16_t)less;
-    }
-    const uint16_t sum = (uint16_t)(word->lo + low);
-    word->hi += high + (sum < low ? 1 : 0);
-    word->lo = sum;
-}
 
 #if defined(__GNUC__)
 #define MY1016_ONE_COPY __attribute__((noinline))

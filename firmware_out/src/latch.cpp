@@ -1,0 +1,103 @@
+#include "latch.h"
+
+#include <avr/eeprom.h>
+#include <stddef.h>
+
+#include "config.h"
+#include "crc32.h"
+
+namespace latch {
+
+namespace {
+
+struct Record {
+    uint32_t identity;
+    uint32_t number;  // one more with every record: the highest is the newest
+    uint16_t alarms;
+    uint32_t crc;  // of all before it
+};
+static_assert(sizeof(Record) == config::LATCH_BYTES, "slots were counted for another size");
+
+Record record;  // the newest, or the one being written
+uint8_t slot;   // its place
+uint8_t left;   // bytes of it still to write
+bool checking;  // it is written and is to be read again
+bool failure;
+
+uint16_t address(uint8_t of_slot) { return (uint16_t)(config::LATCH_AT + of_slot * sizeof(Record)); }
+
+uint32_t crc_of(const Record &of) {
+    const uint8_t *const bytes = reinterpret_cast<const uint8_t *>(&of);
+    uint32_t crc = CRC32_START;
+    for (uint8_t i = 0; i < offsetof(Record, crc); ++i) {
+        crc = crc32(crc, bytes[i]);
+    }
+    return ~crc;
+}
+
+bool fetch(uint8_t of_slot, Record *to) {
+    eeprom_read_block(to, reinterpret_cast<const void *>(address(of_slot)), sizeof *to);
+    return to->identity == config::COPY_IDENTITY && to->number != 0 && to->crc == crc_of(*to);
+}
+
+void make(uint16_t alarms) {
+    slot = (uint8_t)(slot + 1 == config::LATCH_SLOTS ? 0 : slot + 1);
+    record.identity = config::COPY_IDENTITY;
+    ++record.number;
+    record.alarms = alarms;
+    record.crc = crc_of(record);
+    left = sizeof record;
+}
+
+// At most one byte is written; those that are right already cost nothing.
+void write_on() {
+    while (left > 0) {
+        const uint8_t place = (uint8_t)(sizeof record - left);
+        uint8_t *const at = reinterpret_cast<uint8_t *>(address(slot) + place);
+        const uint8_t byte = reinterpret_cast<const uint8_t *>(&record)[place];
+        --left;
+        if (eeprom_read_byte(at) != byte) {
+            eeprom_write_byte(at, byte);
+            return;
+        }
+    }
+}
+
+}  // namespace
+
+uint16_t begin() {
+    record = Record();
+    Record found;
+    for (uint8_t i = 0; i < config::LATCH_SLOTS; ++i) {
+        if (fetch(i, &found) && found.number > record.number) {
+            record = found;
+            slot = i;
+        }
+    }
+    return record.alarms;
+}
+
+void update(uint16_t alarms) {
+    if (!eeprom_is_ready()) {
+        return;
+    }
+    if (left > 0) {
+        write_on();
+        checking = true;
+    } else if (checking) {
+        Record found;
+        checking = false;
+        failure = !fetch(slot, &found) || found.number != record.number;
+        if (failure) {
+            make(alarms);  // in the next slot
+        }
+    } else if (alarms != record.alarms) {
+        make(alarms);
+        write_on();
+        checking = true;
+    }
+}
+
+bool failed() { return failure; }
+
+}  // namespace latch
