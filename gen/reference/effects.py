@@ -13,268 +13,31 @@ A sample, after the baseline's own step (its rise goes from B0 to B1 meanwhile):
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gen.lowering.effects.graph import Operand
 from gen.lowering.effects.program import (
     FOLLOWER_BITS,
-    GUARD_BITS,
     KELVIN_BITS,
     KELVIN_LIMIT,
     WEIGHT_BITS,
     EffectComponent,
     EffectsProgram,
 )
-from gen.lowering.effects.tape import Tape
-from gen.lowering.float32 import LOW_BITS, FloatComponent
-from gen.lowering.formats import CARRY_FACTOR, RESIDUE_BITS, WORD_BITS
+from gen.lowering.float32 import FloatComponent
 from gen.lowering.program import FixedComponent
-from gen.reference.float32 import FloatStep
+from gen.reference.effect_chains import FixedChain, FloatChain, Words
+from gen.reference.effect_tapes import Counter, Integers, Values, evaluate, rounded
 
-Integers = NDArray[np.int64]
-Values = Mapping[Operand, Integers]
 Fields = list[tuple[str, str]]
-Words = list[NDArray[Any]]
 Lowered = FixedComponent | FloatComponent
 AnyLowered = Sequence[object]
 """A program's components; those with effects are of the kinds above."""
 
 _COUNT_LIMIT = 0xFFFF
-_CHAIN_BITS = WORD_BITS + GUARD_BITS
 _KELVIN_END = KELVIN_LIMIT << KELVIN_BITS
 _START_END = 1 << 30
-
-
-def rounded(value: Integers, shift: int) -> Integers:
-    """value 2^-shift, to nearest; halves upwards. A negative shift is exact."""
-    if shift <= 0:
-        return value << -shift
-    return (value + (1 << (shift - 1))) >> shift
-
-
-def evaluate(tape: Tape, operands: Values, row: Integers) -> list[NDArray[Any]]:
-    """Outputs of a tape: int64 with the outputs' formats, or float32.
-
-    Parameters
-    ----------
-    tape
-        What to execute.
-    operands
-        The board's whole numbers, shape (L,).
-    row
-        Row of the domain, shape (L,).
-    """
-    run = _fixed if tape.arithmetic == "fixed" else _single
-    values = run(tape, operands, row)
-    return [values[number] for number in tape.outputs]
-
-
-def _fixed(tape: Tape, operands: Values, row: Integers) -> list[Integers]:
-    values: list[Integers] = []
-    for step in tape.steps:
-        a = [values[n] for n in step.args]
-        match step.op:
-            case "operand":
-                assert step.operand is not None
-                value = operands[step.operand]
-            case "constant":
-                value = np.full(row.shape, step.table[0], dtype=np.int64)
-            case "row":
-                value = np.asarray(step.table, dtype=np.int64)[row]
-            case "mul":
-                value = rounded(a[0] * a[1], step.shifts[0])
-            case "neg":
-                value = -a[0]
-            case _:
-                left, right = (rounded(x, s) for x, s in zip(a, step.shifts, strict=True))
-                value = left + right if step.op == "add" else left - right
-        values.append(value)
-    return values
-
-
-def _single(tape: Tape, operands: Values, row: Integers) -> list[NDArray[np.float32]]:
-    values: list[NDArray[np.float32]] = []
-    for step in tape.steps:
-        a = [values[n] for n in step.args]
-        match step.op:
-            case "operand":
-                assert step.operand is not None
-                value = operands[step.operand].astype(np.float32) * np.float32(2.0**-step.q)
-            case "constant":
-                value = np.full(row.shape, step.table[0], dtype=np.float32)
-            case "row":
-                value = np.asarray(step.table, dtype=np.float32)[row]
-            case "mul":
-                value = a[0] * a[1]
-            case "neg":
-                value = -a[0]
-            case "add":
-                value = a[0] + a[1]
-            case _:
-                value = a[0] - a[1]
-        values.append(value)
-    return values
-
-
-class Counter:
-    """How often each lane's values were held to their limits."""
-
-    def __init__(self, lanes: int) -> None:
-        self.count: Integers = np.zeros(lanes, dtype=np.int64)
-
-    def held(self, value: Integers, low: int, high: int) -> Integers:
-        """The value within its limits, both included."""
-        within = np.clip(value, low, high)
-        self.count = self.count + (within != value)
-        return np.asarray(within)
-
-    def words(self, tape: Tape, number: int, value: NDArray[Any], bits: int, end: int) -> Integers:
-        """An output of a tape as words of 2^-bits, within +/- end."""
-        if tape.arithmetic == "fixed":
-            return self.held(rounded(value, tape.output_bits(number) - bits), -end, end)
-        words, limit = value * np.float32(2.0**bits), np.float32(end)
-        high, low = ~(words < limit), ~(words > -limit)
-        self.count = self.count + (high | low)
-        return np.where(high, end, np.where(low, -end, np.trunc(np.where(high | low, 0.0, words)))).astype(np.int64)
-
-
-def product(difference: Integers, rate: Integers, shift: int) -> Integers:
-    """difference rate 2^-shift, rounded down; 40 by 32 bits, in two parts that fit 64."""
-    return ((difference >> 16) * rate + ((difference & 0xFFFF) * rate >> 16)) >> (shift - 16)
-
-
-class FixedChain:
-    """A component's recursion in fixed point, with whole products and every word held to its bits."""
-
-    def __init__(self, component: FixedComponent, counter: Counter, lanes: int) -> None:
-        self._component, self._layout = component, component.layout
-        self._counter = counter
-        self.x = [np.zeros(lanes, dtype=np.int64) for _ in range(component.order)]
-        self.rates = [np.zeros(lanes, dtype=np.int64) for _ in range(component.order)]
-        self.drive: Integers = np.zeros(lanes, dtype=np.int64)
-
-    def start(self, words: Integers) -> None:
-        """Rest at a rise in words that are read."""
-        self.x = [words << RESIDUE_BITS, *(np.zeros_like(words) for _ in self.x[1:])]
-        self.rates = [np.zeros_like(words) for _ in self.rates]
-        self.drive = np.zeros_like(words)
-
-    def word(self, x: list[Integers] | None = None) -> Integers:
-        """What is read of the rise."""
-        return (self.x if x is None else x)[0] >> RESIDUE_BITS
-
-    def tried(self, row: Integers, drive: Integers) -> list[Integers]:
-        """The state after a sample with this drive."""
-        rates = self._at(row)
-        x = list(self.x)
-        if self._component.order > 1:
-            shift = self._layout.chain_shifts[-1]
-            old = self._increment(x, self.rates, self.drive)
-            change = (self._increment(x, rates, drive) - old >> 8) * CARRY_FACTOR >> (8 + shift)
-            place = self._component.order - 2
-            x[place] = self._limited(x[place] + change, _CHAIN_BITS)
-        for _ in range(self._component.substeps):
-            self._advance(x, self._increment(x, rates, drive))
-        return x
-
-    def advance(self, row: Integers, drive: Integers) -> None:
-        """Take that sample."""
-        self.x = self.tried(row, drive)
-        self.rates, self.drive = self._at(row), drive
-
-    def words(self) -> Words:
-        """In the order of the board's structure."""
-        return [*self.x, *([*self.rates, self.drive] if self._component.order > 1 else [])]
-
-    def _at(self, row: Integers) -> list[Integers]:
-        return [self._component.rates[row, i] for i in range(self._component.order)]
-
-    def _increment(self, x: list[Integers], rates: list[Integers], drive: Integers) -> Integers:
-        shifts = self._layout.product_shifts
-        inner = self._limited((x[0] >> RESIDUE_BITS) - drive, _CHAIN_BITS - RESIDUE_BITS)
-        for i in range(self._component.order - 1):
-            inner = (x[i + 1] >> RESIDUE_BITS) + product(inner, rates[i], shifts[i]) + 1
-            inner = self._limited(inner, _CHAIN_BITS - RESIDUE_BITS)
-        return -product(inner, rates[-1], shifts[-1])
-
-    def _advance(self, x: list[Integers], q: Integers) -> None:
-        shift = self._layout.chain_shifts
-
-        def add(place: int, term: Integers) -> None:
-            x[place] = self._limited(x[place] + term, _CHAIN_BITS)
-
-        match self._component.order:
-            case 1:
-                add(0, q)
-            case 2:
-                add(0, (x[1] >> shift[0]) + (q >> (shift[0] + 1)))
-                add(1, q)
-            case 3:
-                add(0, x[1] >> shift[0])
-                add(2, q)
-                add(1, x[2] >> shift[1])
-            case _:
-                add(0, (x[1] >> shift[0]) + (x[2] >> (shift[0] + shift[1] + 1)))
-                add(1, x[2] >> shift[1])
-                add(3, q)
-                add(2, x[3] >> shift[2])
-
-    def _limited(self, value: Integers, bits: int) -> Integers:
-        return self._counter.held(value, -(1 << (bits - 1)), (1 << (bits - 1)) - 1)
-
-
-class FloatChain:
-    """The same in float32: the baseline's own recursion, once more, perhaps in a coarser unit (all words scale)."""
-
-    def __init__(self, component: FloatComponent, counter: Counter, lanes: int) -> None:
-        self._component, self._counter = component, counter
-        self._step = FloatStep(component)
-        self._seen: Integers = np.zeros(lanes, dtype=np.int64)
-        self._rates = component.rate_words
-        self.start(np.zeros(lanes, dtype=np.int64))
-
-    def start(self, words: Integers) -> None:
-        """See :class:`FixedChain`."""
-        self.x = [words << LOW_BITS, *(np.zeros_like(words) for _ in range(1, self._component.order))]
-        self.rates = [np.zeros(words.shape, dtype=np.float32) for _ in range(self._component.order)]
-        self.drive = np.zeros_like(words)
-
-    def word(self, x: list[Integers] | None = None) -> Integers:
-        """See :class:`FixedChain`."""
-        return (self.x if x is None else x)[0] >> LOW_BITS
-
-    def tried(self, row: Integers, drive: Integers) -> list[Integers]:
-        """See :class:`FixedChain`."""
-        rates, x, step = self._at(row), list(self.x), self._step
-        substeps = self._component.substeps
-        if self._component.order > 1:
-            old = step.increment(x, self.rates, self.drive)
-            new = step.increment(x, rates, drive)
-            step.advance(x, step.carry(x, rates, old, new, np.ones(len(row), dtype=bool)))
-            substeps -= 1
-        for _ in range(substeps):
-            step.advance(x, step.increment(x, rates, drive))
-        return x
-
-    def advance(self, row: Integers, drive: Integers) -> None:
-        """See :class:`FixedChain`."""
-        self.x = self.tried(row, drive)
-        self.rates, self.drive = self._at(row), drive
-
-    def saturations(self) -> Integers:
-        """How often the recursion itself limited a word (a component without a proof)."""
-        return np.asarray(np.zeros_like(self.drive) + self._step.saturations)
-
-    def words(self) -> Words:
-        """See :class:`FixedChain`."""
-        kept: Words = [*(rate.view(np.uint32) for rate in self.rates), self.drive]
-        return [*FloatStep.words(self.x), *(kept if self._component.order > 1 else [])]
-
-    def _at(self, row: Integers) -> list[NDArray[np.float32]]:
-        return [np.ascontiguousarray(self._rates[row, i]) for i in range(self._component.order)]
 
 
 class _Component:
