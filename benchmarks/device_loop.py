@@ -12,7 +12,8 @@
 5. Healthy, with a degreased bearing and with a chipped brush, at held speeds: the rules' alarms before and after, by
    the bit-exact references of the board (`twin`), or by both firmwares on the emulated Mega (`emulated`).
 
-Board and sensors are the same throughout. Effects that the firmware cannot hold are left out of it, and named.
+Board and sensors are the same throughout. Effects that the firmware cannot hold are left out of it and named; "refined"
+is what it holds.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ from gen.emulate.firmware import build_firmware, cache_folder  # noqa: E402
 from gen.emulate.rig import RigPlant  # noqa: E402
 from gen.emulate.session import run_session  # noqa: E402
 from gen.emulate.twin import alarm_times  # noqa: E402
+from gen.loop.score import Score, score, total  # noqa: E402
 from gen.record.port import write_parts  # noqa: E402
 from gen.rig import Fault, MotorConfig, Profile, Setup, make_run, sensors  # noqa: E402
 from gen.rig.config import HiddenPart  # noqa: E402
@@ -173,7 +175,7 @@ def judged(coefficients: Coefficients, motor: MotorConfig, seed: int, emulated: 
     plants = [plant(coefficients, replace(motor, faults=faults), seed, 1000 + speed) for speed, faults in runs]
     pwm = [counts(speed) for speed, _ in runs]
     if emulated:
-        rows = [emulated_times(coefficients, own, value) for own, value in zip(plants, pwm, strict=True)]
+        rows = [emulated_times(coefficients, own, step(value)) for own, value in zip(plants, pwm, strict=True)]
         first = np.array(rows)
     else:
         first = alarm_times(coefficients, plants, pwm, JUDGED_S)
@@ -181,13 +183,13 @@ def judged(coefficients: Coefficients, motor: MotorConfig, seed: int, emulated: 
 
 
 def lines(
-    before: np.ndarray, after: np.ndarray, summary: dict[str, Any], names: Sequence[str]
+    before: np.ndarray, after: np.ndarray, errors: Sequence[Score], names: Sequence[str]
 ) -> list[tuple[str, str, str]]:
-    """The table: what, before, after; `names` are the rules'."""
-    made = []
-    for key in ("rmse_K", "max_abs_K"):
-        cells = [f"{summary[when]['test'][key]:.2f} K" for when in ("before", "after")]
-        made.append(("RMSE of test logs" if key == "rmse_K" else "worst error of test logs", *cells))
+    """The table: what, before, after; `errors` on test logs before and after, `names` are the rules'."""
+    made = [
+        ("RMSE of test logs", *(f"{error.rmse_K:.2f} K" for error in errors)),
+        ("worst error of test logs", *(f"{error.max_abs_K:.2f} K" for error in errors)),
+    ]
     at70 = SPEEDS.index(70)
     for c, case in enumerate(CASES):
         told = []
@@ -236,15 +238,18 @@ def main() -> None:
             for key, group in zip(("fit", "test"), work, strict=True)
         )
         files: list[str | Path] = ["--fit", *fit, "--test", *test, "--out", folder / "refined.json"]
-        said = gen("refine", baseline, *files, "--json", folder / "s.json", "--report", folder / "report.html")
+        said = gen("refine", baseline, *files, "--report", folder / "report.html")
         print(said)
-        summary = json.loads((folder / "s.json").read_text(encoding="utf-8"))
         board, dropped = for_the_board(folder / "refined.json")
         if dropped:
             print(f"not in the firmware: {', '.join(dropped)}")
+        errors = [
+            total(one for path in test for one in score(model, load(held), path)[0].values())
+            for held in (baseline, board)
+        ]
         before, after = (judged(load(p), motor, options.seed, options.judge == "emulated") for p in (baseline, board))
     table = Table(options.effect, "baseline", "refined", title=f"logs: {options.logs}; alarms: {options.judge}")
-    for line in lines(before, after, summary, [rule.name for rule in model.document.alarms]):
+    for line in lines(before, after, errors, [rule.name for rule in model.document.alarms]):
         table.add_row(*line)
     Console(width=110).print(table)
 
