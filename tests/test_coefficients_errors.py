@@ -202,6 +202,12 @@ PHYSICS: list[tuple[Path_, object, str, str]] = [
     ((*C1, "gain"), poly(1e-6, -1.05e-5), "$.components[1].gain", "at PWM 1..10, outside the validity range"),
     ((*C1, "gain"), {"exp1": [1, 100]}, "$.components[1].gain", "overflows a 64-bit float at PWM 8"),
     ((*C1, "gain"), {"exp1": [1, 1e200]}, "$.components[1].gain", "overflows a 64-bit float at PWM 1"),
+    (
+        (*C1, "gain"),
+        {"table": {"pwm": [0, 255], "value": [1, -1.1e300], "interpolation": "pchip"}},
+        "$.components[1].gain.table.value[1]",
+        "found -1.1e+300, expected at least -1e+300",
+    ),
     (POLE1, {"exp2": [-1, 1e9, 1, 1e9]}, "$.components[1].poles", "overflows a 64-bit float at PWM 1"),
     ((*C1, "gain"), poly(194.6), "$.components[1].gain", "the units of gain and poles do not fit together"),
     (POLE1, poly(-1e-300), "$.components[1].gain", "settles"),

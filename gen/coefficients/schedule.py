@@ -11,6 +11,9 @@ from gen.model.schedules import ExponentialSum, Polynomial, Schedule, Table
 
 KINDS = ("poly", "exp1", "exp2", "table")
 
+# Slopes between values are finite, too.
+TableValue = Annotated[Number, Field(ge=-1e300, le=1e300)]
+
 
 class Poly(Part):
     """A polynomial in x = |PWM|, highest power first."""
@@ -46,7 +49,7 @@ class Points(Part):
     """Values at strictly increasing |PWM|; outside of the table its end values hold."""
 
     pwm: Annotated[tuple[Counts, ...], Field(min_length=2, description="|PWM| in counts, strictly increasing.")]
-    value: Annotated[tuple[Number, ...], Field(min_length=2, description="As many values.")]
+    value: Annotated[tuple[TableValue, ...], Field(min_length=2, description="As many values.")]
     interpolation: Annotated[
         Literal["pchip", "linear"],
         Field(description="pchip: monotone cubic (Fritsch-Carlson). Outside of the table the end value holds."),
