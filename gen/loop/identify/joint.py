@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,18 +46,30 @@ class Model:
 
     def steady_sd(self, pwm: FloatArray) -> FloatArray:
         """Standard deviation of the steady rise from the parameters' covariance, shape (m,), K."""
-        gradient = np.stack([self.shape.evaluate(v, pwm)[1] for v in self._moved()]) - self.evaluate(pwm)[1]
-        return np.asarray(np.sqrt(np.maximum(np.sum(gradient**2, axis=0), 0.0)), dtype=np.float64)
+        return self._deviation(lambda vector: self.shape.evaluate(vector, pwm)[1])
 
     def theta_sd(self, pwm: FloatArray) -> FloatArray:
         """Standard deviation of the structure parameters, shape (m, order)."""
-        gradient = np.stack([self.shape.evaluate(v, pwm)[0] for v in self._moved()]) - self.evaluate(pwm)[0]
-        return np.asarray(np.sqrt(np.sum(gradient**2, axis=0)), dtype=np.float64)
+        return self._deviation(lambda vector: self.shape.evaluate(vector, pwm)[0])
 
-    def _moved(self) -> list[FloatArray]:
-        """Parameter vectors one standard deviation away along each principal axis."""
-        values, vectors = np.linalg.eigh(self.covariance)
-        return [self.vector + np.sqrt(max(v, 0.0)) * vectors[:, k] for k, v in enumerate(values)]
+    def _deviation(self, value: Callable[[FloatArray], FloatArray]) -> FloatArray:
+        """Propagate the covariance to a function of the parameters by its gradient there.
+
+        Parameters may differ by ten orders of magnitude and determine each other almost wholly, so the principal axes
+        are those of the correlations, and steps are small against the parameters, not against their deviations.
+        """
+        deviation = np.sqrt(np.maximum(np.diag(self.covariance), 1e-300))
+        step = 1e-6 * np.maximum(np.abs(self.vector), 1e-9)
+        gradient = np.stack(
+            [
+                (value(self.vector + change) - value(self.vector - change)) * (deviation[k] / (2.0 * step[k]))
+                for k, change in enumerate(np.diag(step))
+            ],
+            axis=-1,
+        )
+        values, axes = np.linalg.eigh(self.covariance / np.outer(deviation, deviation))
+        along = (gradient @ axes) * np.sqrt(np.maximum(values, 0.0))
+        return np.asarray(np.sqrt(np.sum(along**2, axis=-1)), dtype=np.float64)
 
 
 def refine(problem: Problem, fit: Fit, shape: Shape, vector: FloatArray, most: int = 15) -> Model:
