@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+
+from gen.progress import progress_line
 
 if TYPE_CHECKING:
     from gen.loop.refine import Refinement
@@ -85,7 +85,7 @@ def refine(
 
     loaded = load(coefficients)
     raw = coefficients.read_text(encoding="utf-8-sig")
-    with _progress() as progress:
+    with progress_line() as progress:
         found = run(loaded, raw, fit_runs, test_runs, progress)
     for warning in found.warnings:
         click.echo(f"warning: {warning}", err=True)
@@ -107,9 +107,7 @@ def _say(found: Refinement) -> None:
     click.echo(f"verdict: {found.verdict}")
     for effect in found.effects:
         numbers = ", ".join(
-            f"{key} = {value:.4g}" if isinstance(value, float) else f"{key} = {value}"
-            for key, value in effect["parameters"].items()
-            if value is not None
+            f"{key} = {_short(value)}" for key, value in effect["parameters"].items() if value is not None
         )
         click.echo(f"  {effect['component']}: {effect['name']} ({numbers})")
         for other in effect["evidence"]["lookalikes"]:
@@ -122,14 +120,8 @@ def _say(found: Refinement) -> None:
         )
 
 
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """A line that says what is being done, on a terminal only."""
-    from rich.console import Console
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda _: None
-        return
-    with console.status("") as status:
-        yield lambda text: status.update(text)
+def _short(value: object) -> str:
+    """A parameter's value with as many digits as say something."""
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_short, value))}]"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
