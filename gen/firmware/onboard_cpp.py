@@ -24,7 +24,6 @@ _HELPERS = {
     "mul_modulo": ("mul",),
     "mul_signed": ("mul_signed", "mul"),
     "mul_signed_modulo": ("mul_signed", "mul"),
-    "exponential": ("exponential", "mul"),
 }
 
 
@@ -123,13 +122,14 @@ class SchedulePrinter:
             parts.append(label.path)
         return "; ".join(parts)
 
-    def _table(self, number: int, kind: str, values: Sequence[str]) -> str:
+    def _table(self, number: int, kind: str, values: Sequence[str], each: int = 1) -> str:
+        """Print a table; every one of the values is ``each`` numbers."""
         identifier = f"{self._prefix}_n{number}"
-        lines = [", ".join(values[i : i + 8]) for i in range(0, len(values), 8)]
+        lines = rows(values, each)
         comment = self._comment(self._component.steps[number])
         body = ",\n    ".join(lines)
         self._tables.append(
-            f"// {comment}\nstatic const {kind} {identifier}[{len(values)}] PROGMEM = {{\n    {body}}};\n"
+            f"// {comment}\nstatic const {kind} {identifier}[{len(values) * each}] PROGMEM = {{\n    {body}}};\n"
         )
         return identifier
 
@@ -137,8 +137,6 @@ class SchedulePrinter:
         a = [self._ref(i) for i in step.args]
         if step.op == "input":
             return f"(uint8_t){_held('x', step)}"
-        if step.op == "upper":
-            return f"(uint8_t)({a[0]} >> 4)"
         if step.op == "segment":
             inner = step.table[1:-1]
             return f"(uint8_t)({' + '.join(f'({a[0]} >= {int(k)})' for k in inner) or '0'})"
@@ -160,9 +158,9 @@ class SchedulePrinter:
             case "row":
                 table = self._table(number, "uint32_t", [pattern(v) for v in step.table])
                 return f"(int32_t)pgm_read_dword(&{table}[{a[0]}])"
-            case "exponential":
-                table = self._table(number, "uint32_t", [pattern(v) for v in step.table])
-                return f"{name}_exponential({table}, {a[0]}, {s})"
+            case "power_series":
+                table = self._table(number, "uint8_t", [five_bytes(v) for v in step.table], 5)
+                return self._power_series(step, table, len(step.table), a[0])
             case "times":
                 return f"{name}_times({a[0]}, {a[1]}, {s})"
             case "mul" | "mul_modulo":
@@ -194,6 +192,10 @@ class SchedulePrinter:
                 shifted = f"(uint32_t){a[0]} << {s}"
                 return shifted if step.unsigned else f"(int32_t)({shifted})"
         raise ValueError(f"no step {step.op}")
+
+    def _power_series(self, step: Step, table: str, terms: int, x: str) -> str:
+        u = f"(uint8_t)(255 - {x})" if step.shift else x
+        return f"{self._name}_power_series({table}, {terms}, {u})"
 
     def _float_expression(self, number: int, step: Step, a: list[str]) -> str:
         match step.op:
@@ -229,6 +231,17 @@ def _held(x: str, step: Step) -> str:
 def pattern(value: float) -> str:
     """A literal of a word's 32 bits."""
     return f"0x{int(value) & 0xFFFFFFFF:08X}UL"
+
+
+def five_bytes(value: float) -> str:
+    """A number of 40 bits, lowest byte first."""
+    return ", ".join(f"0x{byte:02X}" for byte in int(value).to_bytes(5, "little", signed=True))
+
+
+def rows(values: Sequence[str], each: int = 1) -> list[str]:
+    """A table's lines, at most eight numbers in each."""
+    size = max(1, 8 // each)
+    return [", ".join(values[i : i + size]) for i in range(0, len(values), size)]
 
 
 def single(value: float) -> str:

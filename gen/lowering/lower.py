@@ -198,7 +198,7 @@ def _onboard(
         found = fixed.with_rows(lowered, exact, *evaluate(tape, rows))
         if found.proof is not None and found.proof.bound_K > fixed.TARGET_K:  # worth the seconds that tuning takes
             ranges = bounds.state_ranges(SwitchedRecursion(exact.exact), exact)
-            tape = tuned(tape, exact.c, ranges.distance / exact.c[:, :1], exact.steady)
+            tape = tuned(tape, exact.c, ranges.distance / exact.c[:, :1])
             found = fixed.with_rows(lowered, exact, *evaluate(tape, rows))
         return found, tape
     tape = compile_component(model, component, "float", None, lowered.substeps)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.onboard.tape import OnboardComponent, Step
+from gen.lowering.onboard.tape import GUARD_BITS, OnboardComponent, Step
 
 Integers = NDArray[np.int64]
 
@@ -56,6 +57,23 @@ def divide(a: Integers, b: Integers, shift: int, *, rounded: bool) -> Integers:
     return result
 
 
+def power_series(coefficients: Sequence[float], u: Integers) -> Integers:
+    """Horner's rule in 40 bits, u 0..255 in units of 2^-8; the result has 8 bits less.
+
+    Raises
+    ------
+    RangeError
+        If a sum does not fit 40 bits.
+    """
+    total = np.full(u.shape, int(coefficients[0]), dtype=np.int64)
+    for coefficient in coefficients[1:]:
+        total = (total * u >> 8) + int(coefficient)
+        if total.size and (total.min() < -(1 << 39) or total.max() >= (1 << 39) - (1 << (GUARD_BITS - 1))):
+            raise RangeError("a power series leaves its 40 bits")
+    result: Integers = (total + (1 << (GUARD_BITS - 1))) >> GUARD_BITS
+    return result
+
+
 def evaluate(component: OnboardComponent, pwm: NDArray[np.int64]) -> tuple[NDArray[Any], NDArray[Any]]:
     """Run the tape.
 
@@ -82,7 +100,7 @@ def evaluate(component: OnboardComponent, pwm: NDArray[np.int64]) -> tuple[NDArr
     values: list[NDArray[Any]] = []
     for step in component.steps:
         args = [values[a] for a in step.args]
-        if step.op in ("input", "segment", "local", "upper"):
+        if step.op in ("input", "segment", "local"):
             values.append(_whole_number(step, x, args))
         elif component.arithmetic == "float":
             values.append(_float_step(step, x, args))
@@ -101,8 +119,6 @@ def _check(value: Integers, step: Step) -> None:
 
 def _whole_number(step: Step, x: Integers, args: list[Integers]) -> Integers:
     knots = np.array(step.table, dtype=np.int64)
-    if step.op == "upper":
-        return args[0] >> 4
     if step.op == "input":
         return np.clip(x, knots[0], knots[1])
     if step.op == "segment":
@@ -118,8 +134,8 @@ def _fixed_step(step: Step, x: Integers, args: list[Integers]) -> Integers:
             return np.full(x.shape, table[0])
         case "row":
             result = table[args[0]]
-        case "exponential":
-            result = wrapped(mul_shift(table[16 + (args[0] & 15)], table[args[0] >> 4], step.shift))
+        case "power_series":
+            result = power_series(step.table, 255 - args[0] if step.shift else args[0])
         case "times":
             result = mul_byte(args[0], args[1], step.shift)
         case "mul" | "mul_modulo":

@@ -17,7 +17,7 @@ from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.bounds import StateRanges, state_ranges
 from gen.lowering.dynamics import Dynamics, dynamics
 from gen.lowering.fixed import lower_component
-from gen.lowering.onboard import OnboardComponent, compile_component, tuned
+from gen.lowering.onboard import OnboardComponent, compile_component
 from gen.lowering.program import Arithmetic, FixedComponent
 from gen.lowering.reach import SwitchedRecursion
 from gen.verify.avr.compile import build_elf
@@ -51,15 +51,10 @@ def lowered(example: str) -> tuple[FixedComponent, ...]:
 
 @cache
 def compiled(example: str, arithmetic: Arithmetic) -> tuple[OnboardComponent, ...]:
-    components = [
+    return tuple(
         compile_component(model(example), component, arithmetic, fixed.layout, fixed.substeps)
         for component, fixed in zip(model(example).components, lowered(example), strict=True)
-    ]
-    if (example, arithmetic) == ("my1016", "fixed"):
-        brush = exact(example)[0]
-        weights = ranges(example, 0)[1].distance / brush.c[:, :1]
-        components[0] = tuned(components[0], brush.c, weights, brush.steady)
-    return tuple(components)
+    )
 
 
 @cache

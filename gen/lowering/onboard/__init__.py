@@ -20,6 +20,8 @@ __all__ = ["OnboardComponent", "Step", "compile_component", "steady_excess", "tu
 _TOLERANCE: dict[Arithmetic, float] = {"fixed": 1e-9, "float": 2e-6}
 #: In order 1 an error of the rate acts on the distance to S alone: on 200 K, a tenth of the error aimed at.
 _TOLERANCE_ORDER_1 = 5e-9
+#: Of a sum of exponentials that becomes a polynomial, in order 2 and more.
+_TOLERANCE_SERIES = 1e-10
 
 
 def compile_component(
@@ -46,10 +48,9 @@ def compile_component(
     tolerance
         Relative size of a term that may be left out; None for the arithmetic's own.
     """
-    # A single real pole is as good as its rate's format; only products of poles need more.
-    refined = arithmetic == "fixed" and component.order > 1
+    exact = None if arithmetic == "float" else _TOLERANCE_ORDER_1 if component.order == 1 else _TOLERANCE_SERIES
     usual = _TOLERANCE_ORDER_1 if arithmetic == "fixed" and component.order == 1 else _TOLERANCE[arithmetic]
-    source = discretise(model, component, substeps, tolerance or usual, refined=refined)
+    source = discretise(model, component, substeps, tolerance or usual, series=exact)
     if arithmetic == "fixed":
         if layout is None:
             raise ValueError("fixed point needs a layout")

@@ -10,6 +10,7 @@ All poles are scaled by the (sub)sample's length, so that every quantity has the
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
@@ -62,7 +63,7 @@ class Discretised:
 
 
 def discretise(
-    model: ThermalModel, component: Component, substeps: int, tolerance: float, *, refined: bool
+    model: ThermalModel, component: Component, substeps: int, tolerance: float, *, series: float | None
 ) -> Discretised:
     """Build the graph of a component.
 
@@ -74,8 +75,9 @@ def discretise(
         Parts of a sample that the recursion runs in.
     tolerance
         Relative size of a term that may be left out.
-    refined
-        Whether the poles' sums of exponentials are to keep the digits that would cancel.
+    series
+        Relative error up to which a sum of exponentials becomes a power series, as fixed point has it; None keeps its
+        terms.
     """
     graph = Graph(domain_rows(model))
     name = component.name
@@ -85,8 +87,8 @@ def discretise(
     place = f"components[{model.component_names.index(name)}]"
     with localcontext(EXACT):
         step = Decimal(model.sample_time) / substeps
-        factors = _factors(graph, component, x, step, place, tolerance, refined=refined)
-        gain = schedule_node(graph, component.gain, x, step**component.order, f"{place}.gain", "gain")
+        factors = _factors(graph, component, x, step, place, tolerance, series=series)
+        gain = schedule_node(graph, component.gain, x, step**component.order, f"{place}.gain", "gain", tolerance=series)
     if component.negative_gain == "zero":
         gain = graph.positive_outside(gain, raw, *component.validity)
         graph.label(gain, "gain, not negative outside the validity range", "K per count, per sample^n")
@@ -96,11 +98,11 @@ def discretise(
         last = graph.mul(last, factor.continuous[-1])
     graph.label(last, "A(0)", "1 per sample^n")
     steady = graph.label(graph.div(push, last), "steady rise S", "K")
-    return Discretised(graph, _rates(graph, factors, tolerance), steady)
+    return Discretised(graph, _rates(graph, factors, tolerance, apart=series is not None), steady)
 
 
 def _factors(
-    graph: Graph, component: Component, x: int, step: Decimal, place: str, tolerance: float, *, refined: bool
+    graph: Graph, component: Component, x: int, step: Decimal, place: str, tolerance: float, *, series: float | None
 ) -> list[Factor]:
     real: list[Factor] = []
     loose: list[tuple[int, int]] = []
@@ -108,10 +110,11 @@ def _factors(
     zero = graph.constant(0)
     for k, pole in enumerate(component.poles):
         where = f"{place}.poles[{k}]"
-        re = schedule_node(graph, pole.real, x, -step, f"{where}.real", f"-pole {k + 1}, real part", refined=refined)
+        re = schedule_node(graph, pole.real, x, -step, f"{where}.real", f"-pole {k + 1}, real part", tolerance=series)
         im = zero
         if pole.imag is not None:
-            im = schedule_node(graph, pole.imag, x, -step, f"{where}.imag", f"-pole {k + 1}, imaginary part")
+            text = f"-pole {k + 1}, imaginary part"
+            im = schedule_node(graph, pole.imag, x, -step, f"{where}.imag", text, tolerance=series)
         if im == zero:
             real.append(_discrete(graph, (re,), tolerance))
         elif (re, graph.neg(im)) in loose:
@@ -171,6 +174,8 @@ def _polynomial(graph: Graph, terms: dict[Monomial, Fraction], variables: tuple[
     """Nested evaluation; the linear terms stay apart from the small rest so that they keep all their digits."""
     parts, rest = [], {}
     for monomial, factor in terms.items():
+        size = abs(factor)  # a minus sign moves on towards the result
+        graph.label(graph.constant(size), f"{size}, of the series that turns a pole into its image in delta")
         degree = sum(monomial)
         if degree == 0:
             parts.append(graph.constant(factor))
@@ -187,23 +192,31 @@ def _polynomial(graph: Graph, terms: dict[Monomial, Fraction], variables: tuple[
     return graph.total(parts, 0.0)
 
 
-def _rates(graph: Graph, factors: list[Factor], tolerance: float) -> tuple[int, ...]:
-    # b = (1, b1, .., bn): the factors' product as polynomials in delta, terms kept apart until they are summed.
-    product: list[int] = [graph.constant(1)]
-    leading = graph.constant(1)  # b[n] but for the last factor
-    for i, factor in enumerate(factors):
-        own = (graph.constant(1), *factor.discrete)
-        terms: list[list[int]] = [[] for _ in range(len(product) + len(own) - 1)]
-        for i_left, left in enumerate(product):
-            for i_right, right in enumerate(own):
-                terms[i_left + i_right].append(graph.mul(left, right))
-        product = [graph.total(t, tolerance) for t in terms]
-        if i + 1 < len(factors):
-            leading = product[-1]
+def _rates(graph: Graph, factors: list[Factor], tolerance: float, *, apart: bool) -> tuple[int, ...]:
+    """R0..R[n-1]; sums of sums are made of their terms if they are kept ``apart``, the smallest first."""
+    one = graph.constant(1)
+    product = [[one]]  # b = (1, b1, .., bn) by its terms: the factors' product as polynomials in delta
+    leading = one  # b[n] but for the last factor
+    for factor in factors:
+        sums = [graph.total(terms, tolerance) for terms in product]
+        leading = sums[-1]
+        terms = [[one], *(graph.terms(d, factor.continuous) if apart else [d] for d in factor.discrete)]
+        longer: list[list[int]] = [[] for _ in range(len(product) + len(factor.discrete))]
+        for i, j in itertools.product(range(len(product)), range(len(terms))):
+            if i == 0 or j == 0:
+                longer[i + j] += terms[j] if i == 0 else product[i]
+            else:
+                longer[i + j].append(graph.mul(sums[i], factor.discrete[j - 1]))
+        product = longer if apart else [[graph.total(terms, tolerance)] for terms in longer]
     order = len(product) - 1
-    c = []
+    c: list[int] = []
     for i, row in enumerate(FEEDBACK_FROM_DELTA[order]):
-        terms_c = [graph.mul(graph.constant(f), b) for f, b in zip(row, product[1:], strict=True) if f]
+        for f in row:
+            graph.label(graph.constant(abs(f)), f"{abs(f)}, from the image in delta to the increments' feedback")
+        if apart and i > 1 and i == order - 1:
+            terms_c = [*product[1], graph.neg(c[-1])]  # C[n-1] = b1 - C[n-2] of order 3 and 4
+        else:
+            terms_c = [graph.mul(graph.constant(f), t) for f, b in zip(row, product[1:], strict=True) for t in b if f]
         c.append(graph.label(graph.total(terms_c, tolerance), f"feedback C{i}", f"1 per sample^{order - i}"))
     rates = []
     for i in range(order - 1):

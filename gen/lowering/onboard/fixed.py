@@ -13,14 +13,16 @@ import numpy as np
 
 from gen.lowering.formats import RESIDUE_BITS, Format
 from gen.lowering.onboard.discretise import Discretised
-from gen.lowering.onboard.graph import INTEGERS, Graph, Label, Node, exponential_factors
-from gen.lowering.onboard.tape import DIVIDE_SHIFT, Step
+from gen.lowering.onboard.graph import INTEGERS, Graph, Label, Node
+from gen.lowering.onboard.interpolate import largest_sum
+from gen.lowering.onboard.tape import DIVIDE_SHIFT, GUARD_BITS, Step
 from gen.model.schedules import EXACT
 
 #: Rounding may carry a value past the real one's: a little room at the top.
 _LARGEST = 2.0**31 - 256.0
 #: By how many bits a product can be shifted up.
 _WRAP_BITS = 7
+_SUMS = ("add", "sub")
 
 
 class FixedTape:
@@ -69,7 +71,7 @@ class FixedTape:
     def _unsigned_sums(self, source: Discretised) -> set[int]:
         """Sums that may use all 32 bits: never negative, and no user needs a sign."""
         nodes, values = self._graph.nodes, self._graph.values
-        wide = {n for n in self._needed if nodes[n].op in ("add", "sub") and not np.any(values[n] < 0.0)}
+        wide = {n for n in self._needed if nodes[n].op in _SUMS and not np.any(values[n] < 0.0)}
         wide.discard(source.steady)
         for number in self._needed:
             if nodes[number].op not in ("add", "sub", "mul", "div", "scale"):
@@ -79,10 +81,8 @@ class FixedTape:
 
     def _largest(self, number: int) -> float:
         node = self._graph.nodes[number]
-        if node.op == "exponential":  # both factors' maxima, which need not meet in a short domain
-            high, low = exponential_factors(*node.data)
-            index = self._graph.values[node.args[0]].astype(np.int64)
-            return float(max(high[i >> 4] for i in index) * max(abs(low[i & 15]) for i in index))
+        if node.op == "power_series":
+            return float(largest_sum(node.data[0], self._graph.values[node.args[0]].astype(int).tolist()))
         return float(np.abs(self._graph.values[number]).max())
 
     def _capacity(self, number: int) -> int:
@@ -109,10 +109,8 @@ class FixedTape:
     def _finest(self, number: int) -> int:
         """The most bits with which a node can enter a sum; products that nothing else uses may wrap round."""
         node = self._graph.nodes[number]
-        if self._users[number] > 1 or node.op not in ("exponential", "mul"):
+        if self._users[number] > 1 or node.op != "mul":
             return self._cap[number]
-        if node.op == "exponential":
-            return self._cap[number] + _WRAP_BITS
         return self._product_bits(node) + _WRAP_BITS
 
     def _product_bits(self, node: Node) -> int:
@@ -135,6 +133,8 @@ class FixedTape:
             return
         for arg in node.args:
             if self._graph.nodes[arg].op not in INTEGERS and self._users[arg] == 1:
+                if node.op in _SUMS and self._graph.nodes[arg].op in _SUMS and self._cap[arg] > bits + 1:
+                    continue  # a sum of small terms keeps its digits, and is rounded once
                 self._wanted[arg] = wanted
                 if node.op in ("add", "sub"):
                     self._cap[arg] = max(self._cap[arg], min(wanted, self._finest(arg)))
@@ -160,8 +160,8 @@ class FixedTape:
             used = set(graph.values[node.args[0]].astype(np.int64).tolist())
             table = tuple(_whole(v, bits) if i in used else 0 for i, v in enumerate(node.data))
             self._placed[number] = (self._step(Step("row", args, bits, table=table, label=label)), bits)
-        elif node.op == "exponential":
-            self._placed[number] = (self._exponential(node, bits, label), bits)
+        elif node.op == "power_series":
+            self._placed[number] = (self._power_series(node, bits, label), bits)
         elif node.op in ("add", "sub", "neg", "positive_outside"):
             args = tuple(
                 self._placed[a][0] if graph.nodes[a].op in INTEGERS else self._operand(a, bits)[0] for a in node.args
@@ -194,23 +194,11 @@ class FixedTape:
         never = self.steps[a].unsigned or not np.any((values != 0.0) & (values < 2.0 ** (8 - qa)))
         return self._step(Step("div" if never else "div_signed", (a, b), bits, shift, round=rounded, label=label))
 
-    def _exponential(self, node: Node, bits: int, label: Label) -> int:
-        high, low = exponential_factors(*node.data)
-        used = self._graph.values[node.args[0]].astype(np.int64)
-        with localcontext(EXACT):
-            # The upper factor fills 32 bits; the lower one takes up what that leaves of 2^bits, in 31 bits.
-            scale = Decimal(2**32 - 1) / max(high[i >> 4] for i in used)
-            largest = max(abs(low[i & 15]) for i in used) * Decimal(2) ** (bits + 32) / scale
-            shift = max(0, int(np.floor(np.log2(float(largest) / _LARGEST))) + 1)
-            rest = Decimal(2) ** (bits - shift + 32) / scale
-            uppers = tuple(
-                int((v * scale).to_integral_value(ROUND_HALF_EVEN)) if i in used >> 4 else 0 for i, v in enumerate(high)
-            )
-            lowers = tuple(
-                int((v * rest).to_integral_value(ROUND_HALF_EVEN)) if i in used & 15 else 0 for i, v in enumerate(low)
-            )
+    def _power_series(self, node: Node, bits: int, label: Label) -> int:
+        series = node.data[0]
         args = (self._placed[node.args[0]][0],)
-        return self._step(Step("exponential", args, bits, shift, table=uppers + lowers, label=label))
+        table = tuple(_whole(c, bits + GUARD_BITS) for c in series.coefficients)
+        return self._step(Step("power_series", args, bits, int(series.reflected), table=table, label=label))
 
     def _product(self, node: Node, bits: int, label: Label, op: str) -> int:
         first, second = node.args

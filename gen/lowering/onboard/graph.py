@@ -7,6 +7,7 @@ small enough (at most 256 inputs) to decide everything else by looking at all of
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
@@ -16,15 +17,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.lowering.onboard.interpolate import PowerSeries
 from gen.model.schedules import EXACT
 
 Array = NDArray[np.float64]
 
 #: Nodes whose value is a whole number 0..255 in a byte of its own: |PWM| held to a range, the place in a table.
-INTEGERS = frozenset({"input", "segment", "local", "upper"})
-
-#: Centre of sixteen successive |PWM|.
-MIDDLE = 8
+INTEGERS = frozenset({"input", "segment", "local"})
 
 
 @dataclass(frozen=True)
@@ -34,10 +33,10 @@ class Node:
     Attributes
     ----------
     op
-        ``input`` (lo, hi), ``segment`` and ``local`` (knots), ``upper`` (x / 16) give whole numbers; ``constant``
-        (value), ``exponential`` (a, b, centred), ``row`` (values), ``times`` (by a whole number), ``add``, ``sub``,
-        ``mul``, ``div``, ``neg``, ``scale`` (k: times 2^k), ``positive_outside`` (lo, hi: max(v, 0) where the input
-        is outside).
+        ``input`` (lo, hi), ``segment`` and ``local`` (knots) give whole numbers; ``constant`` (value),
+        ``exponential`` (a, b), ``power_series`` (:class:`PowerSeries`), ``row`` (values), ``times`` (by a whole
+        number), ``add``, ``sub``, ``mul``, ``div``, ``neg``, ``scale`` (k: times 2^k), ``positive_outside`` (lo, hi:
+        max(v, 0) where the input is outside).
     args
         Nodes that it uses.
     data
@@ -62,19 +61,10 @@ UNLABELLED = Label("")
 
 
 @lru_cache(maxsize=256)
-def exponential_factors(
-    a: Decimal, b: Decimal, centred: bool = False
-) -> tuple[tuple[Decimal, ...], tuple[Decimal, ...]]:
-    """Factors of a e^(b x) for the upper and lower four bits of x; a is in the second, 16 each.
-
-    ``centred`` gives those of a (e^(b x) - e^(b c)), c the middle of x's sixteen.
-    """
+def exponential_factors(a: Decimal, b: Decimal) -> tuple[tuple[Decimal, ...], tuple[Decimal, ...]]:
+    """Factors of a e^(b x) for the upper and lower four bits of x; a is in the second, 16 each."""
     with localcontext(EXACT):
-        middle = (b * MIDDLE).exp() if centred else Decimal(0)
-        return (
-            tuple((b * 16 * i).exp() for i in range(16)),
-            tuple(a * ((b * i).exp() - middle) for i in range(16)),
-        )
+        return tuple((b * 16 * i).exp() for i in range(16)), tuple(a * (b * i).exp() for i in range(16))
 
 
 class Graph:
@@ -128,17 +118,21 @@ class Graph:
         chosen = np.array([float(v) for v in values])[self.values[segment].astype(np.int64)]
         return self._node(Node("row", (segment,), values), chosen)
 
-    def upper(self, x: int) -> int:
-        """The upper four bits of the whole number x."""
-        return self._node(Node("upper", (x,)), np.floor(self.values[x] / 16.0))
-
-    def exponential(self, x: int, a: Decimal, b: Decimal, *, centred: bool = False) -> int:
-        """a e^(b x) of the whole number x, or (centred) what it is above the middle of x's sixteen."""
+    def exponential(self, x: int, a: Decimal, b: Decimal) -> int:
+        """a e^(b x) of the whole number x."""
         if a == 0 or b == 0:
-            return self.constant(0 if centred else a)
-        high, low = (np.array([float(v) for v in part]) for part in exponential_factors(a, b, centred))
+            return self.constant(a)
+        high, low = (np.array([float(v) for v in part]) for part in exponential_factors(a, b))
         index = self.values[x].astype(np.int64)
-        return self._node(Node("exponential", (x,), (a, b, centred)), high[index >> 4] * low[index & 15])
+        return self._node(Node("exponential", (x,), (a, b)), high[index >> 4] * low[index & 15])
+
+    def power_series(self, x: int, series: PowerSeries) -> int:
+        """A polynomial of the whole number x."""
+        if len(series.coefficients) == 1:
+            return self.constant(series.coefficients[0])
+        with localcontext(EXACT):
+            values = [float(series.sums(Decimal(int(v)))[-1]) for v in self.values[x]]
+        return self._node(Node("power_series", (x,), (series,)), np.array(values))
 
     # ---- operations ----
 
@@ -264,6 +258,14 @@ class Graph:
         for term in kept[1:]:
             result = self.add(result, term)
         return result
+
+    def terms(self, node: int, whole: Container[int]) -> list[int]:
+        """The terms of a sum; sums in ``whole`` stay as they are."""
+        op, args = self.nodes[node].op, self.nodes[node].args
+        if node in whole or op not in ("add", "sub"):
+            return [node]
+        second = self.terms(args[1], whole)
+        return [*self.terms(args[0], whole), *(second if op == "add" else map(self.neg, second))]
 
     # ---- inner workings ----
 

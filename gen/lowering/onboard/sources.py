@@ -6,14 +6,16 @@ from collections.abc import Sequence
 from decimal import Decimal, localcontext
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gen.lowering.onboard.graph import MIDDLE, Graph
+from gen.lowering.onboard.graph import Graph
+from gen.lowering.onboard.interpolate import PowerSeries, power_series
 from gen.model import ExponentialSum, Polynomial, Schedule, Table
 from gen.model.schedules import EXACT
 
 
 def schedule_node(
-    graph: Graph, schedule: Schedule, x: int, factor: Decimal, path: str, text: str, *, refined: bool = False
+    graph: Graph, schedule: Schedule, x: int, factor: Decimal, path: str, text: str, *, tolerance: float | None
 ) -> int:
     """The node of ``factor * schedule(x)``; schedules that differ in sign give the same node but for a ``neg``.
 
@@ -29,45 +31,42 @@ def schedule_node(
         A constant.
     path, text
         Its JSON path, and what it is.
-    refined
-        Whether sums of exponentials spend another table on digits that would cancel.
+    tolerance
+        Relative error up to which a sum of exponentials becomes one power series; None keeps its terms, and those of a
+        polynomial.
     """
     values = schedule(graph.values[x]) * float(factor)
     if values[np.argmax(np.abs(values))] < 0.0:
-        return graph.neg(_build(graph, schedule, x, -factor, path, f"-({text})", refined=refined))
-    return _build(graph, schedule, x, factor, path, text, refined=refined)
+        return graph.neg(_build(graph, schedule, x, -factor, path, f"-({text})", tolerance=tolerance))
+    return _build(graph, schedule, x, factor, path, text, tolerance=tolerance)
 
 
-def _build(graph: Graph, schedule: Schedule, x: int, factor: Decimal, path: str, text: str, *, refined: bool) -> int:
+def _build(
+    graph: Graph, schedule: Schedule, x: int, factor: Decimal, path: str, text: str, *, tolerance: float | None
+) -> int:
     if isinstance(schedule, Polynomial):
-        node = _horner(graph, [Decimal(c) * factor for c in schedule.coefficients], x, f"{path}.poly", text)
+        coefficients = [Decimal(c) * factor for c in schedule.coefficients]
+        if tolerance is None or not _has_both_signs(schedule, graph.values[x]):
+            # As sums of their own: the last may use a word without a sign.
+            node = _horner(graph, coefficients, x, f"{path}.poly", text)
+        else:
+            node = graph.power_series(x, PowerSeries.of_powers(coefficients))
+            graph.label(node, text, "times the sample's power", f"{path}.poly[0..{len(coefficients) - 1}]")
     elif isinstance(schedule, ExponentialSum):
-        key = f"exp{len(schedule.terms)}"
-        parts = []
-        if refined:
-            # The terms cancel in part: the sum at the middle of every sixteen, and what each term is above it.
+        key = f"{path}.exp{len(schedule.terms)}"
+        if tolerance is not None:
             with localcontext(EXACT):
-                middles = tuple(
-                    sum(
-                        (Decimal(a) * factor * (Decimal(b) * (16 * i + MIDDLE)).exp() for a, b in schedule.terms),
-                        Decimal(0),
-                    )
-                    for i in range(16)
-                )
-            upper = graph.label(graph.upper(x), "which sixteen |PWM| is in")
-            middle = graph.row(upper, middles)
-            parts.append(graph.label(middle, f"{text}: in the middle of sixteen", "", f"{path}.{key}"))
-        for k, (a, b) in enumerate(schedule.terms):
-            part = graph.exponential(x, Decimal(a) * factor, Decimal(b), centred=refined)
-            parts.append(
-                graph.label(
-                    part,
-                    f"{text}: term {k + 1}" + (", above that" if refined else ""),
-                    "per sample, as the whole",
-                    f"{path}.{key}[{2 * k}..{2 * k + 1}]",
-                )
-            )
-        node = graph.total(parts, 0.0)
+                terms = [(Decimal(a) * factor, Decimal(b)) for a, b in schedule.terms]
+            inputs = graph.values[x].astype(int).tolist()
+            node = graph.power_series(x, power_series(lambda v: _sum(terms, v), inputs, tolerance))
+            graph.label(node, f"{text}: as a polynomial", "times the sample's power", f"{key}[0..{2 * len(terms) - 1}]")
+        else:
+            parts = []
+            for k, (a, b) in enumerate(schedule.terms):
+                part = graph.exponential(x, Decimal(a) * factor, Decimal(b))
+                place = f"{key}[{2 * k}..{2 * k + 1}]"
+                parts.append(graph.label(part, f"{text}: term {k + 1}", "per sample, as the whole", place))
+            node = graph.total(parts, 0.0)
     elif isinstance(schedule, Table):
         segment, local = graph.place(x, schedule.pwm)
         graph.label(segment, "interval of the table", "", f"{path}.table.pwm")
@@ -82,6 +81,11 @@ def _build(graph: Graph, schedule: Schedule, x: int, factor: Decimal, path: str,
     else:
         raise TypeError(f"no lowering for a schedule of type {type(schedule).__name__}")
     return graph.label(node, text, "times the sample's power", path)
+
+
+def _has_both_signs(schedule: Schedule, x: NDArray[np.float64]) -> bool:
+    values = schedule(x)
+    return bool(np.any(values < 0.0) and np.any(values > 0.0))
 
 
 def _horner(graph: Graph, coefficients: Sequence[Decimal], x: int, path: str, text: str) -> int:
@@ -99,3 +103,7 @@ def _nested(graph: Graph, coefficients: Sequence[int], x: int) -> int:
     for following in coefficients[1:]:
         node = graph.add(graph.times(node, x), following)
     return node
+
+
+def _sum(terms: Sequence[tuple[Decimal, Decimal]], x: Decimal) -> Decimal:
+    return sum((a * (b * x).exp() for a, b in terms), Decimal(0))

@@ -6,12 +6,12 @@ The reference (:mod:`gen.reference.onboard`) executes the steps, :mod:`gen.firmw
 step               result in fixed point (q: bits after the binary point)
 =================  ================================================================================================
 input              |PWM| held to table[0]..table[1] (uint8)
-upper              x >> 4 (uint8)
 segment            number of the interval of the table with knots ``table`` (uint8)
 local              |PWM| held to the table's ends, less the start of its interval (uint8)
 constant           table[0]
 row                table[segment]
-exponential        mul(table[16 + (x & 15)], table[x >> 4], shift), modulo 2^32
+power_series       Horner's rule in 40 bits: a = floor(a u / 2^8) + table[k] for all k, u = x or (shift 1) 255 - x;
+                   then (a + 2^7) >> 8
 times              (a x + 2^(7-shift)) >> (8-shift), a x if shift is 8     a int32, x uint8
 mul                (a b - a0 b0 + 2^(31-shift)) >> (32-shift)             b >= 0; a0, b0 the lowest bytes
 mul_signed         the same of (-a, -b) where b < 0
@@ -24,8 +24,8 @@ shl                a << shift
 positive_outside   max(a, 0) where x < table[0] or x > table[1], else a
 =================  ================================================================================================
 
-In float32 every step is one operation; ``exponential`` is one product, ``scale`` a product by table[0], and there is
-no shift.
+In float32 every step is one operation; ``exponential`` is table[x >> 4] table[16 + (x & 15)], ``scale`` a product by
+table[0], and there is no shift.
 """
 
 from __future__ import annotations
@@ -41,6 +41,8 @@ from gen.lowering.program import Arithmetic
 
 #: The least shift of a division.
 DIVIDE_SHIFT = 24
+#: By how many bits a power series is finer than its result.
+GUARD_BITS = 8
 
 Table = tuple[int, ...] | tuple[float, ...]
 
