@@ -47,7 +47,8 @@ def unwired(coefficients: Coefficients) -> list[str]:
         return []
     known = {*(channel.column for channel in wiring.channels), *coefficients.document.thermocouple_columns}
     return [
-        f"$.wiring has no {'thermocouple' if column.endswith('_degC') else 'channel'} {column}: in the sketch the effects that need it do nothing"
+        f"$.wiring.{'thermocouples' if column.endswith('_degC') else 'channels'} has no {column}: "
+        "in the sketch the effects that need it do nothing"
         for column in columns(coefficients.model, coefficients.effects)
         if column not in known
     ]
