@@ -192,7 +192,10 @@ def judged(
 def lines(
     before: np.ndarray, after: np.ndarray, errors: Sequence[Score], names: Sequence[str], speeds: Sequence[int]
 ) -> list[tuple[str, str, str]]:
-    """The table: what, before, after; `errors` on test logs before and after, `names` are the rules', `speeds` those judged."""
+    """The table: what, before, after.
+
+    `errors` are on test logs before and after, `names` are the rules', `speeds` those at which they were judged.
+    """
     made = [
         ("RMSE of test logs", *(f"{error.rmse_K:.2f} K" for error in errors)),
         ("worst error of test logs", *(f"{error.max_abs_K:.2f} K" for error in errors)),
