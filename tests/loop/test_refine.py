@@ -135,6 +135,14 @@ def test_a_thinned_log_gives_the_same_residual(tmp_path: Path, monkeypatch: pyte
         )
 
 
+def test_every_thinned_run_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fit, test, _ = make(tmp_path, (), 11)
+    monkeypatch.setattr("gen.loop.residual.MOST_ROWS", 700)
+    found = refine(load(COEFFICIENTS), COEFFICIENTS.read_text(encoding="utf-8"), fit, test)
+    told = [warning.split(":")[0] for warning in found.warnings if "errors are of these" in warning]
+    assert told == [str(path) for path in (*fit, *test)]
+
+
 def test_test_runs_take_no_part(tmp_path: Path) -> None:
     """Spoiling the test runs changes their errors, and nothing else."""
     fit, test, _ = make(tmp_path, ("direction",), 4)
