@@ -107,6 +107,14 @@ def test_a_reading_that_jumps_with_pwm_is_no_hidden_part(tmp_path: Path) -> None
     assert not any(effect["evidence"]["confident"] for effect in found.effects)
 
 
+def test_an_effect_has_to_hold_without_an_offset_at_its_limit(tmp_path: Path) -> None:
+    """A sensor sits otherwise in every run: with an offset of 1.1 K beside it, direction fits what reverses."""
+    found, _ = _refined(tmp_path, ("per_run",), 72007)
+    before, after = (errors.summary()["test"]["rmse_K"] for errors in (found.before, found.after))
+    assert after <= 1.05 * before
+    assert not any(effect["evidence"]["confident"] for effect in found.effects)
+
+
 def test_a_boards_own_columns_are_no_cause(tmp_path: Path) -> None:
     """A log of the firmware holds its model's temperatures: a residual goes with them, but they heat nothing."""
     fit, _, _ = make(tmp_path, (), 9)
