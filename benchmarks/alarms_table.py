@@ -94,7 +94,7 @@ def emulated_times(coefficients: Coefficients, plant: RigPlant, profile: Profile
     firmware = build_firmware(coefficients, "fixed", "table", "coeffs.json", cache_folder())
     board = Board(firmware.elf, firmware.cache, wiring, plant, encoder="batched")
     levels = tuple(zip(profile.starts_s, profile.levels, strict=True))
-    session = run_session(board, DURATION_S, profile=levels)
+    session = run_session(board, profile.duration_s, profile=levels)
     first = np.full(len(coefficients.document.alarms), np.nan)
     names = [rule.name for rule in coefficients.document.alarms]
     for alarm in results_of(coefficients.document, board, session).alarms:

@@ -262,7 +262,7 @@ def test_thinning_keeps_samples_as_they_are_and_every_change_of_pwm(file: Path) 
     run = read_run(file, most_rows=6_000)
     assert 4_000 < run.time_s.size < 8_000
     assert run.rows_in_file == LONG
-    assert run.thinned == f"60000 rows, of which {run.time_s.size} are used"
+    assert run.thinned == f"60000 rows, of which {run.time_s.size} are used: errors are of these"
     assert read_run(file).thinned == ""
     assert run.time_s[0] == 0.0
     assert run.time_s[-1] == full["time_s"][-1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
@@ -17,6 +18,7 @@ SKETCH_FILES |= {"channels", "indicator", "memory", "observer", "output", "selft
 """Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
 
 CountRange = tuple[Counts, Counts]
+_EXTRA_COLUMN = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,25}_degC")
 CelsiusRange = tuple[Celsius, Celsius]
 ColumnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 
@@ -181,13 +183,7 @@ class Document(Part):
             _known(name, names, "provenance", "fit", name)
         for i, effect in enumerate(self.effects):
             _known(effect.component, names, "effects", i, "component")
-        channels: set[str] = set()
-        for i, thermocouple in enumerate(self.wiring.thermocouples if self.wiring else ()):
-            at = ("wiring", "thermocouples", i, "channel")
-            _known(thermocouple.channel, [*names, "ambient"], *at)
-            if thermocouple.channel in channels:
-                raise fault(f'"{thermocouple.channel}" has a thermocouple already; expected one each', *at)
-            channels.add(thermocouple.channel)
+        self._check_thermocouples(names)
         profile = self.wiring.drive.profile if self.wiring and self.wiring.drive else None
         for i, step in enumerate(profile.steps if profile else ()):
             full = self.input.full_scale
@@ -218,6 +214,30 @@ class Document(Part):
                         i,
                         "beyond",
                     )
+
+    def _check_thermocouples(self, names: list[str]) -> None:
+        wiring = self.wiring or Wiring()
+        channels: set[str] = set()
+        taken = {f"{name}{end}".lower() for name in (*names, "ambient") for end in ("_degC", "_model_degC")}
+        taken |= {channel.column.lower() for channel in wiring.channels}
+        taken |= {self.ambient.channel.lower()} if self.ambient.channel is not None else set()
+        for i, thermocouple in enumerate(wiring.thermocouples):
+            at = ("wiring", "thermocouples", i, "channel")
+            channel = thermocouple.channel
+            if channel not in names and not _EXTRA_COLUMN.fullmatch(channel):
+                _known(channel, [*names, "ambient"], *at)
+            if channel.lower() in channels:
+                raise fault(f'"{channel}" has a thermocouple already; expected one each', *at)
+            if channel not in names and channel.lower() in taken:
+                raise fault(f'the column "{channel}" is taken already; expected another', *at)
+            channels.add(channel.lower())
+
+    @property
+    def thermocouple_columns(self) -> tuple[str, ...]:
+        """Columns with a thermocouple of their own: they are neither a component nor the ambient."""
+        known = {"ambient", *(component.name for component in self.components)}
+        wired = self.wiring.thermocouples if self.wiring is not None else ()
+        return tuple(thermocouple.channel for thermocouple in wired if thermocouple.channel not in known)
 
     def _check_window(self, alarm: AlarmRule, *at: str | int) -> None:
         ordered(*alarm.speed_percent, *at, "speed_percent")

@@ -32,7 +32,13 @@ MOST_VALUE = 1e5
 class Thermocouple(Part):
     """One MAX6675 on bit-banged SPI, and what is plausible from it; a sample beyond that is not used."""
 
-    channel: Annotated[str, Field(description='A component\'s name, or "ambient".')]
+    channel: Annotated[
+        str,
+        Field(
+            description='A component\'s name, "ambient", or a column that is neither, such as gearbox_degC: it is '
+            "logged, and told to effects."
+        ),
+    ]
     cs: Pin
     so: Pin
     sck: Pin
@@ -56,14 +62,14 @@ class Thermocouple(Part):
         Field(
             le=1e6,
             description="The same count for this long is a stuck sensor, provided that the model moved by stuck_K "
-            "meanwhile. Without it 300 s; ambient, for which there is no model, is not checked.",
+            "meanwhile. Without it 300 s; where there is no model (ambient, columns) there is no check.",
         ),
     ] = None
     stuck_K: Annotated[
         NotNegative | None,
         Field(
             le=1000,
-            description="See stuck_s; 0: time alone decides. Without it 3 K; ambient 0.",
+            description="See stuck_s; 0: time alone decides. Without it 3 K; ambient and columns 0.",
         ),
     ] = None
 

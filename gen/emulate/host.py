@@ -91,7 +91,7 @@ class HostDevice:
         """
         found = {}
         for number, channel in enumerate(self.channels):
-            part = self._components.index(channel) if channel != AMBIENT else None
+            part = self._components.index(channel) if channel in self._components else None
             model_mC = self._call("temperature_mC", part, self._ambient_mC) if part is not None else 0
             code = self._call("sensors_check", number, words[channel], int(finished), model_mC)
             value_mC = self._call("sensors_mC", number)

@@ -12,6 +12,8 @@ from gen.errors import InputError
 from gen.rig import Encoder, Fault, Motor, MotorConfig, SensorConfig, SensorFault, Thermocouple
 from gen.rig.signals import Signal, value
 
+_COLUMN = "_degC"
+
 
 class RigPlant:
     """A simulated motor, its thermocouples and its encoder, on the board's clock.
@@ -22,7 +24,8 @@ class RigPlant:
     Parameters
     ----------
     channels
-        The thermocouples that are wired: nodes of the motor, or ``ambient``.
+        The thermocouples that are wired: nodes of the motor, ``ambient``, or a node's column (``brush_degC``) that
+        the model does not have as a component.
     motor
         The motor; its faults' times are the board's.
     sensors
@@ -66,13 +69,17 @@ class RigPlant:
         named = tuple(channels)
         known = (*self.motor.nodes, AMBIENT)
         for name in named:
-            if name not in known:
+            if name.removesuffix(_COLUMN) not in known:
                 expected = ", ".join(known)
                 raise InputError(f'the simulated motor has no part "{name}"; it has {expected}', place="$.wiring")
         seeds = np.random.SeedSequence(seed).spawn(len(named))
         self._sensors = {
             name: Thermocouple(
-                replace((sensors or {}).get(name, SensorConfig()), faults=(sensor_faults or {}).get(name, ())), own
+                replace(
+                    (sensors or {}).get(name.removesuffix(_COLUMN), SensorConfig()),
+                    faults=(sensor_faults or {}).get(name, ()),
+                ),
+                own,
             )
             for name, own in zip(named, seeds, strict=True)
         }
@@ -89,7 +96,9 @@ class RigPlant:
         drive = self.motor.step(pwm, dt_s, load_Nm=value(self._load, start), ambient_degC=value(self._ambient, start))
         self._time += dt_s
         true = self.temperatures
-        words = {name: sensor.read(true[name], self._time) for name, sensor in self._sensors.items()}
+        words = {
+            name: sensor.read(true[name.removesuffix(_COLUMN)], self._time) for name, sensor in self._sensors.items()
+        }
         pulses = self._encoder.between(before, self.motor.revolutions) if self._encoder is not None else 0
         return Reading(words, pulses, {"current_A": drive.current_A, "voltage_V": drive.voltage_V})
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from gen.coefficients import Coefficients
 from gen.emulate.plant import AMBIENT, Plant, Reading
 from gen.lowering.alarms import lower_alarms
+from gen.lowering.effects.program import Channel
 from gen.lowering.lower import Program, lower
 from gen.lowering.program import Arithmetic, ScheduleKind
 from gen.reference.alarms import ReferenceAlarms
@@ -99,8 +100,11 @@ def _told(program: Program, ambient: Integers, readings: Sequence[Reading]) -> I
     """What the effects are told, in thousandths, shape (channels, runs); what the plant lacks stays neutral."""
     if program.effects is None:
         return None
-    others = [
-        [round(reading.channels.get(channel.column, channel.neutral / 1000.0) * 1000.0) for reading in readings]
-        for channel in program.effects.channels[1:]
-    ]
+    others = [[_value(reading, channel) for reading in readings] for channel in program.effects.channels[1:]]
     return np.array([ambient.tolist(), *others], dtype=np.int64)
+
+
+def _value(reading: Reading, channel: Channel) -> int:
+    if channel.column in reading.words:
+        return (reading.words[channel.column] >> 3) * _COUNT_MC
+    return round(reading.channels.get(channel.column, channel.neutral / 1000.0) * 1000.0)

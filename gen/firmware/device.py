@@ -95,7 +95,7 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
     wiring = document.wiring or Wiring()
     sample_ms = round(program.model.sample_time * 1000.0)
     read_samples = reading_samples(program.model.sample_time)
-    chips = _chips(coefficients, wiring.thermocouples)
+    chips = _chips(coefficients, wiring.thermocouples, program)
     names = [component.name for component in document.components]
     pulses = _encoder(wiring.encoder, document.input.nominal_speed_rpm, sample_ms) if wiring.encoder else None
     start_samples = max(2 * CONFIRMATIONS * read_samples, math.ceil(_START_MS / sample_ms))
@@ -124,6 +124,7 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         "button": wiring.button_pin,
         "chips": chips,
         "measured": [chip for chip in chips if chip["channel"] in names],
+        "column_chips": [chip for chip in chips if chip["column"]],
         "ambient_chip": next((chip for chip in chips if chip["channel"] == "ambient"), None),
         "read_samples": read_samples,
         "reading_ms": read_samples * sample_ms,
@@ -158,6 +159,7 @@ def _columns(
     columns = ["time_s", "pwm", *(f"{name}_degC" for name in names if name in wired)]
     columns += [_ambient_column(coefficients)] if "ambient" in wired else []
     columns += [channel.column for channel in inputs]
+    columns += coefficients.document.thermocouple_columns
     columns += ["speed_rpm"] if encoder else []
     columns += [f"{name}_model_degC" for name in names]
     columns += ["flags"]
@@ -177,8 +179,9 @@ def _pin(pin: int, path: str) -> Context:
     return {"pin": pin, "label": label(pin), "letter": letter, "bit": bit, "path": path}
 
 
-def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...]) -> list[Context]:
+def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program) -> list[Context]:
     names = [component.name for component in coefficients.document.components]
+    told = {channel.column for channel in program.effects.channels} if program.effects is not None else set()
     chips = []
     for number, (chip, limits) in enumerate(zip(wired, sensor_limits(coefficients), strict=True)):
         path = f"$.wiring.thermocouples[{number}]"
@@ -187,6 +190,8 @@ def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...]) -> list[
                 "number": number,
                 "channel": chip.channel,
                 "component": names.index(chip.channel) if chip.channel in names else None,
+                "column": chip.channel in coefficients.document.thermocouple_columns,
+                "told": identifier(chip.channel) if chip.channel in told else None,
                 "lines": {key: _pin(getattr(chip, key), f"{path}.{key}") for key in ("cs", "so", "sck")},
                 "lowest": limits.lowest,
                 "highest": limits.highest,

@@ -45,9 +45,10 @@ def unwired(coefficients: Coefficients) -> list[str]:
     wiring = coefficients.document.wiring
     if wiring is None:
         return []
-    known = {channel.column for channel in wiring.channels}
+    known = {*(channel.column for channel in wiring.channels), *coefficients.document.thermocouple_columns}
     return [
-        f"$.wiring.channels has no {column}: in the sketch the effects that need it do nothing"
+        f"$.wiring.{'thermocouples' if column.endswith('_degC') else 'channels'} has no {column}: "
+        "in the sketch the effects that need it do nothing"
         for column in columns(coefficients.model, coefficients.effects)
         if column not in known
     ]

@@ -148,6 +148,9 @@ def refine(
                     scores, curve = score(baseline, model, path)
                 getattr(errors, key)[str(path)] = scores
                 errors.curves[str(path)] = curve
+    warnings += [
+        f"{path}: {before.curves[str(path)].left_out}" for path in test_paths if before.curves[str(path)].left_out
+    ]
     left = {name: remains(tracing, runs, name) for name in tracing.problem.components}
     return Refinement(text, before, after, effects, verdict, tracing, runs, excitation(baseline, runs), left, warnings)
 

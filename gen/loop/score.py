@@ -1,4 +1,7 @@
-"""Errors of a model on run files, row by row, in a free run from the start of each log."""
+"""Errors of a model on run files, row by row, in a free run from the start of each log.
+
+Of a log that is thinned when it is read they are the errors of the rows kept.
+"""
 
 from __future__ import annotations
 
@@ -49,12 +52,13 @@ def total(scores: Iterable[Score]) -> Score:
 
 @dataclass(frozen=True)
 class Curve:
-    """Thinned time series for the report."""
+    """Thinned time series for the report, and what was left out of the run's file before, as a sentence."""
 
     time_s: FloatArray
     pwm: FloatArray
     measured: dict[str, FloatArray] = field(default_factory=dict)
     model: dict[str, FloatArray] = field(default_factory=dict)
+    left_out: str = ""
 
 
 def score(
@@ -76,7 +80,7 @@ def score(
     run, shown = free_run(baseline, model, path)
     scores = {}
     thin = np.unique(np.linspace(0, run.time_s.size - 1, most_points).astype(int))
-    curve = Curve(run.time_s[thin], run.pwm[thin].astype(np.float64))
+    curve = Curve(run.time_s[thin], run.pwm[thin].astype(np.float64), left_out=run.thinned)
     for name, values in shown.items():
         error = run.temps[name] - values
         error = error[np.isfinite(error)]

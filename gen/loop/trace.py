@@ -81,10 +81,7 @@ def trace(
     _couple(whole, singles, final)
     _prune(singles, final, found)
     _judge_again(singles, final, null, found, tried)
-    for name, one in singles.items():
-        if final[name].terms and abs(float(final[name].offset[0])) > 0.95 * one.tolerance_K:
-            # Drawn to its limit the offset stands for something else; it is no calibration.
-            final[name] = fit(replace(one, tolerance_K=0.0), terms_of(final[name]))
+    _refuse_offsets_at_their_limit(singles, final, null, found, tried)
     if each_speed_once(runs):
         for name, one in singles.items():
             if name in considered and not final[name].terms:
@@ -115,12 +112,32 @@ def _judge_again(
 ) -> None:
     """All of a component's effects together must pass the test against none, whatever the way to them was."""
     for name, single in singles.items():
-        own = [f for f in found if f.component == name]
-        if not own or any(f.candidate.effect.everywhere for f in own):
-            continue
-        if any("worse" not in r for r in judge(single, 0, null[name], final[name], tried, 0).reasons):
+        if not _passes(single, name, null[name], final[name], found, tried):
             found[:] = [f for f in found if f.component != name]
             final[name] = null[name]
+
+
+def _refuse_offsets_at_their_limit(
+    singles: dict[str, Problem], final: dict[str, Fit], null: dict[str, Fit], found: list[Found], tried: int
+) -> None:
+    """Drawn to its limit an offset stands for something else; it is no calibration, and effects must do without it."""
+    for name, single in singles.items():
+        if not final[name].terms or abs(float(final[name].offset[0])) <= 0.95 * single.tolerance_K:
+            continue
+        exact = replace(single, tolerance_K=0.0)
+        made = fit(exact, terms_of(final[name]))
+        if _passes(exact, name, fit(exact, []), made, found, tried):
+            final[name] = made
+        else:
+            found[:] = [f for f in found if f.component != name]
+            final[name] = null[name]
+
+
+def _passes(single: Problem, name: str, without: Fit, together: Fit, found: list[Found], tried: int) -> bool:
+    own = [f for f in found if f.component == name]
+    if not own or any(f.candidate.effect.everywhere for f in own):
+        return True
+    return all("worse" in r for r in judge(single, 0, without, together, tried, 0).reasons)
 
 
 def _extend_everywhere(

@@ -33,7 +33,7 @@ class SensorLimits:
     Attributes
     ----------
     channel
-        A component's name, or "ambient".
+        A component's name, "ambient", or an extra column.
     lowest, highest
         The physical range in counts of 0.25 degC, both inclusive.
     step
@@ -72,13 +72,14 @@ def sensor_limits(coefficients: Coefficients) -> tuple[SensorLimits, ...]:
 
 def _limits(document: Document, wired: Thermocouple) -> SensorLimits:
     ambient = wired.channel == "ambient"
+    modelled = not ambient and wired.channel not in document.thermocouple_columns
     domain = document.domain.ambient_degC if ambient else document.domain.temperature_degC
     lowest = wired.min_degC if wired.min_degC is not None else domain[0] - (_AMBIENT_MARGIN_K if ambient else 0.0)
     above = _AMBIENT_MARGIN_K if ambient else _HOTTER_K
     highest = wired.max_degC if wired.max_degC is not None else domain[1] + above
     interval_s = reading_samples(document.sample_time_s) * document.sample_time_s
-    stuck_s = wired.stuck_s if wired.stuck_s is not None else (0.0 if ambient else _STUCK_S)
-    stuck_K = wired.stuck_K if wired.stuck_K is not None else (0.0 if ambient else _STUCK_K)
+    stuck_s = wired.stuck_s if wired.stuck_s is not None else (_STUCK_S if modelled else 0.0)
+    stuck_K = wired.stuck_K if wired.stuck_K is not None else (_STUCK_K if modelled else 0.0)
     return SensorLimits(
         channel=wired.channel,
         lowest=_counts(math.ceil(lowest / COUNT_K)),

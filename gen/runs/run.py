@@ -55,4 +55,4 @@ class Run:
         rows = self.time_s.size
         if self.rows_in_file is None or self.rows_in_file == rows:
             return ""
-        return f"{self.rows_in_file} rows, of which {rows} are used"
+        return f"{self.rows_in_file} rows, of which {rows} are used: errors are of these"

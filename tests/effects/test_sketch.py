@@ -10,11 +10,13 @@ import pytest
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients, parse
+from gen.coefficients.wiring import Thermocouple
+from gen.errors import InputError
 from gen.firmware.project import project_files
 from gen.lowering.lower import Program, lower
 from gen.reference.model import ReferenceModel
 from gen.verify.avr.compile import ArduinoCore, build_elf
-from tests.device.board import Board
+from tests.device.board import OPEN, Board
 from tests.effects.cases import effect
 from tests.verify_helpers import ROOT
 
@@ -29,6 +31,8 @@ EFFECTS = [
     effect("sensor_lag", "casing", lag_s=20.0),
     effect("sensor_offset", "magnet", offset_K=1.5),
 ]
+GEARBOX = "gearbox_degC"
+COUPLED = [effect("coupling", "casing", source=GEARBOX, conductance_per_s=5e-3)]
 INPUTS = [
     {"column": "current_A", "analog_pin": CURRENT, "zero_V": ZERO_V, "per_V": PER_V, "min": -20.0, "max": 20.0},
     {"column": "fan", "contact_pin": FAN},
@@ -55,6 +59,10 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def elf(refined: Coefficients, program: Program, cache: Path) -> Path:
+    return _built(refined, program, cache)
+
+
+def _built(refined: Coefficients, program: Program, cache: Path) -> Path:
     for path, text in project_files(refined, program, "coeffs.json", None).items():
         target = cache / path
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -139,3 +147,74 @@ def test_states_of_the_effects_outlast_a_reset(board: Board) -> None:
     start, then = float(after.rows[0]["bearing_model_degC"]), [float(row["bearing_model_degC"]) for row in copied]
     assert then[0] > 50.0, "only the effect heats here"
     assert min(abs(start - value) for value in then) < 1.0, "a copy is made every minute"
+
+
+@pytest.fixture(scope="module")
+def coupled() -> Coefficients:
+    """The MY1016 beside a gearbox with a thermocouple of its own, wired instead of the bearing's."""
+    document = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
+    chips = document["wiring"]["thermocouples"]
+    next(chip for chip in chips if chip["channel"] == "bearing")["channel"] = GEARBOX
+    next(chip for chip in chips if chip["channel"] == GEARBOX)["max_degC"] = 150.0
+    return parse(json.dumps({**document, "effects": COUPLED}).encode())
+
+
+def test_a_thermocouple_of_its_own_is_a_channel(coupled: Coefficients, tmp_path: Path) -> None:
+    program = lower(coupled, "fixed", "table")
+    assert program.effects is not None
+    assert [(c.low, c.high) for c in program.effects.channels[1:]] == [(0, 150_000)], "its plausible range"
+    board = Board(_built(coupled, program, tmp_path), tmp_path, coupled)
+    first = board.started()
+    assert "bearing_degC" not in first.columns
+    board.send("rows 1")
+    rows = [*first.rows, *board.hear(2.0).rows]
+    for celsius in np.linspace(30.5, 70.0, 80):
+        board.set_celsius(GEARBOX, float(celsius))
+        rows += board.hear(0.25).rows
+    rows += board.hear(1.0).rows
+    assert rows[-1][GEARBOX] == "70.00"
+    assert not any(int(row["flags"]) & CHANNEL for row in rows)
+    board.set_word(board.chips[GEARBOX], OPEN)
+    lost = board.hear(10.0).rows
+    kept = [row for row in lost if row[GEARBOX] == ""]
+    assert len(kept) > 35
+    assert all(int(row["flags"]) & CHANNEL for row in kept)
+    place = [chip.channel for chip in _thermocouples(coupled)].index(GEARBOX)
+    assert kept[-1]["sensors"][place] == "1"
+    board.set_celsius(GEARBOX, 69.0)
+    again = board.hear(3.0).rows
+    assert again[-1][GEARBOX] == "69.00"
+    assert not int(again[-1]["flags"]) & CHANNEL
+    rows += [*lost, *again]
+
+    names = program.model.component_names
+    # The board's model is the reference's, told what was believed; while nothing is, what was believed last.
+    reference = ReferenceModel(program, {name: [0] for name in names}, _told_of_gearbox(rows[0][GEARBOX]))
+    sample, believed, index = 0, rows[0][GEARBOX], names.index("casing")
+    for row in rows:
+        believed = row[GEARBOX] or believed
+        while sample < round(float(row["time_s"]) * 4):
+            sample += 1
+            reference.set_channels(_told_of_gearbox(believed))
+            reference.step(np.array([0]))
+        assert round(float(row["casing_model_degC"]) * 1000.0) == reference.rises_mK[index, 0] + 30_000, row
+    assert float(rows[-1]["casing_model_degC"]) > 33.0, "the gearbox must have heated the casing"
+
+
+def _thermocouples(coefficients: Coefficients) -> tuple[Thermocouple, ...]:
+    assert coefficients.document.wiring is not None
+    return coefficients.document.wiring.thermocouples
+
+
+def _told_of_gearbox(celsius: str) -> NDArray[np.int64]:
+    return np.array([[30_000], [round(float(celsius) * 1000.0)]])
+
+
+@pytest.mark.parametrize("channel", ["bearing_degC", "Ambient_degC", "casing_model_degC", "current_degC", "gearbox"])
+def test_a_column_that_is_taken_or_none_gets_no_thermocouple(channel: str) -> None:
+    document = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
+    document["wiring"]["channels"] = [{"column": "current_degC", "analog_pin": CURRENT}]
+    document["wiring"]["thermocouples"][1]["channel"] = channel
+    with pytest.raises(InputError) as caught:
+        parse(json.dumps(document).encode())
+    assert caught.value.place == "$.wiring.thermocouples[1].channel"

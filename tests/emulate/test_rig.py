@@ -69,3 +69,11 @@ def test_ambient_and_load_move() -> None:
 def test_a_channel_that_the_motor_does_not_have() -> None:
     with pytest.raises(InputError, match='no part "gearbox"; it has winding, brush'):
         RigPlant(("brush", "gearbox"))
+
+
+def test_a_column_is_the_sensor_of_the_node_that_it_names() -> None:
+    plain, named = (
+        RigPlant(channels, start_degC={"winding": 60.0}, seed=3) for channels in (("winding",), ("winding_degC",))
+    )
+    for _ in range(20):
+        assert plain.step(200, STEP_S).words["winding"] == named.step(200, STEP_S).words["winding_degC"]

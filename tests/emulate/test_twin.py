@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from gen.coefficients import load
+from gen.coefficients import parse
 from gen.emulate.board import Board
 from gen.emulate.firmware import build_firmware
 from gen.emulate.results import results_of
@@ -21,31 +22,48 @@ from tests.verify_helpers import ROOT
 DURATION_S = 240.0
 
 
-def test_the_twin_and_the_firmware_agree(cache: Path, tmp_path: Path) -> None:
+RULE: dict[str, object] = {"speed_percent": [0, 100], "settle_s": 20, "persistence_s": 15}
+
+
+def test_the_twin_and_the_firmware_agree(cache: Path) -> None:
     document = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text())
-    rule = {"speed_percent": [0, 100], "settle_s": 20, "persistence_s": 15}
     document["alarms"] = [
-        {"name": "warm", "kind": "over_temperature", "component": "casing", "limit_degC": 31.5, **rule},
-        {"name": "slow", "kind": "cusum", "component": "magnet", "slack_K": 0.2, "threshold_K_s": 40.0, **rule},
-        {"name": "above", "kind": "above_model", "component": "bearing", "threshold_K": 0.5, **rule},
-        {"name": "below", "kind": "below_model", "component": "casing", "threshold_K": 0.5, **rule},
+        {"name": "warm", "kind": "over_temperature", "component": "casing", "limit_degC": 31.5, **RULE},
+        {"name": "slow", "kind": "cusum", "component": "magnet", "slack_K": 0.2, "threshold_K_s": 40.0, **RULE},
+        {"name": "above", "kind": "above_model", "component": "bearing", "threshold_K": 0.5, **RULE},
+        {"name": "below", "kind": "below_model", "component": "casing", "threshold_K": 0.5, **RULE},
     ]
-    path = tmp_path / "coeffs.json"
-    path.write_text(json.dumps(document), encoding="utf-8")
-    coefficients = load(path)
+    assert len(_raised_alike(document, cache)) >= 2
+
+
+def test_they_agree_where_a_thermocouple_of_its_own_feeds_an_effect(cache: Path) -> None:
+    document = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text())
+    document["wiring"]["thermocouples"].append({"channel": "winding_degC", "cs": 37, "so": 35, "sck": 31})
+    # Far more heat from the winding than the casing really takes: its model must run away from what is measured.
+    coupling = {"source": "winding_degC", "conductance_per_s": 5e-3}
+    document["alarms"] = [{"name": "below", "kind": "below_model", "component": "casing", "threshold_K": 2.0, **RULE}]
+    assert _raised_alike(document, cache) == set(), "without the effect there is nothing to raise"
+    document["effects"] = [{"name": "coupling", "component": "casing", "parameters": coupling}]
+    assert _raised_alike(document, cache) == {"below"}
+
+
+def _raised_alike(document: dict[str, Any], cache: Path) -> set[str]:
+    """Rules that twin and firmware both raise, at the same time."""
+    coefficients = parse(json.dumps(document).encode())
     wiring = coefficients.document.wiring
     assert wiring is not None
     channels = [chip.channel for chip in wiring.thermocouples]
     # Without noise both start from the same temperature, though the board starts some samples later.
-    quiet = {channel: SensorConfig(noise_K=0.0) for channel in channels}
+    quiet = {channel.removesuffix("_degC"): SensorConfig(noise_K=0.0) for channel in channels}
     first = alarm_times(coefficients, [RigPlant(channels, sensors=quiet)], [204], DURATION_S)[0]
 
     firmware = build_firmware(coefficients, "fixed", "table", "coeffs.json", cache)
     board = Board(firmware.elf, firmware.cache, wiring, RigPlant(channels, sensors=quiet))
     session = run_session(board, DURATION_S, profile=((0.0, 204),))
     raised = {alarm.rule: alarm.raised_s for alarm in results_of(coefficients.document, board, session).alarms}
+    board.close()
     expected = {rule["name"]: time for rule, time in zip(document["alarms"], first, strict=True) if not np.isnan(time)}
-    assert len(expected) >= 2
     assert set(raised) == set(expected)
     # The motor begins to move one step of the plant after the board's PWM.
     assert [raised[name] for name in expected] == pytest.approx(list(expected.values()), abs=0.51)
+    return set(raised)

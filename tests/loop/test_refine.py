@@ -107,6 +107,14 @@ def test_a_reading_that_jumps_with_pwm_is_no_hidden_part(tmp_path: Path) -> None
     assert not any(effect["evidence"]["confident"] for effect in found.effects)
 
 
+def test_an_effect_has_to_hold_without_an_offset_at_its_limit(tmp_path: Path) -> None:
+    """A sensor sits otherwise in every run: with an offset of 1.1 K beside it, direction fits what reverses."""
+    found, _ = _refined(tmp_path, ("per_run",), 72007)
+    before, after = (errors.summary()["test"]["rmse_K"] for errors in (found.before, found.after))
+    assert after <= 1.05 * before
+    assert not any(effect["evidence"]["confident"] for effect in found.effects)
+
+
 def test_a_boards_own_columns_are_no_cause(tmp_path: Path) -> None:
     """A log of the firmware holds its model's temperatures: a residual goes with them, but they heat nothing."""
     fit, _, _ = make(tmp_path, (), 9)
@@ -133,6 +141,14 @@ def test_a_thinned_log_gives_the_same_residual(tmp_path: Path, monkeypatch: pyte
         np.testing.assert_allclose(
             np.interp(whole.edges, thin.edges, thin.traces[name].base), trace.base, atol=trace.noise_K
         )
+
+
+def test_every_thinned_run_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fit, test, _ = make(tmp_path, (), 11)
+    monkeypatch.setattr("gen.loop.residual.MOST_ROWS", 700)
+    found = refine(load(COEFFICIENTS), COEFFICIENTS.read_text(encoding="utf-8"), fit, test)
+    told = [warning.split(":")[0] for warning in found.warnings if "errors are of these" in warning]
+    assert told == [str(path) for path in (*fit, *test)]
 
 
 def test_test_runs_take_no_part(tmp_path: Path) -> None:

@@ -30,6 +30,7 @@ from gen.lowering.effects.program import (
 from gen.lowering.effects.tape import Tape, record
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.program import Arithmetic, FixedComponent
+from gen.lowering.sensors import COUNT_K, sensor_limits
 from gen.model import Component, ThermalModel
 from gen.model.effects import Applied, Moment
 from gen.model.extended import own_rate
@@ -70,6 +71,10 @@ def lower_effects(
     model = coefficients.model
     wired = coefficients.document.wiring.channels if coefficients.document.wiring is not None else ()
     declared = {channel.column: channel.limits for channel in wired}
+    apart = coefficients.document.thermocouple_columns
+    for limits in sensor_limits(coefficients):
+        if limits.channel in apart:
+            declared[limits.channel] = limits.lowest * COUNT_K, limits.highest * COUNT_K
     entries = [entry.applied() for entry in coefficients.document.effects]
     told = channels(model, effects, declared)
     return _Builder(model, effects, entries, arithmetic, components, told).program()
