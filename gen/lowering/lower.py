@@ -150,7 +150,7 @@ def lower(
                 onboard.append(tape)
         except LoweringError as error:
             raise CheckFailed(str(error)) from error
-        _check_bound(lowered, limit, arithmetic)
+        _check_bound(lowered, limit, arithmetic, schedule)
         components.append(lowered)
     effects = lower_effects(coefficients, arithmetic, components)
     return Program(arithmetic, schedule, model, tuple(components), _shapes(components), tuple(onboard), effects=effects)
@@ -165,17 +165,18 @@ def _lower_fast(coefficients: Coefficients) -> Program:
             lowered = fast.lower_component(model, component, turns % BLOCK, limit)
         except LoweringError as error:
             raise CheckFailed(str(error)) from error
-        _check_bound(lowered, limit, "fast")
+        _check_bound(lowered, limit, "fast", "table")
         components.append(lowered)
         turns += component.order == 1
     return Program("fixed", "table", model, tuple(components), _shapes(components), speed="fast")
 
 
-def _check_bound(lowered: AnyComponent, limit: float, kind: str) -> None:
+def _check_bound(lowered: AnyComponent, limit: float, kind: str, schedule: ScheduleKind) -> None:
     if lowered.proof is not None and lowered.proof.bound_K > limit:
+        nearer = "; the tables of --schedule table come nearer" if schedule == "onboard" else ""
         raise CheckFailed(
             f"component {lowered.name}: the guaranteed error bound of {rounded_up(lowered.proof.bound_K):.1e} K "
-            f"exceeds $.accuracy.{kind}_limit_K = {limit:.1e} K"
+            f"exceeds $.accuracy.{kind}_limit_K = {limit:.1e} K{nearer}"
         )
 
 
