@@ -59,6 +59,11 @@ def alarm_times(
     -------
     NDArray
         Time of each rule's first alarm, s, NaN where there was none; shape (runs, rules).
+
+    Raises
+    ------
+    ValueError
+        If a component or the ambient has no thermocouple.
     """
     program = lower(coefficients, arithmetic, schedule)
     names = program.model.component_names
@@ -67,6 +72,9 @@ def alarm_times(
     profiles = [Profile((0.0,), (item,), duration_s) if isinstance(item, int) else item for item in pwm]
     valid = np.full(len(plants), (1 << len(names)) - 1, dtype=np.int64)
     readings = [plant.step(0, step_s) for plant in plants]
+    bare = {name for reading in readings for name in (*names, AMBIENT) if name not in reading.words}
+    if bare:
+        raise ValueError(f"no thermocouple on {', '.join(sorted(bare))}, and the twin takes every sample as believed")
     measured, ambient = _read([reading.words for reading in readings], names)
     starts = {name: (measured[i] - ambient).tolist() for i, name in enumerate(names)}
     model = ReferenceModel(program, starts, _told(program, ambient, readings))
