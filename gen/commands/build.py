@@ -10,6 +10,7 @@ import click
 from gen.commands.options import COEFFICIENTS, combination, speed_option
 
 if TYPE_CHECKING:
+    from gen.lowering.lower import Program
     from gen.lowering.program import Arithmetic, ScheduleKind, Speed
 
 
@@ -47,15 +48,25 @@ def build(
     record = read_verification(verification, loaded) if verification else kept_verification(out, loaded)
     program = lower(loaded, arithmetic, schedule, speed)
     replace_folder(out, project_files(loaded, program, coefficients.name, record))
-    from gen.firmware.context import bound_text
-
     click.echo(
         f"{out}: {loaded.name}, arithmetic {arithmetic}, schedule {schedule}" + (", fast" if speed == "fast" else "")
     )
+    for line in _guarantees(program):
+        click.echo(f"  {line}")
+
+
+def _guarantees(program: Program) -> list[str]:
+    """A line for each component: what is proven of it."""
+    from gen.firmware.context import bound_text
+
     changed = {part.name for part in program.effects.components} if program.effects is not None else set()
+    lines = []
     for component in program.components:
-        what = "baseline never" if component.name in changed else "never"
-        click.echo(f"  {component.name}: {what} more than {bound_text(component)} from the exact solution")
-    if program.effects is not None:
-        for part in program.effects.components:
-            click.echo(f"  {part.name}: with effects, whose error `gen verify` measures")
+        name = component.name + (", baseline" if component.name in changed else "")
+        if component.proof is None:
+            lines.append(f"{name}: no error bound proven; every addition saturates instead of wrapping round")
+        else:
+            lines.append(f"{name}: never more than {bound_text(component)} from the exact solution")
+        if component.name in changed:
+            lines.append(f"{component.name}, with effects: bound not proven, `gen verify` measures the error")
+    return lines
