@@ -13,7 +13,7 @@ from gen.coefficients import Coefficients
 from gen.coefficients.wiring import SUPPLY_V, ChannelInput, Drive, Encoder, Observe, Thermocouple, Wiring
 from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.context import Context
-from gen.firmware.effects_cpp import identifier
+from gen.firmware.effects_cpp import channel_names
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
 from gen.lowering.lower import Program
 from gen.lowering.sensors import (
@@ -216,7 +216,9 @@ def _stuck_text(limits: SensorLimits, sample_time: float) -> str:
 
 def _channels(wired: Sequence[ChannelInput], program: Program) -> list[Context]:
     """Inputs of the wiring; a voltage's value is zero + (sum of conversions times scale >> shift), in thousandths."""
-    told = {channel.column: channel for channel in program.effects.channels} if program.effects is not None else {}
+    effects = program.effects
+    told = {channel.column: channel for channel in effects.channels} if effects is not None else {}
+    names = dict(zip((c.column for c in effects.channels), channel_names(effects), strict=True)) if effects else {}
     found = []
     for number, channel in enumerate(wired):
         path = f"$.wiring.channels[{number}]"
@@ -239,7 +241,7 @@ def _channels(wired: Sequence[ChannelInput], program: Program) -> list[Context]:
                 "low": low,
                 "high": high,
                 "neutral": own.neutral if own is not None else min(max(0, low), high),
-                "told": identifier(channel.column) if own is not None else None,
+                "told": names.get(channel.column),
             }
         )
     return found
