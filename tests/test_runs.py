@@ -212,7 +212,7 @@ def test_places_that_cannot_be_written(tmp_path: Path) -> None:
     columns = {"time_s": np.array([0.0])}
     with pytest.raises(InputError, match="cannot be written"):
         write_columns(tmp_path / "none" / "run.csv", columns)
-    with pytest.raises(InputError, match="directory"):
+    with pytest.raises(InputError, match="is a folder"):
         write_columns(tmp_path, columns)
     assert list(tmp_path.iterdir()) == []
 

@@ -96,12 +96,10 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
     from gen.coefficients import load
     from gen.emulate.plot import plot_svg
     from gen.emulate.results import results_of, summary
-    from gen.files import write_bytes, write_text
+    from gen.files import check_outputs, write_bytes, write_text
     from gen.record.port import write_parts
 
-    for path in (out, json_file, plot, options["eeprom"]):
-        if path is not None and not path.resolve().parent.is_dir():
-            raise InputError("cannot be written: its folder does not exist", file=str(path))
+    check_outputs((out, json_file, plot, options["eeprom"]), (coefficients,))
     loaded = load(coefficients)
     wanted = _wanted(loaded, coefficients, options)
     with ExitStack() as stack:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from gen.commands.options import check_once
 from gen.progress import progress_line
 
 
@@ -40,7 +41,7 @@ def identify(
     """Identify a speed-scheduled model from measured runs and write its coefficient file."""
     from gen.coefficients.names import name_fault
     from gen.errors import InputError
-    from gen.files import write_text
+    from gen.files import check_outputs, write_text
     from gen.loop.identify.coefficients import Settings, coefficient_text, usable
     from gen.loop.identify.data import read_data
     from gen.loop.identify.identify import identify as run
@@ -49,6 +50,8 @@ def identify(
     fault = name_fault(name)
     if fault:
         raise InputError(fault, place="--name")
+    check_outputs((out, json_file, report), runs)
+    check_once(runs)
     with progress_line() as progress:
         progress("reading")
         data = read_data(runs, ambient)
