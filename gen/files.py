@@ -43,8 +43,8 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
     InputError
         When the file cannot be written.
     """
-    target = path.resolve()
-    special = _special(target)
+    special = _special(path)
+    target = path if special else path.resolve()
     beside = target if special else target.with_name(f".{target.name}.{os.getpid()}.tmp")
     try:
         if target.is_dir():
@@ -62,6 +62,7 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
 
 
 def _special(path: Path) -> bool:
+    # Asked of the path itself: /dev/stdout of a pipeline leads to no name that could be looked up.
     return path.exists() and not path.is_file() and not path.is_dir()
 
 
@@ -76,7 +77,7 @@ def check_writable(path: Path) -> None:
     target = path.resolve()
     if target.is_dir():
         raise InputError("is a folder; expected the name of a file", file=str(path))
-    if _special(target):
+    if _special(path):
         return
     try:
         with tempfile.TemporaryFile(dir=target.parent):
@@ -109,7 +110,7 @@ def check_outputs(written: Iterable[Path | None], read: Iterable[Path]) -> None:
         target = path.resolve()
         if target in inputs:
             raise InputError("is read by this command and would be overwritten; expected another name", file=str(path))
-        if target in seen and not _special(target):
+        if target in seen and not _special(path):
             raise InputError("is given twice as a file to write; expected another name", file=str(path))
         seen.add(target)
 

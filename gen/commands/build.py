@@ -7,14 +7,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gen.commands.options import COEFFICIENTS, combination, speed_option
+from gen.commands.options import COEFFICIENTS, combination, shown_name, speed_option
 
 if TYPE_CHECKING:
     from gen.lowering.lower import Program
     from gen.lowering.program import Arithmetic, ScheduleKind, Speed
 
 
-@click.command(epilog="Example:  gen build examples/my1016/coeffs.json --out firmware_out")
+@click.command(
+    short_help="Write the PlatformIO project for a coefficient file.",
+    epilog="Example:  gen build examples/my1016/coeffs.json --out firmware_out",
+)
 @COEFFICIENTS
 @click.option("--out", type=click.Path(path_type=Path), default=Path("firmware_out"), show_default=True)
 @click.option(
@@ -47,7 +50,7 @@ def build(
         click.echo(f"warning: {coefficients}: {warning}", err=True)
     record = read_verification(verification, loaded) if verification else kept_verification(out, loaded)
     program = lower(loaded, arithmetic, schedule, speed)
-    replace_folder(out, project_files(loaded, program, coefficients.name, record))
+    replace_folder(out, project_files(loaded, program, shown_name(coefficients), record))
     click.echo(
         f"{out}: {loaded.name}, arithmetic {arithmetic}, schedule {schedule}" + (", fast" if speed == "fast" else "")
     )

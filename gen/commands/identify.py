@@ -11,7 +11,10 @@ from gen.commands.options import check_once
 from gen.progress import progress_line
 
 
-@click.command(epilog="Example:  gen identify cold_*.csv --out coeffs.json --report identification.html")
+@click.command(
+    short_help="Identify a speed-scheduled model from measured runs.",
+    epilog="Example:  gen identify cold_*.csv --out coeffs.json --report identification.html",
+)
 @click.argument("runs", metavar="RUN...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="The coefficient file to write.")
 @click.option("--json", "json_file", type=click.Path(path_type=Path), help="Write all that was found as JSON.")
@@ -76,7 +79,9 @@ def identify(
     click.echo(f"{out}: {len(found)} component(s)")
 
 
-@click.command(epilog="Example:  gen study examples/my1016/study.json")
+@click.command(
+    short_help="Compute the source study's tables again.", epilog="Example:  gen study examples/my1016/study.json"
+)
 @click.argument("tables", type=click.Path(path_type=Path), default=Path("examples/my1016/study.json"))
 @click.option("--tables-only", is_flag=True, help="Leave out the comparison with gen identify.")
 def study(tables: Path, tables_only: bool) -> None:

@@ -29,6 +29,11 @@ def check_once(runs: Sequence[Path]) -> None:
         seen.add(path.resolve())
 
 
+def shown_name(path: Path) -> str:
+    """A file's name as comments of the C++ can hold it: a name may have line ends and bytes that are no text."""
+    return "".join(c if c.isprintable() and c != "\\" else "?" for c in path.name)
+
+
 def speed_option(*, default_all: bool) -> Callable[[CommandType], CommandType]:
     """--speed, with `all` where both can be handled at once."""
     return click.option(

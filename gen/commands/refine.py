@@ -48,6 +48,7 @@ _FILE = click.Path(path_type=Path)
 
 @click.command(
     cls=ListsOfFiles,
+    short_help="Trace what a model misses to a physical effect.",
     epilog="Example:  gen refine coeffs.json --fit mon.csv tue.csv wed.csv --test thu.csv --out refined.json "
     "--report refined.html --json refined-summary.json",
 )

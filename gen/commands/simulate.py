@@ -14,7 +14,10 @@ if TYPE_CHECKING:
     from gen.reference.simulate import Start
 
 
-@click.command(epilog="Example:  gen simulate examples/my1016/coeffs.json run.csv --arithmetic fixed --out model.csv")
+@click.command(
+    short_help="Run the model, exactly or as on the board, on a run file.",
+    epilog="Example:  gen simulate examples/my1016/coeffs.json run.csv --arithmetic fixed --out model.csv",
+)
 @COEFFICIENTS
 @click.argument("run", type=click.Path(path_type=Path))
 @click.option("--arithmetic", type=click.Choice(["exact", "fixed", "float"]), default="exact", show_default=True)

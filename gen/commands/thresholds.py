@@ -17,6 +17,7 @@ _TAKEN_OVER = ("name", "description", "wiring")
 
 
 @click.command(
+    short_help="Derive alarm thresholds from runs of the healthy motor.",
     epilog="Example:  gen thresholds identified.json --rules rules.json healthy_*.csv --out coeffs.json",
 )
 @COEFFICIENTS
@@ -48,8 +49,13 @@ def thresholds(coefficients: Path, runs: tuple[Path, ...], rules: Path, out: Pat
     tree: dict[str, Any] = _json(coefficients)
     tree |= {key: wanted[key] for key in _TAKEN_OVER if key in wanted}
     tree.setdefault("provenance", {"source": "gen thresholds"})["error"] = error_bands(loaded.document, healthy)
+    tree["alarms"] = []
     try:
-        tree["alarms"] = [complete(rule, loaded.document, healthy) for rule in wanted["alarms"]]
+        for number, rule in enumerate(wanted["alarms"]):
+            try:
+                tree["alarms"].append(complete(rule, loaded.document, healthy))
+            except InputError as error:
+                raise InputError(error.message, place=f"$.alarms[{number}]") from error
         text = json.dumps(tree, indent=1, ensure_ascii=False) + "\n"
         made = parse(text.encode())
     except InputError as error:

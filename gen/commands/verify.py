@@ -17,7 +17,10 @@ if TYPE_CHECKING:
     from gen.verify.verify import Target
 
 
-@click.command(epilog="Example:  gen verify examples/my1016/coeffs.json --target all --json verification.json")
+@click.command(
+    short_help="Prove the generated C++ equal to the reference.",
+    epilog="Example:  gen verify examples/my1016/coeffs.json --target all --json verification.json",
+)
 @COEFFICIENTS
 @combination(default_all=True)
 @speed_option(default_all=True)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from gen.cli import main
 from gen.errors import InputError
 from gen.files import check_outputs, replace_folder, write_text
 from tests.verify_helpers import ROOT
@@ -121,6 +122,84 @@ def test_an_interrupted_build_leaves_nothing_half_written(tmp_path: Path) -> Non
             listed = json.loads((tmp_path / "out" / "manifest.json").read_text())["files"]
             assert all((tmp_path / "out" / path).is_file() for path in listed)
         assert [item.name for item in tmp_path.iterdir() if item.name != "out"] == []
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("delay", [0.1, 3.0])
+def test_an_interrupted_verify_leaves_no_files_and_says_so(
+    number: signal.Signals, delay: float, tmp_path: Path
+) -> None:
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    process = subprocess.Popen(
+        [*GEN, "verify", str(COEFFICIENTS), "--json", str(tmp_path / "v.json")],
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "TMPDIR": str(scratch)},
+    )
+    time.sleep(delay)
+    process.send_signal(number)
+    said = process.communicate()[1]
+    if delay > 1.0:  # before that, the interpreter may still be starting
+        # Interrupted inside exec(), CPython ends with SIGINT whatever the status: a shell shows 130 for it.
+        assert process.returncode in (128 + number, -signal.SIGINT)
+        assert said.strip() == "interrupted"
+    assert process.returncode != 0
+    assert [item for item in tmp_path.rglob("*") if item != scratch] == []
+
+
+def test_an_interrupt_that_compiled_code_takes_for_an_error_is_one_all_the_same(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def importing(**_: object) -> None:
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(5.0)
+        except KeyboardInterrupt:
+            raise ImportError("numpy failed to import") from None
+
+    monkeypatch.setattr("gen.cli.cli.main", importing)
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 130
+    assert capsys.readouterr().err == "interrupted\n"
+
+
+def test_a_full_disk_behind_the_output_is_one_line() -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [*GEN, "study", ROOT / "examples" / "my1016" / "study.json", "--tables-only"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert done.returncode == 2
+    assert done.stderr == "error: the output cannot be written: No space left on device\n"
+
+
+def test_a_run_goes_through_a_pipe(tmp_path: Path) -> None:
+    done = gen("simulate", COEFFICIENTS, run_file(tmp_path), "--out", "/dev/stdout")
+    assert done.returncode == 0, done.stderr
+    assert "\ntime_s,brush_degC," in done.stdout
+
+
+def test_a_coefficient_file_s_odd_name_does_not_break_the_firmware(tmp_path: Path) -> None:
+    path = tmp_path / os.fsdecode(b"a\n#error \xff\\")
+    path.write_bytes(COEFFICIENTS.read_bytes())
+    done = gen("build", path, "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    header = (tmp_path / "out" / "lib" / "my1016" / "src" / "my1016.h").read_text(encoding="utf-8")
+    assert "a?#error ??" in header
+
+
+def test_a_file_s_bytes_do_not_steer_the_terminal(tmp_path: Path) -> None:
+    run = tmp_path / "run.csv"
+    run.write_bytes(b"\x1b[2Jtime,pwm\r,b\x07\n1,2,3\n")
+    done = gen("simulate", COEFFICIENTS, run, "--out", tmp_path / "out.csv")
+    assert done.returncode == 2
+    assert "\\x1b[2Jtime" in done.stderr
+    assert done.stderr.rstrip("\n").isprintable()
 
 
 def test_a_failed_write_keeps_the_old_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
