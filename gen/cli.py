@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NoReturn
 
 import click
 
@@ -34,19 +39,65 @@ for command in (build, verify, simulate, emulate, log, identify, thresholds, stu
 
 def main() -> None:
     """Run the command line; turn failures into one message and an exit status."""
+    with _interruptible() as came:
+        try:
+            cli.main(standalone_mode=False)
+        except (click.exceptions.Abort, KeyboardInterrupt):
+            _interrupted(came)
+        except click.ClickException as error:
+            error.show()
+            sys.exit(2)
+        except click.exceptions.Exit as error:
+            sys.exit(error.exit_code)
+        except InputError as error:
+            click.echo(f"error: {_one_line(str(error))}", err=True)
+            sys.exit(2)
+        except CheckFailed as error:
+            if came:
+                _interrupted(came)
+            click.echo(f"failed: {error}", err=True)
+            sys.exit(1)
+        except OSError as error:
+            # Files have their own messages; what is left is the output itself, on a full disk.
+            if came:
+                _interrupted(came)
+            if error.errno != errno.ENOSPC:
+                raise
+            click.echo(f"error: the output cannot be written: {error.strerror}", err=True)
+            sys.exit(2)
+        except Exception:
+            # Compiled code may turn the interrupt into an error of its own: numpy does while it is being imported.
+            if came:
+                _interrupted(came)
+            raise
+
+
+@contextmanager
+def _interruptible() -> Iterator[list[int]]:
+    """Let a polite kill end a command as Ctrl-C does, so that it leaves no files; gives the signals that came."""
+    came: list[int] = []
+
+    def interrupt(number: int, _: object) -> None:
+        came.append(number)
+        raise KeyboardInterrupt
+
+    before = {
+        number: signal.signal(number, interrupt)
+        for number in (signal.SIGINT, signal.SIGTERM)
+        if signal.getsignal(number) not in (signal.SIG_IGN, None)
+    }
     try:
-        cli.main(standalone_mode=False)
-    except click.exceptions.Abort:
-        click.echo("interrupted", err=True)
-        sys.exit(130)
-    except click.ClickException as error:
-        error.show()
-        sys.exit(2)
-    except click.exceptions.Exit as error:
-        sys.exit(error.exit_code)
-    except InputError as error:
-        click.echo(f"error: {error}", err=True)
-        sys.exit(2)
-    except CheckFailed as error:
-        click.echo(f"failed: {error}", err=True)
-        sys.exit(1)
+        yield came
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _interrupted(came: list[int]) -> NoReturn:
+    click.echo("interrupted", err=True)
+    sys.exit(128 + (came[0] if came else signal.SIGINT))
+
+
+def _one_line(text: str) -> str:
+    """What a file held is quoted in messages: nothing in it may steer the terminal."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)

@@ -2,37 +2,68 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 from gen.errors import InputError
 
 #: A folder without this file was not written by this tool and is not replaced.
 MARK = "manifest.json"
+#: What a project holds and its manifest does not list.
+_UNLISTED = ("report.html", "verification.json")
+#: What PlatformIO and its editor put into a project.
+_MADE_AGAIN = (".pio", ".vscode")
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write one UTF-8 file beside its place, then rename it."""
+    """Write one UTF-8 file as :func:`replacing` does."""
     write_bytes(path, text.encode())
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Write one file beside its place, then rename it."""
+    """Write one file as :func:`replacing` does."""
+    with replacing(path) as stream:
+        stream.write(data)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[IO[bytes]]:
+    """Write beside the file and rename, so that a reader never sees half of it.
+
+    A link stays, and what it leads to is replaced. A pipe, a terminal or a device (``/dev/null``) is written to.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    special = _special(path)
+    target = path if special else path.resolve()
+    beside = target if special else target.with_name(f".{target.name}.{os.getpid()}.tmp")
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        if target.is_dir():
+            raise InputError("is a folder; expected the name of a file", file=str(path))
         try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(data)
-            Path(name).chmod(0o644)
-            Path(name).replace(path)
-        except BaseException:
-            Path(name).unlink(missing_ok=True)
-            raise
+            with beside.open("wb") as stream:
+                yield stream
+            if not special:
+                beside.replace(target)
+        finally:
+            if not special:
+                beside.unlink(missing_ok=True)
     except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", file=str(path)) from error
+        raise InputError(f"cannot be written: {error.strerror or error}", file=str(path)) from error
+
+
+def _special(path: Path) -> bool:
+    # Asked of the path itself: /dev/stdout of a pipeline leads to no name that could be looked up.
+    return path.exists() and not path.is_file() and not path.is_dir()
 
 
 def check_writable(path: Path) -> None:
@@ -43,13 +74,45 @@ def check_writable(path: Path) -> None:
     InputError
         If the path is a folder, or its folder is missing or takes no new file.
     """
-    if path.is_dir():
+    target = path.resolve()
+    if target.is_dir():
         raise InputError("is a folder; expected the name of a file", file=str(path))
+    if _special(path):
+        return
     try:
-        with tempfile.TemporaryFile(dir=path.parent):
+        with tempfile.TemporaryFile(dir=target.parent):
             pass
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", file=str(path)) from error
+
+
+def check_outputs(written: Iterable[Path | None], read: Iterable[Path]) -> None:
+    """Find out before long work that files cannot be written at its end, or that one would take another's place.
+
+    Parameters
+    ----------
+    written
+        What the command is to write; None for what was not asked for.
+    read
+        What it reads and must not overwrite.
+
+    Raises
+    ------
+    InputError
+        With the first such file.
+    """
+    inputs = {path.resolve() for path in read}
+    seen: set[Path] = set()
+    for path in written:
+        if path is None:
+            continue
+        check_writable(path)
+        target = path.resolve()
+        if target in inputs:
+            raise InputError("is read by this command and would be overwritten; expected another name", file=str(path))
+        if target in seen and not _special(path):
+            raise InputError("is given twice as a file to write; expected another name", file=str(path))
+        seen.add(target)
 
 
 def replace_folder(folder: Path, files: Mapping[str, str]) -> None:
@@ -65,12 +128,12 @@ def replace_folder(folder: Path, files: Mapping[str, str]) -> None:
     Raises
     ------
     InputError
-        If the folder exists and was not written by this tool, or cannot be written.
+        If the folder exists and was not written by this tool, holds anything else, or cannot be written.
     """
-    if folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not (folder / MARK).is_file())):
-        raise InputError("exists and was not written by gen; choose another --out or remove it", file=str(folder))
     staging: Path | None = None
+    named, folder = folder, folder.resolve()
     try:
+        _check_replaceable(folder, named)
         folder.parent.mkdir(parents=True, exist_ok=True)
         staging = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
         for path, text in files.items():
@@ -87,7 +150,39 @@ def replace_folder(folder: Path, files: Mapping[str, str]) -> None:
         else:
             (staging / "new").rename(folder)
     except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", file=str(folder)) from error
+        raise InputError(f"cannot be written: {error.strerror}", file=str(named)) from error
     finally:
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
+
+
+def _check_replaceable(folder: Path, named: Path) -> None:
+    """Nothing but what this tool wrote, or what PlatformIO makes again, may be lost."""
+    if not folder.exists():
+        return
+    if folder in (Path.cwd(), *Path.cwd().parents):
+        raise InputError("holds the current folder; choose another --out", file=str(named))
+    if not folder.is_dir():
+        raise InputError("exists and is no folder; choose another --out", file=str(named))
+    if not any(folder.iterdir()):
+        return
+    own = _own_files(folder)
+    if own is None:
+        raise InputError("exists and was not written by gen; choose another --out or remove it", file=str(named))
+    for path in sorted(folder.rglob("*")):
+        place = path.relative_to(folder)
+        if place.parts[0] not in _MADE_AGAIN and not path.is_dir() and place.as_posix() not in own:
+            raise InputError(
+                f"holds {place}, which gen did not write; move it or choose another --out", file=str(named)
+            )
+
+
+def _own_files(folder: Path) -> set[str] | None:
+    """What a folder's manifest lists, and the files that it does not; None for a folder of somebody else."""
+    try:
+        manifest = json.loads((folder / MARK).read_text(encoding="utf-8"))
+        if not str(manifest["tool"]).startswith("gen "):
+            return None
+        return {MARK, *_UNLISTED, *manifest["files"]}
+    except (OSError, ValueError, LookupError, TypeError):
+        return None

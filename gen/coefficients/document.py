@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from gen.coefficients.alarms import MOST_RULES, MOST_SAMPLES, AlarmRule, OverTemperature, window_counts
 from gen.coefficients.base import Celsius, Counts, Name, Number, Part, Positive, fault, listed, ordered
-from gen.coefficients.effects import EffectEntry
+from gen.coefficients.effects import EffectEntry, check_effects
 from gen.coefficients.schedule import ScheduleEntry
 from gen.coefficients.wiring import Wiring
 
@@ -181,9 +181,9 @@ class Document(Part):
             )
         for name in self.provenance.fit if self.provenance else ():
             _known(name, names, "provenance", "fit", name)
-        for i, effect in enumerate(self.effects):
-            _known(effect.component, names, "effects", i, "component")
+        check_effects(self.effects, names)
         self._check_thermocouples(names)
+        self._check_columns(names)
         profile = self.wiring.drive.profile if self.wiring and self.wiring.drive else None
         for i, step in enumerate(profile.steps if profile else ()):
             full = self.input.full_scale
@@ -238,6 +238,22 @@ class Document(Part):
         known = {"ambient", *(component.name for component in self.components)}
         wired = self.wiring.thermocouples if self.wiring is not None else ()
         return tuple(thermocouple.channel for thermocouple in wired if thermocouple.channel not in known)
+
+    def _check_columns(self, names: list[str]) -> None:
+        """No column of the board's rows has another one's name."""
+        wiring = self.wiring
+        if wiring is None:
+            return
+        printed = wiring.printed_columns(names)
+        if any(chip.channel == "ambient" for chip in wiring.thermocouples):
+            ambient = self.ambient.channel or "ambient_degC"
+            if ambient in printed:
+                raise fault(f'"{ambient}" is another column of the board\'s rows', "ambient", "channel")
+            printed.add(ambient)
+        for i, channel in enumerate(wiring.channels):
+            if channel.column in printed:
+                at = ("wiring", "channels", i, "column")
+                raise fault(f'"{channel.column}" is a column of the board\'s rows already; expected another name', *at)
 
     def _check_window(self, alarm: AlarmRule, *at: str | int) -> None:
         ordered(*alarm.speed_percent, *at, "speed_percent")

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import json
+import re
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 from pydantic import ConfigDict, Field, ValidationError, model_validator
 
 from gen.coefficients.base import Part, fault, listed
+from gen.coefficients.messages import explained
 from gen.model.effects import Applied, registry
+
+_COLUMN = re.compile(r'[^\x00-\x1f\x7f,;"\\]{1,64}')
+_SOURCE_UNITS = ("_degC", "_percent", "_pct", "_W")
+_ENDINGS = tuple(unit.lower() for unit in _SOURCE_UNITS)
 
 
 def _schema(schema: dict[str, Any]) -> None:
@@ -37,16 +45,70 @@ class EffectEntry(Part):
     def _check(self) -> EffectEntry:
         if self.name not in registry():
             raise fault(f'found "{self.name}", expected the name of an effect: {listed(list(registry()))}', "name")
+        unknown = [key for key in self.parameters if key not in registry()[self.name].parameters.model_fields]
+        if unknown:
+            known = listed(list(registry()[self.name].parameters.model_fields))
+            raise fault(f'unknown parameter "{unknown[0]}" of {self.name}; expected {known}', "parameters", unknown[0])
         try:
-            self._validated()
+            values = self._validated()
         except ValidationError as error:
-            first = error.errors(include_url=False)[0]
-            raise fault(f"{self.name}: {first['msg']}", "parameters", *first["loc"]) from None
+            message, place = explained(error)
+            raise fault(message, "parameters", *place) from None
+        for key in ("channel", "source"):
+            if key in values:
+                _check_column(values[key], "parameters", key)
         return self
 
     def _validated(self) -> dict[str, Any]:
-        return registry()[self.name].parameters.model_validate(self.parameters).model_dump()
+        # As JSON: strict validation of Python objects would take no list for a tuple.
+        parameters = registry()[self.name].parameters
+        return parameters.model_validate_json(json.dumps(self.parameters), strict=True).model_dump()
+
+    def without_evidence(self) -> tuple[str, str, dict[str, Any]]:
+        """Give what the effect does, without what speaks for it."""
+        return self.name, self.component, self._validated()
 
     def applied(self) -> Applied:
         """Give the effect with its parameters."""
         return Applied(registry()[self.name], self.component, self._validated())
+
+
+def check_effects(effects: Sequence[EffectEntry], components: list[str]) -> None:
+    """Check what effects say of components and of each other.
+
+    Parameters
+    ----------
+    effects
+        The document's effects.
+    components
+        Names of its components.
+
+    Raises
+    ------
+    PydanticCustomError
+        For an unknown component, heat from a part to itself or from nowhere, or an effect that is there twice.
+    """
+    for i, effect in enumerate(effects):
+        if effect.component not in components:
+            raise fault(
+                f'found "{effect.component}", expected the name of a component: {listed(components)}',
+                *("effects", i, "component"),
+            )
+        source = effect.applied().values.get("source")
+        others = [name for name in components if name != effect.component]
+        if source is not None and source not in others and not source.lower().endswith(_ENDINGS):
+            expected = f"the name of another component ({listed(others)}) or " if others else ""
+            raise fault(
+                f'found "{source}", expected {expected}a column that ends in {listed(list(_SOURCE_UNITS))}',
+                *("effects", i, "parameters", "source"),
+            )
+        if effect.without_evidence() in [earlier.without_evidence() for earlier in effects[:i]]:
+            raise fault("this effect is there already, with the same parameters; expected it once", "effects", i)
+
+
+def _check_column(name: str, *at: str) -> None:
+    """A run file's column by its name: what stands in its header, and in comments of the C++."""
+    if name in ("time_s", "pwm"):
+        raise fault(f'"{name}" is every run file\'s own; expected another column', *at)
+    if not _COLUMN.fullmatch(name) or name != name.strip():
+        raise fault(f"{json.dumps(name)} cannot be the name of a run file's column; expected another", *at)

@@ -12,7 +12,7 @@ from pydantic_core import ErrorDetails
 
 from gen.coefficients import alarms, schedule
 from gen.coefficients.base import listed
-from gen.coefficients.jsontext import json_path
+from gen.coefficients.jsontext import Path, json_path
 from gen.errors import InputError
 
 _TYPES = {
@@ -48,20 +48,32 @@ def first_fault(error: ValidationError) -> InputError:
     error
         What pydantic raised.
     """
+    message, path = explained(error)
+    return InputError(message, place=json_path(path))
+
+
+def explained(error: ValidationError) -> tuple[str, Path]:
+    """Say of the first error what was found and what was expected, and where.
+
+    Parameters
+    ----------
+    error
+        What pydantic raised.
+    """
     details = error.errors(include_url=False)
     first = details[0]
     path = [step for step in first["loc"] if not (isinstance(step, str) and step.startswith("tag:"))]
     context: dict[str, Any] = dict(first.get("ctx") or {})
     kind = first["type"]
     if kind == "gen":
-        return InputError(str(context["message"]), place=json_path((*path, *context["at"])))
+        return str(context["message"]), (*path, *context["at"])
     if kind == "missing" and isinstance(path[-1], int):
         expected = 1 + max(int(d["loc"][-1]) for d in details if d["loc"][:-1] == first["loc"][:-1])
         found = len(first["input"])
-        return InputError(f"found {_entries(found)}, expected {expected}", place=json_path(tuple(path[:-1])))
+        return f"found {_entries(found)}, expected {expected}", tuple(path[:-1])
     if kind == "missing":
-        return InputError(f'missing key "{path[-1]}"', place=json_path(tuple(path[:-1])))
-    return InputError(_message(first, context), place=json_path(tuple(path)))
+        return f'missing key "{path[-1]}"', tuple(path[:-1])
+    return _message(first, context), tuple(path)
 
 
 def _message(first: ErrorDetails, context: dict[str, Any]) -> str:
@@ -70,6 +82,8 @@ def _message(first: ErrorDetails, context: dict[str, Any]) -> str:
         return _schedule(value)
     if kind == "alarm":
         return _alarm(value)
+    if kind == "value_error":
+        return str(context["error"])
     if kind in ("too_short", "too_long"):
         limit = f"at least {context['min_length']}" if kind == "too_short" else f"at most {context['max_length']}"
         return f"found {_entries(len(value))}, expected {limit}"

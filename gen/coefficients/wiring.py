@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
@@ -27,6 +28,9 @@ SUPPLY_V = 5.0
 """What the converter compares voltages with."""
 MOST_VALUE = 1e5
 """No channel's value is larger, in its unit."""
+
+LEAST_PER_V = 1e-3
+"""The board holds thousandths of the unit."""
 
 
 class Thermocouple(Part):
@@ -139,8 +143,10 @@ class ChannelInput(Part):
     def _check(self) -> ChannelInput:
         if (self.analog_pin is None) == (self.contact_pin is None):
             raise fault('expected either "analog_pin" or "contact_pin"')
-        if self.per_V == 0.0:
-            raise fault("found 0, expected another number", "per_V")
+        if not LEAST_PER_V <= abs(self.per_V) <= MOST_VALUE:
+            raise fault(
+                f"found {self.per_V:g}, expected {LEAST_PER_V:g}..{MOST_VALUE:g}, or the same below zero", "per_V"
+            )
         low, high = self.limits
         if not -MOST_VALUE <= low < high <= MOST_VALUE:
             raise fault(
@@ -240,6 +246,13 @@ class Wiring(Part):
             if owner[1] != _place(at) and not (role == owner[0] and role in _SHARED):
                 raise fault(f"pin {pin} is already taken by {owner[1]}; expected a free pin", *at)
         return self
+
+    def printed_columns(self, components: Sequence[str]) -> set[str]:
+        """Columns of the board's rows whose names are not of the file's choice, for a model with these components."""
+        measured = [f"{chip.channel}_degC" for chip in self.thermocouples if chip.channel in components]
+        speed = ["speed_rpm"] if self.encoder else []
+        models = [f"{name}_model_degC" for name in components]
+        return {"time_s", "pwm", *measured, *speed, *models, "flags", "sensors", "alarms"}
 
     def _roles(self) -> list[tuple[str, int, tuple[str | int, ...]]]:
         roles: list[tuple[str, int, tuple[str | int, ...]]] = []

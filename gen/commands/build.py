@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gen.commands.options import COEFFICIENTS, combination, speed_option
+from gen.commands.options import COEFFICIENTS, combination, shown_name, speed_option
 
 if TYPE_CHECKING:
+    from gen.lowering.lower import Program
     from gen.lowering.program import Arithmetic, ScheduleKind, Speed
 
 
-@click.command(epilog="Example:  gen build examples/my1016/coeffs.json --out firmware_out")
+@click.command(
+    short_help="Write the PlatformIO project for a coefficient file.",
+    epilog="Example:  gen build examples/my1016/coeffs.json --out firmware_out",
+)
 @COEFFICIENTS
 @click.option("--out", type=click.Path(path_type=Path), default=Path("firmware_out"), show_default=True)
 @click.option(
@@ -46,16 +50,26 @@ def build(
         click.echo(f"warning: {coefficients}: {warning}", err=True)
     record = read_verification(verification, loaded) if verification else kept_verification(out, loaded)
     program = lower(loaded, arithmetic, schedule, speed)
-    replace_folder(out, project_files(loaded, program, coefficients.name, record))
-    from gen.firmware.context import bound_text
-
+    replace_folder(out, project_files(loaded, program, shown_name(coefficients), record))
     click.echo(
         f"{out}: {loaded.name}, arithmetic {arithmetic}, schedule {schedule}" + (", fast" if speed == "fast" else "")
     )
+    for line in _guarantees(program):
+        click.echo(f"  {line}")
+
+
+def _guarantees(program: Program) -> list[str]:
+    """A line for each component: what is proven of it."""
+    from gen.firmware.context import bound_text
+
     changed = {part.name for part in program.effects.components} if program.effects is not None else set()
+    lines = []
     for component in program.components:
-        what = "baseline never" if component.name in changed else "never"
-        click.echo(f"  {component.name}: {what} more than {bound_text(component)} from the exact solution")
-    if program.effects is not None:
-        for part in program.effects.components:
-            click.echo(f"  {part.name}: with effects, whose error `gen verify` measures")
+        name = component.name + (", baseline" if component.name in changed else "")
+        if component.proof is None:
+            lines.append(f"{name}: no error bound proven; every addition saturates instead of wrapping round")
+        else:
+            lines.append(f"{name}: never more than {bound_text(component)} from the exact solution")
+        if component.name in changed:
+            lines.append(f"{component.name}, with effects: bound not proven, `gen verify` measures the error")
+    return lines

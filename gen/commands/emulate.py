@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gen.commands.options import speed_option
+from gen.commands.options import shown_name, speed_option
 from gen.errors import CheckFailed, InputError
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ _EXAMPLE = (
 )
 
 
-@click.command(epilog=_EXAMPLE)
+@click.command(short_help="Run the firmware on an emulated Mega with a simulated motor.", epilog=_EXAMPLE)
 @click.argument("coefficients", metavar="COEFFS", type=_PATH)
 @click.option("--arithmetic", type=click.Choice(["fixed", "float"]), default="fixed", show_default=True)
 @click.option("--schedule", type=click.Choice(["table", "onboard"]), default="table", show_default=True)
@@ -96,12 +96,10 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
     from gen.coefficients import load
     from gen.emulate.plot import plot_svg
     from gen.emulate.results import results_of, summary
-    from gen.files import write_bytes, write_text
+    from gen.files import check_outputs, write_bytes, write_text
     from gen.record.port import write_parts
 
-    for path in (out, json_file, plot, options["eeprom"]):
-        if path is not None and not path.resolve().parent.is_dir():
-            raise InputError("cannot be written: its folder does not exist", file=str(path))
+    check_outputs((out, json_file, plot, options["eeprom"]), (coefficients,))
     loaded = load(coefficients)
     wanted = _wanted(loaded, coefficients, options)
     with ExitStack() as stack:
@@ -191,7 +189,7 @@ def _board(
     elf: Path | None = options["elf"]
     if elf is None:
         elf = build_firmware(
-            loaded, options["arithmetic"], options["schedule"], coefficients.name, cache, options["speed"]
+            loaded, options["arithmetic"], options["schedule"], shown_name(coefficients), cache, options["speed"]
         ).elf
     options["elf_sha256"] = hashlib.sha256(elf.read_bytes()).hexdigest()
     board = Board(elf, cache, wanted.wiring, wanted.plant, encoder=options["encoder"])
@@ -269,6 +267,8 @@ def _comments(found: dict[str, Any], options: dict[str, Any]) -> list[str]:
 
 
 def _tell(found: dict[str, Any]) -> None:
+    from gen.reference.sensors import SensorCode
+
     click.echo(
         f"  {found['seconds']:.0f} s in {found['wall_s']:.1f} s; {found['garbled_lines']} garbled lines, "
         f"{len(found['restarts_s'])} restarts"
@@ -280,8 +280,11 @@ def _tell(found: dict[str, Any]) -> None:
     if not found["alarms"]:
         click.echo("  no alarm")
     for item in found["disbelieved"]:
+        why = SensorCode(int(item["code"])).name.lower()
         end = f"{item['to_s']:.1f} s" if item["to_s"] is not None else "the end"
-        click.echo(f"  {item['channel']} not believed (code {item['code']}) from {item['from_s']:.1f} s to {end}")
+        click.echo(
+            f"  {item['channel']} not believed ({why}, code {item['code']}) from {item['from_s']:.1f} s to {end}"
+        )
 
 
 @contextmanager

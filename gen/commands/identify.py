@@ -7,10 +7,14 @@ from pathlib import Path
 
 import click
 
+from gen.commands.options import check_once
 from gen.progress import progress_line
 
 
-@click.command(epilog="Example:  gen identify cold_*.csv --out coeffs.json --report identification.html")
+@click.command(
+    short_help="Identify a speed-scheduled model from measured runs.",
+    epilog="Example:  gen identify cold_*.csv --out coeffs.json --report identification.html",
+)
 @click.argument("runs", metavar="RUN...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="The coefficient file to write.")
 @click.option("--json", "json_file", type=click.Path(path_type=Path), help="Write all that was found as JSON.")
@@ -40,7 +44,7 @@ def identify(
     """Identify a speed-scheduled model from measured runs and write its coefficient file."""
     from gen.coefficients.names import name_fault
     from gen.errors import InputError
-    from gen.files import write_text
+    from gen.files import check_outputs, write_text
     from gen.loop.identify.coefficients import Settings, coefficient_text, usable
     from gen.loop.identify.data import read_data
     from gen.loop.identify.identify import identify as run
@@ -49,6 +53,8 @@ def identify(
     fault = name_fault(name)
     if fault:
         raise InputError(fault, place="--name")
+    check_outputs((out, json_file, report), runs)
+    check_once(runs)
     with progress_line() as progress:
         progress("reading")
         data = read_data(runs, ambient)
@@ -73,7 +79,9 @@ def identify(
     click.echo(f"{out}: {len(found)} component(s)")
 
 
-@click.command(epilog="Example:  gen study examples/my1016/study.json")
+@click.command(
+    short_help="Compute the source study's tables again.", epilog="Example:  gen study examples/my1016/study.json"
+)
 @click.argument("tables", type=click.Path(path_type=Path), default=Path("examples/my1016/study.json"))
 @click.option("--tables-only", is_flag=True, help="Leave out the comparison with gen identify.")
 def study(tables: Path, tables_only: bool) -> None:

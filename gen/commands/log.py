@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gen.errors import CheckFailed, InputError
+from gen.errors import CheckFailed
 
 if TYPE_CHECKING:
     from gen.record.port import Recording
@@ -28,12 +28,12 @@ def log(port: str, out: Path, baud: int, duration: float | None, profile: str | 
     board restarts, the recording goes on in the same file. The file is written at the end, or on Ctrl-C with what came
     until then.
     """
+    from gen.files import check_writable
     from gen.record.port import record_port, write_parts
     from gen.record.profile import parse_profile
 
     steps = parse_profile(profile) if profile is not None else ()
-    if not out.resolve().parent.is_dir():
-        raise InputError("cannot be written: its folder does not exist", file=str(out))
+    check_writable(out)
     with _progress() as progress:
         recording = record_port(port, baud=baud, duration_s=duration, profile=steps, progress=progress)
     recorder = recording.recorder

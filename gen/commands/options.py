@@ -2,14 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
+from gen.errors import InputError
+
 CommandType = TypeVar("CommandType", bound=Callable[..., Any])
 COEFFICIENTS = click.argument("coefficients", metavar="COEFFS", type=click.Path(path_type=Path))
+
+
+def check_once(runs: Sequence[Path]) -> None:
+    """Refuse a run that is given twice: it would count as evidence of its own.
+
+    Raises
+    ------
+    InputError
+        With the run's name.
+    """
+    seen: set[Path] = set()
+    for path in runs:
+        if path.resolve() in seen:
+            raise InputError("is given twice; expected each run once", file=str(path))
+        seen.add(path.resolve())
+
+
+def shown_name(path: Path) -> str:
+    """A file's name as comments of the C++ can hold it: a name may have line ends and bytes that are no text."""
+    return "".join(c if c.isprintable() and c != "\\" else "?" for c in path.name)
 
 
 def speed_option(*, default_all: bool) -> Callable[[CommandType], CommandType]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gen.commands.options import check_once
 from gen.progress import progress_line
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ _FILE = click.Path(path_type=Path)
 
 @click.command(
     cls=ListsOfFiles,
+    short_help="Trace what a model misses to a physical effect.",
     epilog="Example:  gen refine coeffs.json --fit mon.csv tue.csv wed.csv --test thu.csv --out refined.json "
     "--report refined.html --json refined-summary.json",
 )
@@ -80,9 +82,13 @@ def refine(
     "unexplained".
     """
     from gen.coefficients import load
-    from gen.files import write_text
+    from gen.files import check_outputs, write_text
     from gen.loop.refine import refine as run
 
+    check_outputs((out, report, json_file), (*fit_runs, *test_runs))
+    check_outputs((report, json_file), (coefficients,))
+    check_once(fit_runs)
+    check_once(test_runs)
     loaded = load(coefficients)
     raw = coefficients.read_text(encoding="utf-8-sig")
     with progress_line() as progress:

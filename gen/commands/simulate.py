@@ -14,7 +14,10 @@ if TYPE_CHECKING:
     from gen.reference.simulate import Start
 
 
-@click.command(epilog="Example:  gen simulate examples/my1016/coeffs.json run.csv --arithmetic fixed --out model.csv")
+@click.command(
+    short_help="Run the model, exactly or as on the board, on a run file.",
+    epilog="Example:  gen simulate examples/my1016/coeffs.json run.csv --arithmetic fixed --out model.csv",
+)
 @COEFFICIENTS
 @click.argument("run", type=click.Path(path_type=Path))
 @click.option("--arithmetic", type=click.Choice(["exact", "fixed", "float"]), default="exact", show_default=True)
@@ -31,16 +34,18 @@ def simulate(
 ) -> None:
     """Run the reference simulator on a run file and write the model's temperatures at the run's own times."""
     from gen.coefficients import load
+    from gen.files import check_outputs
     from gen.lowering.lower import check_speed
     from gen.reference.simulate import simulate_run
     from gen.runs import read_run
     from gen.runs.writer import write_columns
 
     check_speed(arithmetic, "table", speed)
+    target = out or run.with_suffix(".model.csv")
+    check_outputs((target,), (coefficients, run))
     loaded = load(coefficients)
     measured = read_run(run, loaded.model.component_names, ambient=loaded.model.ambient_channel or "ambient_degC")
     columns = simulate_run(loaded, measured, arithmetic, start, str(run), speed)
-    target = out or run.with_suffix(".model.csv")
     write_columns(
         target,
         columns,

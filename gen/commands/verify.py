@@ -17,7 +17,10 @@ if TYPE_CHECKING:
     from gen.verify.verify import Target
 
 
-@click.command(epilog="Example:  gen verify examples/my1016/coeffs.json --target all --json verification.json")
+@click.command(
+    short_help="Prove the generated C++ equal to the reference.",
+    epilog="Example:  gen verify examples/my1016/coeffs.json --target all --json verification.json",
+)
 @COEFFICIENTS
 @combination(default_all=True)
 @speed_option(default_all=True)
@@ -37,7 +40,7 @@ def verify(
 ) -> None:
     """Prove the generated C++ equal to the reference, bit for bit, and measure error and cost."""
     from gen.coefficients import load
-    from gen.files import check_writable, write_text
+    from gen.files import check_outputs, write_text
     from gen.lowering.lower import check_speed
     from gen.verify.report import print_results
     from gen.verify.verify import summary
@@ -46,8 +49,7 @@ def verify(
     if speed == "fast":
         check_speed("fixed" if arithmetic == "all" else arithmetic, "table" if schedule == "all" else schedule, speed)
     loaded = load(coefficients)
-    if json_file is not None:
-        check_writable(json_file)
+    check_outputs((json_file,), (coefficients,))
     arithmetics: tuple[Arithmetic, ...] = ("fixed", "float") if arithmetic == "all" else (arithmetic,)
     schedules: tuple[ScheduleKind, ...] = ("table", "onboard") if schedule == "all" else (schedule,)
     speeds: tuple[Speed, ...] = ("normal", "fast") if speed == "all" else (speed,)

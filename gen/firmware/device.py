@@ -13,7 +13,7 @@ from gen.coefficients import Coefficients
 from gen.coefficients.wiring import SUPPLY_V, ChannelInput, Drive, Encoder, Observe, Thermocouple, Wiring
 from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.context import Context
-from gen.firmware.effects_cpp import identifier
+from gen.firmware.effects_cpp import channel_names
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
 from gen.lowering.lower import Program
 from gen.lowering.sensors import (
@@ -181,7 +181,7 @@ def _pin(pin: int, path: str) -> Context:
 
 def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program) -> list[Context]:
     names = [component.name for component in coefficients.document.components]
-    told = {channel.column for channel in program.effects.channels} if program.effects is not None else set()
+    told = _told(program)
     chips = []
     for number, (chip, limits) in enumerate(zip(wired, sensor_limits(coefficients), strict=True)):
         path = f"$.wiring.thermocouples[{number}]"
@@ -191,7 +191,7 @@ def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...], program:
                 "channel": chip.channel,
                 "component": names.index(chip.channel) if chip.channel in names else None,
                 "column": chip.channel in coefficients.document.thermocouple_columns,
-                "told": identifier(chip.channel) if chip.channel in told else None,
+                "told": told.get(chip.channel),
                 "lines": {key: _pin(getattr(chip, key), f"{path}.{key}") for key in ("cs", "so", "sck")},
                 "lowest": limits.lowest,
                 "highest": limits.highest,
@@ -214,9 +214,19 @@ def _stuck_text(limits: SensorLimits, sample_time: float) -> str:
     return after + (f" in which the model moved by {limits.stuck_mK / 1000:g} K" if limits.stuck_mK else "")
 
 
+def _told(program: Program) -> dict[str, str]:
+    """Names in the C++ of the columns that effects are told."""
+    if program.effects is None:
+        return {}
+    columns = [channel.column for channel in program.effects.channels]
+    return dict(zip(columns, channel_names(program.effects), strict=True))
+
+
 def _channels(wired: Sequence[ChannelInput], program: Program) -> list[Context]:
     """Inputs of the wiring; a voltage's value is zero + (sum of conversions times scale >> shift), in thousandths."""
-    told = {channel.column: channel for channel in program.effects.channels} if program.effects is not None else {}
+    effects = program.effects
+    told = {channel.column: channel for channel in effects.channels} if effects is not None else {}
+    names = _told(program)
     found = []
     for number, channel in enumerate(wired):
         path = f"$.wiring.channels[{number}]"
@@ -239,7 +249,7 @@ def _channels(wired: Sequence[ChannelInput], program: Program) -> list[Context]:
                 "low": low,
                 "high": high,
                 "neutral": own.neutral if own is not None else min(max(0, low), high),
-                "told": identifier(channel.column) if own is not None else None,
+                "told": names.get(channel.column),
             }
         )
     return found

@@ -29,9 +29,13 @@ Names = Callable[[Operand], str]
 _PER_LINE = 8
 
 
-def identifier(column: str) -> str:
-    """A column's name as a C macro has it."""
-    return re.sub(r"[^A-Z0-9]+", "_", column.upper()).strip("_")
+def channel_names(effects: EffectsProgram) -> list[str]:
+    """Each channel's name in the C++ enumeration; columns that differ in case or other signs alone are numbered."""
+    names = ["AMBIENT"]
+    for number, channel in enumerate(effects.channels[1:], start=1):
+        name = re.sub(r"[^A-Z0-9]+", "_", channel.column.upper()).strip("_") or "COLUMN"
+        names.append(f"{name}_{number}" if name in names else name)
+    return names
 
 
 def effects_context(program: Program) -> dict[str, Any] | None:
@@ -76,13 +80,13 @@ def effects_context(program: Program) -> dict[str, Any] | None:
         "felt": [component for component in tracked if component["felt"] is not None],
         "channels": [
             {
-                "id": "AMBIENT" if number == 0 else identifier(channel.column),
+                "id": name,
                 "column": channel.column,
                 "low": channel.low,
                 "high": channel.high,
                 "neutral": channel.neutral,
             }
-            for number, channel in enumerate(effects.channels)
+            for name, channel in zip(channel_names(effects), effects.channels, strict=True)
         ],
         "elapsed_limit": effects.elapsed_limit,
         "kelvin_bits": KELVIN_BITS,

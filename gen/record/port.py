@@ -13,9 +13,9 @@ from pathlib import Path
 import serial
 
 from gen.errors import InputError
+from gen.files import write_text
 from gen.record.lines import Recorder
 from gen.record.profile import Profile
-from gen.runs.writer import replacing
 
 _READ_S = 0.1
 _ASK_AFTER_S = 3.0
@@ -167,8 +167,7 @@ def write_parts(recorder: Recorder, out: Path) -> list[Path]:
     written = []
     for number, part in enumerate(recorder.parts, start=1):
         path = out if number == 1 else out.with_name(f"{out.stem}.{number}{out.suffix}")
-        with replacing(path) as stream:
-            stream.write(part.text())
+        write_text(path, part.text())
         written.append(path)
     return written
 

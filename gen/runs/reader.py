@@ -18,6 +18,9 @@ from gen.runs.run import AMBIENT, FloatArray, Run, board_columns
 from gen.runs.thinning import thinned
 
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_CELSIUS = (-273.15, 5000.0)
+_HIGHEST = 1e12
+"""No column's value is larger, in its unit: calculations with larger ones overflow."""
 _PLAIN = b"0123456789+-.eE,"
 _BLOCK_BYTES = 1 << 19
 
@@ -236,6 +239,11 @@ def _check_values(values: FloatArray, head: _Head, first: int, last_time: float)
     wrong = (np.abs(pwm) > 255) | (pwm != np.round(pwm))
     if wrong.any():
         fail(wrong, "pwm", "expected a whole number -255..255")
+    for index, column in enumerate(head.columns):
+        low, high = _CELSIUS if column.endswith("_degC") else (-_HIGHEST, _HIGHEST)
+        beyond = (values[:, index] < low) | (values[:, index] > high)
+        if beyond.any():
+            fail(beyond, column, f"expected a number within {low:g}..{high:g}")
 
 
 def _decode(line: bytes, number: int) -> str:

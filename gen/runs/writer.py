@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
+from io import TextIOWrapper
 from pathlib import Path
-from typing import IO
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from gen.errors import InputError
+from gen.files import replacing
 from gen.runs.run import AMBIENT, Run
 
 
@@ -68,28 +66,8 @@ def write_columns(
         if not name or set(name) & set(',"#') or name != name.strip():
             raise ValueError(f"{name!r} cannot be a column's name")
     with replacing(Path(path)) as stream:
+        lines = TextIOWrapper(stream, encoding="utf-8", newline="")
         for key, value in (comments or {}).items():
-            stream.write(f"# {key}: {value}\n" if value else f"# {key}\n")
-        pd.DataFrame(dict(columns)).to_csv(stream, index=False, lineterminator="\n")
-
-
-@contextmanager
-def replacing(path: Path) -> Iterator[IO[str]]:
-    """Write beside the file and rename, so that a reader never sees half of it."""
-    target = path.resolve()
-    # A pipe or a terminal (/dev/stdout) cannot be replaced, nor seen half-written by a later reader.
-    special = target.exists() and not target.is_file() and not target.is_dir()
-    beside = target if special else target.with_name(f".{target.name}.{os.getpid()}.tmp")
-    try:
-        if target.is_dir():
-            raise IsADirectoryError(21, "this is a directory")
-        try:
-            with beside.open("w", encoding="utf-8", newline="") as stream:
-                yield stream
-            if not special:
-                beside.replace(target)
-        finally:
-            if not special:
-                beside.unlink(missing_ok=True)
-    except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror or error}", file=str(path)) from error
+            lines.write(f"# {key}: {value}\n" if value else f"# {key}\n")
+        pd.DataFrame(dict(columns)).to_csv(lines, index=False, lineterminator="\n")
+        lines.detach()

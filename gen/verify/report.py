@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from rich.console import Console
 from rich.table import Table
 
+from gen.lowering.program import rounded_up
 from gen.verify.verify import CombinationResult
 
 
@@ -37,8 +38,8 @@ def print_results(results: Sequence[CombinationResult]) -> None:
             error.add_row(
                 result.label,
                 name,
-                f"{measured:.1e}",
-                "none proven" if bound is None else f"{bound:.1e}",
+                f"{rounded_up(measured):.1e}",
+                "none proven" if bound is None else f"{rounded_up(bound):.1e}",
             )
     console.print(error)
     cost = Table(

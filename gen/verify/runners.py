@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -87,7 +88,8 @@ class HostRunner:
             "-o",
             str(self._binary),
         ]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        scratch = {**os.environ, "TMPDIR": str(library.folder)}  # an interrupted compiler's files go with the folder
+        done = subprocess.run(command, capture_output=True, text=True, check=False, env=scratch)
         if done.returncode:
             raise CheckFailed(f"{name} does not compile the emitted library:\n{done.stderr[-4000:]}")
 

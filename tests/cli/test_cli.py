@@ -12,10 +12,13 @@ from pathlib import Path
 
 import pytest
 
-from gen.files import replace_folder
+from gen.cli import main
+from gen.errors import InputError
+from gen.files import check_outputs, replace_folder, write_text
 from tests.verify_helpers import ROOT
 
 COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"
+MANIFEST = '{"tool": "gen 0.1.0", "files": {"a/b.txt": ""}}'
 GEN = [sys.executable, "-m", "gen"]
 
 
@@ -81,6 +84,24 @@ def test_a_bound_over_the_file_s_limit_names_the_component_and_exits_1(tmp_path:
     assert not (tmp_path / "out").exists()
 
 
+def test_build_says_of_each_component_what_is_proven(tmp_path: Path) -> None:
+    # The rig's magnet has table poles whose switching cannot be proven stable.
+    done = gen("build", ROOT / "examples" / "my1016_rig" / "coeffs.json", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()[1:]
+    assert [line.split(":")[0].strip() for line in lines] == ["brush", "bearing", "magnet", "casing"]
+    assert "no error bound proven" in lines[2]
+    assert all("K from the exact solution" in line for line in (lines[0], lines[1], lines[3]))
+
+
+def test_build_says_that_an_effect_s_bound_is_not_proven(tmp_path: Path) -> None:
+    done = gen("build", ROOT / "examples" / "two_mass_refined" / "coeffs.json", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    for name in ("winding", "housing"):
+        assert f"{name}, baseline: never more than" in done.stdout
+        assert f"{name}, with effects: bound not proven" in done.stdout
+
+
 def test_build_refuses_a_folder_that_is_not_its_own(tmp_path: Path) -> None:
     (tmp_path / "precious.txt").write_text("mine")
     done = gen("build", COEFFICIENTS, "--out", tmp_path)
@@ -103,9 +124,87 @@ def test_an_interrupted_build_leaves_nothing_half_written(tmp_path: Path) -> Non
         assert [item.name for item in tmp_path.iterdir() if item.name != "out"] == []
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("delay", [0.1, 3.0])
+def test_an_interrupted_verify_leaves_no_files_and_says_so(
+    number: signal.Signals, delay: float, tmp_path: Path
+) -> None:
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    process = subprocess.Popen(
+        [*GEN, "verify", str(COEFFICIENTS), "--json", str(tmp_path / "v.json")],
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "TMPDIR": str(scratch)},
+    )
+    time.sleep(delay)
+    process.send_signal(number)
+    said = process.communicate()[1]
+    if delay > 1.0:  # before that, the interpreter may still be starting
+        # Interrupted inside exec(), CPython ends with SIGINT whatever the status: a shell shows 130 for it.
+        assert process.returncode in (128 + number, -signal.SIGINT)
+        assert said.strip() == "interrupted"
+    assert process.returncode != 0
+    assert [item for item in tmp_path.rglob("*") if item != scratch] == []
+
+
+def test_an_interrupt_that_compiled_code_takes_for_an_error_is_one_all_the_same(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def importing(**_: object) -> None:
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(5.0)
+        except KeyboardInterrupt:
+            raise ImportError("numpy failed to import") from None
+
+    monkeypatch.setattr("gen.cli.cli.main", importing)
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 130
+    assert capsys.readouterr().err == "interrupted\n"
+
+
+def test_a_full_disk_behind_the_output_is_one_line() -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [*GEN, "study", ROOT / "examples" / "my1016" / "study.json", "--tables-only"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert done.returncode == 2
+    assert done.stderr == "error: the output cannot be written: No space left on device\n"
+
+
+def test_a_run_goes_through_a_pipe(tmp_path: Path) -> None:
+    done = gen("simulate", COEFFICIENTS, run_file(tmp_path), "--out", "/dev/stdout")
+    assert done.returncode == 0, done.stderr
+    assert "\ntime_s,brush_degC," in done.stdout
+
+
+def test_a_coefficient_file_s_odd_name_does_not_break_the_firmware(tmp_path: Path) -> None:
+    path = tmp_path / os.fsdecode(b"a\n#error \xff\\")
+    path.write_bytes(COEFFICIENTS.read_bytes())
+    done = gen("build", path, "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    header = (tmp_path / "out" / "lib" / "my1016" / "src" / "my1016.h").read_text(encoding="utf-8")
+    assert "a?#error ??" in header
+
+
+def test_a_file_s_bytes_do_not_steer_the_terminal(tmp_path: Path) -> None:
+    run = tmp_path / "run.csv"
+    run.write_bytes(b"\x1b[2Jtime,pwm\r,b\x07\n1,2,3\n")
+    done = gen("simulate", COEFFICIENTS, run, "--out", tmp_path / "out.csv")
+    assert done.returncode == 2
+    assert "\\x1b[2Jtime" in done.stderr
+    assert done.stderr.rstrip("\n").isprintable()
+
+
 def test_a_failed_write_keeps_the_old_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "out"
-    replace_folder(folder, {"manifest.json": "{}", "a/b.txt": "old"})
+    replace_folder(folder, {"manifest.json": MANIFEST, "a/b.txt": "old"})
     renames = []
 
     def failing(self: Path, target: Path) -> Path:
@@ -117,9 +216,91 @@ def test_a_failed_write_keeps_the_old_folder(tmp_path: Path, monkeypatch: pytest
 
     monkeypatch.setattr(Path, "rename", failing)
     with pytest.raises(KeyboardInterrupt):
-        replace_folder(folder, {"manifest.json": "{}", "a/b.txt": "new"})
+        replace_folder(folder, {"manifest.json": MANIFEST, "a/b.txt": "new"})
     assert (folder / "a" / "b.txt").read_text() == "old"
     assert [item.name for item in tmp_path.iterdir()] == ["out"]
+
+
+@pytest.mark.parametrize("manifest", [None, "{}", '{"name": "a web page"}', "[]", '{"tool": "gen 0.1.0"}'])
+def test_a_folder_of_somebody_else_is_not_replaced(manifest: str | None, tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "mine.txt").write_text("precious")
+    if manifest is not None:
+        (folder / "manifest.json").write_text(manifest)
+    with pytest.raises(InputError, match="not written by gen"):
+        replace_folder(folder, {"manifest.json": MANIFEST})
+    assert (folder / "mine.txt").read_text() == "precious"
+
+
+def test_a_file_that_somebody_put_into_the_project_is_not_lost(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    tree = {"manifest.json": MANIFEST, "a/b.txt": "", "report.html": ""}
+    replace_folder(folder, tree)
+    (folder / ".pio" / "build").mkdir(parents=True)
+    (folder / ".pio" / "build" / "firmware.elf").write_text("made again")
+    replace_folder(folder, tree)
+    (folder / "a" / "notes.txt").write_text("precious")
+    with pytest.raises(InputError, match=r"holds a/notes.txt, which gen did not write"):
+        replace_folder(folder, tree)
+    assert (folder / "a" / "notes.txt").read_text() == "precious"
+
+
+def test_a_link_to_the_project_stays_and_the_current_folder_is_not_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "real").mkdir()
+    (tmp_path / "link").symlink_to("real")
+    replace_folder(tmp_path / "link", {"manifest.json": MANIFEST})
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "real" / "manifest.json").read_text() == MANIFEST
+    monkeypatch.chdir(tmp_path / "real")
+    with pytest.raises(InputError, match="holds the current folder"):
+        replace_folder(Path(), {"manifest.json": MANIFEST})
+
+
+def test_a_device_is_written_to_and_a_link_leads_to_the_file(tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to("real.txt")
+    write_text(tmp_path / "link", "text")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "real.txt").read_text() == "text"
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["link", "real.txt"]
+    os.mkfifo(tmp_path / "pipe")
+    with subprocess.Popen(["cat", tmp_path / "pipe"], stdout=subprocess.PIPE, text=True) as reader:
+        write_text(tmp_path / "pipe", "through the pipe")
+        assert reader.communicate()[0] == "through the pipe"
+    assert (tmp_path / "pipe").is_fifo()
+
+
+@pytest.mark.parametrize(
+    ("written", "read", "message"),
+    [
+        (["run.csv"], ["run.csv"], "would be overwritten"),
+        (["./run.csv"], ["run.csv"], "would be overwritten"),
+        (["a.json", None, "a.json"], [], "given twice"),
+        (["."], [], "is a folder"),
+        (["missing/a.json"], [], "cannot be written"),
+    ],
+)
+def test_outputs_never_take_another_file_s_place(
+    written: list[str | None], read: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=message):
+        check_outputs([None if path is None else Path(path) for path in written], map(Path, read))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_measured_run_is_not_overwritten(tmp_path: Path) -> None:
+    run = run_file(tmp_path)
+    before = run.read_text()
+    commands: list[list[str | Path]] = [["simulate", COEFFICIENTS, run], ["identify", run]]
+    commands += [["thresholds", COEFFICIENTS, run, "--rules", tmp_path / "rules.json"]]
+    for arguments in commands:
+        done = gen(*arguments, "--out", run)
+        assert done.returncode == 2
+        assert f"{run}: is read by this command" in done.stderr
+        assert run.read_text() == before
 
 
 def run_file(tmp_path: Path) -> Path:

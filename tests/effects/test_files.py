@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from typing import Any, Literal
 
 import numpy as np
@@ -70,7 +71,11 @@ def test_a_missing_channel_is_named() -> None:
         ({"column": "current_A", "analog_pin": 22}, "$.wiring.channels[0].analog_pin"),
         ({"column": "current_A", "analog_pin": 54, "per_V": 0.0}, "$.wiring.channels[0].per_V"),
         ({"column": "current_A", "analog_pin": 54, "min": 3.0, "max": 1.0}, "$.wiring.channels[0].max"),
+        ({"column": "current_A", "analog_pin": 54, "per_V": 1e300, "max": 1.0}, "$.wiring.channels[0].per_V"),
         ({"column": "fan", "contact_pin": 13}, "$.wiring.channels[0].contact_pin"),
+        ({"column": "pwm", "contact_pin": 55}, "$.wiring.channels[0].column"),
+        ({"column": "ambient_degC", "analog_pin": 55}, "$.wiring.channels[0].column"),
+        ({"column": "casing_model_degC", "analog_pin": 55}, "$.wiring.channels[0].column"),
         ({"column": "a b", "contact_pin": 55}, "$.wiring.channels[0].column"),
     ],
 )
@@ -79,6 +84,66 @@ def test_a_channel_that_cannot_be_is_refused_with_its_place(channel: dict[str, A
     with pytest.raises(InputError) as caught:
         _with(wiring=wiring)
     assert caught.value.place == place
+
+
+LAG = effect("sensor_lag", "casing", lag_s=20.0)
+
+
+@pytest.mark.parametrize(
+    ("effects", "place", "message"),
+    [
+        ([effect("antigravity", "casing")], "$.effects[0].name", "expected the name of an effect"),
+        ([effect("sensor_lag", "rotor", lag_s=20.0)], "$.effects[0].component", 'found "rotor"'),
+        ([effect("sensor_lag", "casing")], "$.effects[0].parameters", 'missing key "lag_s"'),
+        ([effect("sensor_lag", "casing", lag_s=-20.0)], "$.effects[0].parameters.lag_s", "expected at least 1"),
+        ([effect("sensor_lag", "casing", lag_s=True)], "$.effects[0].parameters.lag_s", "found true"),
+        ([effect("sensor_lag", "casing", lag_s="20")], "$.effects[0].parameters.lag_s", "expected a number"),
+        ([effect("sensor_lag", "casing", lag=20.0)], "$.effects[0].parameters.lag", 'expected "lag_s"'),
+        ([LAG, {**LAG, "evidence": {"p": 0.01}}], "$.effects[1]", "there already"),
+        (
+            [effect("coupling", "casing", source="casing", conductance_per_s=1e-4)],
+            "$.effects[0].parameters.source",
+            'found "casing", expected the name of another component',
+        ),
+        (
+            [effect("coupling", "casing", source="bearin", conductance_per_s=1e-4)],
+            "$.effects[0].parameters.source",
+            'found "bearin"',
+        ),
+        (
+            [effect("load_heating", "casing", channel="pwm", heating_K_per_s_A2=1e-4)],
+            "$.effects[0].parameters.channel",
+            "every run file's own",
+        ),
+        (
+            [effect("load_heating", "casing", channel="load\n#error", heating_K_per_s_A2=1e-4)],
+            "$.effects[0].parameters.channel",
+            "cannot be the name",
+        ),
+        (
+            [effect("schedule_error", "casing", pwm=[50, 100], gain_factor=[1.0])],
+            "$.effects[0].parameters",
+            "1 factors for 2 PWM levels",
+        ),
+    ],
+)
+def test_an_effect_that_cannot_be_is_refused_with_its_place(
+    effects: list[dict[str, Any]], place: str, message: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        _with(*effects)
+    assert caught.value.place == place
+    assert message in caught.value.message
+
+
+def test_columns_that_differ_in_signs_alone_are_different_channels_in_the_firmware() -> None:
+    columns = ["load 1", "load_1", "LOAD_1", "\u00e4", "ambient"]
+    coefficients = _with(
+        *(effect("load_heating", "casing", channel=column, heating_K_per_s_A2=1e-4) for column in columns)
+    )
+    files = project_files(coefficients, lower(coefficients, "fixed", "table"), "coeffs.json", None)
+    found = re.findall(r"MY1016_(CHANNEL_\w+),  // ", files["lib/my1016/src/my1016.h"])
+    assert len(found) == len(set(found)) == len(columns) + 1
 
 
 def test_the_report_has_each_effects_gain_beside_its_cost() -> None:

@@ -70,7 +70,7 @@ def test_a_run_with_faults_gives_run_file_summary_and_picture(home: dict[str, st
         *("--eeprom", image, "--out", run, "--json", found, "--plot", plot),
     )
     assert (done.returncode, done.stderr) == (0, "")
-    assert "brush not believed (code 1)" in done.stdout
+    assert "brush not believed (open, code 1)" in done.stdout
     measured = read_run(run, ["brush", "bearing", "magnet", "casing"])
     assert 56 <= len(measured.time_s) <= 70
     assert {0, 102, 204} >= set(measured.pwm.tolist()) > {102}

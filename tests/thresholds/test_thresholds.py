@@ -123,10 +123,16 @@ def test_a_relative_rule_takes_the_difference_of_both_parts(tmp_path: Path, heal
     [
         ([], "$"),
         ({"alarms": [3]}, "$.alarms"),
-        ({"alarms": [ABOVE | {"component": "c"}]}, "c"),
-        ({"alarms": [ABOVE | {"relative_to": "a"}]}, "relative_to"),
-        ({"alarms": [ABOVE | {"relative_to": "b", "beyond": "error_band"}]}, "beyond"),
-        ({"alarms": [ABOVE | {"unless": "later"}]}, "unless"),
+        ({"alarms": [], "wirings": {}}, "$"),
+        ({"alarms": [ABOVE | {"component": "c"}]}, "$.alarms[0].component"),
+        ({"alarms": [ABOVE, {"name": "nameless", "kind": "cusum"}]}, "$.alarms[1].component"),
+        ({"alarms": [ABOVE | {"relative_to": "c"}]}, "$.alarms[0].relative_to"),
+        ({"alarms": [ABOVE | {"relative_to": "a"}]}, "$.alarms[0].relative_to"),
+        ({"alarms": [ABOVE | {"relative_to": "b", "beyond": "error_band"}]}, "$.alarms[0].beyond"),
+        ({"alarms": [ABOVE | {"unless": "later"}]}, "$.alarms[0].unless"),
+        ({"alarms": [ABOVE | {"persistence_s": float("nan")}]}, "$.alarms[0].persistence_s"),
+        ("", "line 1, column 1"),
+        ("{", "line 1, column 2"),
     ],
 )
 def test_bad_rules_are_refused_and_nothing_is_written(
@@ -136,11 +142,11 @@ def test_bad_rules_are_refused_and_nothing_is_written(
     place: str,
 ) -> None:
     (tmp_path / "base.json").write_text(json.dumps(BASE))
-    (tmp_path / "rules.json").write_text(json.dumps(rules))
+    (tmp_path / "rules.json").write_text(rules if isinstance(rules, str) else json.dumps(rules))
     out = tmp_path / "made.json"
     files = [str(tmp_path / "base.json"), *healthy, "--rules", str(tmp_path / "rules.json"), "--out", str(out)]
     done = CliRunner().invoke(cli, ["thresholds", *files])
     assert isinstance(done.exception, InputError)
-    assert place in str(done.exception)
-    assert "rules.json" in str(done.exception)
+    assert done.exception.place == place
+    assert done.exception.file == str(tmp_path / "rules.json")
     assert not out.exists()
