@@ -51,7 +51,11 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         autoescape=True,
     )
-    environment.filters |= {"g4": lambda value: f"{value:.4g}", "k2": lambda value: f"{value:+.2f}"}
+    # A minus sign, and not a hyphen, at which a line may end.
+    environment.filters |= {
+        "g4": lambda value: f"{value:.4g}".replace("-", "\N{MINUS SIGN}"),
+        "k2": lambda value: f"{value:+.2f}",
+    }
     return environment
 
 
