@@ -65,10 +65,34 @@ def state_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> StateRanges:
     return _ranges(exact, extents)
 
 
-def inner_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> Array:
-    """Largest magnitude of what each rate multiplies, (x1 - S), x2 + R0 (x1 - S) .., shape (n,), in K per sample^k.
+@dataclass(frozen=True)
+class InnerRanges:
+    """What the nested evaluation of q meets on its way, in K per sample^k.
 
-    Read off the polytope in each sum's own direction: its terms are not at their largest together.
+    Attributes
+    ----------
+    sums
+        Largest magnitude of what each rate multiplies, (x1 - S), x2 + R0 (x1 - S) .., shape (n,).
+    products
+        Largest magnitude of what each x[i] is added to, a rate times the sum before it, shape (n,); 0 for x1.
+    drive
+        Largest |q|.
+    """
+
+    sums: Array
+    products: Array
+    drive: float
+
+    @property
+    def largest(self) -> Array:
+        """The larger of sum and product at each place, shape (n,)."""
+        return np.maximum(self.sums, self.products)
+
+
+def inner_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> InnerRanges:
+    """Ranges of the nested sums, read off the polytope in each one's own direction.
+
+    Their terms are not at their largest together: while the rise is far from S, x2 moves it there.
 
     Raises
     ------
@@ -76,15 +100,32 @@ def inner_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> Array:
         If the recursion has no invariant polytope.
     """
     reach = _state_reach(recursion, exact)
-    largest = np.zeros(exact.order)
-    directions = np.zeros((len(exact.steady), exact.order))
-    for i in range(exact.order):
-        directions = directions * (exact.rates[:, i - 1 : i] if i else 1.0)
-        directions[:, i] = 1.0
+    n = exact.order
+    # The board's error, coordinate by coordinate: worst_error allows no more.
+    error = _WIDENING * _ranges(exact, reach.extents(np.eye(n))).true_distance.min(axis=0)
+    widening = np.abs(exact.state_maps()) @ error
+
+    def largest(directions: Array) -> float:
         true = np.einsum("pi,pij->pj", directions, exact.state_maps())
         away = np.abs(true[:, 0] * (exact.centre - exact.steady))
-        largest[i] = np.max(reach.extents(true) * (1.0 + _WIDENING) + away)
-    return largest
+        return float((reach.extents(true) + away + np.einsum("pi,pi->p", np.abs(directions), widening)).max())
+
+    sums, products = np.zeros(n), np.zeros(n)
+    directions = np.zeros((len(exact.steady), n))
+    for i in range(n):
+        directions[:, i] = 1.0
+        sums[i] = largest(directions)
+        directions *= exact.rates[:, i : i + 1]
+        if i + 1 < n:
+            products[i + 1] = largest(directions)
+    drive = largest(directions)
+    if n > 1:  # at a change of PWM the new q is computed before x[n-1] has taken over its share of the change
+        share = 2.0 * increments.CARRY
+        drive /= 1.0 - share * exact.c[:, n - 2].max()
+        sums[n - 2] += share * drive
+        products[n - 1] += exact.rates[:, n - 2].max() * share * drive
+        sums[n - 1] += exact.rates[:, n - 2].max() * share * drive
+    return InnerRanges(sums, products, drive)
 
 
 def _state_reach(recursion: SwitchedRecursion, exact: Dynamics) -> ReachSet:

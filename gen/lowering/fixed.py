@@ -65,22 +65,19 @@ def lower_component(
 
 def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float) -> FixedComponent:
     recursion: SwitchedRecursion | None = None
+    drive: float | None = None
     try:
         recursion = SwitchedRecursion(exact.exact)
         ranges = bounds.state_ranges(recursion, exact)
+        inner = bounds.inner_ranges(recursion, exact)
+        needed, drive = np.maximum(ranges.magnitude, inner.largest), inner.drive
     except NoProofError:
         ranges = bounds.unproven_ranges(exact)
-    layout = formats.choose(
-        formats.nested_ranges(ranges, exact.rates),
-        exact.rates.max(axis=0),
-        formats.feedback_sensitivity(exact.c),
-        limit_K * _ROUNDING_SHARE,
-    )
+        needed = formats.nested_ranges(ranges, exact.rates)
+    target = formats.Target(exact.c, exact.rates, ranges.distance)
+    layout = formats.choose(needed, drive, target, limit_K * _ROUNDING_SHARE)
     if layout is None:
         raise LoweringError(f"component {component.name}: no fixed-point formats hold its ranges")
-    if recursion is not None:
-        q_range = np.einsum("pj,pj->p", exact.c, ranges.distance).max()
-        layout = replace(layout, carry_byte=formats.carry_byte(layout, float(q_range)))
     rates, steady = tabulate(exact, layout)
     proof = None if recursion is None else prove(recursion, exact, ranges, layout, rates)
     return FixedComponent(
@@ -99,7 +96,7 @@ def _lower_corrected(component: Component, exact: Dynamics) -> FixedComponent | 
     """The component in the corrected form, None if it cannot have it."""
     try:
         recursion = SwitchedRecursion(exact.exact)
-        inner = bounds.inner_ranges(recursion, exact)
+        inner = bounds.inner_ranges(recursion, exact).largest
         inner = np.maximum(inner, bounds.state_ranges(recursion, exact).magnitude)
     except NoProofError:
         return None
@@ -130,11 +127,10 @@ def _prove_corrected(
     rounding = corrected_format.rounding(layout, tables.rates, rates)
     ranges = bounds.state_ranges(recursion, tables)
     inner = bounds.inner_ranges(recursion, tables)
-    q_range = float(inner[-1] * tables.rates[:, -1].max())
-    needed = np.maximum(inner, ranges.magnitude)
+    needed = np.maximum(inner.largest, ranges.magnitude)
     if np.any(needed > (2.0**31 - 8.0) * np.array(layout.high_lsb)):
         return None
-    if not corrected_format.fits(layout, ranges, q_range, rates):
+    if not corrected_format.fits(layout, ranges, inner.drive, rates):
         return None
     changed_c = increments.from_rates(rates * 2.0 ** -np.array(layout.rate_fraction_bits)) - tables.c
     away = np.abs(steady * layout.high_lsb[0] - (tables.steady - rounding.steady))
@@ -191,10 +187,14 @@ def prove(
 ) -> Proof | None:
     """Worst error of the integer recursion, for any PWM sequence of any length, or None if a word could overflow."""
     integer_rates = rates * 2.0 ** -np.array(layout.rate_fraction_bits)
-    needed = formats.nested_ranges(ranges, np.maximum(integer_rates, exact.rates))
+    inner = bounds.inner_ranges(recursion, exact)
+    # Of the exact rates; the integers differ by so much, in all factors of all terms together.
+    changed = exact.order * np.abs(integer_rates / exact.rates - 1.0).max()
+    changed_sums = changed * formats.nested_ranges(ranges, np.maximum(integer_rates, exact.rates))
+    needed = np.maximum(ranges.magnitude, inner.largest + changed_sums)
     if np.any(needed > (2.0**31 - 4.0) * np.array(layout.high_lsb)):
         return None
-    q_range = float(np.einsum("pj,pj->p", exact.c, ranges.distance).max())
+    q_range = inner.drive + float(changed_sums[-1] * exact.rates[:, -1].max())
     if exact.order > 1 and not formats.carry_fits(layout, q_range):
         return None
     q_error, chain_error = formats.rounding(layout, exact.rates, steady_excess)

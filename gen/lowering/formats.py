@@ -89,6 +89,33 @@ class Format:
 
 
 @dataclass(frozen=True)
+class Target:
+    """What a choice of formats disturbs.
+
+    Attributes
+    ----------
+    c, rates
+        C0..C[n-1] and R0..R[n-1], shape (rows, n).
+    distance
+        Largest |x - s| of every coordinate at every PWM, in K per sample^k, shape (rows, n).
+    """
+
+    c: Array
+    rates: Array
+    distance: Array
+
+    def error(self, layout: Format) -> float:
+        """Estimate of what the formats' last bits mean as an error of the steady rise, in K."""
+        share = self.c / self.c[:, :1]  # what a rounding of x[i+1] means
+        state = share.max(axis=0) @ np.array(layout.high_lsb)
+        # A rate is a factor of its own C and of all before it.
+        halves = 0.5 / (self.rates * 2.0 ** np.array(layout.rate_fraction_bits))
+        rates = (halves * np.cumsum(share * self.distance, axis=1)).sum(axis=1).max()
+        carried = share[:, -1].max() * carry_error(layout, 0.0) if layout.order > 1 else 0.0
+        return float(state + rates + carried)
+
+
+@dataclass(frozen=True)
 class StartScale:
     """Factors that turn thousandths of a kelvin r (at most 23 bits) into a high word of x1, in 32 bits throughout.
 
@@ -126,17 +153,17 @@ def corrected_gain(last_rates: NDArray[np.int64]) -> NDArray[np.int64]:
     return gain
 
 
-def choose(ranges: Array, rate_maxima: Array, sensitivity: Array, tolerance: float) -> Format | None:
+def choose(ranges: Array, drive: float | None, target: Target, tolerance: float) -> Format | None:
     """The formats with the fewest odd shifts whose rounding stays within a tolerance.
 
     Parameters
     ----------
     ranges
         Largest magnitude of each high word and of what is added to it before a product, in K, shape (n,).
-    rate_maxima
-        Largest R[i] over the domain, shape (n,).
-    sensitivity
-        max over PWM of C[i]/C0, shape (n,): what a rounding of x[i+1] means as an error of the steady rise.
+    drive
+        Largest |q| in K, or None for formats with :attr:`Format.carry_byte` 2.
+    target
+        What the rounding disturbs.
     tolerance
         In K of steady rise.
 
@@ -152,10 +179,12 @@ def choose(ranges: Array, rate_maxima: Array, sensitivity: Array, tolerance: flo
         shifts = [b - a for a, b in itertools.pairwise(bits)]
         if any(not 0 <= s <= 31 for s in shifts):
             continue
-        candidate = with_products(bits, rate_maxima)
+        candidate = with_products(bits, target.rates.max(axis=0))
         if candidate is None:
             continue
-        error = float(sum(s * lsb for s, lsb in zip(sensitivity, candidate.high_lsb, strict=True)))
+        if drive is not None:
+            candidate = replace(candidate, carry_byte=carry_byte(candidate, drive))
+        error = target.error(candidate)
         within = error <= tolerance
         key = (0.0 if within else 1.0, candidate.odd_shift_bits if within else 0, error)
         if best is None or key < best[0]:
@@ -241,12 +270,6 @@ def carry_byte(layout: Format, q_range: float) -> int:
 def carry_fits(layout: Format, q_range: float) -> bool:
     """Whether the change of a q within +-``q_range`` (in K) fits 32 bits from the layout's ``carry_byte`` on."""
     return 2.0 * q_range < (2.0**31 - 4.0) * 2.0 ** (8 * layout.carry_byte) * layout.residue_lsb[-1]
-
-
-def feedback_sensitivity(c: Array) -> Array:
-    """max over PWM of C[i]/C0, shape (n,)."""
-    sensitivity: Array = (c / c[:, :1]).max(axis=0)
-    return sensitivity
 
 
 def nested_ranges(ranges: StateRanges, rates: Array) -> Array:

@@ -199,8 +199,11 @@ def _onboard(
         found = fixed.with_rows(lowered, exact, *evaluate(tape, rows))
         if found.proof is not None and found.proof.bound_K > fixed.TARGET_K:  # worth the seconds that tuning takes
             ranges = bounds.state_ranges(SwitchedRecursion(exact.exact), exact)
-            tape = tuned(tape, exact.c, ranges.distance / exact.c[:, :1])
-            found = fixed.with_rows(lowered, exact, *evaluate(tape, rows))
+            better = tuned(tape, exact.c, ranges.distance / exact.c[:, :1])
+            other = fixed.with_rows(lowered, exact, *evaluate(better, rows))
+            # Tuning knows nothing of S, which the same constants go into.
+            if other.proof is not None and other.proof.bound_K < found.proof.bound_K:
+                found, tape = other, better
         return found, tape
     tape = compile_component(model, component, "float", None, lowered.substeps)
     given = _float_rows(lowered, exact, tape, rows)

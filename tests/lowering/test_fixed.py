@@ -9,13 +9,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
+from gen.lowering import bounds
+from gen.lowering.dynamics import dynamics
 from gen.lowering.fixed import lower_component
 from gen.lowering.formats import CARRY_FACTOR, START_UNITS, carry_error, dropped_error
 from gen.lowering.lower import Program, lower
 from gen.lowering.program import FixedComponent, rounded_up
+from gen.lowering.reach import SwitchedRecursion
 from gen.model.exact import ExactSolution
-from gen.reference.fixed import FixedStep, product
+from gen.reference.fixed import FixedStep, Word, product
 from gen.reference.model import ReferenceModel
 from gen.verify.accuracy import error_course
 from gen.verify.profiles import campaign
@@ -63,6 +67,63 @@ def test_no_state_leaves_its_proven_range() -> None:
     for index, component in enumerate(program.components):
         assert component.proof is not None
         assert component.proof.rise_range_K[0] <= low[index] < high[index] <= component.proof.rise_range_K[1]
+
+
+class WatchedStep(FixedStep):
+    """Notes the largest word of every kind on the way to q, as parts of its 32 bits."""
+
+    def __init__(self, component: FixedComponent) -> None:
+        super().__init__(component)
+        self.sums = np.zeros(component.order)
+        self.products = np.zeros(component.order)
+        self.change = 0.0
+
+    def increment(self, state: list[Word], rates: list[Word], steady: Word) -> Word:
+        layout = self._component.layout
+        inner = (state[0] >> 16) - steady
+        for i, shift in enumerate(layout.product_shifts):
+            self.sums[i] = max(self.sums[i], np.abs(inner).max() / 2.0**31)
+            if i + 1 < layout.order:
+                part = product(inner, rates[i], shift, wide=False)
+                self.products[i + 1] = max(self.products[i + 1], np.abs(part).max() / 2.0**31)
+                inner = (state[i + 1] >> 16) + part + 1
+        return super().increment(state, rates, steady)
+
+    def carry(self, state: list[Word], old: Word, new: Word) -> None:
+        cut = 8 * self._component.layout.carry_byte
+        self.change = max(self.change, np.abs((old >> cut) - (new >> cut)).max() / 2.0**31)
+        super().carry(state, old, new)
+
+
+@pytest.mark.parametrize(("name", "place"), [("my1016", 0), ("two_mass", 0)])
+def test_no_word_on_the_way_to_q_leaves_its_range_whatever_the_pwm_does(name: str, place: int) -> None:
+    model = example(name).model
+    component = lower_component(model, model.components[place], 1e-5)
+    exact = dynamics(model, model.components[place], component.substeps)
+    ranges = bounds.inner_ranges(SwitchedRecursion(exact.exact), exact)
+    step, lanes, length = WatchedStep(component), 30, 2000
+    random = np.random.default_rng(17)
+    levels = np.sort(random.choice([0, 1, 50, 120, 180, 254, 255], (2, lanes)), axis=0)
+    period = np.exp(random.uniform(0.0, np.log(length), lanes)).astype(int)
+    starts = random.choice(component.start_range_mK, lanes)
+    state = [np.array(words) for words in zip(*map(step.start, starts.tolist()), strict=True)]
+    rates: list[NDArray[np.int64]] = []
+    steady = np.zeros(0, dtype=np.int64)
+    before = levels[0] - 1
+    for sample in range(length):
+        pwm = np.where(sample // period % 2 == 0, *levels)
+        if np.any(pwm != before):
+            old = step.increment(state, rates, steady) if sample else np.zeros(lanes, dtype=np.int64)
+            rates, steady = list(component.rates[pwm].T), component.steady[pwm]
+            step.carry(state, old, step.increment(state, rates, steady))
+            before = pwm
+        for _ in range(component.substeps):
+            step.advance(state, rates, step.increment(state, rates, steady))
+    words = 2.0**31 * np.array(component.layout.high_lsb)
+    assert np.all(step.sums * words < ranges.sums)
+    assert np.all(step.products * words <= ranges.products)
+    assert max(step.sums.max(), step.products.max(), step.change) < 1.0
+    assert np.all(step.sums * words > 0.2 * ranges.sums)  # the ranges are not empty words
 
 
 def test_an_adversary_stays_below_the_bound() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,8 +11,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gen.coefficients.reader import parse
 from gen.lowering import bounds, formats, increments
 from gen.lowering.dynamics import dynamics
+from gen.lowering.lower import lower
 from gen.lowering.onboard import OnboardComponent, compile_component, steady_excess
 from gen.lowering.program import Arithmetic
 from gen.model import ExponentialSum, Polynomial
@@ -20,6 +24,8 @@ from tests.model.examples import model
 from tests.onboard import harness
 from tests.onboard.harness import PWM
 
+EXAMPLES_FOLDER = Path(__file__).parents[2] / "examples"
+FULL = os.environ.get("GEN_CAMPAIGN") == "full"
 EXAMPLES = ("my1016", "two_mass", "my1016_averaged")
 ARITHMETICS: tuple[Arithmetic, ...] = ("fixed", "float")
 #: Cycles of a PWM change: the goal of 15 000 less the step's own 1 300.
@@ -131,3 +137,24 @@ def test_a_tape_that_overflows_is_noticed() -> None:
     steps[place] = replace(steps[place], shift=steps[place].shift + 4)
     with pytest.raises(RangeError):
         evaluate(replace(component, steps=tuple(steps)), PWM)
+
+
+def near(schedule: dict[str, list[float]], random: np.random.Generator) -> dict[str, list[float]]:
+    """A schedule with every coefficient changed by up to 1 %."""
+    return {key: [v * (1.0 + 0.01 * random.uniform(-1.0, 1.0)) for v in values] for key, values in schedule.items()}
+
+
+@pytest.mark.parametrize("seed", [s for s in range(1, 12) if FULL or s in (1, 4)])
+def test_a_motor_like_the_my1016_is_proven_within_its_limit_too(seed: int) -> None:
+    """With seed 4, R0 and R1 just exceed the powers of two that they stay below in the MY1016."""
+    random = np.random.default_rng(seed)
+    tree = json.loads((EXAMPLES_FOLDER / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
+    brush = tree["components"][0]
+    first, second, third = brush["poles"]
+    brush["gain"] = near(brush["gain"], random)
+    first["real"], first["imag"] = near(first["real"], random), near(first["imag"], random)
+    second["real"], second["imag"] = near(second["real"], random), {"poly": [-v for v in first["imag"]["poly"]]}
+    third["real"] = near(third["real"], random)
+    program = lower(parse(json.dumps(tree).encode()), "fixed", "onboard")  # raises if a bound exceeds the limit
+    assert program.components[0].proof is not None
+    assert not program.saturates
