@@ -104,15 +104,23 @@ class Target:
     rates: Array
     distance: Array
 
-    def error(self, layout: Format) -> float:
-        """Estimate of what the formats' last bits mean as an error of the steady rise, in K."""
-        share = self.c / self.c[:, :1]  # what a rounding of x[i+1] means
-        state = share.max(axis=0) @ np.array(layout.high_lsb)
+    def of_states(self, layout: Format) -> float:
+        """Estimate of what the last bits of the states mean as an error of the steady rise, in K."""
+        return float(self._share().max(axis=0) @ np.array(layout.high_lsb))
+
+    def of_all(self, layout: Format) -> float:
+        """The same with the last bits of the rates and of what is carried at a change of PWM."""
+        share = self._share()
         # A rate is a factor of its own C and of all before it.
         halves = 0.5 / (self.rates * 2.0 ** np.array(layout.rate_fraction_bits))
         rates = (halves * np.cumsum(share * self.distance, axis=1)).sum(axis=1).max()
         carried = share[:, -1].max() * carry_error(layout, 0.0) if layout.order > 1 else 0.0
-        return float(state + rates + carried)
+        return self.of_states(layout) + float(rates + carried)
+
+    def _share(self) -> Array:
+        """C[i]/C0, shape (rows, n): what a rounding of x[i+1] means."""
+        share: Array = self.c / self.c[:, :1]
+        return share
 
 
 @dataclass(frozen=True)
@@ -161,7 +169,7 @@ def choose(ranges: Array, drive: float | None, target: Target, tolerance: float)
     ranges
         Largest magnitude of each high word and of what is added to it before a product, in K, shape (n,).
     drive
-        Largest |q| in K, or None for formats with :attr:`Format.carry_byte` 2.
+        Largest |q| in K, or None where no ranges are proven.
     target
         What the rounding disturbs.
     tolerance
@@ -182,9 +190,11 @@ def choose(ranges: Array, drive: float | None, target: Target, tolerance: float)
         candidate = with_products(bits, target.rates.max(axis=0))
         if candidate is None:
             continue
-        if drive is not None:
+        if drive is None:  # ranges that nobody proved are too wide to weigh the rest with
+            error = target.of_states(candidate)
+        else:
             candidate = replace(candidate, carry_byte=carry_byte(candidate, drive))
-        error = target.error(candidate)
+            error = target.of_all(candidate)
         within = error <= tolerance
         key = (0.0 if within else 1.0, candidate.odd_shift_bits if within else 0, error)
         if best is None or key < best[0]:
