@@ -9,6 +9,9 @@ from gen.coefficients import Coefficients
 from gen.emulate.devices import DeviceMega
 
 OPEN, ZEROS, ONES = 0x0004, 0x0000, 0xFFFF
+#: The sketch's flags (`device.h`).
+LATE, DROPPED, STALL, AMBIENT, STOPPED, NOISY = 0x100, 0x200, 0x400, 0x1000, 0x2000, 0x4000
+TEMPERATURES = {"brush": 61.25, "bearing": 55.5, "magnet": 52.0, "casing": 50.75, "ambient": 24.5}
 
 
 def word(celsius: float) -> int:
@@ -99,3 +102,10 @@ class Board(DeviceMega):
     def write(self, name: str, value: int) -> None:
         address, size = self.variable(name)
         self.poke(address, (value % (1 << 8 * size)).to_bytes(size, "little"))
+
+
+def warm(board: Board) -> Board:
+    """Give each part a temperature of its own."""
+    for channel, celsius in TEMPERATURES.items():
+        board.set_celsius(channel, celsius)
+    return board
