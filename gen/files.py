@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import shutil
@@ -115,7 +116,7 @@ def check_outputs(written: Iterable[Path | None], read: Iterable[Path]) -> None:
         seen.add(target)
 
 
-def replace_folder(folder: Path, files: Mapping[str, str]) -> None:
+def replace_folder(folder: Path, files: Mapping[str, str], *, force: bool = False) -> None:
     """Put a new tree in a folder's place; an old one by this tool is removed.
 
     Parameters
@@ -124,16 +125,19 @@ def replace_folder(folder: Path, files: Mapping[str, str]) -> None:
         The tree's root.
     files
         Relative path -> text.
+    force
+        Whether files of the old tree may be lost that were edited since this tool wrote them.
 
     Raises
     ------
     InputError
-        If the folder exists and was not written by this tool, holds anything else, or cannot be written.
+        If the folder exists and was not written by this tool, holds anything else or edited files, or cannot be
+        written.
     """
     staging: Path | None = None
     named, folder = folder, folder.resolve()
     try:
-        _check_replaceable(folder, named)
+        _check_replaceable(folder, named, force)
         folder.parent.mkdir(parents=True, exist_ok=True)
         staging = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
         for path, text in files.items():
@@ -156,7 +160,7 @@ def replace_folder(folder: Path, files: Mapping[str, str]) -> None:
             shutil.rmtree(staging, ignore_errors=True)
 
 
-def _check_replaceable(folder: Path, named: Path) -> None:
+def _check_replaceable(folder: Path, named: Path, force: bool) -> None:
     """Nothing but what this tool wrote, or what PlatformIO makes again, may be lost."""
     if not folder.exists():
         return
@@ -166,23 +170,31 @@ def _check_replaceable(folder: Path, named: Path) -> None:
         raise InputError("exists and is no folder; choose another --out", file=str(named))
     if not any(folder.iterdir()):
         return
-    own = _own_files(folder)
-    if own is None:
+    written = _written_files(folder)
+    if written is None:
         raise InputError("exists and was not written by gen; choose another --out or remove it", file=str(named))
     for path in sorted(folder.rglob("*")):
         place = path.relative_to(folder)
-        if place.parts[0] not in _MADE_AGAIN and not path.is_dir() and place.as_posix() not in own:
+        if place.parts[0] in _MADE_AGAIN or path.is_dir():
+            continue
+        if place.as_posix() not in written:
             raise InputError(
                 f"holds {place}, which gen did not write; move it or choose another --out", file=str(named)
             )
+        digest = written[place.as_posix()]
+        if not force and digest is not None and hashlib.sha256(path.read_bytes()).hexdigest() != digest:
+            raise InputError(
+                f"holds {place}, which was edited since gen wrote it; choose another --out or use --force",
+                file=str(named),
+            )
 
 
-def _own_files(folder: Path) -> set[str] | None:
-    """What a folder's manifest lists, and the files that it does not; None for a folder of somebody else."""
+def _written_files(folder: Path) -> dict[str, str | None] | None:
+    """A tree's files with the SHA-256 that its manifest lists, if any; None for a folder of somebody else."""
     try:
         manifest = json.loads((folder / MARK).read_text(encoding="utf-8"))
         if not str(manifest["tool"]).startswith("gen "):
             return None
-        return {MARK, *_UNLISTED, *manifest["files"]}
+        return {MARK: None, **dict.fromkeys(_UNLISTED), **manifest["files"]}
     except (OSError, ValueError, LookupError, TypeError):
         return None

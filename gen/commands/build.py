@@ -25,12 +25,14 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path),
     help="What `gen verify --json` wrote: its verdict goes into the report. Default: the one in --out.",
 )
+@click.option("--force", is_flag=True, help="Replace files in --out even if they were edited since gen wrote them.")
 @combination(default_all=False)
 @speed_option(default_all=False)
 def build(
     coefficients: Path,
     out: Path,
     verification: Path | None,
+    force: bool,
     arithmetic: Arithmetic,
     schedule: ScheduleKind,
     speed: Speed,
@@ -50,7 +52,7 @@ def build(
         click.echo(f"warning: {coefficients}: {warning}", err=True)
     record = read_verification(verification, loaded) if verification else kept_verification(out, loaded)
     program = lower(loaded, arithmetic, schedule, speed)
-    replace_folder(out, project_files(loaded, program, shown_name(coefficients), record))
+    replace_folder(out, project_files(loaded, program, shown_name(coefficients), record), force=force)
     click.echo(
         f"{out}: {loaded.name}, arithmetic {arithmetic}, schedule {schedule}" + (", fast" if speed == "fast" else "")
     )

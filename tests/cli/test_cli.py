@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import signal
@@ -18,7 +19,8 @@ from gen.files import check_outputs, replace_folder, write_text
 from tests.verify_helpers import ROOT
 
 COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"
-MANIFEST = '{"tool": "gen 0.1.0", "files": {"a/b.txt": ""}}'
+OLD = "old"
+MANIFEST = json.dumps({"tool": "gen 0.1.0", "files": {"a/b.txt": hashlib.sha256(OLD.encode()).hexdigest()}})
 GEN = [sys.executable, "-m", "gen"]
 
 
@@ -204,7 +206,7 @@ def test_a_file_s_bytes_do_not_steer_the_terminal(tmp_path: Path) -> None:
 
 def test_a_failed_write_keeps_the_old_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "out"
-    replace_folder(folder, {"manifest.json": MANIFEST, "a/b.txt": "old"})
+    replace_folder(folder, {"manifest.json": MANIFEST, "a/b.txt": OLD})
     renames = []
 
     def failing(self: Path, target: Path) -> Path:
@@ -217,7 +219,7 @@ def test_a_failed_write_keeps_the_old_folder(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setattr(Path, "rename", failing)
     with pytest.raises(KeyboardInterrupt):
         replace_folder(folder, {"manifest.json": MANIFEST, "a/b.txt": "new"})
-    assert (folder / "a" / "b.txt").read_text() == "old"
+    assert (folder / "a" / "b.txt").read_text() == OLD
     assert [item.name for item in tmp_path.iterdir()] == ["out"]
 
 
@@ -235,7 +237,7 @@ def test_a_folder_of_somebody_else_is_not_replaced(manifest: str | None, tmp_pat
 
 def test_a_file_that_somebody_put_into_the_project_is_not_lost(tmp_path: Path) -> None:
     folder = tmp_path / "out"
-    tree = {"manifest.json": MANIFEST, "a/b.txt": "", "report.html": ""}
+    tree = {"manifest.json": MANIFEST, "a/b.txt": OLD, "report.html": ""}
     replace_folder(folder, tree)
     (folder / ".pio" / "build").mkdir(parents=True)
     (folder / ".pio" / "build" / "firmware.elf").write_text("made again")
@@ -244,6 +246,22 @@ def test_a_file_that_somebody_put_into_the_project_is_not_lost(tmp_path: Path) -
     with pytest.raises(InputError, match=r"holds a/notes.txt, which gen did not write"):
         replace_folder(folder, tree)
     assert (folder / "a" / "notes.txt").read_text() == "precious"
+
+
+def test_an_edited_file_of_the_project_is_lost_only_by_force(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    build: list[str | Path] = ["build", COEFFICIENTS, "--out", out]
+    assert gen(*build).returncode == 0
+    written = (out / "platformio.ini").read_text()
+    edited = written + "upload_port = /dev/ttyUSB3\n"
+    (out / "platformio.ini").write_text(edited)
+    refused = gen(*build)
+    assert refused.returncode == 2
+    assert "holds platformio.ini, which was edited since gen wrote it" in refused.stderr
+    assert (out / "platformio.ini").read_text() == edited
+    assert gen(*build, "--force").returncode == 0
+    assert (out / "platformio.ini").read_text() == written
+    assert gen(*build).returncode == 0
 
 
 def test_a_link_to_the_project_stays_and_the_current_folder_is_not_replaced(
