@@ -69,6 +69,11 @@ class Accuracy(Part):
     float_limit_K: Positive = 1e-3
     fast_limit_K: Positive = 1e-4
 
+    def limit(self, arithmetic: str, speed: str) -> tuple[float, str]:
+        """Give the limit of one kind of build, K, and the name of its entry."""
+        entry = "fast_limit_K" if speed == "fast" else f"{arithmetic}_limit_K"
+        return float(getattr(self, entry)), entry
+
 
 class PoleEntry(Part):
     """One pole in rad/s; without imag it is real."""

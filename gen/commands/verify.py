@@ -59,6 +59,9 @@ def verify(
     if json_file is not None:
         write_text(json_file, json.dumps(found, indent=1) + "\n")
     print_results(results)
-    if found["verdict"] != "equal":
+    if found["differing"]:
         raise CheckFailed(f"{found['differing']} of {found['words']} words differ")
+    for result in results:
+        for sentence in result.exceeded:
+            raise CheckFailed(f"{result.label}, {sentence}")
     click.echo(f"equal: {found['samples']} samples, {found['words']} words, none differs")

@@ -152,6 +152,8 @@ def verdict(own: Mapping[str, Any] | None) -> Verdict:
         f"{_count(sum(target['words'] for target in targets))} words compared, {_count(differing)} "
         f"word{'' if differing == 1 else 's'} differ{'s' if differing == 1 else ''}; targets: {', '.join(names)}."
     )
+    if not differing and own.get("exceeded"):
+        return Verdict("different", "Equal, but not as accurate as it must be", detail, "; ".join(own["exceeded"]))
     if not differing:
         return Verdict("equal", "Equal, word for word", detail)
     failed = next(target for target in targets if target["differing"])

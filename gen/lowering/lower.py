@@ -138,8 +138,7 @@ def lower(
         refuse_effects(coefficients, "--speed fast")
         return _lower_fast(coefficients)
     model = coefficients.model
-    accuracy = coefficients.accuracy
-    limit = accuracy.fixed_limit_K if arithmetic == "fixed" else accuracy.float_limit_K
+    limit, entry = coefficients.accuracy.limit(arithmetic, speed)
     components: list[FixedComponent | FloatComponent] = []
     onboard: list[OnboardComponent] = []
     for component in model.components:
@@ -150,14 +149,15 @@ def lower(
                 onboard.append(tape)
         except LoweringError as error:
             raise CheckFailed(str(error)) from error
-        _check_bound(lowered, limit, arithmetic, schedule)
+        _check_bound(lowered, limit, entry, schedule)
         components.append(lowered)
     effects = lower_effects(coefficients, arithmetic, components)
     return Program(arithmetic, schedule, model, tuple(components), _shapes(components), tuple(onboard), effects=effects)
 
 
 def _lower_fast(coefficients: Coefficients) -> Program:
-    model, limit = coefficients.model, coefficients.accuracy.fast_limit_K
+    model = coefficients.model
+    limit, entry = coefficients.accuracy.limit("fixed", "fast")
     components: list[AnyComponent] = []
     turns = 0
     for component in model.components:
@@ -165,18 +165,18 @@ def _lower_fast(coefficients: Coefficients) -> Program:
             lowered = fast.lower_component(model, component, turns % BLOCK, limit)
         except LoweringError as error:
             raise CheckFailed(str(error)) from error
-        _check_bound(lowered, limit, "fast", "table")
+        _check_bound(lowered, limit, entry, "table")
         components.append(lowered)
         turns += component.order == 1
     return Program("fixed", "table", model, tuple(components), _shapes(components), speed="fast")
 
 
-def _check_bound(lowered: AnyComponent, limit: float, kind: str, schedule: ScheduleKind) -> None:
+def _check_bound(lowered: AnyComponent, limit: float, entry: str, schedule: ScheduleKind) -> None:
     if lowered.proof is not None and lowered.proof.bound_K > limit:
         nearer = "; the tables of --schedule table come nearer" if schedule == "onboard" else ""
         raise CheckFailed(
             f"component {lowered.name}: the guaranteed error bound of {rounded_up(lowered.proof.bound_K):.1e} K "
-            f"exceeds $.accuracy.{kind}_limit_K = {limit:.1e} K{nearer}"
+            f"exceeds $.accuracy.{entry} = {limit:.1e} K{nearer}"
         )
 
 

@@ -42,6 +42,9 @@ def print_results(results: Sequence[CombinationResult]) -> None:
                 "none proven" if bound is None else f"{rounded_up(bound):.1e}",
             )
     console.print(error)
+    for result in results:
+        for sentence in result.exceeded:
+            console.print(f"{result.label}, {sentence}", markup=False)
     cost = Table(
         "combination",
         "cycles, PWM held",

@@ -22,6 +22,7 @@ from gen.verify.alarms import AlarmCampaign, compare_alarms
 from gen.verify.compare import Mismatch
 from gen.verify.effect_costs import EffectCost, effect_costs
 from gen.verify.effects import EFFECTS_LENGTH, course_with_effects, with_channels
+from gen.verify.limits import exceeded
 from gen.verify.profiles import Profile, campaign, every_command
 from gen.verify.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
 
@@ -65,6 +66,7 @@ class CombinationResult:
     helpers: list[str] = field(default_factory=list)
     speed: Speed = "normal"
     effects: list[EffectCost] = field(default_factory=list)
+    exceeded: list[str] = field(default_factory=list)
 
     @property
     def label(self) -> str:
@@ -73,6 +75,11 @@ class CombinationResult:
 
     @property
     def passed(self) -> bool:
+        """No word differs, and no error is larger than it may be."""
+        return self.equal and not self.exceeded
+
+    @property
+    def equal(self) -> bool:
         """No word differs."""
         return all(target.differing == 0 for target in self.targets)
 
@@ -113,10 +120,12 @@ def verify(
     CheckFailed
         If the emitted code does not compile, crashes, or a bound exceeds its limit.
     """
-    results = []
+    programs = []
     for arithmetic, schedule, speed in _combinations(arithmetics, schedules, speeds):
         progress(f"{arithmetic}/{schedule}: lowering")
-        program = lower(coefficients, arithmetic, schedule, speed)
+        programs.append(lower(coefficients, arithmetic, schedule, speed))
+    results = []
+    for program in programs:
         with tempfile.TemporaryDirectory(prefix="gen-verify-") as folder:
             results.append(
                 _combination(coefficients, program, Path(folder), target, progress, mutation, scale, tuple(host_builds))
@@ -188,17 +197,19 @@ def _combination(
         targets.append(_alarm_result(name, given, difference))
     progress(f"{label}: exact solution")
     course = _course(coefficients, program, scale)
+    bounds, errors = _bounds(program), course.largest()
     return CombinationResult(
         program.arithmetic,
         program.schedule,
         targets,
-        _bounds(program),
-        course.largest(),
+        bounds,
+        errors,
         course,
         cost,
         helpers,
         program.speed,
         effects,
+        exceeded(bounds, errors, *coefficients.accuracy.limit(program.arithmetic, program.speed)),
     )
 
 
@@ -251,13 +262,19 @@ def _alarm_result(name: str, given: AlarmCampaign, difference: Mismatch | None) 
     return TargetResult(name, given.expected.size, words, difference.differing, str(difference))
 
 
+def _verdict(results: list[CombinationResult]) -> str:
+    if not all(result.equal for result in results):
+        return "different"
+    return "equal" if all(result.passed for result in results) else "inaccurate"
+
+
 def summary(coefficients: Coefficients, results: list[CombinationResult]) -> dict[str, Any]:
     """The JSON form of a verification, without anything that depends on the machine or the hour."""
     return {
         "tool": f"gen {__version__}",
         "model": coefficients.name,
         "coefficients_sha256": coefficients.sha256,
-        "verdict": "equal" if all(result.passed for result in results) else "different",
+        "verdict": _verdict(results),
         "samples": sum(target.samples for result in results for target in result.targets),
         "words": sum(target.words for result in results for target in result.targets),
         "differing": sum(target.differing for result in results for target in result.targets),

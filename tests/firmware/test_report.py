@@ -118,6 +118,15 @@ def test_different_shows_the_first_mismatch() -> None:
     assert '<td class="wrong">3 of 115 200 differ</td>' in html.replace("\u202f", " ")
 
 
+def test_an_error_larger_than_allowed_is_no_success() -> None:
+    record = verification(example("my1016"))
+    record["combinations"][0]["exceeded"] = ["component brush: the measured error of 1.2e-05 K exceeds ..."]
+    line = first_line(report_html(example("my1016"), lowered(), record))
+    assert 'class="verdict different"' in line
+    assert "Equal, but not as accurate as it must be" in text(line)
+    assert "component brush: the measured error of 1.2e-05 K" in text(line)
+
+
 def test_the_error_over_whole_runs_is_drawn_where_it_was_measured() -> None:
     assert 'id="course-title"' not in report()
     html = report_html(example("my1016"), lowered(), verification(example("my1016")))

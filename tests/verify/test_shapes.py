@@ -11,7 +11,8 @@ import pytest
 from gen.coefficients import Coefficients, parse
 from gen.lowering.lower import Program, lower
 from gen.lowering.program import FixedComponent
-from gen.verify.verify import verify
+from gen.verify.limits import exceeded
+from gen.verify.verify import summary, verify
 from tests.verify_helpers import ROOT
 
 FAST = [{"real": {"poly": [-0.09]}}, {"real": {"poly": [-1e-6, -0.02]}}]
@@ -41,10 +42,10 @@ COMPONENTS = [
 
 
 @cache
-def coefficients(names: tuple[str, ...]) -> Coefficients:
+def coefficients(names: tuple[str, ...], limit: float = 1.0) -> Coefficients:
     document: dict[str, Any] = json.loads((ROOT / "examples" / "two_mass" / "coeffs.json").read_text())
     document["components"] = [item for item in COMPONENTS if item["name"] in names]
-    document["accuracy"] = {"fixed_limit_K": 1.0, "float_limit_K": 1.0}
+    document["accuracy"] = {"fixed_limit_K": limit, "float_limit_K": limit}
     document["alarms"] = []
     document["wiring"] = {}
     document.pop("provenance", None)
@@ -78,3 +79,20 @@ def test_they_are_equal_everywhere(names: tuple[str, ...]) -> None:
     result = verify(coefficients(names), ["fixed"], ["table"], "all", scale=0.01, host_builds=["g++ sanitized"])[0]
     assert [target.mismatch for target in result.targets] == [None] * len(result.targets)
     assert result.passed
+
+
+def test_what_is_not_proven_must_keep_the_limit_when_measured() -> None:
+    strict = coefficients(("spring",), limit=1e-9)
+    result = verify(strict, ["fixed"], ["table"], "host", scale=0.01, host_builds=["g++ -O2"])[0]
+    assert result.equal
+    assert not result.passed
+    assert result.exceeded[0].startswith("component spring: the measured error of ")
+    assert result.exceeded[0].endswith(" exceeds $.accuracy.fixed_limit_K = 1.0e-09 K")
+    assert summary(strict, [result])["verdict"] == "inaccurate"
+
+
+def test_an_error_above_its_proof_is_told_even_within_the_limit() -> None:
+    bounds = {"proven": 1e-6, "disproven": 1e-6, "open": None}
+    errors = {"proven": 0.9e-6, "disproven": 1.1e-6, "open": 0.9e-5}
+    (sentence,) = exceeded(bounds, errors, 1e-5, "fixed_limit_K")
+    assert sentence.startswith("component disproven: the measured error of 1.1e-06 K exceeds the guaranteed 1.0e-06 K")
