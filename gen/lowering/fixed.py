@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import wraps
+from typing import ParamSpec
 
 import numpy as np
 
@@ -15,6 +18,8 @@ from gen.lowering.program import FixedComponent, Integers, Proof
 from gen.lowering.reach import NoProofError, SwitchedRecursion
 from gen.lowering.substeps import fewest_substeps
 from gen.model import Component, ThermalModel
+
+_Given = ParamSpec("_Given")
 
 #: Error bound to aim for; a file may allow more, where the board's own coefficients need it.
 TARGET_K = 1e-5
@@ -72,6 +77,7 @@ def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float)
         inner = bounds.inner_ranges(recursion, exact)
         needed, drive = np.maximum(ranges.magnitude, inner.largest), inner.drive
     except NoProofError:
+        recursion = None
         ranges = bounds.unproven_ranges(exact)
         needed = formats.nested_ranges(ranges, exact.rates)
     target = formats.Target(exact.c, exact.rates, ranges.distance)
@@ -119,6 +125,20 @@ def _lower_corrected(component: Component, exact: Dynamics) -> FixedComponent | 
     return None
 
 
+def _none_without_proof(find: Callable[_Given, Proof | None]) -> Callable[_Given, Proof | None]:
+    """Let a search for a proof give None where there is no invariant polytope."""
+
+    @wraps(find)
+    def found(*args: _Given.args, **kwargs: _Given.kwargs) -> Proof | None:
+        try:
+            return find(*args, **kwargs)
+        except NoProofError:
+            return None
+
+    return found
+
+
+@_none_without_proof
 def _prove_corrected(
     recursion: SwitchedRecursion, exact: Dynamics, layout: Format, rates: Integers, steady: Integers
 ) -> Proof | None:
@@ -177,6 +197,7 @@ def with_rows(lowered: FixedComponent, exact: Dynamics, rates: Integers, steady:
     return replace(given, proof=prove(recursion, exact, ranges, lowered.layout, rates, excess))
 
 
+@_none_without_proof
 def prove(
     recursion: SwitchedRecursion,
     exact: Dynamics,
@@ -185,7 +206,11 @@ def prove(
     rates: Integers,
     steady_excess: Array | float = 0.0,
 ) -> Proof | None:
-    """Worst error of the integer recursion, for any PWM sequence of any length, or None if a word could overflow."""
+    """Worst error of the integer recursion, for any PWM sequence of any length.
+
+    None if a word could overflow, or if the recursion has no invariant polytope: that one disturbance has one does not
+    promise it for another.
+    """
     integer_rates = rates * 2.0 ** -np.array(layout.rate_fraction_bits)
     inner = bounds.inner_ranges(recursion, exact)
     # Of the exact rates; the integers differ by so much, in all factors of all terms together.
