@@ -12,6 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from gen.coefficients.reader import parse
+from gen.errors import CheckFailed
 from gen.lowering import bounds, formats, increments
 from gen.lowering.dynamics import dynamics
 from gen.lowering.lower import lower
@@ -158,3 +159,12 @@ def test_a_motor_like_the_my1016_is_proven_within_its_limit_too(seed: int) -> No
     program = lower(parse(json.dumps(tree).encode()), "fixed", "onboard")  # raises if a bound exceeds the limit
     assert program.components[0].proof is not None
     assert not program.saturates
+
+
+@pytest.mark.parametrize(("limit", "table_keeps_it"), [(6.2e-6, True), (1e-7, False)])
+def test_a_bound_beyond_the_limit_names_the_table_only_where_that_helps(limit: float, table_keeps_it: bool) -> None:
+    document = json.loads((EXAMPLES_FOLDER / "two_mass" / "coeffs.json").read_text())
+    document["accuracy"] = {"fixed_limit_K": limit}
+    with pytest.raises(CheckFailed, match=r"component winding: the guaranteed error bound .* exceeds") as failure:
+        lower(parse(json.dumps(document).encode()), "fixed", "onboard")
+    assert ("--schedule table" in str(failure.value)) == table_keeps_it
