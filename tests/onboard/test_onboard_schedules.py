@@ -165,6 +165,6 @@ def test_a_motor_like_the_my1016_is_proven_within_its_limit_too(seed: int) -> No
 def test_a_bound_beyond_the_limit_names_the_table_only_where_that_helps(limit: float, table_keeps_it: bool) -> None:
     document = json.loads((EXAMPLES_FOLDER / "two_mass" / "coeffs.json").read_text())
     document["accuracy"] = {"fixed_limit_K": limit}
-    with pytest.raises(CheckFailed, match=r"component winding: the guaranteed error bound .* exceeds") as failure:
+    with pytest.raises(CheckFailed, match=r"the guaranteed error bound .* exceeds") as failure:
         lower(parse(json.dumps(document).encode()), "fixed", "onboard")
     assert ("--schedule table" in str(failure.value)) == table_keeps_it
