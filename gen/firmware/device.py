@@ -46,6 +46,8 @@ _START_MS = 5000
 """How long the model's start waits for thermocouples that are not believed yet."""
 _LINE_BYTES = 110
 """Longest line that is not a row (output.h)."""
+_MILLIS_STEP = 2
+"""What a difference of millis() may be more than the time that passed: it counts 1.024 ms, two at a time now and then."""
 _LATE_SAMPLES = 3
 """Samples whose pulses at full speed the encoder's interrupt takes before it takes the line for noisy."""
 _CONVERSIONS = 16
@@ -129,6 +131,7 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         "read_samples": read_samples,
         "reading_ms": read_samples * sample_ms,
         "conversion_ms": CONVERSION_MS,
+        "conversion_millis": CONVERSION_MS + _MILLIS_STEP,
         "confirmations": CONFIRMATIONS,
         "noise_counts": NOISE_COUNTS,
         "highest_count": HIGHEST_COUNT,
@@ -272,6 +275,7 @@ def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> Context:
         "wide": _LATE_SAMPLES * fastest >= 65535.0,
         "limit": math.ceil(_LATE_SAMPLES * fastest),
         "fastest_rpm": math.ceil(fastest_rpm),
+        "shortest_us": sample_ms * 250,
         "stall_pwm": encoder.stall_pwm,
         "stall_samples": max(1, math.ceil(encoder.stall_s * 1000.0 / sample_ms)),
         "stall_s": f"{encoder.stall_s:g}",

@@ -1,0 +1,175 @@
+"""What a board on a bench meets and a tidy emulation does not: floods, failing cells, long programs, idle sleep's habits."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from gen import toolchain
+from gen.coefficients import parse
+from gen.errors import CheckFailed, InputError
+from gen.firmware.context import project_context
+from gen.lowering.lower import lower
+from gen.verify.avr.compile import ArduinoCore, build_elf
+from tests.device.board import LATE, NOISY, Board, warm
+from tests.device.conftest import Open
+from tests.device.variants import BASE, variant
+
+ADCSRA, ADEN, ADIE = 0x7A, 0x80, 0x08
+RECORD = 60
+
+
+@pytest.mark.parametrize("pulses_per_s", [290_000, 360_000])
+def test_a_noisy_encoder_line_does_not_stop_the_clock(power_up: Open, pulses_per_s: int) -> None:
+    """Interrupts without a gap leave no turn to Timer 0's, which has less priority: millis() would fall behind."""
+    board = power_up()
+    board.attach_encoder(2)
+    board.started()
+    board.send("rows 1")
+    board.send_pulses(5 * pulses_per_s, 5.0)
+    board.hear(1.0)
+    began = board.seconds
+    rows = board.hear(3.0).rows
+    passed = float(rows[-1]["time_s"]) - float(rows[0]["time_s"]) + 0.25
+    assert passed == pytest.approx(board.seconds - began, abs=0.26)
+    assert all(int(row["flags"]) & NOISY for row in rows)
+
+
+def test_a_few_pulses_close_together_cost_no_speed(power_up: Open) -> None:
+    """A switch that bounces once is no flood: the samples after it have a speed."""
+    board = power_up()
+    board.attach_encoder(2)
+    board.started()
+    board.send("rows 1")
+    board.hear(1.0)
+    board.send_pulses(40, 40 / 400_000)
+    rows = board.hear(1.0).rows
+    assert not any(int(row["flags"]) & NOISY for row in rows)
+    assert all(row["speed_rpm"] for row in rows)
+
+
+def test_samples_that_catch_up_have_no_wild_speed(power_up: Open) -> None:
+    """One pulse in a revolution: in the milliseconds between a late sample and the next one it would mean 10 000 rpm."""
+    board = power_up("one_pulse")
+    board.attach_encoder(2)
+    board.started()
+    board.send("rows 1")
+    board.hear(0.5)
+    board.send_pulses(44 * 40, 40.0)  # 2640 rpm
+    board.hear(2.0)
+    late = 0
+    for _ in range(30):
+        board.hold_up(600)
+        rows = board.hear(1.0).rows
+        late += sum(bool(int(row["flags"]) & LATE) for row in rows)
+        assert not any(int(row["flags"]) & NOISY for row in rows)
+    assert late >= 60
+
+
+def test_the_converter_is_off_while_nothing_is_converted(power_up: Open) -> None:
+    """The data sheet ("ADC Noise Canceler"): idle sleep begins a conversion if the converter is on and waits.
+
+    Its interrupt would add a number behind the last sum. The emulator does not do so.
+    """
+    board = power_up("voltages")
+    board.drive_analog(54, 2.5)
+    board.drive_analog(55, 1.0)
+    board.started()
+    board.hear(1.0)
+    on = 0
+    for _ in range(250):
+        board.run_seconds(0.001)
+        control = board.peek(ADCSRA, 1)[0]
+        if control & ADEN:
+            assert control & ADIE
+            on += 1
+        else:
+            assert board.read("converting") == 2
+    assert 2 <= on <= 30
+    row = board.hear(1.0).rows[-1]
+    assert float(row["a_V"]) == pytest.approx(2.5, abs=0.011)
+    assert float(row["b_V"]) == pytest.approx(1.0, abs=0.011)
+
+
+def test_a_copy_that_failed_does_not_hide_the_next_one(power_up: Open) -> None:
+    """A cell of slot 1 is worn out: the copy there has the right identity and number, and a wrong CRC."""
+    board = warm(power_up("often_copied"))
+    board.started()
+    begun = board.eeprom_counts.writes
+    while board.eeprom_counts.writes < begun + 40 or board.eeprom_busy:
+        board.run_seconds(0.002)
+    worn = bytearray(board.eeprom)
+    worn[RECORD + 30] ^= 0x10
+    board.eeprom = bytes(worn)
+    said = board.hear(15.0)
+    assert any(int(row["flags"]) & 0x800 for row in said.rows)
+    board.hear(65.0)
+    assert not int(board.hear(1.5).rows[-1]["flags"]) & 0x800
+    board.press_reset()
+    assert board.started().events[-1].endswith("start from memory")
+
+
+def test_a_long_program_is_summed_up_before_the_watchdog_bites(
+    built: Callable[..., Path], cache: Path, tmp_path: Path
+) -> None:
+    """200 KB: across both borders of 64 KB that RAMPZ has to cross, and longer to sum up than the watchdog waits."""
+    built("my1016")
+    folder = cache / "my1016-False"
+    library = folder / "lib" / "my1016" / "src"
+    filler = tmp_path / "filler.cpp"
+    filler.write_text(
+        '__asm__(".section .fini1,\\"ax\\",@progbits\\n.rept 42500\\n.word 0x1234, 0xABCD\\n.endr\\n.text\\n");\n'
+    )
+    sources = sorted([filler, *(folder / "src").glob("*.cpp"), *library.glob("*.cpp")])
+    elf = build_elf(
+        sources, [folder / "src", library], tmp_path / "long.elf", core=ArduinoCore(cache), optimisation="-Os"
+    )
+    image = tmp_path / "image.bin"
+    subprocess.run([str(toolchain.program("avr-objcopy")), "-O", "binary", str(elf), str(image)], check=True)
+    assert image.stat().st_size > 190_000
+    board = Board(elf, cache, variant("my1016"))
+    said = board.started()
+    assert said.comments["firmware"].startswith(f"crc32 {zlib.crc32(image.read_bytes()):08X} of ")
+    assert board.resets == 0
+
+
+def test_a_drive_on_the_boot_loaders_led_is_refused() -> None:
+    tree = json.loads(json.dumps(BASE))
+    del tree["wiring"]["led_pin"]
+    tree["wiring"]["drive"]["reverse_pin"] = 13
+    with pytest.raises(InputError, match=r"\$\.wiring\.drive\.reverse_pin: pin 13 is the boot loader's LED"):
+        parse(json.dumps(tree).encode())
+
+
+def test_a_table_that_the_compiler_does_not_take_is_refused() -> None:
+    tree = json.loads(json.dumps(BASE))
+    casing = next(component for component in tree["components"] if component["name"] == "casing")
+    tree["components"] = [{**casing, "name": f"part_{i}"} for i in range(16)]
+    tree["alarms"] = []
+    del tree["wiring"], tree["provenance"]
+    coefficients = parse(json.dumps(tree).encode())
+    with pytest.raises(CheckFailed, match="32768 bytes.*--schedule onboard"):
+        project_context(coefficients, lower(coefficients, "fixed", "table"), "coeffs.json")
+    project_context(coefficients, lower(coefficients, "fixed", "onboard"), "coeffs.json")
+    project_context(coefficients, lower(coefficients, "float", "table"), "coeffs.json")
+
+
+def test_a_reading_never_comes_before_the_longest_conversion_has_ended(power_up: Open) -> None:
+    """Whatever a late sample leaves until the next one: millis() counts in steps, so 220 of them may be 219 ms."""
+    board = power_up()
+    board.started()
+    read = list(board.chips.values())[0]
+    before = board.chip_counts(read).reads
+    for later in [220, 221, 222, 223] * 12:
+        at = board.read("read_at")
+        while board.read("read_at") == at:  # until the next reading
+            board.run_seconds(0.0005)
+        board.write("tick_due", board.read("read_at") + later)
+    counts = [board.chip_counts(number) for number in board.chips.values()]
+    assert all(count.early == 0 for count in counts)
+    assert counts[0].reads - before >= 24
