@@ -172,8 +172,8 @@ def _check_table(program: Program) -> None:
     size = _row_bytes(program) * len(domain_rows(program.model))
     if program.schedule == "table" and size > _LARGEST_TABLE:
         raise CheckFailed(
-            f"the table of coefficients would have {size} bytes, and the board's compiler takes {_LARGEST_TABLE} at most; "
-            "leave components out, or let the board compute its coefficients: --schedule onboard"
+            f"the table of coefficients would have {size} bytes, and the board's compiler takes {_LARGEST_TABLE} at "
+            "most; leave components out, or let the board compute its coefficients: --schedule onboard"
         )
 
 

@@ -47,7 +47,7 @@ _START_MS = 5000
 _LINE_BYTES = 110
 """Longest line that is not a row (output.h)."""
 _MILLIS_STEP = 2
-"""What a difference of millis() may be more than the time that passed: it counts 1.024 ms, two at a time now and then."""
+"""By how much millis() may run ahead within a difference: it counts every 1.024 ms, two at a time now and then."""
 _LATE_SAMPLES = 3
 """Samples whose pulses at full speed the encoder's interrupt takes before it takes the line for noisy."""
 _CONVERSIONS = 16
