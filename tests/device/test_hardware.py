@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import zlib
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from gen import toolchain
@@ -95,6 +97,19 @@ def test_the_converter_is_off_while_nothing_is_converted(power_up: Open) -> None
     row = board.hear(1.0).rows[-1]
     assert float(row["a_V"]) == pytest.approx(2.5, abs=0.011)
     assert float(row["b_V"]) == pytest.approx(1.0, abs=0.011)
+
+
+@pytest.mark.parametrize("frequency_hz", [490.2, 976.6])
+def test_a_chopped_current_is_measured_over_whole_periods(built: Callable[..., Path], frequency_hz: float) -> None:
+    """The driver's PWM on a current sensor, at any duty and phase; conversions follow each other every 112 us."""
+    source = (built("voltages").parent / "src" / "channels.cpp").read_text()
+    (conversions,) = [int(found) for found in re.findall(r"CONVERSIONS = (\d+);", source)]
+    choose = np.random.default_rng(1)
+    duty, phase = choose.uniform(0.0, 1.0, (2, 2000, 1))
+    cycles = frequency_hz * 112e-6 * np.arange(conversions) + phase
+    measured = (cycles % 1.0 < duty).mean(axis=1)
+    assert np.abs(measured - duty[:, 0]).max() < 0.06
+    assert np.sqrt(np.mean((measured - duty[:, 0]) ** 2)) < 0.015
 
 
 def test_a_copy_that_failed_does_not_hide_the_next_one(power_up: Open) -> None:
