@@ -27,14 +27,13 @@ ADCSRA, ADEN, ADIE = 0x7A, 0x80, 0x08
 RECORD = 60
 
 
-@pytest.mark.parametrize("pulses_per_s", [290_000, 360_000])
-def test_a_noisy_encoder_line_does_not_stop_the_clock(power_up: Open, pulses_per_s: int) -> None:
+def test_a_noisy_encoder_line_does_not_stop_the_clock(power_up: Open) -> None:
     """Interrupts without a gap leave no turn to Timer 0's, which has less priority: millis() would fall behind."""
     board = power_up()
     board.attach_encoder(2)
     board.started()
     board.send("rows 1")
-    board.send_pulses(5 * pulses_per_s, 5.0)
+    board.send_pulses(5 * 360_000, 5.0)
     board.hear(1.0)
     began = board.seconds
     rows = board.hear(3.0).rows
@@ -63,15 +62,15 @@ def test_samples_that_catch_up_have_no_wild_speed(power_up: Open) -> None:
     board.started()
     board.send("rows 1")
     board.hear(0.5)
-    board.send_pulses(44 * 40, 40.0)  # 2640 rpm
+    board.send_pulses(44 * 20, 20.0)  # 2640 rpm
     board.hear(2.0)
     late = 0
-    for _ in range(30):
+    for _ in range(15):
         board.hold_up(600)
         rows = board.hear(1.0).rows
         late += sum(bool(int(row["flags"]) & LATE) for row in rows)
         assert not any(int(row["flags"]) & NOISY for row in rows)
-    assert late >= 60
+    assert late >= 30
 
 
 def test_the_converter_is_off_while_nothing_is_converted(power_up: Open) -> None:
