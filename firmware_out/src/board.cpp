@@ -14,7 +14,10 @@ const uint8_t MARK = 0xA5;
 const uint16_t TIMER_US = 4;               // Timer 0 counts every 64 cycles
 const uint32_t WINDOW_MS = 600000UL;  // the sleep share is taken over 5 to 10 minutes
 
-uint8_t causes __attribute__((section(".noinit")));  // MCUSR as it was after reset
+const uint16_t RUNNING = 0x5AC3;
+
+uint8_t causes __attribute__((section(".noinit")));     // MCUSR as it was after reset
+uint16_t running __attribute__((section(".noinit")));  // RUNNING since the last start, unless the power was off meanwhile
 uint32_t slept;          // counts of Timer 0 asleep since `window`
 uint32_t window;         // milliseconds
 uint16_t earlier_share;  // of the window before
@@ -27,10 +30,16 @@ void board_after_reset(void) {
     causes = MCUSR;
     MCUSR = 0;
     wdt_disable();
+    // The stock boot loader clears MCUSR. After a reset by the watchdog it goes on at once, after any other it first
+    // switches the UART on and waits for a second.
+    if (causes == 0 && running == RUNNING && !(UCSR0B & _BV(RXEN0))) {
+        causes = _BV(WDRF);
+    }
 }
 
 void begin() {
     wdt_enable(WDTO_2S);
+    running = RUNNING;
     // The Arduino core lets all PWM timers and the ADC run.
     TCCR1B = 0;
     TCCR2B = 0;

@@ -197,6 +197,7 @@ void setup() {
     tick_due = time + MY1016_SAMPLE_MS;
     read_at = time;
     indicator_due = time;
+    wdt_reset();  // a sample may be as long as a second
 }
 
 void loop() {

@@ -171,9 +171,7 @@ void update() {
         checking = false;
         const uint32_t number = copy.number;
         failure = !fetch(slot) || copy.number != number;
-        if (!failure) {
-            newest = number;
-        }
+        newest = number;  // taken even so: two slots with one number would hide the sound one behind the other
     } else if (samples_to_copy == 0) {
         samples_to_copy = config::COPY_SAMPLES;
         make_copy();

@@ -2,6 +2,7 @@
 
 #include <Arduino.h>
 #include <avr/eeprom.h>
+#include <avr/wdt.h>
 #include <my1016_sensors.h>
 
 #include "board.h"
@@ -54,6 +55,7 @@ uint32_t flash_crc() {
     next = 0;
     running = CRC32_START;
     while (!flash_done()) {
+        wdt_reset();  // 150 KB take its 2 s
     }
     return ~running;
 }

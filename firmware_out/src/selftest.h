@@ -6,7 +6,7 @@
 
 namespace selftest {
 
-// CRC-32 of the program in flash; takes about 0.2 s.
+// CRC-32 of the program in flash; 0.4 s for 30 KB. For setup() only: it feeds the watchdog.
 uint32_t flash_crc();
 
 // Keeps flash_crc() as what later tests compare with.

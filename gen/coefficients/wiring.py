@@ -14,6 +14,8 @@ Duty = Annotated[int, Field(ge=-255, le=255)]
 
 _PWM_PINS = frozenset([*range(2, 14), 44, 45, 46])
 _INTERRUPT_PINS = frozenset([2, 3, 18, 19, 20, 21])
+_BOOT_LED_PIN = 13
+"""The stock boot loader holds it high for a second or so after every reset."""
 COUNTER_PIN = 47
 """The one header pin that clocks a timer which the Arduino core does not need (T5 of Timer 5)."""
 _COUNTER_TIMER_PINS = frozenset([44, 45, 46])
@@ -222,6 +224,13 @@ class Wiring(Part):
             if self.drive and getattr(self.drive, key) not in _PWM_PINS:
                 raise fault(
                     f"pin {getattr(self.drive, key)} has no PWM; expected one of 2..13, 44, 45, 46",
+                    "drive",
+                    key,
+                )
+            if self.drive and getattr(self.drive, key) == _BOOT_LED_PIN:
+                raise fault(
+                    f"pin {_BOOT_LED_PIN} is the boot loader's LED: the motor would run at every reset before the "
+                    "firmware does; expected another pin",
                     "drive",
                     key,
                 )

@@ -9,6 +9,7 @@ import numpy as np
 
 from gen import __version__
 from gen.coefficients import Coefficients
+from gen.errors import CheckFailed
 from gen.firmware import avr_advance
 from gen.firmware.alarms_cpp import alarm_context
 from gen.firmware.avr_fast import coefficient_bytes, fast_block
@@ -28,6 +29,9 @@ from gen.reference.fast import SIXTH
 
 Context = dict[str, Any]
 
+_LARGEST_TABLE = 32_767
+"""Bytes of the largest array that avr-gcc takes."""
+
 
 def project_context(coefficients: Coefficients, program: Program, source_name: str) -> Context:
     """Everything that the templates of one project need.
@@ -38,7 +42,13 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         What is emitted.
     source_name
         The coefficient file's name as comments show it.
+
+    Raises
+    ------
+    CheckFailed
+        If the table of coefficients is larger than the board's compiler takes.
     """
+    _check_table(program)
     model = program.model
     name = model.name
     shapes = [_shape(program, shape) for shape in program.shapes]
@@ -150,11 +160,27 @@ def _fast_shape(component: FastComponent) -> Context:
     }
 
 
+def _row_bytes(program: Program) -> int:
+    """Bytes of a row of the table in flash, of the fixed-point ones as they are copied."""
+    if program.speed == "fast":
+        return sum(coefficient_bytes(c) for c in program.components if isinstance(c, FastComponent))
+    words = sum(component.order + 1 for component in program.components)
+    return (3 if program.arithmetic == "float" else 4) * words
+
+
+def _check_table(program: Program) -> None:
+    size = _row_bytes(program) * len(domain_rows(program.model))
+    if program.schedule == "table" and size > _LARGEST_TABLE:
+        raise CheckFailed(
+            f"the table of coefficients would have {size} bytes, and the board's compiler takes {_LARGEST_TABLE} at "
+            "most; leave components out, or let the board compute its coefficients: --schedule onboard"
+        )
+
+
 def _copied_at_once(program: Program) -> int:
     """How many bytes of a row of the table the copying loop takes in one turn, so that turns come out even."""
     if program.speed == "fast":
-        row = sum(coefficient_bytes(c) for c in program.components if isinstance(c, FastComponent))
-        return next(count for count in (8, 7, 6, 5, 4, 3, 2, 1) if row % count == 0)
+        return next(count for count in (8, 7, 6, 5, 4, 3, 2, 1) if _row_bytes(program) % count == 0)
     words = sum(component.order + 1 for component in program.components)
     return 4 * max(part for part in range(1, 7) if words % part == 0)
 

@@ -46,11 +46,19 @@ _START_MS = 5000
 """How long the model's start waits for thermocouples that are not believed yet."""
 _LINE_BYTES = 110
 """Longest line that is not a row (output.h)."""
+_MILLIS_STEP = 2
+"""By how much millis() may run ahead within a difference: it counts every 1.024 ms, two at a time now and then."""
 _LATE_SAMPLES = 3
 """Samples whose pulses at full speed the encoder's interrupt takes before it takes the line for noisy."""
-_CONVERSIONS = 16
-"""Conversions of a voltage that are added up for a value: their sum has 14 bits."""
-_SCALE_BITS = 16
+_CONVERSION_CYCLES = 14 * 128
+"""From one conversion to the next, which its interrupt begins: 13 cycles of the converter's clock, and another."""
+_CONVERSIONS = (55, 18)
+"""Conversions of a voltage that are added up for a value; the first number that fits into a sample. They last about 3
+periods, or 1, of 490 Hz PWM (6 or 2 of 976 Hz): with other lengths, parts of a period would show in a current that the
+motor's driver chops. The sum has 16 bits."""
+_SETTLING = 8
+"""Conversions that are thrown away after the converter was off."""
+_SCALE_BITS = 15
 """Of the factor that such a sum is multiplied by."""
 _MARGIN = 1.25
 """The encoder's fastest pulse train over the nominal one."""
@@ -102,13 +110,14 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
     row_samples = max(1, round(wiring.row_every_s / program.model.sample_time))
     columns = _columns(coefficients, chips, pulses is not None, wiring.channels)
     memory = _memory(wiring, chips, names, program, coefficients.sha256, sample_ms)
-    inputs = _channels(wiring.channels, program)
+    inputs = _channels(wiring.channels, program, sample_ms)
     analog = [channel for channel in inputs if channel["analog"]]
     return {
         "channels": inputs,
         "analog": analog,
         "contacts": [channel for channel in inputs if not channel["analog"]],
-        "conversions": _CONVERSIONS,
+        "conversions": _conversions(len(analog), sample_ms),
+        "settling": _SETTLING,
         "didr": [sum(1 << (c["mux"] & 7) for c in analog if c["mux"] // 8 == half) for half in (0, 1)],
         "baud": wiring.serial_baud,
         "row_samples": row_samples,
@@ -129,6 +138,7 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         "read_samples": read_samples,
         "reading_ms": read_samples * sample_ms,
         "conversion_ms": CONVERSION_MS,
+        "conversion_millis": CONVERSION_MS + _MILLIS_STEP,
         "confirmations": CONFIRMATIONS,
         "noise_counts": NOISE_COUNTS,
         "highest_count": HIGHEST_COUNT,
@@ -222,11 +232,20 @@ def _told(program: Program) -> dict[str, str]:
     return dict(zip(columns, channel_names(program.effects), strict=True))
 
 
-def _channels(wired: Sequence[ChannelInput], program: Program) -> list[Context]:
+def _conversions(voltages: int, sample_ms: int) -> int:
+    """How many conversions of each voltage are done well within a sample."""
+    for count in _CONVERSIONS:
+        if (voltages * count + _SETTLING) * _CONVERSION_CYCLES / 16e3 < 0.8 * sample_ms:
+            break
+    return count
+
+
+def _channels(wired: Sequence[ChannelInput], program: Program, sample_ms: int) -> list[Context]:
     """Inputs of the wiring; a voltage's value is zero + (sum of conversions times scale >> shift), in thousandths."""
     effects = program.effects
     told = {channel.column: channel for channel in effects.channels} if effects is not None else {}
     names = _told(program)
+    conversions = _conversions(sum(channel.analog_pin is not None for channel in wired), sample_ms)
     found = []
     for number, channel in enumerate(wired):
         path = f"$.wiring.channels[{number}]"
@@ -234,7 +253,7 @@ def _channels(wired: Sequence[ChannelInput], program: Program) -> list[Context]:
         own = told.get(channel.column)
         pin = channel.analog_pin if channel.analog_pin is not None else channel.contact_pin
         assert pin is not None
-        for_each = channel.per_V * SUPPLY_V * 1000.0 / (1024.0 * _CONVERSIONS)
+        for_each = channel.per_V * SUPPLY_V * 1000.0 / (1024.0 * conversions)
         shift = max(0, min(30, _SCALE_BITS - 1 - math.floor(math.log2(abs(for_each)))))
         found.append(
             _pin(pin, path)
@@ -272,6 +291,7 @@ def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> Context:
         "wide": _LATE_SAMPLES * fastest >= 65535.0,
         "limit": math.ceil(_LATE_SAMPLES * fastest),
         "fastest_rpm": math.ceil(fastest_rpm),
+        "shortest_us": sample_ms * 250,
         "stall_pwm": encoder.stall_pwm,
         "stall_samples": max(1, math.ceil(encoder.stall_s * 1000.0 / sample_ms)),
         "stall_s": f"{encoder.stall_s:g}",

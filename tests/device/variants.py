@@ -67,6 +67,16 @@ def _slow(tree: Tree) -> None:
     tree["wiring"] = {"button_pin": 22}
 
 
+def _one_pulse(tree: Tree) -> None:
+    tree["wiring"]["encoder"]["pulses_per_revolution"] = 1
+
+
+def _voltages(tree: Tree) -> None:
+    """Two voltages. (The emulator has no A8..A15: the core's own analogRead() gives 0 there.)"""
+    inputs = [{"column": "a_V", "analog_pin": 54}, {"column": "b_V", "analog_pin": 55}]
+    tree["wiring"]["channels"] = inputs
+
+
 VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "my1016": _as_it_is,
     "no_wiring": _no_wiring,
@@ -77,6 +87,8 @@ VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "counted": _counted,
     "ambient_only": _ambient_only,
     "slow": _slow,
+    "one_pulse": _one_pulse,
+    "voltages": _voltages,
 }
 
 
