@@ -35,8 +35,8 @@ OFFSET_SURE = 4.0
 OFFSET_MOST = 2.0 * OFFSET_PRIOR
 """A larger one is no offset, K: more than two sensors differ by. It says that no structure tried fits the part."""
 COLDER = 0.5
-"""Nor is one with which most runs would begin with the part colder than its surroundings by this, K (two counts): a moving
-ambient that the part follows slowly, or a structure that does not fit, looks like an offset in coolings, but not there."""
+"""Nor is one with which most runs would begin with the part colder than its surroundings by this, K (two counts): an
+ambient that the part follows slowly, or a structure that does not fit, looks like an offset in coolings, not there."""
 
 
 @dataclass(frozen=True, eq=False)
