@@ -121,6 +121,24 @@ def test_warnings() -> None:
     assert any("far from conjugate pairs" in w and "$.components[2].poles" in w for w in warnings)
 
 
+def test_a_board_that_measures_too_little_is_pointed_at() -> None:
+    """The brush's rules could never be raised, and the model's temperatures would stand on a made-up ambient."""
+    tree = copy.deepcopy(BASE)
+    tree["ambient"] = {"channel": "ambient_degC"}
+    chips = tree["wiring"]["thermocouples"]
+    kept = [chip for chip in chips if chip["channel"] not in ("brush", "ambient")]
+    before = parse(json.dumps(tree).encode()).warnings
+    tree["wiring"]["thermocouples"] = kept
+    new = set(parse(json.dumps(tree).encode()).warnings) - set(before)
+    watching = [i for i, rule in enumerate(tree["alarms"]) if "brush" in (rule["component"], rule.get("relative_to"))]
+    rules = [f"$.alarms[{i}]." for i in watching]
+    assert rules
+    assert all(any(w.startswith(at) and "no thermocouple" in w for w in new) for at in rules)
+    assert any(w.startswith("$.ambient:") and "25 degC" in w for w in new)
+    tree["wiring"]["thermocouples"] = []  # somebody's own sketch may have them
+    assert not any("thermocouple" in w for w in parse(json.dumps(tree).encode()).warnings)
+
+
 def test_stored_schema_is_what_the_models_make() -> None:
     assert STORED.read_text(encoding="utf-8") == schema_text(), "run python -m gen.coefficients.schema"
     jsonschema.Draft202012Validator.check_schema(json_schema())

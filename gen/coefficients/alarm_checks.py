@@ -60,6 +60,18 @@ def declared_deviation_K(bands: Sequence[ErrorBand], rule: Deviation | Cusum, pw
     return max(band.model_minus_measured_K[1] for band in own)
 
 
+def healthy_end_K(document: Document, rule: Deviation | Cusum, counts: range) -> dict[int, float]:
+    """Give the error band's end on the rule's side at each |PWM|, which may lie on the other side of the model.
+
+    Where nothing is declared the widest end holds, and not less than the model itself.
+    """
+    bands = document.provenance.error if document.provenance else ()
+    found = {pwm: declared_deviation_K(bands, rule, pwm) for pwm in counts}
+    everywhere = (declared_deviation_K(bands, rule, pwm) for pwm in range(document.input.full_scale + 1))
+    widest = max((value for value in everywhere if value is not None), default=0.0)
+    return {pwm: max(0.0, widest) if value is None else value for pwm, value in found.items()}
+
+
 def quantity(rule: AlarmRule) -> Quantity:
     """What a rule compares with its threshold."""
     if isinstance(rule, OverTemperature):

@@ -14,6 +14,7 @@ from gen.coefficients.checks import check_model
 from gen.coefficients.convert import to_model
 from gen.coefficients.document import Accuracy, Document
 from gen.coefficients.messages import described, first_fault
+from gen.coefficients.wiring_checks import check_wiring
 from gen.errors import InputError
 from gen.model.dynamics import ThermalModel
 from gen.model.effects import Applied
@@ -85,7 +86,7 @@ def parse(raw: bytes) -> Coefficients:
     """
     document = parse_document(raw)
     model, effects = fold(to_model(document), [entry.applied() for entry in document.effects])
-    warnings = check_model(model) + check_alarms(document)
+    warnings = check_model(model) + check_alarms(document) + check_wiring(document)
     return Coefficients(document, model, warnings, hashlib.sha256(raw).hexdigest(), effects)
 
 

@@ -61,6 +61,15 @@ def thresholds(coefficients: Path, runs: tuple[Path, ...], rules: Path, out: Pat
     except InputError as error:
         raise InputError(error.message, file=error.file or str(rules), place=error.place) from error
     write_text(out, text)
+    provenance = loaded.document.provenance
+    learnt = {Path(name).name for name in provenance.data} if provenance is not None else set()
+    for path in runs:
+        if path.name in learnt:
+            click.echo(
+                f"warning: {path}: a run of this name taught the model ($.provenance.data); on it the model is better "
+                "than on others, and thresholds come out too narrow",
+                err=True,
+            )
     for rule in made.document.alarms:
         click.echo(f"{rule.name}: {rule.note or 'as written'}")
     for warning in made.warnings:

@@ -71,7 +71,11 @@ class RigPlant:
         for name in named:
             if name.removesuffix(_COLUMN) not in known:
                 expected = ", ".join(known)
-                raise InputError(f'the simulated motor has no part "{name}"; it has {expected}', place="$.wiring")
+                raise InputError(
+                    f'the simulated motor has no part "{name}"; it is the MY1016 and has {expected}; '
+                    "a board for another motor can be logged only (gen log)",
+                    place="$.wiring",
+                )
         seeds = np.random.SeedSequence(seed).spawn(len(named))
         self._sensors = {
             name: Thermocouple(

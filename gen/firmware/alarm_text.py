@@ -57,6 +57,8 @@ def _condition(rule: AlarmRule) -> str:
         parts.append(f"only while {rule.requires} is raised")
     if rule.unless is not None:
         parts.append(f"not while {rule.unless} is raised")
+    if rule.stop_motor:
+        parts.append("stops the motor")
     return ", ".join(parts)
 
 

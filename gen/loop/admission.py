@@ -13,12 +13,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from gen.coefficients import Coefficients
+from gen.coefficients.alarm_checks import healthy_end_K
 from gen.coefficients.alarms import Deviation, window_counts
 from gen.errors import InputError
 from gen.loop.residual import Condensed
 
 _LEAST_K = 2.0
-"""Rules with a smaller threshold trip on the model's own error; they say nothing of a fault here."""
+"""Rules closer to the model trip on the model's own error; they say nothing of a fault here. Those that count from the
+healthy range (`"beyond": "error_band"`) have that error in them already."""
 _HEALTHY = {"", "none", "no", "healthy", "0", "false", "-"}
 
 
@@ -51,28 +53,37 @@ def admitted(coefficients: Coefficients, runs: Sequence[Condensed]) -> tuple[lis
 def _signatures(coefficients: Coefficients, runs: Sequence[Condensed]) -> list[str]:
     warnings = []
     for rule in coefficients.document.alarms:
-        if not isinstance(rule, Deviation) or rule.threshold_K < _LEAST_K:
+        banded = isinstance(rule, Deviation) and rule.beyond == "error_band"
+        if not isinstance(rule, Deviation) or (rule.threshold_K < _LEAST_K and not banded):
             continue
         window = window_counts(rule, coefficients.document.input.full_scale)
         if not window:
             continue
+        threshold = np.full(window[-1] + 1, rule.threshold_K)
+        if banded:
+            ends = healthy_end_K(coefficients.document, rule, window)
+            threshold[list(ends)] += list(ends.values())
         shares = {}
         for run in runs:
             own = run.traces.get(rule.component)
-            if own is None:
+            other = run.traces.get(rule.relative_to) if rule.relative_to is not None else None
+            if own is None or (rule.relative_to is not None and other is None):
                 continue
-            inside = (run.pwm >= window[0]) & (run.pwm <= window[-1]) & np.isfinite(own.residual)
+            deviation = own.residual - (other.residual if other is not None else 0.0)
+            inside = (run.pwm >= window[0]) & (run.pwm <= window[-1]) & np.isfinite(deviation)
             if np.count_nonzero(inside) >= 5:
-                off = own.residual[inside] if rule.kind == "above_model" else -own.residual[inside]
-                shares[run.name] = float(np.mean(off > rule.threshold_K))
+                off = deviation[inside] if rule.kind == "above_model" else -deviation[inside]
+                shares[run.name] = float(np.mean(off > threshold[np.rint(run.pwm[inside]).astype(np.int64)]))
         tripped = [name for name, share in shares.items() if share > 0.2]
         if not tripped:
             continue
         some = "in these runs only" if len(tripped) < len(shares) else "in every run at these speeds"
         side = "over" if rule.kind == "above_model" else "under"
+        than = f", farther than {rule.relative_to}," if rule.relative_to is not None else ""
+        beyond = " beyond the healthy range" if banded else ""
         warnings.append(
             f'the residual looks like the fault that the rule "{rule.name}" watches for ({rule.component} '
-            f"{side} the model by more than {rule.threshold_K:g} K), {some}: "
+            f"{side} the model{than} by more than {rule.threshold_K:g} K{beyond}), {some}: "
             f"{', '.join(tripped)}; refine with runs of a motor known to be healthy only"
         )
     return warnings

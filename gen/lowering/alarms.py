@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from gen.coefficients import Coefficients
-from gen.coefficients.alarm_checks import declared_deviation_K, quantity
-from gen.coefficients.alarms import MOST_SAMPLES, AlarmRule, Cusum, Deviation, OverTemperature, window_counts
+from gen.coefficients.alarm_checks import healthy_end_K, quantity
+from gen.coefficients.alarms import MOST_SAMPLES, AlarmRule, Cusum, OverTemperature, window_counts
 from gen.coefficients.document import Document
 from gen.model import Component, ThermalModel
 
@@ -207,22 +207,10 @@ def _segments(document: Document, rule: AlarmRule) -> tuple[Segment, ...]:
         base, clear = rule.threshold_K, rule.hysteresis_K
     extra = dict.fromkeys(counts, 0.0)
     if not isinstance(rule, OverTemperature) and rule.beyond == "error_band":
-        extra = _error_band(document, rule, counts)
+        extra = healthy_end_K(document, rule, counts)
     segments = []
     for value, group in groupby(counts, key=lambda pwm: extra[pwm]):
         members = list(group)
         trip = round((base + value) * 1000.0)
         segments.append(Segment(members[0], members[-1], trip, trip - round(clear * 1000.0)))
     return tuple(segments)
-
-
-def _error_band(document: Document, rule: Deviation | Cusum, counts: range) -> dict[int, float]:
-    """The band's end on the rule's side at each |PWM|, which may lie on the other side of the model.
-
-    Where nothing is declared the widest end holds, and not less than the model itself.
-    """
-    bands = document.provenance.error if document.provenance else ()
-    found = {pwm: declared_deviation_K(bands, rule, pwm) for pwm in counts}
-    everywhere = (declared_deviation_K(bands, rule, pwm) for pwm in range(document.input.full_scale + 1))
-    widest = max((value for value in everywhere if value is not None), default=0.0)
-    return {pwm: max(0.0, widest) if value is None else value for pwm, value in found.items()}

@@ -153,7 +153,10 @@ def complete(rule: dict[str, Any], document: Document, runs: Sequence[HealthyRun
     spans = [band.pwm for band in _declared(document, component) if band.pwm[1] > 0] or [document.validity.pwm]
     other = rule.get("relative_to")
     if other is not None:
-        seen = spread(differences(runs, component, str(other)), component, spans)
+        both = differences(runs, component, str(other))
+        if not both:
+            raise InputError(f"no healthy run has both {component} and {other}")
+        seen = spread(both, component, spans)
         end = -seen.low_K if kind == "below_model" else seen.high_K
         made["threshold_K"] = max(0.0, round(end + seen.margin_K, 3))
         of = f"{component} minus {other}: {seen.low_K:+.2f}..{seen.high_K:+.2f} K in {seen.runs} healthy runs"

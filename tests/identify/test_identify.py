@@ -95,6 +95,31 @@ def test_an_offset_of_the_sensor_is_found_by_cooling_and_not_learnt() -> None:
     assert loaded.model.component("part").steady_rise([153])[0] == pytest.approx(of.steady[153], abs=0.15)
 
 
+def test_a_lagging_part_in_a_room_that_cools_is_not_taken_for_a_sensor_that_is_off() -> None:
+    """Each run ends in a falling ambient, which the part follows slowly; but each begins where the ambient is."""
+    of = plant()
+    rng = np.random.default_rng(7)
+    runs = []
+    for pwm in (60, 120, 180, 240):
+        run = measured(of, profile((pwm, 6000), (0, 3600)), rng)
+        assert run.ambient is not None
+        room = 1.2 * np.sin(2.0 * np.pi * run.time_s / 14_000.0)
+        inside = np.zeros_like(room)
+        for i in range(1, len(room)):
+            inside[i] = inside[i - 1] + (room[i - 1] - inside[i - 1]) * (run.time_s[i] - run.time_s[i - 1]) / 2000.0
+        runs.append(Run(run.time_s, run.pwm, {"part": run.temps["part"] + inside}, run.ambient + room, {}))
+    item, loaded = found_of(runs)
+    assert item.fit.offset == 0.0
+    assert free_run_error(loaded, of, profile((180, 9000), (0, 2000))) < 1.0
+
+
+def test_criteria_stand_in_the_order_of_the_speeds() -> None:
+    """The report lists them without their speeds, and files come in the order of their names."""
+    rng = np.random.default_rng(8)
+    item, _ = found_of([measured(plant(), profile((pwm, 5000)), rng) for pwm in (120, 240, 60)], most=1)
+    assert [list(by_pwm) for by_pwm in item.criteria.values()] == [[60, 120, 240]]
+
+
 def test_what_no_structure_fits_is_not_taken_for_a_sensor_that_is_off(tmp_path: Path) -> None:
     """The simulated motor's bearing is no K/A(s) without zeros; its sensors are within 1.1 K."""
     runs = []

@@ -15,12 +15,13 @@ import pytest
 
 from gen.coefficients import load, parse
 from gen.errors import InputError
+from gen.loop.admission import admitted
 from gen.loop.refine import Refinement, refine
 from gen.loop.report import page
 from gen.loop.residual import condense
 from gen.model.exact import ExactSolution
 from gen.runs import Run, read_run, write_run
-from tests.loop.plant import COEFFICIENTS
+from tests.loop.plant import COEFFICIENTS, NAMES
 from tests.loop.plant_effects import LIBRARY, OUTSIDE, make
 
 FULL = os.environ.get("GEN_CAMPAIGN") == "full"
@@ -213,6 +214,37 @@ def test_a_fault_that_nobody_declared_is_pointed_at(tmp_path: Path) -> None:
     found = refine(baseline, raw, fit, test)
     assert any("in these runs only" in warning and str(fit[1]) in warning for warning in found.warnings)
     assert not found.effects or not any(effect["evidence"]["confident"] for effect in found.effects)
+
+
+def _warnings(tmp_path: Path, rule: dict[str, object], warm_K: dict[str, float]) -> list[str]:
+    """What admission says of three runs of which the first is off by these; the file's band ends 3 K over the model."""
+    fit, _, _ = make(tmp_path, (), 3)
+    tree = json.loads(COEFFICIENTS.read_text(encoding="utf-8"))
+    base = {"name": "hot", "kind": "above_model", "component": "casing"}
+    tree["alarms"] = [base | rule]
+    tree["provenance"]["error"] = [{"component": "casing", "pwm": [0, 255], "model_minus_measured_K": [-3.0, 3.0]}]
+    run = read_run(fit[0], NAMES)
+    rises = 1.0 - np.exp(-run.time_s / 600.0)
+    write_run(fit[0], replace(run, temps={n: t + warm_K.get(n, 0.0) * rises for n, t in run.temps.items()}))
+    baseline = parse(json.dumps(tree).encode())
+    return admitted(baseline, [condense(baseline, path) for path in fit[:3]])[1]
+
+
+def test_rules_from_gen_thresholds_point_at_a_fault_too(tmp_path: Path) -> None:
+    """They count from the error band's end, so their own thresholds are small."""
+    rule = {"threshold_K": 0.8, "beyond": "error_band"}
+    (warning,) = _warnings(tmp_path, rule, {"casing": 6.0})
+    assert "in these runs only" in warning
+    assert "beyond the healthy range" in warning
+
+
+def test_what_lies_within_the_error_band_points_at_nothing(tmp_path: Path) -> None:
+    assert not _warnings(tmp_path, {"threshold_K": 0.8, "beyond": "error_band"}, {"casing": 2.0})
+
+
+@pytest.mark.parametrize(("warm_K", "said"), [({"casing": 9.0, "bearing": 9.0}, 0), ({"casing": 9.0}, 1)])
+def test_a_relative_rule_looks_at_the_difference(tmp_path: Path, warm_K: dict[str, float], said: int) -> None:
+    assert len(_warnings(tmp_path, {"threshold_K": 4.0, "relative_to": "bearing"}, warm_K)) == said
 
 
 def _gen(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

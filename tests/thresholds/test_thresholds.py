@@ -96,6 +96,16 @@ def test_a_threshold_lies_the_runs_scatter_beyond_the_band(tmp_path: Path, healt
     assert "standard deviation" in made.document.alarms[0].note
 
 
+def test_a_run_that_taught_the_model_is_pointed_at(tmp_path: Path, healthy: list[str]) -> None:
+    tree = BASE | {"provenance": BASE["provenance"] | {"data": ["somewhere/run1.csv"]}}
+    (tmp_path / "base.json").write_text(json.dumps(tree))
+    (tmp_path / "rules.json").write_text(json.dumps({"alarms": [ABOVE]}))
+    files = [str(tmp_path / "base.json"), *healthy, "--rules", str(tmp_path / "rules.json")]
+    done = CliRunner().invoke(cli, ["thresholds", *files, "--out", str(tmp_path / "made.json")])
+    assert done.exit_code == 0
+    assert [healthy.index(run) for run in healthy if f"warning: {run}" in done.output] == [1]
+
+
 def test_what_the_author_wrote_stays(tmp_path: Path, healthy: list[str]) -> None:
     rule = ABOVE | {"threshold_K": 7.0, "note": "mine"}
     limit = {"name": "limit", "kind": "over_temperature", "component": "b", "limit_degC": 99.0}

@@ -99,7 +99,9 @@ def _tree(data: Data, found: Mapping[str, Identified], settings: Settings) -> di
     low = min(item.range[0] for item in found.values())
     high = max(item.range[1] for item in found.values())
     if high > settings.full_scale:
-        raise InputError(f"found |PWM| {high} in the runs, over the full scale of {settings.full_scale}")
+        fastest = max(data.sources, key=lambda source: int(np.abs(source.run.pwm).max()))
+        message = f"found |PWM| {high}, over the full scale of {settings.full_scale}; expected another --full-scale"
+        raise InputError(message, file=str(fastest.path), place="column pwm")
     still = any(item.standstill for item in found.values())
     # With cooling known, the schedules go on to PWM 0; above the fastest speed a table holds its end by itself.
     written = (0, settings.full_scale) if still else (low, high)

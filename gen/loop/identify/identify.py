@@ -34,6 +34,9 @@ OFFSET_SURE = 4.0
 """A sensor's offset is believed when it is this many standard deviations from zero, and known to 0.4 K."""
 OFFSET_MOST = 2.0 * OFFSET_PRIOR
 """A larger one is no offset, K: more than two sensors differ by. It says that no structure tried fits the part."""
+COLDER = 0.5
+"""Nor is one with which most runs would begin with the part colder than its surroundings by this, K (two counts): an
+ambient that the part follows slowly, or a structure that does not fit, looks like an offset in coolings, not there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,7 +190,9 @@ def _with_offset(problem: Problem, chosen: Candidate) -> tuple[Fit, Uncertainty,
     if deviation > 0.4:
         return fit, spread, None
     sure = abs(trial.offset) > OFFSET_SURE * deviation and trial.cost < fit.cost
-    if sure and abs(trial.offset) <= OFFSET_MOST:
+    # As measured: a fitted start takes over whatever the structure cannot follow in the first minutes.
+    begin = float(np.median([np.mean(record.rise[:3]) for record in problem.records])) - trial.offset
+    if sure and abs(trial.offset) <= OFFSET_MOST and begin > -COLDER:
         return trial, found, deviation
     return fit, spread, deviation
 
@@ -213,7 +218,7 @@ def _criteria(problem: Problem, candidate: Candidate, choice: Choice) -> dict[in
     parameters = candidate.structure.order + 2.0
     return {
         node: criteria(np.concatenate(errors[node]), np.concatenate(values[node]), effective[node], parameters)
-        for node in errors
+        for node in sorted(errors)
     }
 
 

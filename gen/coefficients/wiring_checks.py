@@ -1,0 +1,37 @@
+"""What a board with thermocouples lacks for its rules and its model: allowed, but seldom meant."""
+
+from __future__ import annotations
+
+from gen.coefficients.alarms import OverTemperature
+from gen.coefficients.document import Document
+
+
+def check_wiring(document: Document) -> tuple[str, ...]:
+    """Warn of rules on parts that the board does not measure, and of an ambient that nobody tells it.
+
+    A file without thermocouples is for a library in somebody's own sketch, which may have them from elsewhere: it is
+    let pass.
+
+    Returns
+    -------
+    tuple of str
+        Warnings.
+    """
+    wired = document.wiring.thermocouples if document.wiring is not None else ()
+    if not wired:
+        return ()
+    measured = {chip.channel for chip in wired}
+    warnings = []
+    for index, rule in enumerate(document.alarms):
+        other = None if isinstance(rule, OverTemperature) else rule.relative_to
+        for key, part in (("component", rule.component), ("relative_to", other)):
+            if part is not None and part not in measured:
+                warnings.append(
+                    f'$.alarms[{index}].{key}: the rule "{rule.name}" is never raised, because "{part}" has no '
+                    "thermocouple in $.wiring.thermocouples"
+                )
+    if "ambient" not in measured and document.ambient.fixed_degC is None:
+        warnings.append(
+            "$.ambient: no thermocouple measures the ambient, and there is no fixed_degC: the board takes 25 degC"
+        )
+    return tuple(warnings)
