@@ -74,6 +74,7 @@ def effects_context(program: Program) -> dict[str, Any] | None:
     return {
         "tracked": tracked,
         "parts": [component for component in tracked if component["part"]],
+        "states": any(part.followers or part.inners or part.lags for part in effects.components),
         "heating": [c["name"] for c in tracked if c["part"] and c["part"]["heats"]],
         "finer": [c["name"] for c in tracked if c["felt"] is not None and c["part"] and c["part"]["sixth"]],
         "shown": [component["name"] for component in tracked if component["part"]],
