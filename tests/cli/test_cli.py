@@ -402,7 +402,9 @@ def test_verify_ends_with_1_if_a_word_differs_and_says_so_in_its_json(
     monkeypatch.setattr(verification, "verify", run)
     out = tmp_path / "v.json"
     options = ["--arithmetic", "fixed", "--schedule", "table", "--speed", "normal", "--target", "host"]
-    monkeypatch.setattr(sys, "argv", ["gen", "verify", str(COEFFICIENTS), *options, "--scale", "0.005", "--json", str(out)])
+    monkeypatch.setattr(
+        sys, "argv", ["gen", "verify", str(COEFFICIENTS), *options, "--scale", "0.005", "--json", str(out)]
+    )
     try:
         main()
         status: object = 0

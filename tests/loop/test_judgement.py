@@ -10,12 +10,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gen.coefficients import parse
+from gen.loop.admission import admitted
 from gen.loop.evidence import ALONE, TOO_LITTLE, Judgement, judge, p_better
 from gen.loop.fit import Fit, Term
 from gen.loop.found import Candidate, Found, Tracing
 from gen.loop.problem import Problem
 from gen.loop.refine import entry, extended_text, judge_verdict
+from gen.loop.residual import Condensed
 from gen.model.effects import Free, Variant, registry
+from tests.verify_helpers import ROOT, example
 
 Array = NDArray[np.float64]
 
@@ -152,7 +156,9 @@ def tracing(before: tuple[float, ...], after: tuple[float, ...], *found: Found) 
     made = SimpleNamespace(components=names, noise_K=np.full(len(names), 0.5))
 
     def fits(ratios: tuple[float, ...]) -> dict[str, Fit]:
-        return {n: fitted(np.full((BINS, RUNS), 0.5 * np.sqrt(r * r - 1.0))) for n, r in zip(names, ratios, strict=True)}
+        return {
+            n: fitted(np.full((BINS, RUNS), 0.5 * np.sqrt(r * r - 1.0))) for n, r in zip(names, ratios, strict=True)
+        }
 
     return Tracing(cast(Problem, made), list(found), fits(after), fits(before), {}, 20)
 
@@ -188,6 +194,49 @@ def test_an_interval_has_two_standard_errors_to_each_side_within_what_is_possibl
     assert entry(found, traced)["evidence"]["intervals_95"]["reverse_heating"] == pytest.approx([1.5, 2.5])
     traced.final["part0"] = fitted(residual(9), value=4.8, spread=0.25)
     assert entry(found, traced)["evidence"]["intervals_95"]["reverse_heating"] == pytest.approx([4.3, 5.0])
+
+
+def logged(name: str, residual_K: float = 0.0, **comments: str) -> Condensed:
+    """A run at PWM 128 whose casing is off by so much all the time."""
+    trace = SimpleNamespace(residual=np.full(40, residual_K))
+    made = SimpleNamespace(name=name, pwm=np.full(40, 128.0), traces={"casing": trace}, comments=comments)
+    return cast(Condensed, made)
+
+
+@pytest.mark.parametrize(
+    ("comments", "taken"),
+    [
+        ({}, True),
+        ({"fault": "none"}, True),
+        ({"healthy": "yes"}, True),
+        ({"fault": "Bearing"}, False),
+        ({"healthy": "no"}, False),
+        ({"fault": "none", "healthy": "False"}, False),
+    ],
+)
+def test_a_run_of_a_motor_that_was_not_healthy_teaches_nothing(comments: dict[str, str], taken: bool) -> None:
+    kept, warnings = admitted(example("my1016"), [logged("good.csv"), logged("this.csv", **comments)])
+    assert [run.name for run in kept] == ["good.csv", *(["this.csv"] if taken else [])]
+    assert bool([text for text in warnings if text.startswith("this.csv")]) != taken
+
+
+@pytest.mark.parametrize(
+    ("kind", "off_K", "warned"),
+    [
+        ("above_model", 6.0, True),
+        ("above_model", -6.0, False),
+        ("below_model", -6.0, True),
+        ("below_model", 6.0, False),
+        ("above_model", 4.5, False),
+    ],
+)
+def test_what_looks_like_a_fault_that_a_rule_watches_for_is_pointed_at(kind: str, off_K: float, warned: bool) -> None:
+    document = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
+    document["alarms"] = [{"name": "watch", "kind": kind, "component": "casing", "threshold_K": 5.0}]
+    coefficients = parse(json.dumps(document).encode())
+    kept, warnings = admitted(coefficients, [logged("good.csv"), logged("odd.csv", off_K)])
+    assert len(kept) == 2
+    assert bool([text for text in warnings if '"watch"' in text and "odd.csv" in text]) == warned
 
 
 def test_effects_that_the_file_has_already_stay() -> None:
