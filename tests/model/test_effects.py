@@ -183,7 +183,7 @@ def test_heat_from_a_measured_part_counts_from_the_ambient() -> None:
 
 
 def test_an_ambient_that_is_warm_at_the_start_already_shifts_nothing() -> None:
-    """The part shows 38 degC in a room of 36: it is 2 K over that room, and what the sensor shows is where it starts."""
+    """The part shows 38 degC in a room of 36: whatever its rise is counted from, it starts where the sensor is."""
     room = ROOM + 6.0
     made = _with({"name": "ambient", "component": "casing", "parameters": {"delayed": True}})
     shown = ExtendedSolution(made.model, made.effects).simulate_times(
