@@ -153,7 +153,7 @@ def test_hurwitz_sees_an_oscillation_that_grows(pairs: list[tuple[float, float]]
     """Drawn by its poles: coefficients drawn one by one hardly ever come near the border with all signs right."""
     poles = [complex(re, sign * im) for re, im in pairs for sign in (1, -1)] + real
     if len(poles) <= 4 and abs(largest := max(complex(pole).real for pole in poles)) > 1e-3:
-        assert bool(_hurwitz(np.poly(poles).real[None])[0]) == (largest < 0)
+        assert bool(_hurwitz(np.asarray(np.poly(poles).real[None], dtype=np.float64))[0]) == (largest < 0)
 
 
 def test_spans() -> None:

@@ -8,6 +8,8 @@ import time
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
@@ -18,7 +20,7 @@ from gen.emulate.firmware import Firmware, build_firmware
 from gen.emulate.plant import STEP_S, BenchPlant, Plant
 from gen.emulate.results import results_of, summary
 from gen.emulate.rig import RigPlant
-from gen.emulate.session import Event, Session, run_session
+from gen.emulate.session import Event, Session, _Runner, run_session
 from gen.emulate.terminal import PseudoTerminal
 from gen.runs import read_run
 from tests.verify_helpers import ROOT
@@ -164,3 +166,16 @@ def test_a_recorder_that_comes_late_can_ask_for_the_header(make_board: MakeBoard
 def test_the_pace_is_kept(make_board: MakeBoard) -> None:
     session = run_session(make_board(), 4.0, pace=4.0)
     assert session.wall_s == pytest.approx(1.0, abs=0.4)
+
+
+@pytest.mark.parametrize("baud", [9600, 115200])
+def test_noise_on_the_line_lasts_as_long_as_it_says(baud: int) -> None:
+    """A byte takes ten bits: start, eight, stop."""
+    sent = bytearray()
+    board = SimpleNamespace(
+        mega=SimpleNamespace(uart_send=sent.extend, resets=0), wiring=SimpleNamespace(serial_baud=baud)
+    )
+    runner = _Runner(cast(Board, board), Session(), (), None)
+    runner.happen(Event(0.0, "flood", 4.0))
+    assert len(sent) * 10 / baud == pytest.approx(4.0, abs=0.002)
+    assert b"\n" in sent[:200]

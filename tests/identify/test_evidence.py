@@ -57,7 +57,7 @@ def test_an_interval_s_half_width_is_students(freedom: float, factor: float) -> 
 
 
 def record(rise: Array, pwm: NDArray[np.int64] | None = None, sample_s: float = 2.0) -> Record:
-    time = np.arange(rise.size) * sample_s
+    time = np.arange(rise.size, dtype=np.float64) * sample_s
     made = condense("run", time, np.full(rise.size, 100) if pwm is None else pwm, 30.0 + rise, 30.0)
     assert made is not None
     return made

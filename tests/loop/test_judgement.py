@@ -196,10 +196,10 @@ def test_an_interval_has_two_standard_errors_to_each_side_within_what_is_possibl
     assert entry(found, traced)["evidence"]["intervals_95"]["reverse_heating"] == pytest.approx([4.3, 5.0])
 
 
-def logged(name: str, residual_K: float = 0.0, **comments: str) -> Condensed:
+def logged(name: str, residual_K: float = 0.0, comments: dict[str, str] | None = None) -> Condensed:
     """A run at PWM 128 whose casing is off by so much all the time."""
     trace = SimpleNamespace(residual=np.full(40, residual_K))
-    made = SimpleNamespace(name=name, pwm=np.full(40, 128.0), traces={"casing": trace}, comments=comments)
+    made = SimpleNamespace(name=name, pwm=np.full(40, 128.0), traces={"casing": trace}, comments=comments or {})
     return cast(Condensed, made)
 
 
@@ -215,7 +215,7 @@ def logged(name: str, residual_K: float = 0.0, **comments: str) -> Condensed:
     ],
 )
 def test_a_run_of_a_motor_that_was_not_healthy_teaches_nothing(comments: dict[str, str], taken: bool) -> None:
-    kept, warnings = admitted(example("my1016"), [logged("good.csv"), logged("this.csv", **comments)])
+    kept, warnings = admitted(example("my1016"), [logged("good.csv"), logged("this.csv", comments=comments)])
     assert [run.name for run in kept] == ["good.csv", *(["this.csv"] if taken else [])]
     assert bool([text for text in warnings if text.startswith("this.csv")]) != taken
 

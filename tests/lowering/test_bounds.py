@@ -89,7 +89,8 @@ def worst(played: Played) -> tuple[float, float]:
 def _q(c: Array, exact: Dynamics, x: Array, pwm: NDArray[np.int64]) -> Array:
     away = x.copy()
     away[:, 0] -= exact.steady[pwm]
-    return -np.einsum("lj,lj->l", c[pwm], away)
+    found: Array = -np.einsum("lj,lj->l", c[pwm], away)
+    return found
 
 
 CASES = {

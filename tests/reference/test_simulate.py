@@ -45,7 +45,7 @@ def test_a_run_starts_from_its_first_measured_temperature(arithmetic: Literal["e
 @pytest.mark.parametrize("first", [0.1, 2.6, 5.7])
 def test_the_board_s_samples_are_counted_from_the_run_s_first_row(first: float) -> None:
     """Decimal times are not exact in binary: a row on the grid must not be taken for one just before it."""
-    time = np.arange(400) * 0.25
+    time = np.arange(400, dtype=np.float64) * 0.25
     pwm = np.where(np.arange(400) % 7 < 3, 255, 0).astype(np.int64)
     plain = simulate_run(example("my1016"), run(time, pwm), "fixed", "ambient", "run.csv")
     moved = simulate_run(example("my1016"), run(np.round(first + time, 6), pwm), "fixed", "ambient", "run.csv")
