@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import zlib
+from functools import cache
 
 import pytest
 
@@ -17,6 +18,7 @@ RECORD = 14  # identity 4, number 4, alarms 2, CRC 4
 WRITTEN_S = RECORD * 0.25 + 1.0
 
 
+@cache
 def place() -> tuple[int, int]:
     context = device_context(variant("often_copied"), lower(variant("often_copied"), "fixed", "table"))
     return context["latch"]["at"], context["latch"]["slots"]
