@@ -29,6 +29,16 @@ def test_the_file_holds_the_published_numbers() -> None:
     assert sum(len(functions) for functions in study.transfer_functions.values()) == 80
 
 
+def test_functions_that_nobody_transcribed_twice_settle_where_the_study_measured() -> None:
+    """A slipped digit of gain or pole would move the steady rise; the other orders hold poles near 0 and settle nowhere."""
+    study = read_study(TABLES)
+    for name, functions in study.transfer_functions.items():
+        first = [function for function in functions if function.order == 1]
+        for function, measured in zip(first, study.measured_steady_degC[name], strict=True):
+            rise = function.numerator * function.pwm / function.denominator[-1]
+            assert rise == pytest.approx(measured - 30.0, abs=2.5), (name, function.pwm)
+
+
 def test_all_but_the_magnet_s_outlier_come_back() -> None:
     entries = reproduce(read_study(TABLES))
     errors = [e for e in entries if e.table in ("4.11", "4.13")]
