@@ -14,8 +14,10 @@ from gen.loop.identify.bands import NEAREST, Band, next_speed
 from gen.loop.identify.evidence import Uncertainty, criteria, residual_noise, residual_tests
 from gen.loop.identify.fit import Fit, Problem
 from gen.loop.identify.forms import Form
+from gen.loop.identify.linearity import linearity
 from gen.loop.identify.orders import Candidate, _held_out, beats
 from gen.loop.identify.records import Record, condense
+from gen.loop.identify.structure import Structure
 
 Array = NDArray[np.float64]
 
@@ -139,3 +141,17 @@ def test_the_next_speed_is_where_least_is_known() -> None:
     chosen = next_speed([near], [51, 102, 204, 255], {})
     assert chosen is not None
     assert abs(chosen[0] - 102) >= NEAREST  # so near to a speed that is known it would say little
+
+
+@pytest.mark.parametrize(("spread", "linear"), [(0.0, True), (0.05, True), (0.5, False)])
+def test_one_pole_that_moves_with_speed_makes_the_system_not_linear(
+    spread: float, linear: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The slow one stands still: that is not enough."""
+    speeds = np.array([60, 130, 200])
+    theta = np.stack([np.full(3, np.log(2000.0)), np.log(100.0) + spread * np.array([-1.0, 0.0, 1.0])], axis=1)
+    layout = SimpleNamespace(positive=speeds, nodes=speeds, structure=Structure(2))
+    fit = SimpleNamespace(layout=layout, theta=theta, steady=0.2 * speeds)
+    judge = SimpleNamespace(error_at=lambda *_: np.zeros((1, 1)))
+    monkeypatch.setattr("gen.loop.identify.linearity.Judge", lambda *_: judge)
+    assert linearity(cast(Problem, None), cast(Fit, fit)).linear is linear

@@ -11,11 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gen.verify import runners
+from gen.verify.accuracy import ErrorCourse
 from gen.verify.avr.compile import Sizes
 from gen.verify.compare import first_mismatch
 from gen.verify.profiles import Profile
 from gen.verify.runners import AvrRunner
-from gen.verify.verify import verify
+from gen.verify.verify import CombinationResult, TargetResult, summary, verify
 from tests.verify_helpers import example
 
 KIND = np.dtype([("a.x1.lo", "<u2"), ("a.x1.hi", "<i4"), ("a.S", "<i4"), ("flags", "u1")])
@@ -83,3 +84,16 @@ def test_a_rule_that_judges_otherwise_on_the_board_fails_the_verification() -> N
     differing = [target.target for target in result.targets if target.differing]
     assert len(differing) == 1
     assert "alarms" in differing[0]
+
+
+def result(differing: int) -> CombinationResult:
+    course = ErrorCourse([1.0], {"part": [0.0]})
+    targets = [TargetResult("one", 10, 20, 0), TargetResult("other", 10, 20, differing)]
+    return CombinationResult("fixed", "table", targets, {"part": 1e-5}, {"part": 0.0}, course)
+
+
+def test_one_word_of_one_target_makes_the_whole_different() -> None:
+    coefficients = example("my1016")
+    assert summary(coefficients, [result(0), result(0)])["verdict"] == "equal"
+    found = summary(coefficients, [result(0), result(1), result(0)])
+    assert (found["verdict"], found["differing"], found["words"]) == ("different", 1, 120)
