@@ -94,23 +94,3 @@ def test_a_number_that_lost_a_digit_is_not_obeyed(power_up: Open) -> None:
     board.uart_send(numbers.encode(), byte_cycles=100)  # the buffer overflows: digits are missing here and there
     said = board.hear(2.0)
     assert {row["pwm"] for row in said.rows} <= {"0", "222"}
-
-
-def test_a_row_that_did_not_fit_is_told_by_the_next_one(power_up: Open) -> None:
-    """A line at 9600 baud that has a row a sample and an answer to give: the log must say that rows are missing."""
-    board = warm(power_up("slow_line"))
-    board.started()
-    board.hear(3.0)
-    board.send("rows 1")
-    board.send("?")
-    rows = board.hear(6.0).rows
-    times = np.array([float(row["time_s"]) for row in rows])
-    missing = np.flatnonzero(np.diff(times) > 0.251)
-    assert len(missing) >= 1
-    told = np.array([bool(int(row["flags"]) & DROPPED) for row in rows])
-    assert told[missing + 1].all()
-    assert told.sum() == len(missing)
-    lost = round(float(np.sum(np.diff(times) / 0.25 - 1.0)))
-    board.send("?")
-    (status,) = [event for event in board.hear(6.0).events if " dropped " in event]
-    assert int(status.split(" dropped ")[1].split()[0]) >= lost

@@ -82,10 +82,6 @@ def _autostart(tree: Tree) -> None:
     tree["wiring"]["drive"]["profile"] |= {"repeat": True, "autostart": True}
 
 
-def _slow_line(tree: Tree) -> None:
-    tree["wiring"]["serial_baud"] = 9600
-
-
 def _watched_brush(tree: Tree) -> None:
     """One rule, at a part whose slopes a start from its temperature alone does not know."""
     _often_copied(tree)
@@ -109,7 +105,6 @@ VARIANTS: Mapping[str, Callable[[Tree], None]] = {
 
 FURTHER: Mapping[str, Callable[[Tree], None]] = {
     "autostart": _autostart,
-    "slow_line": _slow_line,
     "watched_brush": _watched_brush,
 }
 """For a test or two of their own; wired as one of the others."""
