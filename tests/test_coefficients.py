@@ -163,6 +163,17 @@ def test_hurwitz_agrees_with_the_roots(order: int, data: st.DataObject) -> None:
         assert bool(_hurwitz(a[None])[0]) == (largest < 0)
 
 
+_PAIR = st.tuples(st.floats(-2.0, 0.3), st.floats(0.0, 3.0))
+
+
+@given(st.lists(_PAIR, min_size=1, max_size=2), st.lists(st.floats(-2.0, -0.01), max_size=1))
+def test_hurwitz_sees_an_oscillation_that_grows(pairs: list[tuple[float, float]], real: list[float]) -> None:
+    """Drawn by its poles: coefficients drawn one by one hardly ever come near the border with all signs right."""
+    poles = [complex(re, sign * im) for re, im in pairs for sign in (1, -1)] + real
+    if len(poles) <= 4 and abs(largest := max(complex(pole).real for pole in poles)) > 1e-3:
+        assert bool(_hurwitz(np.asarray(np.poly(poles).real[None], dtype=np.float64))[0]) == (largest < 0)
+
+
 def test_spans() -> None:
     assert spans(np.array([1, 2, 7, 9, 10, 11])) == "1..2, 7, 9..11"
 

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ import pytest
 from gen.cli import main
 from gen.errors import InputError
 from gen.files import check_outputs, replace_folder, write_text
+from gen.verify import verify as verification
 from tests.verify_helpers import ROOT
 
 COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"
@@ -382,3 +384,36 @@ def test_fast_is_for_fixed_point_with_a_table_only(command: str, options: list[s
     assert len(done.stderr.strip().splitlines()) == 1
     assert "--speed fast" in done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("planted", [True, False])
+def test_verify_ends_with_1_if_a_word_differs_and_says_so_in_its_json(
+    planted: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What a script looks at: the status, and the verdict."""
+
+    def wrong(files: dict[str, str]) -> dict[str, str]:
+        path = next(path for path in files if path.endswith("_word.h"))
+        old = "(uint16_t)(whole & 0xFFFF)"
+        assert old in files[path]
+        return files | {path: files[path].replace(old, "(uint16_t)(whole & 0xFFFE)", 1)}
+
+    run = partial(verification.verify, mutation=wrong if planted else None, host_builds=["g++ -O2"])
+    monkeypatch.setattr(verification, "verify", run)
+    out = tmp_path / "v.json"
+    options = ["--arithmetic", "fixed", "--schedule", "table", "--speed", "normal", "--target", "host"]
+    monkeypatch.setattr(
+        sys, "argv", ["gen", "verify", str(COEFFICIENTS), *options, "--scale", "0.005", "--json", str(out)]
+    )
+    try:
+        main()
+        status: object = 0
+    except SystemExit as ended:
+        status = ended.code or 0
+    assert status == (1 if planted else 0)
+    found = json.loads(out.read_text())
+    assert found["verdict"] == ("different" if planted else "equal")
+    assert (found["differing"] > 0) == planted
+    said = capsys.readouterr()
+    assert ("words differ" in said.err) == planted
+    assert ("none differs" in said.out) != planted

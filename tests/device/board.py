@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,7 +11,8 @@ from gen.emulate.devices import DeviceMega
 
 OPEN, ZEROS, ONES = 0x0004, 0x0000, 0xFFFF
 #: The sketch's flags (`device.h`).
-LATE, DROPPED, STALL, AMBIENT, STOPPED, NOISY = 0x100, 0x200, 0x400, 0x1000, 0x2000, 0x4000
+LATE, DROPPED, STALL, MEMORY = 0x100, 0x200, 0x400, 0x800
+AMBIENT, STOPPED, NOISY = 0x1000, 0x2000, 0x4000
 TEMPERATURES = {"brush": 61.25, "bearing": 55.5, "magnet": 52.0, "casing": 50.75, "ambient": 24.5}
 
 
@@ -72,6 +74,14 @@ class Board(DeviceMega):
                 assert len(fields) == len(said.columns), line
                 said.rows.append(dict(zip(said.columns, fields, strict=True)))
         return said
+
+    def run_until(self, condition: Callable[[], bool], most_s: float, *, step_s: float = 0.02) -> None:
+        """Run on until something holds, looking every `step_s`."""
+        for _ in range(round(most_s / step_s)):
+            if condition():
+                return
+            self.run_seconds(step_s)
+        raise AssertionError(f"it did not come within {most_s:g} s")
 
     def started(self) -> Said:
         """Run until the model has started, and half a second more; what was said before the reset is left out."""

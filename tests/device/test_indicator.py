@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.device.board import OPEN, Board
+from tests.device.board import OPEN, TEMPERATURES, Board, warm
 from tests.device.conftest import Open
 
 LED, BUTTON = 13, 22
@@ -48,6 +48,22 @@ def test_a_sensor_that_is_not_believed_flickers(power_up: Open) -> None:
     board.set_celsius("casing", 30.0)
     board.hear(3.0)
     assert len(lit(board, 6.0)) < 5
+
+
+def test_an_alarm_s_first_number_is_right_already(power_up: Open) -> None:
+    """Whoever looks when it comes on must not read another rule's number."""
+    board = power_up(test_alarms=True)
+    board.started()
+    probe = board.add_probe(LED)
+    board.write("test_alarms", 1 << 3)
+    board.run_seconds(6.0)
+    edges = board.probe(probe)
+    lengths = [b - a for (a, on), (b, _) in pairwise(zip(edges.seconds, edges.levels, strict=True)) if on]
+    on = [float(t) for t, level in zip(edges.seconds, edges.levels, strict=True) if level]
+    blinks = [t for t, length in zip(on, lengths, strict=False) if length > 0.16]
+    first = [t for t in blinks if t - blinks[0] < 4 * 0.6]
+    assert len(first) == 4
+    assert len(blinks) == 4 or blinks[4] - blinks[3] > 1.0
 
 
 @pytest.mark.parametrize("rule", [0, 2, 5])
@@ -92,3 +108,42 @@ def test_the_button_resets_alarms_once_it_has_stopped_bouncing(power_up: Open) -
     board.write("test_alarms", 0b10)
     board.hear(1.0)
     assert board.read("test_alarms") == 0b10  # held down, it acts once
+
+
+def test_touches_shorter_than_a_press_reset_nothing_whenever_they_come(power_up: Open) -> None:
+    board = power_up(test_alarms=True)
+    board.started()
+    board.write("test_alarms", 0b10)
+    board.hear(1.0)
+    for _ in range(16):  # the button is read every 32 ms: some of these meet a reading
+        board.drive_pin(BUTTON, False)
+        board.run_seconds(0.012)
+        board.drive_pin(BUTTON, None)
+        board.run_seconds(0.093)
+    assert board.read("test_alarms") == 0b10
+
+
+def test_a_button_that_is_held_through_a_reset_acknowledges_nothing(power_up: Open) -> None:
+    """Stuck, or pressed by mistake while the power comes back: nobody has seen the alarm yet."""
+    board = power_up("often_copied", test_alarms=True)
+    board.started()
+    board.write("test_alarms", 0b10)
+    board.hear(5.0)  # kept in EEPROM
+    board.drive_pin(BUTTON, False)
+    board.press_reset()
+    board.started()
+    board.hear(1.0)
+    assert board.read("test_alarms") == 0b10
+
+
+def test_the_button_confirms_a_sensor_s_new_level_as_reset_does(power_up: Open) -> None:
+    board = warm(power_up())
+    board.started()
+    board.hear(2.0)
+    board.set_celsius("casing", 20.0 + TEMPERATURES["casing"])
+    assert board.hear(10.0).rows[-1]["sensors"] == "00050"
+    board.drive_pin(BUTTON, False)
+    board.hear(0.5)
+    board.drive_pin(BUTTON, None)
+    row = board.hear(3.0).rows[-1]
+    assert (row["casing_degC"], row["sensors"]) == ("70.75", "00000")

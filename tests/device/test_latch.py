@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import random
 import zlib
+from functools import cache
 
 import pytest
 
 from gen.firmware.device import device_context
 from gen.lowering.lower import lower
-from tests.device.board import Board
+from tests.device.board import MEMORY, Board
 from tests.device.conftest import Open
 from tests.device.variants import variant
 
@@ -17,6 +18,7 @@ RECORD = 14  # identity 4, number 4, alarms 2, CRC 4
 WRITTEN_S = RECORD * 0.25 + 1.0
 
 
+@cache
 def place() -> tuple[int, int]:
     context = device_context(variant("often_copied"), lower(variant("often_copied"), "fixed", "table"))
     return context["latch"]["at"], context["latch"]["slots"]
@@ -134,3 +136,22 @@ def test_alarms_come_before_a_copy_that_is_being_written(power_up: Open) -> None
     assert board.eeprom_counts.writes >= begun + RECORD + 40
     board.press_reset()
     assert board.started().events[-1].endswith("start from memory")
+
+
+def test_a_worn_out_byte_is_flagged_and_the_alarm_goes_to_the_next_slot(power_up: Open) -> None:
+    """What was written is read again: an alarm that is not kept must not look as if it were."""
+    board = raised(power_up, 1)
+    board.write("test_alarms", 3)
+    board.run_until(lambda: records(board.eeprom)[-1] == (2, 3) and not board.eeprom_busy, WRITTEN_S)
+    contents = bytearray(board.eeprom)
+    place_of_it = next(at for at in range(place()[0], 4096) if contents[at + 4 : at + 10] == b"\2\0\0\0\3\0")
+    contents[place_of_it + 8] ^= 0x04
+    board.eeprom = bytes(contents)
+    said = board.hear(1.5)
+    assert any(int(row["flags"]) & MEMORY for row in said.rows)
+    board.hear(WRITTEN_S)
+    assert records(board.eeprom)[-1] == (3, 3)
+    assert not int(board.hear(2.5).rows[-1]["flags"]) & MEMORY
+    board.press_reset()
+    board.started()
+    assert shown(board) == 3

@@ -10,7 +10,7 @@ import pytest
 
 from gen.firmware.device import device_context
 from gen.lowering.lower import lower
-from tests.device.board import Board
+from tests.device.board import MEMORY, OPEN, Board
 from tests.device.conftest import Open
 from tests.device.variants import variant
 
@@ -71,15 +71,16 @@ def test_after_a_reset_the_model_goes_on_where_the_copy_was_made(power_up: Open)
     board = warm(power_up("often_copied"))
     board.started()
     board.send("255")
-    rows = board.hear(COPIED_S).rows
+    rows = board.hear(COPIED_S + 60.0).rows
     board.press_reset()
     said = board.started()
     assert said.comments["reset"] == "external"
     assert said.events[-1].endswith("start from memory")
-    copied = next(row for row in rows if float(row["time_s"]) >= 60.0)
+    older, copied = (next(row for row in rows if float(row["time_s"]) >= time) for time in (60.0, 120.0))
     for channel in ("brush", "bearing", "magnet", "casing"):
         column = f"{channel}_model_degC"
         assert float(said.rows[0][column]) == pytest.approx(float(copied[column]), abs=0.005)
+    assert float(copied["bearing_model_degC"]) - float(older["bearing_model_degC"]) > 0.02  # nor is it the older copy
     assert float(copied["bearing_model_degC"]) - MEASURED["bearing"] > 0.1  # another than a start from measured gives
 
 
@@ -152,3 +153,41 @@ def test_the_firmwares_crc_is_written_once(power_up: Open) -> None:
     assert board.eeprom[-8:-4] == crc.to_bytes(4, "little")
     board.press_reset()
     assert not any("firmware is new" in event for event in board.started().events)
+    board.eeprom = board.eeprom[:-1] + bytes([board.eeprom[-1] ^ 0x10])  # half written, or worn out: it says nothing
+    board.press_reset()
+    assert any("firmware is new" in event for event in board.started().events)
+
+
+def test_a_copy_that_cannot_be_read_again_is_flagged_until_the_next_is_right(power_up: Open) -> None:
+    board = warm(power_up("often_copied"))
+    board.started()
+    board.hear(60.0)
+
+    def sound() -> list[int]:
+        found = [slot for slot in slots(board.eeprom) if zlib.crc32(slot[:-4]) == int.from_bytes(slot[-4:], "little")]
+        return sorted(int.from_bytes(slot[4:8], "little") for slot in found)
+
+    board.run_until(lambda: sound() == [1] and not board.eeprom_busy, COPIED_S - 60.0)
+    contents = bytearray(board.eeprom)
+    newest = next(i for i, slot in enumerate(slots(board.eeprom)) if slot[4:8] == b"\1\0\0\0")
+    contents[newest * RECORD + 20] ^= 1
+    board.eeprom = bytes(contents)
+    assert int(board.hear(2.5).rows[-1]["flags"]) & MEMORY
+    board.send("test")
+    findings = [event.split(" ", 1)[1] for event in board.hear(5.0).events]
+    assert "test eeprom FAILED 0 copies" in findings
+    assert "test FAILED" in findings
+    board.hear(60.0 + RECORD * 0.25)
+    assert len(sound()) == 1
+    assert not int(board.hear(2.5).rows[-1]["flags"]) & MEMORY
+    board.send("test")
+    assert any("test eeprom ok 1 copies" in event for event in board.hear(5.0).events)
+
+
+def test_a_copy_is_not_used_when_no_sensor_can_confirm_it(power_up: Open, kept: dict[str, bytes]) -> None:
+    """The motor may have cooled for hours: a copy that nothing speaks for is no start."""
+    board = warm(power_up("often_copied"))
+    for chip in board.chips.values():
+        board.set_word(chip, OPEN)
+    board.eeprom = image(power_up, kept, 1)
+    assert board.started().events[-1].endswith("start from ambient")

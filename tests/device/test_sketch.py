@@ -209,6 +209,22 @@ def test_speed_comes_from_the_pulses_and_a_stall_is_flagged(power_up: Open, name
     assert 1.0 <= stalled[0] - float(rows[0]["time_s"]) <= 2.3  # 2 s after the last pulse, up to 1 s before that row
     board.send("30")  # too little to turn it: no stall
     assert not int(board.hear(1.0).rows[-1]["flags"]) & STALL
+    board.send("-200")  # backwards it has to turn as well
+    assert int(board.hear(3.5).rows[-1]["flags"]) & STALL
+
+
+def test_a_late_sample_does_not_make_the_motor_faster(power_up: Open) -> None:
+    """Pulses are divided by the time in which they came, not by the time in which they should have come."""
+    board = power_up()
+    board.attach_encoder(2)
+    board.started()
+    board.send("rows 1")
+    board.send_pulses(5 * 11_000, 5.0)
+    board.hear(2.1)
+    board.write("tick_due", board.read("tick_due") + 125)  # half a sample later
+    rows = board.hear(1.5).rows
+    assert len(rows) >= 4
+    assert [float(row["speed_rpm"]) for row in rows] == pytest.approx([1320.0] * len(rows), rel=0.005)
 
 
 @pytest.mark.parametrize(("name", "pin"), [("my1016", 2), ("counted", 47)])
@@ -256,6 +272,9 @@ def test_anothers_pwm_is_measured(power_up: Open, pwm: int) -> None:
     assert all(abs(int(row["pwm"]) - pwm) <= 2 for row in rows)
     board.send("10")
     assert any("rejected" in event for event in board.hear(1.0).events)
+    if 0 < pwm < 240:  # a small change is one, too
+        board.drive_wave(4, (pwm + 10) / 255)
+        assert abs(int(board.hear(2.0).rows[-1]["pwm"]) - pwm - 10) <= 2
 
 
 def test_the_profile_runs_and_ends(power_up: Open) -> None:
@@ -290,6 +309,8 @@ def test_an_alarm_that_says_so_stops_the_motor_until_reset(power_up: Open) -> No
     assert board.hear(1.0).rows[-1]["pwm"] == "0"  # it does not start by itself
     board.send("200")
     assert board.hear(1.0).rows[-1]["pwm"] == "200"
+    board.write("test_alarms", 0x0001)
+    assert any(event.endswith("alarm test") for event in board.hear(1.0).events)  # raised again, it is told again
 
 
 def follow(board: Board, seconds: float, excess: float) -> Said:
@@ -358,7 +379,18 @@ def test_the_self_test_knows_the_flash(power_up: Open, tmp_path: Path) -> None:
     board.send("test")
     findings = [event.split(" ", 1)[1] for event in board.hear(5.0).events]
     assert f"test flash FAILED {crc}" in findings
+    assert any(finding.startswith("test ram ok ") for finding in findings)
     assert "test sensors FAILED 00100" in findings
+    assert "test FAILED" in findings
+
+
+def test_the_self_test_sees_that_the_stack_came_near_the_variables(power_up: Open) -> None:
+    board = power_up()
+    board.started()
+    board.poke(board.symbol("__heap_start").address - 0x800000 + 40, b"\0")  # the stack was down to here
+    board.send("test")
+    findings = [event.split(" ", 1)[1] for event in board.hear(5.0).events]
+    assert "test ram FAILED 40 bytes untouched" in findings
     assert "test FAILED" in findings
 
 

@@ -77,6 +77,18 @@ def _voltages(tree: Tree) -> None:
     tree["wiring"]["channels"] = inputs
 
 
+def _autostart(tree: Tree) -> None:
+    _profile(tree)
+    tree["wiring"]["drive"]["profile"] |= {"repeat": True, "autostart": True}
+
+
+def _watched_brush(tree: Tree) -> None:
+    """One rule, at a part whose slopes a start from its temperature alone does not know."""
+    _often_copied(tree)
+    rule = {"name": "hot", "kind": "above_model", "component": "brush", "threshold_K": 3.0, "persistence_s": 1}
+    tree["alarms"] = [rule]
+
+
 VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "my1016": _as_it_is,
     "no_wiring": _no_wiring,
@@ -91,8 +103,14 @@ VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "voltages": _voltages,
 }
 
+FURTHER: Mapping[str, Callable[[Tree], None]] = {
+    "autostart": _autostart,
+    "watched_brush": _watched_brush,
+}
+"""For a test or two of their own; wired as one of the others."""
+
 
 def variant(name: str) -> Coefficients:
     tree = copy.deepcopy(BASE)
-    VARIANTS[name](tree)
+    {**VARIANTS, **FURTHER}[name](tree)
     return parse(json.dumps(tree).encode())

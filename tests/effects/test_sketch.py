@@ -123,11 +123,12 @@ def _told(row: dict[str, str]) -> NDArray[np.int64]:
     return np.array([[round(value * 1000.0)] for value in values])
 
 
-def test_a_channel_out_of_range_is_not_used_and_flagged(board: Board) -> None:
+@pytest.mark.parametrize("volts", [5.0, 0.0])  # 25 A, either way
+def test_a_channel_out_of_range_is_not_used_and_flagged(board: Board, volts: float) -> None:
     _drive(board, 5.0, fan=False)
     board.started()
     assert float(board.hear(4.0).rows[-1]["current_A"]) == pytest.approx(5.0, abs=COUNTS)
-    board.drive_analog(CURRENT, 5.0)  # 25 A
+    board.drive_analog(CURRENT, volts)
     row = board.hear(4.0).rows[-1]
     assert row["current_A"] == ""
     assert int(row["flags"]) & CHANNEL

@@ -8,17 +8,20 @@ import time
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
 from gen.coefficients import load
-from gen.coefficients.wiring import Wiring
+from gen.coefficients.wiring import ChannelInput, Wiring
 from gen.emulate.board import Board, EncoderMode
+from gen.emulate.devices import ResetCause
 from gen.emulate.firmware import Firmware, build_firmware
-from gen.emulate.plant import STEP_S, BenchPlant, Plant
+from gen.emulate.plant import STEP_S, BenchPlant, Plant, Reading
 from gen.emulate.results import results_of, summary
 from gen.emulate.rig import RigPlant
-from gen.emulate.session import Event, Session, run_session
+from gen.emulate.session import Event, EventKind, Session, _Runner, run_session
 from gen.emulate.terminal import PseudoTerminal
 from gen.runs import read_run
 from tests.verify_helpers import ROOT
@@ -65,6 +68,11 @@ def test_the_firmware_measures_what_the_plant_has_and_drives_what_it_is_told(mak
     # Timer 0 keeps its pin high for OCR + 1 counts of 256.
     assert {153, 154} & set(plant.pwm_seen) and {-51, -52} & set(plant.pwm_seen)
     assert session.seconds == pytest.approx(20.0, abs=0.001)
+    # When the last row was printed, the board's clock and the simulation's were this far apart.
+    assert session.time_zero_s is not None
+    last = float(column(session, "time_s")[-1]) + session.time_zero_s
+    assert 18.5 < last <= 20.0
+    assert session.time_zero_s > 0.9  # four samples are confirmed before the model starts
     rpm = [float(text) for text in column(session, "speed_rpm")][3:8]
     assert rpm == pytest.approx([153 / 255 * PULSES_PER_S / 500 * 60] * 5, rel=0.01)
 
@@ -164,3 +172,43 @@ def test_a_recorder_that_comes_late_can_ask_for_the_header(make_board: MakeBoard
 def test_the_pace_is_kept(make_board: MakeBoard) -> None:
     session = run_session(make_board(), 4.0, pace=4.0)
     assert session.wall_s == pytest.approx(1.0, abs=0.4)
+
+
+@pytest.mark.parametrize("baud", [9600, 115200])
+def test_noise_on_the_line_lasts_as_long_as_it_says(baud: int) -> None:
+    """A byte takes ten bits: start, eight, stop."""
+    sent = bytearray()
+    board = SimpleNamespace(
+        mega=SimpleNamespace(uart_send=sent.extend, resets=0), wiring=SimpleNamespace(serial_baud=baud)
+    )
+    runner = _Runner(cast(Board, board), Session(), (), None)
+    runner.happen(Event(0.0, "flood", 4.0))
+    assert len(sent) * 10 / baud == pytest.approx(4.0, abs=0.002)
+    assert b"\n" in sent[:200]
+
+
+@pytest.mark.parametrize(("kind", "cause"), [("power_cut", ResetCause.POWER_ON), ("brown_out", ResetCause.BROWN_OUT)])
+def test_the_chip_is_told_how_it_lost_its_power(kind: EventKind, cause: ResetCause) -> None:
+    cuts: list[tuple[float, ResetCause]] = []
+    mega = SimpleNamespace(resets=0, cut_power=lambda off_s, *, cause, seed: cuts.append((off_s, cause)))
+    _Runner(cast(Board, SimpleNamespace(mega=mega)), Session(), (), None).happen(Event(3.0, kind, 1.5))
+    assert cuts == [(1.5, cause)]
+
+
+def test_channels_of_the_plant_reach_their_pins() -> None:
+    """10 A for each volt around 2.5 V; a contact is closed to ground."""
+    inputs = (
+        ChannelInput(column="current_A", analog_pin=54, zero_V=2.5, per_V=10.0, min=-20.0, max=20.0),
+        ChannelInput(column="fan", contact_pin=62),
+    )
+    volts: dict[int, float] = {}
+    levels: dict[int, bool | None] = {}
+    board: Any = Board.__new__(Board)
+    board.mega = SimpleNamespace(drive_analog=volts.__setitem__, drive_pin=levels.__setitem__)
+    board.wiring, board._chips = Wiring(channels=inputs), {}
+    board._show(Reading({}, 0, {"current_A": 5.0, "fan": 1.0}))
+    assert volts[54] == pytest.approx(3.0)
+    assert levels[62] is False
+    board._show(Reading({}, 0, {"current_A": -12.0, "fan": 0.0}))
+    assert volts[54] == pytest.approx(1.3)
+    assert levels[62] is None

@@ -12,14 +12,16 @@ import pytest
 from gen.coefficients import parse
 from gen.emulate.board import Board
 from gen.emulate.firmware import build_firmware
+from gen.emulate.plant import Reading
 from gen.emulate.results import results_of
 from gen.emulate.rig import RigPlant
 from gen.emulate.session import run_session
 from gen.emulate.twin import alarm_times
-from gen.rig import SensorConfig
+from gen.rig import Profile, SensorConfig
 from tests.verify_helpers import ROOT
 
 DURATION_S = 240.0
+NAMES = ("brush", "bearing", "magnet", "casing")
 
 
 RULE: dict[str, object] = {"speed_percent": [0, 100], "settle_s": 20, "persistence_s": 15}
@@ -67,3 +69,30 @@ def _raised_alike(document: dict[str, Any], cache: Path) -> set[str]:
     # The motor begins to move one step of the plant after the board's PWM.
     assert [raised[name] for name in expected] == pytest.approx(list(expected.values()), abs=0.51)
     return set(raised)
+
+
+class Stepping:
+    """Parts at 30 degC, and the casing at 60 from a sample on for a while; notes what it is driven with."""
+
+    def __init__(self, hot: range) -> None:
+        self.driven: list[int] = []
+        self._hot = hot
+
+    def step(self, pwm: int, dt_s: float) -> Reading:
+        self.driven.append(pwm)
+        celsius = dict.fromkeys((*NAMES, "ambient"), 30.0)
+        celsius["casing"] = 60.0 if len(self.driven) - 1 in self._hot else 30.0
+        return Reading({name: round(value * 4) << 3 for name, value in celsius.items()}, 0, {})
+
+
+def test_an_alarm_is_dated_by_the_first_sample_that_raised_it() -> None:
+    """Sample 0 is the start; PWM acts over the sample that ends with a reading."""
+    document = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text())
+    limit = {"name": "hot", "kind": "over_temperature", "component": "casing", "limit_degC": 50.0}
+    document["alarms"] = [limit, {**limit, "name": "never", "limit_degC": 70.0}]
+    plant = Stepping(range(9, 12))
+    profile = Profile((0.0, 1.0), (0, 100), 5.0)
+    ((first, never),) = alarm_times(parse(json.dumps(document).encode()), [plant], [profile], 5.0)
+    assert first == 9 * 0.25
+    assert np.isnan(never)
+    assert plant.driven == [0] + [0] * 4 + [100] * 16  # before the start; a second at rest; four seconds at 100

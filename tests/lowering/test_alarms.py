@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from gen.coefficients import Coefficients, parse
 from gen.errors import InputError
 from gen.lowering.alarms import START_MARGIN_K, Segment, lower_alarms, start_wait
 from gen.model.exact import ExactSolution
+from gen.reference.alarms import ReferenceAlarms
 from tests.verify_helpers import ROOT, example
 
 
@@ -92,3 +94,34 @@ def test_the_wait_outlasts_what_unknown_slopes_can_do() -> None:
             worst = max(worst, float(error.max()))
     assert worst > 5.0  # without the wait it matters
     assert start_wait(model, model.components[1], range(150, 151)) == 0
+
+
+def test_a_time_that_is_no_whole_number_of_samples_is_not_cut_short() -> None:
+    (rule,) = lower_alarms(changed(persistence_s=0.6, settle_s=0.3))
+    assert (rule.persistence, rule.settle) == (3, 2)  # a sample is 0.25 s
+
+
+def test_a_sum_s_threshold_is_kelvins_times_seconds() -> None:
+    """10 K over the slack of 0.5 K for 20 s fill a sum of 200 K s."""
+    document = json.loads((ROOT / "examples" / "two_mass" / "coeffs.json").read_text())
+    sum_of = {"name": "sum", "component": "housing", "kind": "cusum", "slack_K": 0.5, "threshold_K_s": 200.0}
+    document["alarms"] = [sum_of]
+    (rule,) = lower_alarms(parse(json.dumps(document).encode()))
+    alarms = ReferenceAlarms([replace(rule, start_wait=0)], np.array([True]))
+    model = np.full((2, 1), 40_000)
+    raised = []
+    for _ in range(100):
+        alarms.step(np.array([100]), model + 10_500, model, np.array([3]))
+        raised.append(bool(alarms.latched[0]))
+    assert raised.index(True) + 1 == 20.0 / 0.25
+
+
+def test_a_relative_rule_waits_for_the_slower_part_of_the_two() -> None:
+    """What one of the two is off by after such a start is in their difference."""
+    coefficients = changed(relative_to="winding")
+    model = coefficients.model
+    waits = {part.name: start_wait(model, part, range(256)) for part in model.components}
+    assert waits["winding"] != waits["housing"]
+    for component, other in (("housing", "winding"), ("winding", "housing")):
+        (rule,) = lower_alarms(changed(component=component, relative_to=other))
+        assert rule.start_wait == max(waits.values())

@@ -170,6 +170,30 @@ def test_ambient_through_the_thermal_mass_and_at_once() -> None:
     assert not made.effects, "reading the ambient is an entry of the file: nothing else is needed"
 
 
+def test_heat_from_a_measured_part_counts_from_the_ambient() -> None:
+    oven = 60.0 + 10.0 * np.sin(TIME / 1000.0)
+    parameters = {"source": "oven_degC", "conductance_per_s": 4e-4}
+    made = _with({"name": "coupling", "component": "casing", "parameters": parameters})
+    solved = ExtendedSolution(made.model, made.effects).simulate_times(
+        TIME, PWM, np.full(TIME.size, 30.0), ROOM, {"oven_degC": oven}, START
+    )["casing"]
+    held = oven[:-1]
+    wanted = _integrated(lambda T, o, k, r, h, z: (4e-4 * (held[k] - 30.0 - T), 0.0), 0.0)
+    np.testing.assert_allclose(solved - 30.0, wanted, atol=2e-5)
+
+
+def test_an_ambient_that_is_warm_at_the_start_already_shifts_nothing() -> None:
+    """The part shows 38 degC in a room of 36: whatever its rise is counted from, it starts where the sensor is."""
+    room = ROOM + 6.0
+    made = _with({"name": "ambient", "component": "casing", "parameters": {"delayed": True}})
+    shown = ExtendedSolution(made.model, made.effects).simulate_times(
+        TIME, PWM, np.full(TIME.size, 30.0), room, {}, START
+    )["casing"]
+    assert shown[0] == pytest.approx(38.0, abs=1e-9)
+    wanted = _integrated(lambda T, o, k, r, h, z: (r * (0.5 * (room[k] + room[k + 1]) - 30.0), 0.0), 0.0)
+    np.testing.assert_allclose(shown - 30.0, wanted, atol=1e-4)
+
+
 @pytest.mark.parametrize(
     ("name", "parameters", "reading", "true_start"),
     [

@@ -52,6 +52,18 @@ def test_negative_gain_is_zero_outside_the_validity_range_only() -> None:
     assert (untreated.effective_gain([1]) < 0).all()
 
 
+def test_negative_gain_is_zero_above_the_validity_range_as_below_it() -> None:
+    falling = replace(
+        model("my1016").component("bearing"),
+        gain=Polynomial((-1e-6, 2.2e-4)),
+        validity=(51, 210),
+        negative_gain="zero",
+    )
+    assert falling.raw_gain([221])[0] < 0.0
+    assert falling.effective_gain([221, 255]).tolist() == [0.0, 0.0]
+    assert falling.effective_gain([219])[0] == falling.raw_gain([219])[0] > 0.0
+
+
 def test_hold_keeps_gain_and_poles_but_not_the_input() -> None:
     component = replace(model("my1016").component("bearing"), outside="hold")
     assert np.array_equal(component.denominator([0, 50]), component.denominator([51, 51]))

@@ -136,3 +136,10 @@ def test_an_endless_line_does_not_fill_the_memory() -> None:
     recorder = record(HEAD, *[b"x" * 3000] * 50, b"\r\n0.250,0,30.25,0\r\n")
     assert recorder.rows == 1
     assert recorder.garbled >= 1
+
+
+def test_the_end_of_a_line_that_was_too_long_is_no_row() -> None:
+    """A line end that got lost: what comes after it belongs to the same garbage, however much it looks like a row."""
+    recorder = record(HEAD, b"0.250,0,30.25,0\r\n", b"x" * 5000, b"1.000,153,31.00,0\r\n", b"1.250,153,31.25,0\r\n")
+    assert recorder.parts[0].rows == ["0.250,0,30.25,0", "1.250,153,31.25,0"]
+    assert recorder.garbled == 1

@@ -16,12 +16,15 @@ import time
 import tty
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
+import serial
 
 from gen.cli import main
 from gen.errors import InputError
-from gen.record.port import Commander, record_port
+from gen.record.port import Commander, Recording, _listen, record_port
 from gen.record.profile import parse_profile
 from gen.runs import read_run
 
@@ -196,3 +199,22 @@ def test_a_step_is_commanded_once() -> None:
     assert [commander.due(t) for t in (0.0, 5.0, 10.1, 11.0)] == [b"1\n", b"", b"2\n", b"3\n"]
     commander.repeat()
     assert commander.due(12.0) == b"3\n"
+
+
+def test_the_duration_counts_from_the_board_s_header(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A board that checks itself for three seconds first is recorded for as long as any other."""
+    clock = [100.0]
+    monkeypatch.setattr("gen.record.port.time.monotonic", lambda: clock[0])
+
+    def read(_: int) -> bytes:
+        clock[0] += 0.1
+        said = clock[0] - 100.0
+        if said < 3.0:
+            return b""
+        return HEAD if said < 3.1 else row(round(10.0 * said))
+
+    line = SimpleNamespace(in_waiting=0, read=read, write=len)
+    recording = Recording()
+    _listen(cast(serial.Serial, line), recording, 5.0, (), lambda _: None, threading.Event())
+    assert recording.seconds == pytest.approx(8.0, abs=0.21)
+    assert recording.recorder.rows == pytest.approx(50, abs=2)

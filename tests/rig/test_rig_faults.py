@@ -6,9 +6,13 @@ from functools import cache
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from gen.rig import Fault, Motor, MotorConfig
 from gen.rig.config import FaultKind
+from gen.rig.losses import Condition, Operation, heat
+from gen.rig.parameters import my1016
 from gen.rig.profiles import counts
 
 PERCENT = (10, 20, 30, 40, 50, 60, 70, 80, 90, 100)
@@ -114,3 +118,26 @@ def test_nonsense_is_refused() -> None:
         Fault("gear")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="severity"):
         Fault("brush", severity=1.5)
+
+
+SPEED = st.floats(0.05, 1.0)
+
+
+@given(speed=SPEED, severity=st.floats(0.0, 1.0), moved=st.floats(0.0, 0.3))
+def test_where_heat_goes_does_not_change_how_much_there_is(speed: float, severity: float, moved: float) -> None:
+    """Energy: what a fault's arcs and edge add is their own power, and shares only move it from node to node."""
+    motor = my1016()
+    now, ill = Operation(speed, duty=speed), Condition(brush_fault=severity, bearing_fault=severity)
+    fault = motor.faults.brush
+
+    def total(**changed: float) -> float:
+        brush = fault.model_copy(update={k: v for k, v in changed.items() if hasattr(fault, k)})
+        losses = motor.losses.model_copy(update={k: v for k, v in changed.items() if hasattr(motor.losses, k)})
+        faults = motor.faults.model_copy(update={"brush": brush})
+        return sum(heat(motor.model_copy(update={"faults": faults, "losses": losses}), now, ill).nodes)
+
+    plain = total()
+    for share in ("arc_in_casing", "brush_keeps", "ripple_in_brush", "ripple_in_magnet", "ripple_in_casing"):
+        assert total(**{share: moved}) == pytest.approx(plain, rel=1e-9)
+    added = severity * speed**fault.arc_exponent
+    assert total(arc_W=fault.arc_W + 1.0) - plain == pytest.approx(added, abs=1e-9)

@@ -6,13 +6,16 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from gen.errors import InputError
+from gen.model import ExactSolution
 from gen.study.disagreements import disagreements
 from gen.study.reproduce import pole_statistics, reproduce
 from gen.study.tables import read_study
 from tests.model import published
+from tests.model.examples import model
 from tests.verify_helpers import ROOT
 
 TABLES = ROOT / "examples" / "my1016" / "study.json"
@@ -27,6 +30,30 @@ def test_the_file_holds_the_published_numbers() -> None:
         assert study.variable_minus_measured["2160"][name] == published.TRANSIENT_ERROR[name]
         assert study.averaged_pole[name].numerator == published.AVERAGED[name][0]
     assert sum(len(functions) for functions in study.transfer_functions.values()) == 80
+
+
+def test_functions_that_nobody_transcribed_twice_settle_where_the_study_measured() -> None:
+    """A slipped digit would move the steady rise; many of the other orders hold poles near 0 and settle nowhere."""
+    study = read_study(TABLES)
+    for name, functions in study.transfer_functions.items():
+        first = [function for function in functions if function.order == 1]
+        for function, measured in zip(first, study.measured_steady_degC[name], strict=True):
+            rise = function.numerator * function.pwm / function.denominator[-1]
+            assert rise == pytest.approx(measured - 30.0, abs=2.5), (name, function.pwm)
+
+
+def test_measured_temperatures_and_printed_errors_fit_together() -> None:
+    """Model less printed error is what was measured, but for the ambient, which all parts of a run share."""
+    study = read_study(TABLES)
+    solution = ExactSolution(model("my1016"))
+    for place, percent in enumerate((20, 40, 60, 80, 100)):
+        pwm = np.full(2, round(percent * 2.55))
+        rises = solution.simulate_times([0.0, 10_800.0], pwm)
+        ambient = [
+            study.measured_steady_degC[name][place] + study.variable_minus_measured["10800"][name][place] - rise[-1]
+            for name, rise in rises.items()
+        ]
+        assert max(ambient) - min(ambient) < 0.55, percent
 
 
 def test_all_but_the_magnet_s_outlier_come_back() -> None:

@@ -13,7 +13,11 @@ from click.testing import CliRunner
 from gen.cli import cli
 from gen.coefficients import load
 from gen.errors import InputError
-from gen.lowering.alarms import lower_alarms
+from gen.lowering.alarms import lower_alarms, start_wait
+from gen.model.exact import ExactSolution
+from gen.runs import Run
+from gen.thresholds.healthy import compare
+from tests.verify_helpers import example
 
 TAU_S, RISE_K = 1000.0, 0.2  # rise per count
 
@@ -160,3 +164,31 @@ def test_bad_rules_are_refused_and_nothing_is_written(
     assert done.exception.place == place
     assert done.exception.file == str(tmp_path / "rules.json")
     assert not out.exists()
+
+
+def test_a_sum_s_threshold_is_the_margin_for_half_an_hour(tmp_path: Path, healthy: list[str]) -> None:
+    rule = {"name": "slow", "kind": "cusum", "component": "a", "speed_percent": [20, 98], "settle_s": 600}
+    (made,) = derive(tmp_path, healthy, rule).document.alarms
+    assert made.slack_K == 0.0
+    assert made.beyond == "error_band"
+    assert made.threshold_K_s == pytest.approx(1.0 * 1800.0, rel=0.02)  # the runs' scatter is 1 K
+
+
+@pytest.mark.parametrize("warm_K", [0.0, 30.0])
+def test_a_run_from_a_warm_start_says_nothing_until_its_unknown_slopes_are_over(warm_K: float) -> None:
+    """Nobody knows which way a warm motor is moving: its model's error then is not the motor's."""
+    coefficients = example("two_mass")
+    model = coefficients.model
+    time = np.arange(0.0, 30_000.0, 10.0)
+    pwm = np.full(time.size, 120, dtype=np.int64)
+    rises = ExactSolution(model).simulate_times(time, pwm, dict.fromkeys(model.component_names, warm_K))
+    run = Run(time, pwm, {name: 25.0 + rise for name, rise in rises.items()}, np.full(time.size, 25.0))
+    seen = compare(coefficients, run, "run.csv")
+    low, high = model.validity
+    for component in model.components:
+        wait = start_wait(model, component, range(max(low, 1), high + 1)) * model.sample_time if warm_K else 600.0
+        assert not warm_K or wait > 1200.0
+        deviation = seen.deviation_K[component.name]
+        begins = np.arange(deviation.size) * 60.0
+        assert np.isnan(deviation[begins < wait]).all()
+        assert np.abs(deviation[begins >= wait + 60.0]).max() < 0.01
