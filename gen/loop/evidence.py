@@ -128,7 +128,7 @@ def _parameters(found: Fit, c: int, added: int) -> list[str]:
             entry = "[" in free.name
             if not entry and np.any(np.abs(each - _starts(found)[i]) < 1e-9):
                 reasons.append(ALONE)  # without that group the fit stayed where it began, which says nothing
-            elif not np.isfinite(spread) or not (steady or entry):
+            elif not told_from_none(found, c, i) or not (steady or entry):
                 reasons.append(f"{free.name} cannot be told from no effect")
         if first and not free.log and value >= free.high * 0.999:
             reasons.append(f"{free.name} is at its physical limit")
@@ -139,6 +139,23 @@ def _parameters(found: Fit, c: int, added: int) -> list[str]:
             if anywhere or not 1.01 * free.low < value < free.high / 1.01:
                 reasons.append(f"{free.name} is not determined" if anywhere else f"{free.name} is at its limit")
     return reasons
+
+
+def told_from_none(found: Fit, c: int, at: int) -> bool:
+    """Whether the 95 % interval of an effect's size leaves out zero.
+
+    Parameters
+    ----------
+    found, c
+        The fit and the component's index.
+    at
+        Index of the size among the free parameters. Sizes by logarithm and those that stand for a level of a schedule
+        have no zero to be told from, and only have to be determined.
+    """
+    free, spread = found.free[at], float(found.spread[c, at])
+    if not np.isfinite(spread):
+        return False
+    return free.log or "[" in free.name or abs(float(found.numbers[c, at])) > 2.0 * spread
 
 
 def _starts(found: Fit) -> list[float]:

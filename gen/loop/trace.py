@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from gen.coefficients import Coefficients
-from gen.loop.evidence import LEAST_GAIN, TIE_LEVEL, judge, p_better
+from gen.loop.evidence import LEAST_GAIN, TIE_LEVEL, judge, p_better, told_from_none
 from gen.loop.fit import Fit, Term, fit
 from gen.loop.found import Candidate, Found, Tracing
 from gen.loop.hypotheses import choose, first_round, hypotheses_for, terms_of
@@ -177,7 +177,7 @@ def _rise(single: Problem, fitted: Fit) -> np.ndarray:
 
 
 def _prune(singles: dict[str, Problem], final: dict[str, Fit], found: list[Found]) -> None:
-    """Drop an effect that a later one has made needless: without it the left-out error is no larger."""
+    """Drop an effect that a later one has made needless (without it the left-out error is no larger) or unknowable."""
     for name, single in singles.items():
         at = 0
         while len(final[name].terms) > 1 and at < len(final[name].terms):
@@ -185,13 +185,22 @@ def _prune(singles: dict[str, Problem], final: dict[str, Fit], found: list[Found
             without = fit(single, [term for i, term in enumerate(terms) if i != at])
             variance = float(single.noise_K[0]) ** 2
             grows = (float(without.loss[0]) + variance) > 1.05**2 * (float(final[name].loss[0]) + variance)
-            if grows and p_better(single, 0, without, final[name]) < TIE_LEVEL:
+            known = _known(final[name], at)
+            if known and grows and p_better(single, 0, without, final[name]) < TIE_LEVEL:
                 at += 1
                 continue
             dropped = terms[at].effect.name
             final[name] = without
             found[:] = [f for f in found if (f.component, f.candidate.effect.name) != (name, dropped)]
             at = 0
+
+
+def _known(fitted: Fit, at: int) -> bool:
+    """Whether the size of effect number `at` can be told from none beside the others."""
+    if not fitted.terms[at].variant.free:
+        return True
+    size = sum(len(term.variant.free) for term in fitted.terms[:at])
+    return fitted.free[size].name == "nominal_V" or told_from_none(fitted, 0, size)
 
 
 def _importance(whole: Problem, entry: Found) -> float:

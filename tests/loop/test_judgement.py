@@ -107,6 +107,14 @@ def test_effects_that_are_none_pass_no_more_often_than_the_level_says() -> None:
     assert passed > 0.01 * count  # nor is the test one that never passes
 
 
+@pytest.mark.parametrize(("spread", "told"), [(0.4, True), (0.6, False), (np.inf, False)])
+def test_a_size_whose_interval_holds_zero_is_none(spread: float, told: bool) -> None:
+    null = residual(5)
+    judgement = judge(problem(), 0, fitted(null), fitted(0.5 * null, spread=spread), 100, 0)
+    assert judgement.accepted == told
+    assert ("reverse_heating cannot be told from no effect" in judgement.reasons) != told
+
+
 def test_a_run_that_gets_worse_refuses_what_helps_all_others() -> None:
     null = residual(5)
     better = 0.5 * null
