@@ -179,7 +179,8 @@ class Profile(Part):
 
 def _only(given: Sequence[str], absent: Sequence[str]) -> JsonDict:
     """Schema of an object with these pins and not with those keys."""
-    properties: JsonDict = {key: {"type": "integer"} for key in given} | {key: {"type": "null"} for key in absent}
+    properties: JsonDict = {key: {"type": "integer"} for key in given}
+    properties |= {key: {"type": "null"} for key in absent}
     return {"required": list(given), "properties": properties}
 
 
@@ -277,8 +278,7 @@ class Wiring(Part):
                 )
             if timer_5 and pin in _COUNTER_TIMER_PINS:
                 raise fault(
-                    f"the PWM of pin {pin} is Timer 5's, which counts the encoder's pulses; "
-                    "expected another pin",
+                    f"the PWM of pin {pin} is Timer 5's, which counts the encoder's pulses; expected another pin",
                     "drive",
                     key,
                 )

@@ -65,8 +65,7 @@ def test_the_direction_changes_only_while_the_pwm_is_off(
     us = 16
     assert set(duties_before[-us:]) == set(duties_after[:us]) == {0.0}
     assert duties_after[-1] == pytest.approx(abs(after) / 255, abs=1.01 / 256)
-    changing = [duty == 0 for duty, _ in states]
-    assert sum(changing) < 20 * us
+    assert sum(duty == 0 for duty, _ in states) < 20 * us
 
 
 @pytest.mark.parametrize(("name", "pwm", "direction", "forward"), DRIVERS)
@@ -91,11 +90,14 @@ def test_after_a_reset_the_pwm_is_low_and_the_direction_comes_without_an_edge(
         assert board.pin_level(direction) == forward or not board.pin_is_output(direction)
     assert (True, True) in outputs
     assert (True, False) not in outputs
-    high = board.add_probe(pwm)
+    probe = board.add_probe(pwm)
     assert board.started().rows[-1]["pwm"] == "0"
     board.hear(5.0)
-    assert not board.probe(high).levels.any()
+    assert not board.probe(probe).levels.any()
     assert board.pin_is_output(pwm)
+    board.send("255")
+    board.hear(0.6)
+    assert board.probe(probe).levels.any()
 
 
 def test_a_hung_board_lets_go_of_the_motor(power_up: Open) -> None:
