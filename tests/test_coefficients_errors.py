@@ -150,7 +150,7 @@ FAULTS: list[tuple[Path_, object, str, str]] = [
         ("wiring", "drive"),
         {"pwm_pin": 4, "direction_pin": 1},
         "$.wiring.drive.direction_pin",
-        "taken by the serial port",
+        "already taken by the serial port",
     ),
     (("wiring", "drive"), {"pwm_pin": 4, "direction_pin": 70}, "$.wiring.drive.direction_pin", "at most 69"),
     (("wiring", "serial_baud"), 1234, "$.wiring.serial_baud", "found 1234, expected 9600"),

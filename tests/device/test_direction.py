@@ -30,7 +30,7 @@ def test_a_signed_command_is_a_duty_and_a_level(
     board = power_up(name)
     board.started()
     level = forward
-    for command in (100, -255, 0, 1, 255, -64, -65, 0, 30, 0):
+    for command in (100, -255, 0, 1, -64, 0, 255):
         board.send(str(command))
         assert board.hear(1.3).rows[-1]["pwm"] == str(command)
         level = forward if command > 0 else not forward if command < 0 else level  # at 0 it stays
