@@ -75,7 +75,7 @@ class Cost:
 
 def modules_on(wiring: Wiring) -> list[str]:
     """The I/O modules that the sketch for a wiring leaves on, by their names in `MODULES`."""
-    pins = (wiring.drive.forward_pin, wiring.drive.reverse_pin) if wiring.drive else ()
+    pins = wiring.drive.pwm_pins.values() if wiring.drive else ()
     timers = {PWM_TIMERS[pin] for pin in pins} | {0}
     if wiring.encoder and wiring.encoder.counts_in_hardware:
         timers.add(5)

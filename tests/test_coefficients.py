@@ -38,6 +38,7 @@ BEYOND_SCHEMA = (
     "is taken by",
     "no external interrupt",
     "no PWM",
+    "boot loader's LED",
     "expected a whole number",
 )
 

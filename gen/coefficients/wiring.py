@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
+from pydantic.config import JsonDict
 
-from gen.coefficients.base import Celsius, NotNegative, Part, Positive, fault
+from gen.coefficients.base import Celsius, NotNegative, Part, Positive, fault, listed
 
 Pin = Annotated[int, Field(ge=0, le=69, description="Arduino pin number of the Mega 2560 (54..69 are A0..A15).")]
 Duty = Annotated[int, Field(ge=-255, le=255)]
@@ -19,6 +20,8 @@ _BOOT_LED_PIN = 13
 COUNTER_PIN = 47
 """The one header pin that clocks a timer which the Arduino core does not need (T5 of Timer 5)."""
 _COUNTER_TIMER_PINS = frozenset([44, 45, 46])
+_PAIR = ("forward_pin", "reverse_pin")
+_SIGNED = ("pwm_pin", "direction_pin")
 _SHARED = frozenset(["so", "sck"])
 """Roles that several thermocouple amplifiers may share: only the selected one drives or reads its line."""
 
@@ -174,12 +177,54 @@ class Profile(Part):
     )
 
 
-class Drive(Part):
-    """A motor driver with one PWM pin for each direction."""
+def _only(given: Sequence[str], absent: Sequence[str]) -> JsonDict:
+    """Schema of an object with these pins and not with those keys."""
+    properties: JsonDict = {key: {"type": "integer"} for key in given}
+    properties |= {key: {"type": "null"} for key in absent}
+    return {"required": list(given), "properties": properties}
 
-    forward_pin: Pin
-    reverse_pin: Pin
+
+class Drive(Part):
+    """A motor driver: a PWM pin for each direction, or a PWM pin and one whose level is the direction."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"oneOf": [_only(_PAIR, [*_SIGNED, "forward_level"]), _only(_SIGNED, _PAIR)]}
+    )
+
+    forward_pin: Pin | None = None
+    reverse_pin: Pin | None = None
+    pwm_pin: Pin | None = None
+    direction_pin: Pin | None = None
+    forward_level: Annotated[
+        Literal["high", "low"] | None,
+        Field(description="Level of the direction pin for PWM > 0, beside pwm_pin only. Without it high."),
+    ] = None
     profile: Profile | None = None
+
+    @property
+    def pwm_pins(self) -> dict[str, int]:
+        """The pins that have PWM, by their keys."""
+        pins = {key: getattr(self, key) for key in (*_PAIR, "pwm_pin")}
+        return {key: pin for key, pin in pins.items() if pin is not None}
+
+    @property
+    def forward_is_high(self) -> bool:
+        """Whether the direction pin is high for PWM > 0."""
+        return self.forward_level != "low"
+
+    @model_validator(mode="after")
+    def _check(self) -> Drive:
+        pair, signed = ([key for key in form if getattr(self, key) is not None] for form in (_PAIR, _SIGNED))
+        level = ["forward_level"] if self.forward_level is not None else []
+        expected = f"expected either {listed([*_PAIR], 'and')}, or {listed([*_SIGNED], 'and')}"
+        if pair and (signed or level):
+            raise fault(f"found {listed([*pair, *signed, *level], 'and')}; {expected}")
+        if not pair and not signed:
+            raise fault(f"found no pin; {expected}")
+        for key in _PAIR if pair else _SIGNED:
+            if getattr(self, key) is None:
+                raise fault(f'missing key "{key}"; {expected}')
+        return self
 
 
 class Observe(Part):
@@ -220,25 +265,20 @@ class Wiring(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Wiring:
-        for key in ("forward_pin", "reverse_pin"):
-            if self.drive and getattr(self.drive, key) not in _PWM_PINS:
-                raise fault(
-                    f"pin {getattr(self.drive, key)} has no PWM; expected one of 2..13, 44, 45, 46",
-                    "drive",
-                    key,
-                )
-            if self.drive and getattr(self.drive, key) == _BOOT_LED_PIN:
+        timer_5 = self.encoder is not None and self.encoder.counts_in_hardware
+        for key, pin in self.drive.pwm_pins.items() if self.drive else ():
+            if pin not in _PWM_PINS:
+                raise fault(f"pin {pin} has no PWM; expected one of 2..13, 44, 45, 46", "drive", key)
+            if pin == _BOOT_LED_PIN:
                 raise fault(
                     f"pin {_BOOT_LED_PIN} is the boot loader's LED: the motor would run at every reset before the "
                     "firmware does; expected another pin",
                     "drive",
                     key,
                 )
-            timer_5 = self.encoder is not None and self.encoder.counts_in_hardware
-            if self.drive and timer_5 and getattr(self.drive, key) in _COUNTER_TIMER_PINS:
+            if timer_5 and pin in _COUNTER_TIMER_PINS:
                 raise fault(
-                    f"the PWM of pin {getattr(self.drive, key)} is Timer 5's, which counts the encoder's pulses; "
-                    "expected another pin",
+                    f"the PWM of pin {pin} is Timer 5's, which counts the encoder's pulses; expected another pin",
                     "drive",
                     key,
                 )
@@ -272,7 +312,7 @@ class Wiring(Part):
         if self.encoder:
             roles.append(("encoder", self.encoder.pin, ("encoder", "pin")))
         for name in ("drive", "observe"):
-            for key in ("forward_pin", "reverse_pin"):
+            for key in (*_PAIR, *_SIGNED):
                 pin = getattr(getattr(self, name), key, None)
                 if pin is not None:
                     roles.append((key, pin, (name, key)))

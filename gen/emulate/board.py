@@ -61,9 +61,13 @@ class Board:
     @property
     def pwm(self) -> int:
         """PWM that acts on the motor now, -255..255."""
-        if self.wiring.drive is not None:
-            return self.mega.pin_pwm(self.wiring.drive.forward_pin, self.wiring.drive.reverse_pin)
-        return self.commanded
+        drive = self.wiring.drive
+        if drive is None:
+            return self.commanded
+        if drive.pwm_pin is not None and drive.direction_pin is not None:
+            return self.mega.pin_signed_pwm(drive.pwm_pin, drive.direction_pin, forward_level=drive.forward_is_high)
+        assert drive.forward_pin is not None and drive.reverse_pin is not None
+        return self.mega.pin_pwm(drive.forward_pin, drive.reverse_pin)
 
     @property
     def led(self) -> Edges | None:

@@ -109,6 +109,19 @@ class DeviceMega(EmulatedMega):
         """Give the signed PWM, -255..255, on the two pins of a motor driver."""
         return round(_FULL * (self.pin_duty(forward) - self.pin_duty(reverse)))
 
+    def pin_signed_pwm(self, pwm: int, direction: int, *, forward_level: bool = True) -> int:
+        """Give the signed PWM, -255..255, on a motor driver's PWM pin and direction pin.
+
+        Parameters
+        ----------
+        pwm, direction
+            The pins.
+        forward_level
+            Level of ``direction`` for PWM > 0.
+        """
+        size = round(_FULL * self.pin_duty(pwm))
+        return size if self.pin_level(direction) == forward_level else -size
+
     def add_probe(self, pin: int) -> int:
         """Record every change of a pin from now on; give the probe's number for `probe`."""
         place = port_pin(pin)

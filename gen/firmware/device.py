@@ -300,17 +300,18 @@ def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> Context:
 
 def _drive(drive: Drive, sample_ms: int) -> Context:
     steps = drive.profile.steps if drive.profile else ()
-    pins = {key: _pin(getattr(drive, f"{key}_pin"), f"$.wiring.drive.{key}_pin") for key in ("forward", "reverse")}
-    timers = sorted({PWM_TIMERS[line["pin"]] for line in pins.values()} - {0})
+    lines = {key: getattr(drive, f"{key}_pin") for key in ("forward", "reverse", "pwm", "direction")}
+    pins = {key: None if pin is None else _pin(pin, f"$.wiring.drive.{key}_pin") for key, pin in lines.items()}
+    of_timer = {key.removesuffix("_pin"): PWM_TIMERS[pin] for key, pin in drive.pwm_pins.items()}
     return pins | {
+        "forward_high": drive.forward_is_high,
         "timers": [
             {
                 "number": timer,
                 "runs": TIMER_RUNS[timer],
-                "forward": PWM_TIMERS[drive.forward_pin] == timer,
-                "reverse": PWM_TIMERS[drive.reverse_pin] == timer,
+                "lines": [key for key, own in of_timer.items() if own == timer],
             }
-            for timer in timers
+            for timer in sorted({*of_timer.values()} - {0})
         ],
         "steps": [
             {
@@ -367,7 +368,7 @@ def state_bytes(program: Program) -> int:
 
 def _idle_timers(wiring: Wiring) -> list[int]:
     """Timers that this wiring never uses."""
-    used = {PWM_TIMERS[pin] for pin in (wiring.drive.forward_pin, wiring.drive.reverse_pin)} if wiring.drive else set()
+    used = {PWM_TIMERS[pin] for pin in wiring.drive.pwm_pins.values()} if wiring.drive else set()
     if wiring.encoder and wiring.encoder.counts_in_hardware:
         used.add(5)
     return [timer for timer in range(1, 6) if timer not in used]

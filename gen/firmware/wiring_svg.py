@@ -16,6 +16,9 @@ _BOARD_X, _BOARD_WIDTH = 24, 150
 _LANES_X, _LANE = 196, 13
 _DEVICE_WIDTH = 250
 _COLOURS = ("#1f6fb4", "#c2410c", "#15803d", "#7e22ce", "#b91c1c", "#0f766e", "#a16207", "#be185d")
+_WAYS = {"forward": "forward", "reverse": "reverse"}
+_SIGNED = {"PWM": "pwm", "DIR": "direction"}
+"""Terminals of the two kinds of motor driver, and the keys of their lines."""
 _STYLE = (
     "text{font:12px sans-serif;fill:#1b1f24}.title{font-weight:bold}.small{font-size:10px;fill:#57606a}"
     ".box{fill:#f6f8fa;stroke:#57606a}.wire{fill:none;stroke-width:1.6}"
@@ -59,10 +62,14 @@ def parts(device: Context) -> list[Part]:
     if device["encoder"]:
         pulses = Terminal("pulses", device["encoder"]["label"])
         found.append(Part("Encoder", (pulses, Terminal("VCC", "5 V"), Terminal("GND", "GND"))))
-    for key, title in (("drive", "Motor driver: PWM in"), ("observe", "Other controller: PWM")):
+    signed = device["drive"] and device["drive"]["pwm"]
+    for key, title, lines in (
+        ("drive", *(("Motor driver", _SIGNED) if signed else ("Motor driver: PWM in", _WAYS))),
+        ("observe", "Other controller: PWM", _WAYS),
+    ):
         if device[key]:
-            lines = [Terminal(way, device[key][way]["label"]) for way in ("forward", "reverse") if device[key][way]]
-            found.append(Part(title, (*lines, Terminal("GND", "GND"))))
+            ends = [Terminal(name, device[key][line]["label"]) for name, line in lines.items() if device[key][line]]
+            found.append(Part(title, (*ends, Terminal("GND", "GND"))))
     if device["led"] is not None:
         title = "LED" if device["led"] == 13 else "LED with 330 ohm"
         found.append(

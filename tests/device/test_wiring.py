@@ -17,6 +17,7 @@ from gen.coefficients.schema import json_schema
 from gen.errors import InputError
 from gen.firmware.device import device_context
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, label, port_bit
+from gen.firmware.project import project_files
 from gen.firmware.wiring_svg import parts, wiring_svg
 from gen.lowering.lower import lower
 from tests.device.variants import BASE, VARIANTS, variant
@@ -40,6 +41,16 @@ FAULTS: list[tuple[dict[str, Any], str, str]] = [
         {"encoder": {"pin": 47, "pulses_per_revolution": 5}, "drive": {"forward_pin": 4, "reverse_pin": 45}},
         "$.wiring.drive.reverse_pin",
         "Timer 5",
+    ),
+    (
+        {"encoder": {"pin": 47, "pulses_per_revolution": 5}, "drive": {"pwm_pin": 46, "direction_pin": 45}},
+        "$.wiring.drive.pwm_pin",
+        "Timer 5",
+    ),
+    (
+        {"drive": {"pwm_pin": 4, "direction_pin": 5}, "observe": {"forward_pin": 6}},
+        "$.wiring.observe",
+        "expected one of them",
     ),
     (
         {"drive": {"forward_pin": 4, "reverse_pin": 5}, "observe": {"forward_pin": 6}},
@@ -80,6 +91,32 @@ def test_a_fault_in_the_wiring_gets_its_place(wiring: dict[str, Any], place: str
         parse(json.dumps(tree).encode())
     assert caught.value.place == place
     assert message in caught.value.message
+
+
+@pytest.mark.parametrize("direction", [13, 30, 45, 54, 69])
+def test_a_direction_may_be_on_any_free_pin(direction: int) -> None:
+    """Beside an encoder that Timer 5 counts, and on the boot loader's LED: only PWM is bound to a timer."""
+    tree = copy.deepcopy(BASE)
+    tree["wiring"] = {
+        "encoder": {"pin": 47, "pulses_per_revolution": 5},
+        "drive": {"pwm_pin": 4, "direction_pin": direction},
+    }
+    jsonschema.validate(tree, json_schema())
+    assert parse(json.dumps(tree).encode())
+
+
+@pytest.mark.parametrize(("level", "forward"), [(None, "high"), ("low", "low")])
+def test_the_table_of_the_wiring_names_pwm_and_direction(level: str | None, forward: str) -> None:
+    tree = copy.deepcopy(BASE)
+    tree["wiring"]["drive"] = {"pwm_pin": 9, "direction_pin": 62, "forward_level": level}
+    coefficients = parse(json.dumps(tree).encode())
+    program = lower(coefficients, "fixed", "table")
+    text = project_files(coefficients, program, "coeffs.json", None)["README.md"]
+    assert "| Motor driver | PWM | 9 |\n|  | DIR | A8 |\n" in text
+    assert f"DIR is {forward} for PWM > 0" in text
+    assert "Pull the PWM input of the motor's driver down" in text
+    driver = next(part for part in parts(device_context(coefficients, program)) if part.title == "Motor driver")
+    assert [(end.name, end.to) for end in driver.terminals] == [("PWM", "9"), ("DIR", "A8"), ("GND", "GND")]
 
 
 def test_a_profile_keeps_to_the_full_scale() -> None:

@@ -39,6 +39,19 @@ def _profile(tree: Tree) -> None:
     tree["wiring"]["drive"]["profile"] = {"steps": steps}
 
 
+def _directed(tree: Tree) -> None:
+    """One PWM pin, of a timer that stops at PWM 0, and a direction pin."""
+    tree["wiring"]["drive"] = {"pwm_pin": 9, "direction_pin": 7}
+
+
+def _directed_low(tree: Tree) -> None:
+    """Forward is low, on the boot loader's LED; the PWM is Timer 0's, which runs on; a profile."""
+    del tree["wiring"]["led_pin"]
+    steps = [{"duration_s": 1, "pwm": 100}, {"duration_s": 2, "pwm": -50}]
+    drive = {"pwm_pin": 4, "direction_pin": 13, "forward_level": "low", "profile": {"steps": steps}}
+    tree["wiring"]["drive"] = drive
+
+
 def _observed(tree: Tree) -> None:
     del tree["wiring"]["drive"]
     del tree["wiring"]["led_pin"]
@@ -95,6 +108,8 @@ VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "often_copied": _often_copied,
     "soon_stuck": _soon_stuck,
     "profile": _profile,
+    "directed": _directed,
+    "directed_low": _directed_low,
     "observed": _observed,
     "counted": _counted,
     "ambient_only": _ambient_only,

@@ -24,6 +24,7 @@ from gen.emulate.rig import RigPlant
 from gen.emulate.session import Event, EventKind, Session, _Runner, run_session
 from gen.emulate.terminal import PseudoTerminal
 from gen.runs import read_run
+from tests.device.variants import variant
 from tests.verify_helpers import ROOT
 
 COEFFICIENTS = load(ROOT / "examples" / "my1016" / "coeffs.json")
@@ -75,6 +76,22 @@ def test_the_firmware_measures_what_the_plant_has_and_drives_what_it_is_told(mak
     assert session.time_zero_s > 0.9  # four samples are confirmed before the model starts
     rpm = [float(text) for text in column(session, "speed_rpm")][3:8]
     assert rpm == pytest.approx([153 / 255 * PULSES_PER_S / 500 * 60] * 5, rel=0.01)
+
+
+@pytest.mark.parametrize("name", ["directed", "directed_low"])
+def test_the_plant_gets_the_signed_pwm_of_a_driver_with_a_direction_pin(name: str, cache: Path) -> None:
+    coefficients = variant(name)
+    wiring = coefficients.document.wiring
+    assert isinstance(wiring, Wiring)
+    plant = bench()
+    built = build_firmware(coefficients, "fixed", "table", "coeffs.json", cache)
+    session = run_session(
+        Board(built.elf, built.cache, wiring, plant), 15.0, profile=((0.0, 153), (6.0, -51), (11.0, 0))
+    )
+    forward, reverse = (153, -52) if name == "directed_low" else (153, -51)  # Timer 0: (OCR + 1) / 256
+    acted = [pwm for i, pwm in enumerate(plant.pwm_seen) if i == 0 or pwm != plant.pwm_seen[i - 1]]
+    assert acted == [0, forward, reverse, 0]
+    assert list(dict.fromkeys(column(session, "pwm"))) == ["153", "-51", "0"]
 
 
 def test_true_and_batched_pulses_give_the_same_speed(make_board: MakeBoard) -> None:
