@@ -67,7 +67,7 @@ def test_ambient_and_load_move() -> None:
 
 
 def test_a_channel_that_the_motor_does_not_have() -> None:
-    with pytest.raises(InputError, match='no part "gearbox"; it has winding, brush'):
+    with pytest.raises(InputError, match='no part "gearbox"; it is the MY1016 and has winding, brush'):
         RigPlant(("brush", "gearbox"))
 
 
