@@ -61,7 +61,7 @@ def verify(
     print_results(results)
     if found["differing"]:
         raise CheckFailed(f"{found['differing']} of {found['words']} words differ")
-    for result in results:
-        for sentence in result.exceeded:
-            raise CheckFailed(f"{result.label}, {sentence}")
+    exceeded = [f"{result.label}, {sentence}" for result in results for sentence in result.exceeded]
+    if exceeded:
+        raise CheckFailed(exceeded[0])
     click.echo(f"equal: {found['samples']} samples, {found['words']} words, none differs")

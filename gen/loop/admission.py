@@ -17,10 +17,12 @@ from gen.coefficients.alarm_checks import healthy_end_K
 from gen.coefficients.alarms import Deviation, window_counts
 from gen.errors import InputError
 from gen.loop.residual import Condensed
+from gen.runs.run import FloatArray
 
 _LEAST_K = 2.0
 """Rules closer to the model trip on the model's own error; they say nothing of a fault here. Those that count from the
 healthy range (`"beyond": "error_band"`) have that error in them already."""
+_FEWEST_BINS = 5
 _HEALTHY = {"", "none", "no", "healthy", "0", "false", "-"}
 
 
@@ -63,17 +65,8 @@ def _signatures(coefficients: Coefficients, runs: Sequence[Condensed]) -> list[s
         if banded:
             ends = healthy_end_K(coefficients.document, rule, window)
             threshold[list(ends)] += list(ends.values())
-        shares = {}
-        for run in runs:
-            own = run.traces.get(rule.component)
-            other = run.traces.get(rule.relative_to) if rule.relative_to is not None else None
-            if own is None or (rule.relative_to is not None and other is None):
-                continue
-            deviation = own.residual - (other.residual if other is not None else 0.0)
-            inside = (run.pwm >= window[0]) & (run.pwm <= window[-1]) & np.isfinite(deviation)
-            if np.count_nonzero(inside) >= 5:
-                off = deviation[inside] if rule.kind == "above_model" else -deviation[inside]
-                shares[run.name] = float(np.mean(off > threshold[np.rint(run.pwm[inside]).astype(np.int64)]))
+        every = {run.name: _share_beyond(rule, run, window, threshold) for run in runs}
+        shares = {name: share for name, share in every.items() if share is not None}
         tripped = [name for name, share in shares.items() if share > 0.2]
         if not tripped:
             continue
@@ -87,3 +80,17 @@ def _signatures(coefficients: Coefficients, runs: Sequence[Condensed]) -> list[s
             f"{', '.join(tripped)}; refine with runs of a motor known to be healthy only"
         )
     return warnings
+
+
+def _share_beyond(rule: Deviation, run: Condensed, window: range, threshold: FloatArray) -> float | None:
+    """Share of a run's bins within a rule's speeds that lie beyond its threshold (K by |PWM|); None where few tell."""
+    own = run.traces.get(rule.component)
+    other = run.traces.get(rule.relative_to) if rule.relative_to is not None else None
+    if own is None or (rule.relative_to is not None and other is None):
+        return None
+    deviation = own.residual - (other.residual if other is not None else 0.0)
+    inside = (run.pwm >= window[0]) & (run.pwm <= window[-1]) & np.isfinite(deviation)
+    if np.count_nonzero(inside) < _FEWEST_BINS:
+        return None
+    off = deviation[inside] if rule.kind == "above_model" else -deviation[inside]
+    return float(np.mean(off > threshold[np.rint(run.pwm[inside]).astype(np.int64)]))

@@ -23,6 +23,8 @@ TOO_LITTLE = f"lowers the error on left-out runs by less than {LEAST_GAIN:.0%}"
 WORSE_RUN = 1.05
 """No left-out run may get worse by more than this factor (beside a third of the noise)."""
 TIE_LEVEL = 0.05
+NO_SIZE = "nominal_V"
+"""What an effect is measured against, not how large it is: the first free parameter of `supply_voltage`."""
 SAME = 0.2
 """An effect's size must have one sign in every fold, and the smallest be at least this share of the largest."""
 
@@ -119,7 +121,7 @@ def _parameters(found: Fit, c: int, added: int) -> list[str]:
         if free.low == free.high:
             continue
         if first:
-            if free.name == "nominal_V":
+            if free.name == NO_SIZE:
                 continue
             each = found.folds[c, :, i]
             steady = bool(np.all(each > 0.0) or np.all(each < 0.0)) and np.min(np.abs(each)) > SAME * np.max(
@@ -153,6 +155,8 @@ def told_from_none(found: Fit, c: int, at: int) -> bool:
         have no zero to be told from, and only have to be determined.
     """
     free, spread = found.free[at], float(found.spread[c, at])
+    if free.name == NO_SIZE:
+        return True
     if not np.isfinite(spread):
         return False
     return free.log or "[" in free.name or abs(float(found.numbers[c, at])) > 2.0 * spread

@@ -72,6 +72,10 @@ class Fit:
         """All free parameters, in order."""
         return tuple(free for term in self.terms for free in term.variant.free)
 
+    def first_free(self, at: int) -> int:
+        """Give the place of a term's first free parameter among all of them."""
+        return sum(len(term.variant.free) for term in self.terms[:at])
+
     def values(self, component: int) -> list[dict[str, object]]:
         """Parameters of each term for a component."""
         made, at = [], 0

@@ -200,9 +200,8 @@ def entry(found: Found, tracing: Tracing) -> dict[str, Any]:
     final = tracing.final[name]
     at = next(i for i, term in enumerate(final.terms) if term.effect.name == candidate.effect.name)
     values = final.values(0)[at]
-    first = sum(len(term.variant.free) for term in final.terms[:at])
     intervals = {}
-    for i, free in enumerate(candidate.variant.free, start=first):
+    for i, free in enumerate(candidate.variant.free, start=final.first_free(at)):
         value, spread = float(final.numbers[0, i]), 2.0 * float(final.spread[0, i])
         if not np.isfinite(spread):
             ends = [free.low, free.high]

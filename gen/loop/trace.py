@@ -197,10 +197,7 @@ def _prune(singles: dict[str, Problem], final: dict[str, Fit], found: list[Found
 
 def _known(fitted: Fit, at: int) -> bool:
     """Whether the size of effect number `at` can be told from none beside the others."""
-    if not fitted.terms[at].variant.free:
-        return True
-    size = sum(len(term.variant.free) for term in fitted.terms[:at])
-    return fitted.free[size].name == "nominal_V" or told_from_none(fitted, 0, size)
+    return not fitted.terms[at].variant.free or told_from_none(fitted, 0, fitted.first_free(at))
 
 
 def _importance(whole: Problem, entry: Found) -> float:
