@@ -30,7 +30,6 @@ _BY_ARITHMETIC = {
         "lib/NAME/src/NAME_step.h": "lib/model/src/step_float.h.j2",
     },
 }
-_FAST = {"lib/NAME/src/NAME_step.h": "lib/model/src/step_fast.h.j2"}
 _BY_SCHEDULE = {
     "table": {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table.cpp.j2"},
     "onboard": {
@@ -76,5 +75,5 @@ def library(context: Context) -> dict[str, str]:
     sources = _BY_SCHEDULE[schedule]
     if (context["arithmetic"], schedule) == ("float", "table"):
         sources = {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table_float.cpp.j2"}
-    recursion = _FAST if context["speed"] == "fast" else _BY_ARITHMETIC[context["arithmetic"]]
+    recursion = _BY_ARITHMETIC[context["arithmetic"]]
     return render(LIBRARY | recursion | sources | (_EFFECTS if context["effects"] else {}), context)

@@ -13,7 +13,6 @@ from gen.lowering.formats import Format
 
 Arithmetic = Literal["fixed", "float"]
 ScheduleKind = Literal["table", "onboard"]
-Speed = Literal["normal", "fast"]
 Integers = NDArray[np.int64]
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.lowering.lower import Program, lower
-from gen.lowering.program import Arithmetic, Speed
+from gen.lowering.program import Arithmetic
 from gen.model.exact import ExactSolution
 from gen.model.extended import ExtendedSolution
 from gen.reference.lanes import state_fields
@@ -30,7 +30,6 @@ def simulate_run(
     arithmetic: Literal["exact", "fixed", "float"],
     start: Start,
     file: str,
-    speed: Speed = "normal",
 ) -> dict[str, NDArray[np.float64] | NDArray[np.int64]]:
     """Model temperatures at the run's own times.
 
@@ -46,8 +45,6 @@ def simulate_run(
         from the measured one where there is one. Derivatives start at zero.
     file
         The run file's name for messages.
-    speed
-        Of the board.
 
     Returns
     -------
@@ -70,16 +67,16 @@ def simulate_run(
         for name, values in solved.items():
             columns[f"{name}_degC"] = values + ambient
         return columns
-    board, words = _on_board(coefficients, arithmetic, run, rise, speed, file)
+    board, words = _on_board(coefficients, arithmetic, run, rise, file)
     for name, values in board.items():
         columns[f"{name}_degC"] = values + ambient
     return columns | words
 
 
 def _on_board(
-    coefficients: Coefficients, arithmetic: Arithmetic, run: Run, rise: dict[str, float], speed: Speed, file: str
+    coefficients: Coefficients, arithmetic: Arithmetic, run: Run, rise: dict[str, float], file: str
 ) -> tuple[dict[str, Array], dict[str, NDArray[np.int64]]]:
-    program = lower(coefficients, arithmetic, "table", speed)
+    program = lower(coefficients, arithmetic, "table")
     samples = (run.time_s - run.time_s[0]) / program.model.sample_time
     grid = np.floor(samples + _ON_GRID).astype(np.int64)
     length = int(grid[-1])

@@ -15,7 +15,7 @@ from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.lower import Program, lower
-from gen.lowering.program import Arithmetic, ScheduleKind, Speed
+from gen.lowering.program import Arithmetic, ScheduleKind
 from gen.verify import compare
 from gen.verify.accuracy import ErrorCourse, error_course
 from gen.verify.alarms import AlarmCampaign, compare_alarms
@@ -64,14 +64,13 @@ class CombinationResult:
     error_course: ErrorCourse
     cost: Cost | None = None
     helpers: list[str] = field(default_factory=list)
-    speed: Speed = "normal"
     effects: list[EffectCost] = field(default_factory=list)
     exceeded: list[str] = field(default_factory=list)
 
     @property
     def label(self) -> str:
         """The combination for people."""
-        return f"{self.arithmetic}/{self.schedule}" + ("/fast" if self.speed == "fast" else "")
+        return f"{self.arithmetic}/{self.schedule}"
 
     @property
     def passed(self) -> bool:
@@ -94,7 +93,6 @@ def verify(
     mutation: Mutation | None = None,
     scale: float = 1.0,
     host_builds: Iterable[str] = tuple(HOST_BUILDS),
-    speeds: Iterable[Speed] = ("normal",),
 ) -> list[CombinationResult]:
     """Compare every asked combination on every asked target.
 
@@ -112,8 +110,6 @@ def verify(
         Share of the full campaign's length.
     host_builds
         Which of :data:`gen.verify.runners.HOST_BUILDS` to run.
-    speeds
-        Which speeds; `fast` adds one combination, fixed with a table, whatever else is asked for.
 
     Raises
     ------
@@ -121,9 +117,9 @@ def verify(
         If the emitted code does not compile, crashes, or a bound exceeds its limit.
     """
     programs = []
-    for arithmetic, schedule, speed in _combinations(arithmetics, schedules, speeds):
+    for arithmetic, schedule in itertools.product(arithmetics, schedules):
         progress(f"{arithmetic}/{schedule}: lowering")
-        programs.append(lower(coefficients, arithmetic, schedule, speed))
+        programs.append(lower(coefficients, arithmetic, schedule))
     results = []
     for program in programs:
         with tempfile.TemporaryDirectory(prefix="gen-verify-") as folder:
@@ -131,18 +127,6 @@ def verify(
                 _combination(coefficients, program, Path(folder), target, progress, mutation, scale, tuple(host_builds))
             )
     return results
-
-
-def _combinations(
-    arithmetics: Iterable[Arithmetic], schedules: Iterable[ScheduleKind], speeds: Iterable[Speed]
-) -> list[tuple[Arithmetic, ScheduleKind, Speed]]:
-    wanted = tuple(speeds)
-    found: list[tuple[Arithmetic, ScheduleKind, Speed]] = []
-    if "normal" in wanted:
-        found += [(a, s, "normal") for a, s in itertools.product(arithmetics, schedules)]
-    if "fast" in wanted:
-        found.append(("fixed", "table", "fast"))  # the only one that there is
-    return found
 
 
 def _combination(
@@ -207,9 +191,8 @@ def _combination(
         course,
         cost,
         helpers,
-        program.speed,
         effects,
-        exceeded(bounds, errors, *coefficients.accuracy.limit(program.arithmetic, program.speed)),
+        exceeded(bounds, errors, *coefficients.accuracy.limit(program.arithmetic)),
     )
 
 
