@@ -169,10 +169,10 @@ def test_an_interrupt_that_compiled_code_takes_for_an_error_is_one_all_the_same(
     assert capsys.readouterr().err == "interrupted\n"
 
 
-def test_a_full_disk_behind_the_output_is_one_line() -> None:
+def test_a_full_disk_behind_the_output_is_one_line(tmp_path: Path) -> None:
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
-            [*GEN, "study", ROOT / "examples" / "my1016" / "study.json", "--tables-only"],
+            [*GEN, "simulate", COEFFICIENTS, run_file(tmp_path), "--out", tmp_path / "model.csv"],
             stdout=full,
             stderr=subprocess.PIPE,
             text=True,
