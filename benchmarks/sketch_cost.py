@@ -33,6 +33,8 @@ from rich.box import MARKDOWN
 from rich.console import Console
 from rich.table import Table
 
+from gen.avr.compile import sizes
+from gen.avr.simulator import FREQUENCY_HZ
 from gen.coefficients import Coefficients, load
 from gen.coefficients.wiring import Wiring
 from gen.emulate.board import Board
@@ -41,10 +43,8 @@ from gen.emulate.results import deepest_stack
 from gen.emulate.rig import RigPlant
 from gen.emulate.session import Event, run_session
 from gen.firmware.pins import PWM_TIMERS
-from gen.lowering.program import Arithmetic, ScheduleKind
+from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.rig import SensorFault
-from gen.verify.avr.compile import sizes
-from gen.verify.avr.simulator import FREQUENCY_HZ
 
 ROOT = Path(__file__).parent.parent
 FORMS = ("fixed/table", "fixed/onboard", "float/table", "float/onboard")

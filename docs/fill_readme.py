@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from gen.lowering.program import rounded_up
+from gen.lowering.recursion.guarantee import rounded_up
 
 README = Path(__file__).parent.parent / "README.md"
 

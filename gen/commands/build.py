@@ -10,8 +10,8 @@ import click
 from gen.commands.options import COEFFICIENTS, combination, shown_name
 
 if TYPE_CHECKING:
-    from gen.lowering.lower import Program
-    from gen.lowering.program import Arithmetic, ScheduleKind
+    from gen.lowering.kinds import Arithmetic, ScheduleKind
+    from gen.lowering.program import Program
 
 
 @click.command(

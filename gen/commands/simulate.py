@@ -10,7 +10,7 @@ import click
 from gen.commands.options import COEFFICIENTS
 
 if TYPE_CHECKING:
-    from gen.lowering.program import Arithmetic
+    from gen.lowering.kinds import Arithmetic
     from gen.reference.simulate import Start
 
 

@@ -13,7 +13,7 @@ from gen.errors import CheckFailed
 from gen.progress import progress_line
 
 if TYPE_CHECKING:
-    from gen.lowering.program import Arithmetic, ScheduleKind
+    from gen.lowering.kinds import Arithmetic, ScheduleKind
     from gen.verify.verify import Target
 
 

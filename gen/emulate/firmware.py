@@ -8,11 +8,11 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from gen.avr.compile import ArduinoCore, build_elf
 from gen.coefficients import Coefficients
 from gen.firmware.project import project_files
+from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
-from gen.lowering.program import Arithmetic, ScheduleKind
-from gen.verify.avr.compile import ArduinoCore, build_elf
 
 OPTIMISATION = "-Os"
 """What PlatformIO compiles with."""

@@ -16,12 +16,13 @@ from gen.firmware.effects_cpp import effects_context
 from gen.firmware.onboard_cpp import helpers
 from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.alarms import lower_alarms
-from gen.lowering.corrected_format import FIRST_DROPPED
-from gen.lowering.dynamics import domain_rows
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.corrected_format import FIRST_DROPPED
+from gen.lowering.fixed.formats import CARRY_FACTOR, GAIN_FACTOR, RESIDUE_BITS, start_scale
 from gen.lowering.float32 import LIMIT_BITS, ONBOARD_STEADY_SHIFT, Column, FloatComponent, column_words
-from gen.lowering.formats import CARRY_FACTOR, GAIN_FACTOR, RESIDUE_BITS, start_scale
-from gen.lowering.lower import AnyComponent, Program, Shape
-from gen.lowering.program import FixedComponent, rounded_up
+from gen.lowering.program import AnyComponent, Program, Shape
+from gen.lowering.recursion.dynamics import domain_rows
+from gen.lowering.recursion.guarantee import rounded_up
 
 Context = dict[str, Any]
 

@@ -15,7 +15,7 @@ from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.context import Context
 from gen.firmware.effects_cpp import channel_names
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
-from gen.lowering.lower import Program
+from gen.lowering.program import Program
 from gen.lowering.sensors import (
     CONFIRMATIONS,
     CONVERSION_MS,

@@ -19,7 +19,7 @@ from gen.firmware.device import device_context, sketch_files
 from gen.firmware.report import report_html
 from gen.firmware.vectors import reference_vectors
 from gen.firmware.wiring_svg import parts, wiring_svg
-from gen.lowering.lower import Program
+from gen.lowering.program import Program
 
 PROJECT = {
     "platformio.ini": "platformio.ini.j2",

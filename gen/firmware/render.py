@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from functools import cache
-from importlib import resources
-
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
 from gen.firmware.context import Context
+from gen.templating import environment
 
 #: Emitted path -> template, for what the model's library consists of. NAME stands for the model's name.
 LIBRARY = {
@@ -46,23 +42,10 @@ _EFFECTS = {
 }
 
 
-@cache
-def environment(*, own_line_breaks: bool = False) -> Environment:
-    """The template environment: a name that the context lacks is an error."""
-    return Environment(
-        loader=FileSystemLoader(str(resources.files("templates"))),
-        undefined=StrictUndefined,
-        trim_blocks=not own_line_breaks,
-        lstrip_blocks=not own_line_breaks,
-        keep_trailing_newline=True,
-        autoescape=False,
-    )
-
-
 def render(templates: dict[str, str], context: Context) -> dict[str, str]:
     """Render each template under its emitted path."""
     return {
-        path.replace("NAME", context["name"]): environment(own_line_breaks=template in _OWN_LINE_BREAKS)
+        path.replace("NAME", context["name"]): environment("project", own_line_breaks=template in _OWN_LINE_BREAKS)
         .get_template(template)
         .render(context)
         for path, template in templates.items()

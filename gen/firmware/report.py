@@ -6,25 +6,27 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal, localcontext
 from functools import cache, singledispatch
-from importlib import resources
 from math import ceil, floor, log2
 from typing import Any, Literal
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment
 
 from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware.alarm_text import alarm_texts
-from gen.firmware.charts import Chart, course_chart, plain, power, response_charts, schedule_charts, scientific, svg
 from gen.firmware.effects_report import effect_rows
-from gen.lowering.dynamics import domain_rows
+from gen.firmware.model_charts import course_chart, response_charts, schedule_charts
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.formats import RESIDUE_BITS, WORD_BITS
 from gen.lowering.float32 import LOW_BITS, FloatComponent
-from gen.lowering.formats import RESIDUE_BITS, WORD_BITS
-from gen.lowering.lower import AnyComponent, Program
-from gen.lowering.program import FixedComponent, rounded_up
+from gen.lowering.program import AnyComponent, Program
+from gen.lowering.recursion.dynamics import domain_rows
+from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import Component
 from gen.model.schedules import EXACT
+from gen.pages.charts import Chart, plain, power, scientific
+from gen.pages.environment import page_environment
 from gen.reference.model import ReferenceModel
 
 #: Length of the step responses, in s; the board's reference runs for their first part only (see ``_samples``).
@@ -96,12 +98,7 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
 
 @cache
 def _environment() -> Environment:
-    loader = FileSystemLoader(str(resources.files("templates")))
-    environment = Environment(
-        loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, autoescape=True
-    )
-    environment.filters |= {"count": _count, "up": _up, "sci": scientific, "num": plain, "svg": svg}
-    return environment
+    return page_environment(count=_count, up=_up, sci=scientific, num=plain)
 
 
 def _magnitudes(component: AnyComponent) -> list[float]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import groupby
 
 import numpy as np
@@ -11,80 +10,23 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
-from gen.lowering import bounds, fixed, float32
-from gen.lowering.dynamics import Dynamics, LoweringError, domain_rows, dynamics
-from gen.lowering.effects import EffectsProgram, lower_effects
+from gen.lowering import float32
+from gen.lowering.effects import lower_effects
+from gen.lowering.fixed import lower as fixed
+from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
+from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.onboard import OnboardComponent, compile_component, tuned
-from gen.lowering.program import Arithmetic, FixedComponent, ScheduleKind, rounded_up
-from gen.lowering.reach import SwitchedRecursion
+from gen.lowering.onboard.evaluate import evaluate
+from gen.lowering.program import AnyComponent, Program, Shape
+from gen.lowering.recursion import bounds
+from gen.lowering.recursion.dynamics import Dynamics, LoweringError, domain_rows, dynamics
+from gen.lowering.recursion.guarantee import rounded_up
+from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.model import Component, ThermalModel
-from gen.reference.onboard import evaluate
-
-AnyComponent = FixedComponent | FloatComponent
 
 #: Relative size of the terms that the float schedule leaves out where the usual one makes its bound too large.
 _FINE_TOLERANCE = 1e-7
-
-
-@dataclass(frozen=True)
-class Shape:
-    """Components that the same code advances: they differ in their coefficients only.
-
-    Attributes
-    ----------
-    identifier
-        A capital letter, or the only member's name.
-    members
-        Indices into the program's components.
-    """
-
-    identifier: str
-    members: tuple[int, ...]
-
-    @property
-    def place(self) -> str:
-        """Name of the array in the board's state."""
-        return self.identifier.lower()
-
-
-@dataclass(frozen=True)
-class Program:
-    """What the board holds, all of it.
-
-    Attributes
-    ----------
-    arithmetic, schedule
-        Which of the four combinations.
-    model
-        What was lowered.
-    components
-        In the order of the coefficient file.
-    shapes
-        In the order of the board's state.
-    onboard
-        How the board computes each component's coefficients; empty for a table.
-    effects
-        What runs after the baseline's step; None without effects.
-    """
-
-    arithmetic: Arithmetic
-    schedule: ScheduleKind
-    model: ThermalModel
-    components: tuple[AnyComponent, ...]
-    shapes: tuple[Shape, ...]
-    onboard: tuple[OnboardComponent, ...] = ()
-    effects: EffectsProgram | None = None
-
-    @property
-    def label(self) -> str:
-        """The combination for people."""
-        return f"{self.arithmetic}/{self.schedule}"
-
-    @property
-    def saturates(self) -> bool:
-        """Whether any component has no proof and saturates."""
-        return any(component.saturates for component in self.components)
 
 
 def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: ScheduleKind) -> Program:

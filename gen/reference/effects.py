@@ -25,8 +25,8 @@ from gen.lowering.effects.program import (
     EffectComponent,
     EffectsProgram,
 )
+from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
-from gen.lowering.program import FixedComponent
 from gen.reference.effect_chains import FixedChain, FloatChain, Words
 from gen.reference.effect_tapes import Counter, Integers, Values, evaluate, rounded
 

@@ -8,10 +8,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.formats import RESIDUE_BITS
 from gen.lowering.float32 import LOW_BITS, FloatComponent
-from gen.lowering.formats import RESIDUE_BITS
-from gen.lowering.lower import AnyComponent
-from gen.lowering.program import FixedComponent
+from gen.lowering.program import AnyComponent
 from gen.reference.fixed import FixedStep
 from gen.reference.float32 import FloatStep
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.dynamics import domain_rows
 from gen.lowering.effects.program import KELVIN_BITS
-from gen.lowering.lower import Program
+from gen.lowering.program import Program
+from gen.lowering.recursion.dynamics import domain_rows
 from gen.reference.effects import ReferenceEffects, effect_fields
 from gen.reference.lanes import coefficient_fields, lanes_of, state_fields, thousandths, word_bits
 

@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
-from gen.lowering.lower import Program, lower
-from gen.lowering.program import Arithmetic
+from gen.lowering.kinds import Arithmetic
+from gen.lowering.lower import lower
+from gen.lowering.program import Program
 from gen.model.exact import ExactSolution
 from gen.model.extended import ExtendedSolution
 from gen.reference.lanes import state_fields
 from gen.reference.model import ReferenceModel, record_type
 from gen.runs import Run
+from gen.runs.gaps import held_over_gaps
 
 Array = NDArray[np.float64]
 Start = Literal["auto", "ambient", "measured"]
@@ -128,14 +130,6 @@ def _ambient(coefficients: Coefficients, run: Run, file: str) -> Array:
             )
         return np.full(len(run.time_s), fixed)
     return held_over_gaps(run.ambient)
-
-
-def held_over_gaps(values: Array) -> Array:
-    """Each missing sample replaced by the latest one before it (the first one before all); not all may be missing."""
-    known = np.flatnonzero(~np.isnan(values))
-    latest = np.searchsorted(known, np.arange(values.size), side="right") - 1
-    held: Array = values[known[np.maximum(latest, 0)]]
-    return held
 
 
 def _extended(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.lowering.lower import Program
+from gen.lowering.program import Program
 from gen.model.exact import ExactSolution
 from gen.reference.model import ReferenceModel
 from gen.verify.profiles import Integers, campaign

@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen import toolchain
+from gen.avr.compile import build_elf
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 from gen.errors import CheckFailed
-from gen.firmware import render
 from gen.lowering.alarms import LoweredRule
-from gen.lowering.lower import Program
+from gen.lowering.program import Program
 from gen.reference.alarms import ReferenceAlarms, alarm_record_type
 from gen.reference.model import ReferenceModel
-from gen.verify.avr.compile import build_elf
-from gen.verify.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.templating import environment
 from gen.verify.compare import Mismatch, first_mismatch
 from gen.verify.profiles import Profile
 from gen.verify.runners import HOST_BUILDS, WARNINGS, Library
@@ -308,5 +308,5 @@ def compare_alarms(
 
 def _write_harnesses(library: Library) -> None:
     for name in _HARNESSES:
-        text = render.environment().get_template(f"{name}.j2").render(library.context)
+        text = environment("harness").get_template(f"{name}.j2").render(library.context)
         (library.folder / name).write_text(text)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.lower import Program
+from gen.lowering.program import Program
 from gen.reference.model import ReferenceModel, record_type
 from gen.verify.profiles import Profile
 

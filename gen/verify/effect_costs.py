@@ -10,9 +10,9 @@ from gen.coefficients import Coefficients
 from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.effects import lower_effects
+from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
-from gen.lowering.lower import Program
-from gen.lowering.program import FixedComponent
+from gen.lowering.program import Program
 from gen.verify.effects import with_channels
 from gen.verify.profiles import campaign
 from gen.verify.runners import AvrRunner, Cost, write_library

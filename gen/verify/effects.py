@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.effects import EffectsProgram
-from gen.lowering.lower import Program
+from gen.lowering.program import Program
 from gen.model.effects import Applied
 from gen.reference.model import ReferenceModel
 from gen.verify.accuracy import ErrorCourse

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from gen.lowering.program import rounded_up
+from gen.lowering.recursion.guarantee import rounded_up
 
 
 def exceeded(bound_K: Mapping[str, float | None], error_K: Mapping[str, float], limit: float, entry: str) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from rich.console import Console
 from rich.table import Table
 
-from gen.lowering.program import rounded_up
+from gen.lowering.recursion.guarantee import rounded_up
 from gen.verify.verify import CombinationResult
 
 

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen import toolchain
+from gen.avr.compile import CPP_FLAGS, MACHINE_FLAGS, Sizes, build_elf, compile_objects, sizes, undefined_symbols
+from gen.avr.simulator import MAILBOX_FOLDER, MARKER_OVERHEAD, EmulatedMega
 from gen.errors import CheckFailed
-from gen.firmware import render
 from gen.firmware.context import Context
-from gen.lowering.lower import Program
+from gen.lowering.program import Program
 from gen.reference.model import record_type
-from gen.verify.avr.compile import CPP_FLAGS, MACHINE_FLAGS, Sizes, build_elf, compile_objects, sizes, undefined_symbols
-from gen.verify.avr.simulator import MAILBOX_FOLDER, MARKER_OVERHEAD, EmulatedMega
+from gen.templating import environment
 from gen.verify.profiles import Profile
 from gen.verify.profiles import record_type as input_type
 
@@ -63,7 +63,7 @@ def write_library(program: Program, context: Context, files: Mapping[str, str], 
     channels = len(program.effects.channels) if program.effects is not None else 0
     harness = context | {"record_size": record_type(program).itemsize, "input_size": input_type(channels).itemsize}
     for name in ("verify_host.cpp", "verify_avr.cpp"):
-        text = render.environment().get_template(f"{name}.j2").render(harness)
+        text = environment("harness").get_template(f"{name}.j2").render(harness)
         (folder / name).write_text(text)
     return Library(program, context, folder, tuple(sources))
 

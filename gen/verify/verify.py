@@ -14,8 +14,9 @@ from gen.coefficients import Coefficients
 from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.alarms import lower_alarms
-from gen.lowering.lower import Program, lower
-from gen.lowering.program import Arithmetic, ScheduleKind
+from gen.lowering.kinds import Arithmetic, ScheduleKind
+from gen.lowering.lower import lower
+from gen.lowering.program import Program
 from gen.verify import compare
 from gen.verify.accuracy import ErrorCourse, error_course
 from gen.verify.alarms import AlarmCampaign, compare_alarms

@@ -18,7 +18,7 @@ from gen.cli import main
 from gen.errors import InputError
 from gen.files import check_outputs, replace_folder, write_text
 from gen.verify import verify as verification
-from tests.verify_helpers import ROOT
+from tests.examples import ROOT
 
 COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"
 OLD = "old"

@@ -10,9 +10,9 @@ import pytest
 from gen import toolchain
 from gen.firmware import render
 from gen.firmware.context import project_context
+from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
-from gen.lowering.program import Arithmetic, ScheduleKind
-from tests.verify_helpers import example
+from tests.examples import example
 
 MAIN = """
 #include <stdio.h>

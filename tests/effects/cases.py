@@ -9,9 +9,10 @@ from typing import Any
 
 from gen.coefficients import Coefficients, parse
 from gen.lowering.effects import lower_effects
-from gen.lowering.lower import Program, lower
-from gen.lowering.program import Arithmetic
-from tests.verify_helpers import ROOT
+from gen.lowering.kinds import Arithmetic
+from gen.lowering.lower import lower
+from gen.lowering.program import Program
+from tests.examples import ROOT
 
 Entry = dict[str, Any]
 

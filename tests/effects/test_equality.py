@@ -12,7 +12,7 @@ import pytest
 from gen import toolchain
 from gen.firmware import render
 from gen.firmware.context import project_context
-from gen.lowering.program import Arithmetic
+from gen.lowering.kinds import Arithmetic
 from gen.verify import compare
 from gen.verify.effects import with_channels
 from gen.verify.profiles import Profile, campaign

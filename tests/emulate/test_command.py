@@ -15,7 +15,7 @@ import pytest
 
 from gen.cli import main
 from gen.runs import read_run
-from tests.verify_helpers import ROOT
+from tests.examples import ROOT
 
 Refuse = Callable[..., str]
 

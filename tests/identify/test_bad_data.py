@@ -12,8 +12,8 @@ import pytest
 
 from gen.coefficients import load
 from gen.errors import InputError
-from gen.loop.identify.data import Source, make_data, read_data
-from gen.loop.identify.identify import identify
+from gen.identify.data import Source, make_data, read_data
+from gen.identify.identify import identify
 from gen.runs import Run, write_run
 
 TIME = np.arange(0.0, 7200.0, 4.0)

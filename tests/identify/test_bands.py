@@ -3,10 +3,10 @@
 import numpy as np
 from pytest import approx
 
-from gen.loop.identify.curves import Shape
-from gen.loop.identify.forms import Form
-from gen.loop.identify.joint import Model
-from gen.loop.identify.structure import Structure
+from gen.identify.curves import Shape
+from gen.identify.forms import Form
+from gen.identify.joint import Model
+from gen.identify.structure import Structure
 
 
 def test_bands_come_back_from_parameters_that_hardly_determine_themselves() -> None:

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gen.loop.identify.bands import NEAREST, Band, next_speed
-from gen.loop.identify.evidence import Uncertainty, criteria, residual_noise, residual_tests
-from gen.loop.identify.fit import Fit, Problem
-from gen.loop.identify.forms import Form
-from gen.loop.identify.linearity import linearity
-from gen.loop.identify.orders import Candidate, _held_out, beats
-from gen.loop.identify.records import Record, condense
-from gen.loop.identify.structure import Structure
+from gen.identify.bands import NEAREST, Band, next_speed
+from gen.identify.forms import Form
+from gen.identify.linearity import linearity
+from gen.identify.orders import Candidate, _held_out, beats
+from gen.identify.output_error import Fit, Problem
+from gen.identify.records import Record, condense
+from gen.identify.structure import Structure
+from gen.identify.uncertainty import Uncertainty, criteria, residual_noise, residual_tests
 
 Array = NDArray[np.float64]
 
@@ -153,5 +153,5 @@ def test_one_pole_that_moves_with_speed_makes_the_system_not_linear(
     layout = SimpleNamespace(positive=speeds, nodes=speeds, structure=Structure(2))
     fit = SimpleNamespace(layout=layout, theta=theta, steady=0.2 * speeds)
     judge = SimpleNamespace(error_at=lambda *_: np.zeros((1, 1)))
-    monkeypatch.setattr("gen.loop.identify.linearity.Judge", lambda *_: judge)
+    monkeypatch.setattr("gen.identify.linearity.Judge", lambda *_: judge)
     assert linearity(cast(Problem, None), cast(Fit, fit)).linear is linear

@@ -12,12 +12,12 @@ from benchmarks.identify_recovery import Trial, trial
 from benchmarks.plants import AMBIENT, Plant, fresh_profile, measured, random_plant, simulate
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
-from gen.loop.identify.coefficients import Settings, coefficient_text, usable
-from gen.loop.identify.data import Source, make_data
-from gen.loop.identify.general import guard
-from gen.loop.identify.identify import Identified, identify
-from gen.loop.identify.report import report_html
-from gen.loop.identify.summary import summary
+from gen.identify.coefficient_file import Settings, coefficient_text, usable
+from gen.identify.data import Source, make_data
+from gen.identify.general import guard
+from gen.identify.identify import Identified, identify
+from gen.identify.page import report_html
+from gen.identify.summary import summary
 from gen.model import ExactSolution
 from gen.rig import Setup, make_run, sensors
 from gen.rig.profiles import cut_off

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gen.loop.identify.emit import schedule_entry
-from gen.loop.identify.evidence import autocorrelation, positive_sequence
-from gen.loop.identify.fit import Simulator
-from gen.loop.identify.forms import Form
-from gen.loop.identify.records import MOST_SEGMENTS, condense, levels_of, quantiser_bias, resolution, scatter
-from gen.loop.identify.structure import Structure
+from gen.identify.forms import Form
+from gen.identify.output_error import Simulator
+from gen.identify.records import MOST_SEGMENTS, condense, levels_of, quantiser_bias, resolution, scatter
+from gen.identify.schedule_entries import schedule_entry
+from gen.identify.structure import Structure
+from gen.identify.uncertainty import autocorrelation, positive_sequence
 from gen.model import Component, ExactSolution, Pole, Table, ThermalModel
 
 LEVELS = np.array([0, 80, 160, 255])

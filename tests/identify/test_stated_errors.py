@@ -8,10 +8,10 @@ from typing import cast
 import numpy as np
 import pytest
 
-from gen.loop.identify.bands import Band
-from gen.loop.identify.coefficients import _errors, measured_error
-from gen.loop.identify.identify import Identified
-from gen.loop.identify.records import condense
+from gen.identify.bands import Band
+from gen.identify.coefficient_file import _errors, measured_error
+from gen.identify.identify import Identified
+from gen.identify.records import condense
 
 
 def identified(unknown_K: float) -> Identified:

@@ -13,9 +13,9 @@ from examples.my1016.study.reproduce import Entry, pole_statistics, reproduce, r
 from examples.my1016.study.tables import STUDY, VARIABLE, averaged_model, read_study, variable_model
 from gen.coefficients import load
 from gen.model import Component, ExactSolution, ExponentialSum, Polynomial, Schedule
+from tests.examples import ROOT
 from tests.model import published
 from tests.model.examples import model
-from tests.verify_helpers import ROOT
 
 
 def entries_of(variable: Path = VARIABLE) -> list[Entry]:

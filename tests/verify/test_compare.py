@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gen.avr.compile import Sizes
 from gen.verify import runners
 from gen.verify.accuracy import ErrorCourse
-from gen.verify.avr.compile import Sizes
 from gen.verify.compare import first_mismatch
 from gen.verify.profiles import Profile
 from gen.verify.runners import AvrRunner
 from gen.verify.verify import CombinationResult, TargetResult, summary, verify
-from tests.verify_helpers import example
+from tests.examples import example
 
 KIND = np.dtype([("a.x1.lo", "<u2"), ("a.x1.hi", "<i4"), ("a.S", "<i4"), ("flags", "u1")])
 LANES, LENGTH = 3, 5

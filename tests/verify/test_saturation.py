@@ -11,14 +11,15 @@ import numpy as np
 import pytest
 
 from gen.coefficients import Coefficients, parse
+from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
+from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
-from gen.lowering.program import Arithmetic, FixedComponent
 from gen.reference.model import SATURATED, ReferenceModel
 from gen.verify.compare import first_mismatch, reference_run
 from gen.verify.profiles import Profile
 from gen.verify.verify import Target, verify
-from tests.verify_helpers import ROOT
+from tests.examples import ROOT
 
 
 @cache

@@ -9,11 +9,12 @@ from typing import Any
 import pytest
 
 from gen.coefficients import Coefficients, parse
-from gen.lowering.lower import Program, lower
-from gen.lowering.program import FixedComponent
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.lower import lower
+from gen.lowering.program import Program
 from gen.verify.limits import exceeded
 from gen.verify.verify import summary, verify
-from tests.verify_helpers import ROOT
+from tests.examples import ROOT
 
 FAST = [{"real": {"poly": [-0.09]}}, {"real": {"poly": [-1e-6, -0.02]}}]
 SLOW = [{"real": {"poly": [-1e-6, -0.002]}}, {"real": {"poly": [-0.001]}}, {"real": {"poly": [-0.004]}}]

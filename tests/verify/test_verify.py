@@ -7,10 +7,10 @@ from typing import get_args
 
 import pytest
 
-from gen.lowering.program import Arithmetic, ScheduleKind
+from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.verify.runners import HOST_BUILDS
 from gen.verify.verify import CombinationResult, Target, summary, verify
-from tests.verify_helpers import EXAMPLES, example
+from tests.examples import EXAMPLES, example
 
 Files = dict[str, str]
 

@@ -13,7 +13,7 @@ from gen.lowering.alarms import LoweredRule, lower_alarms
 from gen.lowering.lower import lower
 from gen.verify.alarms import alarm_profile, campaign, compare_alarms
 from gen.verify.runners import Library, write_library
-from tests.verify_helpers import example
+from tests.examples import example
 
 NAME = "two_mass"
 LANES, LENGTH = 20, 1000
