@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gen.identify.curves import Shape
 from gen.identify.forms import GAIN_FORMS, TIME_FORMS, Form
-from gen.identify.output_error import Fit, Problem
+from gen.identify.output_error import OutputErrorFit, OutputErrorProblem
 from gen.identify.structure import FloatArray
 from gen.identify.uncertainty import Uncertainty
 
@@ -90,7 +90,7 @@ class General:
 class Judge:
     """Computes errors in kelvin of models given by structure parameters and rise at the nodes."""
 
-    def __init__(self, problem: Problem, fit: Fit) -> None:
+    def __init__(self, problem: OutputErrorProblem, fit: OutputErrorFit) -> None:
         self.problem, self.fit = problem, fit
         self.layout = fit.layout
         self.nodes = fit.layout.positive
@@ -135,7 +135,7 @@ class Judge:
         return np.sqrt(square / max(count, 1.0)), largest, steady
 
 
-def _rows_at(problem: Problem, r: int, node: int) -> NDArray[np.int64]:
+def _rows_at(problem: OutputErrorProblem, r: int, node: int) -> NDArray[np.int64]:
     """Blocks at a node; where it was never held, those whose PWM is nearest to it."""
     level = problem.records[r].segments.pwm[problem.records[r].segment]
     if node in problem.levels and any(node in record.segments.pwm for record in problem.records):
@@ -143,7 +143,7 @@ def _rows_at(problem: Problem, r: int, node: int) -> NDArray[np.int64]:
     return np.flatnonzero(problem.nodes[np.argmin(np.abs(level[:, None] - problem.nodes[None, :]), axis=1)] == node)
 
 
-def choose_forms(problem: Problem, fit: Fit, spread: Uncertainty) -> General:
+def choose_forms(problem: OutputErrorProblem, fit: OutputErrorFit, spread: Uncertainty) -> General:
     """Try all pairs of forms.
 
     Parameters
@@ -235,7 +235,7 @@ def misses(own: Error, base: Error, steady_sd: FloatArray) -> str:
     return ""
 
 
-def guard(shape: Shape, vector: FloatArray, fit: Fit) -> str:
+def guard(shape: Shape, vector: FloatArray, fit: OutputErrorFit) -> str:
     """Look for what no motor does between (and beyond) the identified speeds.
 
     Returns

@@ -12,8 +12,8 @@ from gen.identify.data import Data
 from gen.identify.general import General, Judge, choose_forms, guard, misses
 from gen.identify.joint import Model, refine
 from gen.identify.linearity import Linearity, linearity
-from gen.identify.orders import Candidate, Choice, choose
-from gen.identify.output_error import OFFSET_PRIOR, Fit, Problem
+from gen.identify.orders import StructureCandidate, Choice, choose
+from gen.identify.output_error import OFFSET_PRIOR, OutputErrorFit, OutputErrorProblem
 from gen.identify.records import Record
 from gen.identify.speeds import choose_speeds, without_gain
 from gen.identify.structure import FloatArray
@@ -68,9 +68,9 @@ class Identified:
     """
 
     name: str
-    problem: Problem
+    problem: OutputErrorProblem
     choice: Choice
-    fit: Fit
+    fit: OutputErrorFit
     spread: Uncertainty
     offset_sd: float | None
     criteria: dict[str, dict[int, Criteria]]
@@ -130,12 +130,12 @@ def identify_component(
     """Identify one component from its records; no time constant below `fastest`, s."""
     progress("speeds")
     speeds = choose_speeds(records, fastest)
-    problem = Problem(records, speeds.nodes, fastest)
+    problem = OutputErrorProblem(records, speeds.nodes, fastest)
     choice = choose(problem, progress, most)
     unseen = without_gain(choice.chosen)
     while unseen.size and np.count_nonzero(problem.nodes) > unseen.size:
         # A gain that is zero within its uncertainty would be a guess: its speed is left to the neighbours.
-        problem = Problem(records, np.setdiff1d(problem.nodes, unseen), fastest)
+        problem = OutputErrorProblem(records, np.setdiff1d(problem.nodes, unseen), fastest)
         choice = choose(problem, progress, most)
         unseen = without_gain(choice.chosen)
     fit, spread, offset_sd = _with_offset(problem, choice.chosen)
@@ -162,7 +162,7 @@ def identify_component(
     )
 
 
-def _refined(problem: Problem, fit: Fit, spread: Uncertainty, general: General) -> tuple[General, Model]:
+def _refined(problem: OutputErrorProblem, fit: OutputErrorFit, spread: Uncertainty, general: General) -> tuple[General, Model]:
     """Refine the best option; go on to the next where the refined one misses the speeds or is not physical."""
     judge = Judge(problem, fit)
     base = judge.base()
@@ -180,7 +180,7 @@ def _refined(problem: Problem, fit: Fit, spread: Uncertainty, general: General) 
     return general, unrefined
 
 
-def _with_offset(problem: Problem, chosen: Candidate) -> tuple[Fit, Uncertainty, float | None]:
+def _with_offset(problem: OutputErrorProblem, chosen: StructureCandidate) -> tuple[OutputErrorFit, Uncertainty, float | None]:
     """Also estimate the sensor's offset, where the runs can tell it from the rise, and keep it where it is sure."""
     fit, spread = chosen.fit, chosen.uncertainty
     layout = problem.layout(chosen.structure, offset=True)
@@ -197,7 +197,7 @@ def _with_offset(problem: Problem, chosen: Candidate) -> tuple[Fit, Uncertainty,
     return fit, spread, deviation
 
 
-def _criteria(problem: Problem, candidate: Candidate, choice: Choice) -> dict[int, Criteria]:
+def _criteria(problem: OutputErrorProblem, candidate: StructureCandidate, choice: Choice) -> dict[int, Criteria]:
     """Criteria at each identified speed, from the raw samples in the segments of that speed.
 
     The number of effective samples is that of the chosen structure: criteria are only comparable over the same data.
@@ -222,14 +222,14 @@ def _criteria(problem: Problem, candidate: Candidate, choice: Choice) -> dict[in
     }
 
 
-def _tests(problem: Problem, model: Model) -> dict[str, ResidualTests]:
+def _tests(problem: OutputErrorProblem, model: Model) -> dict[str, ResidualTests]:
     result = {}
     for record, residual in zip(problem.records, model.residuals, strict=True):
         result[record.run] = residual_tests(record, residual_noise(record, residual, 0.0))
     return result
 
 
-def _settled(problem: Problem, fit: Fit, *, held: bool) -> dict[int, float]:
+def _settled(problem: OutputErrorProblem, fit: OutputErrorFit, *, held: bool) -> dict[int, float]:
     """Largest share of the way to the steady rise that a hold (or, where no speed is held, a run) goes, by |PWM|."""
     poles = np.abs(np.asarray(fit.layout.structure.poles(fit.theta)).real)
     result: dict[int, float] = {}

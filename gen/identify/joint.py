@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from gen.identify.curves import Shape
-from gen.identify.output_error import Fit, Problem
+from gen.identify.output_error import OutputErrorFit, OutputErrorProblem
 from gen.identify.structure import FloatArray, PoleArray
 from gen.identify.uncertainty import residual_noise
 
@@ -72,7 +72,7 @@ class Model:
         return np.asarray(np.sqrt(np.sum(along**2, axis=-1)), dtype=np.float64)
 
 
-def refine(problem: Problem, fit: Fit, shape: Shape, vector: FloatArray, most: int = 15) -> Model:
+def refine(problem: OutputErrorProblem, fit: OutputErrorFit, shape: Shape, vector: FloatArray, most: int = 15) -> Model:
     """Refine a general model.
 
     Parameters
@@ -137,7 +137,7 @@ def _time_scales(shape: Shape, vector: FloatArray) -> FloatArray:
 
 
 class _Task:
-    def __init__(self, problem: Problem, fit: Fit, shape: Shape) -> None:
+    def __init__(self, problem: OutputErrorProblem, fit: OutputErrorFit, shape: Shape) -> None:
         self.problem, self.layout, self.shape = problem, fit.layout, shape
         self.first = fit.layout.thetas + len(fit.layout.positive)
         self.levels = problem.levels.astype(np.float64)
@@ -179,7 +179,7 @@ class _Task:
         return self._value
 
 
-def _covariance(problem: Problem, jacobian: FloatArray, residuals: list[FloatArray]) -> FloatArray:
+def _covariance(problem: OutputErrorProblem, jacobian: FloatArray, residuals: list[FloatArray]) -> FloatArray:
     scale = np.sqrt(np.sum(jacobian**2, axis=0)) + 1e-150
     normal = jacobian / scale
     meat = np.zeros((jacobian.shape[1],) * 2)

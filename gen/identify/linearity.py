@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.identify.general import Judge
-from gen.identify.output_error import Fit, Problem
+from gen.identify.output_error import OutputErrorFit, OutputErrorProblem
 from gen.identify.structure import FloatArray
 
 LIMIT = 0.10
@@ -45,7 +45,7 @@ class Linearity:
     averaged_rms_K: FloatArray
 
 
-def linearity(problem: Problem, fit: Fit) -> Linearity:
+def linearity(problem: OutputErrorProblem, fit: OutputErrorFit) -> Linearity:
     """Compute the figures of a fit."""
     nodes = fit.layout.positive
     structure = fit.layout.structure
@@ -73,7 +73,7 @@ def linearity(problem: Problem, fit: Fit) -> Linearity:
     )
 
 
-def _parameters(fit: Fit, poles: NDArray[np.complex128]) -> FloatArray:
+def _parameters(fit: OutputErrorFit, poles: NDArray[np.complex128]) -> FloatArray:
     structure = fit.layout.structure
     real = -np.log(np.maximum(np.abs(poles[: structure.real].real), 1e-12))
     if not structure.pair:

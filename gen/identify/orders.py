@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identify.output_error import Fit, Problem
+from gen.identify.output_error import OutputErrorFit, OutputErrorProblem
 from gen.identify.response import simulate
 from gen.identify.start import first_order, ladder
 from gen.identify.structure import CANDIDATES, FloatArray, PoleArray, Structure
@@ -28,7 +28,7 @@ UNKNOWN = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class StructureCandidate:
     """One structure, fitted.
 
     Attributes
@@ -42,7 +42,7 @@ class Candidate:
     """
 
     structure: Structure
-    fit: Fit
+    fit: OutputErrorFit
     uncertainty: Uncertainty
     losses: FloatArray
     rejected: tuple[str, ...]
@@ -57,13 +57,13 @@ class Candidate:
 class Choice:
     """All candidates and the chosen one, with the reason."""
 
-    candidates: tuple[Candidate, ...]
-    chosen: Candidate
+    candidates: tuple[StructureCandidate, ...]
+    chosen: StructureCandidate
     reason: str
     held_out: str
 
 
-def choose(problem: Problem, progress: Callable[[str], None], most: int = 4) -> Choice:
+def choose(problem: OutputErrorProblem, progress: Callable[[str], None], most: int = 4) -> Choice:
     """Fit all structures up to an order and choose.
 
     Parameters
@@ -76,8 +76,8 @@ def choose(problem: Problem, progress: Callable[[str], None], most: int = 4) -> 
         Highest order.
     """
     groups, folds, held_out = folds_of(problem)
-    fits: dict[Structure, Fit] = {}
-    candidates: list[Candidate] = []
+    fits: dict[Structure, OutputErrorFit] = {}
+    candidates: list[StructureCandidate] = []
     for structure in CANDIDATES:
         if structure.order > most:
             continue
@@ -98,20 +98,20 @@ def choose(problem: Problem, progress: Callable[[str], None], most: int = 4) -> 
     return Choice(tuple(candidates), chosen, reason, held_out)
 
 
-def candidate_of(problem: Problem, fit: Fit, stretch: FloatArray, folds: list[FloatArray]) -> Candidate:
+def candidate_of(problem: OutputErrorProblem, fit: OutputErrorFit, stretch: FloatArray, folds: list[FloatArray]) -> StructureCandidate:
     """Judge a fit: uncertainty, error on held-out stretches, reasons against it."""
     spread = uncertainty(problem, fit)
     losses = _held_out(problem, fit, stretch, folds)
-    return Candidate(fit.layout.structure, fit, spread, losses, (*_unphysical(problem, fit, spread),))
+    return StructureCandidate(fit.layout.structure, fit, spread, losses, (*_unphysical(problem, fit, spread),))
 
 
-def _hopeless(candidates: list[Candidate], order: int) -> bool:
+def _hopeless(candidates: list[StructureCandidate], order: int) -> bool:
     """Whether the last two orders brought nothing, so that the next need not be tried."""
     best = min(c.loss for c in candidates if c.structure.order <= order - 2)
     return all(c.loss > best * (1.0 - WORTH) for c in candidates if c.structure.order > order - 2)
 
 
-def _from_pair(problem: Problem, pair: Fit, structure: Structure) -> Fit:
+def _from_pair(problem: OutputErrorProblem, pair: OutputErrorFit, structure: Structure) -> OutputErrorFit:
     layout = problem.layout(structure)
     poles = pair.layout.structure.poles(pair.theta)
     tau = np.log(1.0 / np.maximum(np.abs(poles), 1e-9)) + np.linspace(0.1, -0.1, poles.shape[-1])
@@ -122,7 +122,7 @@ def _from_pair(problem: Problem, pair: Fit, structure: Structure) -> Fit:
     return problem.fit(layout, vector, most=20)
 
 
-def folds_of(problem: Problem) -> tuple[FloatArray, list[FloatArray], str]:
+def folds_of(problem: OutputErrorProblem) -> tuple[FloatArray, list[FloatArray], str]:
     """Give the stretch number of every row, the masks of the folds (1 = used for fitting), and what they are."""
     stretch = np.empty(int(problem.rows[-1]))
     fold = np.empty(int(problem.rows[-1]), dtype=np.int64)
@@ -142,7 +142,7 @@ def folds_of(problem: Problem) -> tuple[FloatArray, list[FloatArray], str]:
     return stretch, masks, what
 
 
-def _held_out(problem: Problem, fit: Fit, stretch: FloatArray, folds: list[FloatArray]) -> FloatArray:
+def _held_out(problem: OutputErrorProblem, fit: OutputErrorFit, stretch: FloatArray, folds: list[FloatArray]) -> FloatArray:
     square = np.empty(int(problem.rows[-1]))
     for mask in folds:
         refit = problem.fit(fit.layout, fit.vector, mask, most=6)
@@ -153,7 +153,7 @@ def _held_out(problem: Problem, fit: Fit, stretch: FloatArray, folds: list[Float
     return total[count > 0] / count[count > 0]
 
 
-def _choose(candidates: list[Candidate]) -> tuple[Candidate, str]:
+def _choose(candidates: list[StructureCandidate]) -> tuple[StructureCandidate, str]:
     """Take the simplest that nothing beats by more than chance and by more than a hundredth."""
     allowed = [c for c in candidates if not c.rejected]
     if not allowed:
@@ -169,7 +169,7 @@ def _choose(candidates: list[Candidate]) -> tuple[Candidate, str]:
     return chosen, reason
 
 
-def beats(rich: Candidate, simple: Candidate) -> bool:
+def beats(rich: StructureCandidate, simple: StructureCandidate) -> bool:
     """Whether the richer one lowers the held-out error by more than chance and by more than a hundredth."""
     difference = simple.losses - rich.losses
     error = float(np.std(difference, ddof=1) / np.sqrt(len(difference)))
@@ -177,7 +177,7 @@ def beats(rich: Candidate, simple: Candidate) -> bool:
     return mean > SIGNIFICANT * error and mean > WORTH * simple.loss
 
 
-def _unphysical(problem: Problem, fit: Fit, spread: Uncertainty) -> list[str]:
+def _unphysical(problem: OutputErrorProblem, fit: OutputErrorFit, spread: Uncertainty) -> list[str]:
     """Find reasons against a fit: no steady state, negative gain, ringing, parameters that nothing determines."""
     layout = fit.layout
     deviation = spread.deviation
@@ -211,7 +211,7 @@ def _unphysical(problem: Problem, fit: Fit, spread: Uncertainty) -> list[str]:
     return reasons
 
 
-def _rings(problem: Problem, fit: Fit, poles: PoleArray, node: int) -> bool:
+def _rings(problem: OutputErrorProblem, fit: OutputErrorFit, poles: PoleArray, node: int) -> bool:
     """Whether the step response at a node overshoots beyond the noise: no passive heat path does."""
     if not np.iscomplexobj(poles) or np.all(np.abs(poles[node].imag) < 1e-9):
         return False

@@ -159,7 +159,7 @@ def rise_interpolation(positive: NDArray[np.int64], levels: NDArray[np.int64]) -
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class OutputErrorFit:
     """A fitted layout.
 
     Attributes
@@ -198,7 +198,7 @@ class Fit:
         return float(self.vector[-1]) if self.layout.offset else 0.0
 
 
-class Problem:
+class OutputErrorProblem:
     """The records of one component and what a fit of them needs.
 
     Parameters
@@ -273,7 +273,7 @@ class Problem:
             residuals.append(record.rise - simulated[0])
         return residuals, jacobian
 
-    def fit(self, layout: Layout, start: FloatArray, mask: FloatArray | None = None, most: int = 40) -> Fit:
+    def fit(self, layout: Layout, start: FloatArray, mask: FloatArray | None = None, most: int = 40) -> OutputErrorFit:
         """Minimise the weighted sum of squares from a start.
 
         Parameters
@@ -330,7 +330,7 @@ class Problem:
         vector = np.asarray(found.x, dtype=np.float64)
         residuals, jacobian = self.evaluate(layout, vector)
         cost = sum(float(np.sum((w * e) ** 2)) for w, e in zip(self.weights, residuals, strict=True))
-        return Fit(layout, vector, jacobian, tuple(residuals), cost)
+        return OutputErrorFit(layout, vector, jacobian, tuple(residuals), cost)
 
 
 class _Prior:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.identify.data import held_speeds, quantile_speeds
-from gen.identify.orders import Candidate, beats, candidate_of, folds_of
-from gen.identify.output_error import Problem
+from gen.identify.orders import StructureCandidate, beats, candidate_of, folds_of
+from gen.identify.output_error import OutputErrorProblem
 from gen.identify.records import Record
 from gen.identify.start import first_order
 
@@ -57,7 +57,7 @@ def choose_speeds(records: Sequence[Record], fastest: float) -> Speeds:
     held = held_speeds(records)
     total, longest = _holds(records)
     single = np.array([middle], dtype=np.int64)
-    rough = Problem(records, single, fastest)
+    rough = OutputErrorProblem(records, single, fastest)
     tau = float(np.exp(first_order(rough).theta[0, 0]))
     if held.size:
         steps = all(np.unique(r.segments.pwm[r.segments.pwm != 0]).size <= 1 for r in records)
@@ -95,12 +95,12 @@ def _range(nodes: NDArray[np.int64]) -> tuple[int, int]:
     return int(positive[0]), int(positive[-1])
 
 
-def _judged(records: Sequence[Record], nodes: NDArray[np.int64], fastest: float) -> Candidate:
-    problem = Problem(records, nodes, fastest)
+def _judged(records: Sequence[Record], nodes: NDArray[np.int64], fastest: float) -> StructureCandidate:
+    problem = OutputErrorProblem(records, nodes, fastest)
     return candidate_of(problem, first_order(problem), *folds_of(problem)[:2])
 
 
-def without_gain(candidate: Candidate) -> NDArray[np.int64]:
+def without_gain(candidate: StructureCandidate) -> NDArray[np.int64]:
     """Give the speeds at which the gain is not seen to be above zero."""
     layout = candidate.fit.layout
     deviation = candidate.uncertainty.deviation[layout.thetas : layout.thetas + len(layout.positive)]

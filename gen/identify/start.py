@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gen.identify.output_error import Fit, Layout, Problem
+from gen.identify.output_error import OutputErrorFit, Layout, OutputErrorProblem
 from gen.identify.structure import FloatArray, Structure
 
 _GRID = 9
 
 
-def common(problem: Problem, layout: Layout, theta: FloatArray) -> FloatArray:
+def common(problem: OutputErrorProblem, layout: Layout, theta: FloatArray) -> FloatArray:
     """Complete structure parameters to a vector: rises, initial values and offset by linear least squares.
 
     Parameters
@@ -33,7 +33,7 @@ def common(problem: Problem, layout: Layout, theta: FloatArray) -> FloatArray:
     return vector
 
 
-def first_order(problem: Problem) -> Fit:
+def first_order(problem: OutputErrorProblem) -> OutputErrorFit:
     """Fit order 1 from a grid of time constants common to all speeds."""
     layout = problem.layout(Structure(1))
     longest = max(record.duration for record in problem.records)
@@ -47,7 +47,7 @@ def first_order(problem: Problem) -> Fit:
     return min(fits, key=lambda fit: fit.cost)
 
 
-def richer(simple: Fit, structure: Structure) -> Iterator[FloatArray]:
+def richer(simple: OutputErrorFit, structure: Structure) -> Iterator[FloatArray]:
     """Give structure parameters for one more pole, or for a pair, from a fit without it, shape (nodes, order)."""
     theta = simple.theta
     if structure.pair:
@@ -66,7 +66,7 @@ def richer(simple: Fit, structure: Structure) -> Iterator[FloatArray]:
     yield np.column_stack([np.full(len(theta), slow + np.log(2.5)), theta - np.log(1.3)])
 
 
-def ladder(problem: Problem, simple: Fit, structure: Structure) -> Fit:
+def ladder(problem: OutputErrorProblem, simple: OutputErrorFit, structure: Structure) -> OutputErrorFit:
     """Fit a structure from several starts, composed node by node of the best."""
     layout = problem.layout(structure)
     fits = [problem.fit(layout, common(problem, layout, theta), most=15) for theta in richer(simple, structure)]
@@ -78,7 +78,7 @@ def ladder(problem: Problem, simple: Fit, structure: Structure) -> Fit:
     return min(final, key=lambda fit: fit.cost)
 
 
-def _compose(problem: Problem, layout: Layout, fits: list[Fit]) -> FloatArray | None:
+def _compose(problem: OutputErrorProblem, layout: Layout, fits: list[OutputErrorFit]) -> FloatArray | None:
     """Take each node's parameters from the fit that suits the records at that node best."""
     costs = np.array(
         [[np.sum((w * e) ** 2) for w, e in zip(problem.weights, fit.residuals, strict=True)] for fit in fits]
@@ -95,6 +95,6 @@ def _compose(problem: Problem, layout: Layout, fits: list[Fit]) -> FloatArray | 
     return common(problem, layout, theta)
 
 
-def _cost(problem: Problem, layout: Layout, vector: FloatArray) -> float:
+def _cost(problem: OutputErrorProblem, layout: Layout, vector: FloatArray) -> float:
     residuals = [record.rise - problem.model(layout, vector[None, :], r)[0] for r, record in enumerate(problem.records)]
     return sum(float(np.sum((w * e) ** 2)) for w, e in zip(problem.weights, residuals, strict=True))

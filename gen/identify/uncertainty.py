@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from gen.identify.output_error import Fit, Problem, Simulator
+from gen.identify.output_error import OutputErrorFit, OutputErrorProblem, Simulator
 from gen.identify.records import Record, quantiser_bias
 from gen.identify.structure import FloatArray
 
@@ -115,7 +115,7 @@ class Uncertainty:
         return float(stats.t.ppf(0.975, max(self.freedom, 1.0)))
 
 
-def uncertainty(problem: Problem, fit: Fit) -> Uncertainty:
+def uncertainty(problem: OutputErrorProblem, fit: OutputErrorFit) -> Uncertainty:
     """Estimate the covariance by the sandwich formula with each record's own noise density.
 
     The quantiser's bias, which no amount of samples removes, is added to the steady rises.
@@ -206,7 +206,7 @@ def criteria(error: FloatArray, measured: FloatArray, effective: float, paramete
     )
 
 
-def raw_residual(problem: Problem, fit: Fit, r: int) -> FloatArray:
+def raw_residual(problem: OutputErrorProblem, fit: OutputErrorFit, r: int) -> FloatArray:
     """Give measured minus simulated at every sample of record r, K."""
     record = problem.records[r]
     simulator = Simulator(record, problem.levels, raw=True)

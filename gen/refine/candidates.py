@@ -8,8 +8,8 @@ import numpy as np
 
 from gen.model.effects import Effect, Variant
 from gen.refine.judgement import LEVEL, Judgement
-from gen.refine.simulation_fit import Fit
-from gen.refine.stacked_runs import Problem
+from gen.refine.simulation_fit import HypothesisFit
+from gen.refine.stacked_runs import StackedRuns
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Candidate:
 
     effect: Effect
     variant: Variant
-    fit: Fit
+    fit: HypothesisFit
     at: int
     """Index of its component in the fit."""
     judgement: Judgement
@@ -67,10 +67,10 @@ class Tracing:
         How many hypotheses there were.
     """
 
-    problem: Problem
+    problem: StackedRuns
     found: list[Found]
-    final: dict[str, Fit]
-    null: dict[str, Fit]
+    final: dict[str, HypothesisFit]
+    null: dict[str, HypothesisFit]
     considered: dict[str, list[Candidate]]
     tried: int
 
@@ -79,12 +79,12 @@ class Tracing:
         """The level of each test, corrected for the number of hypotheses."""
         return LEVEL / max(self.tried, 1)
 
-    def own_ratio(self, name: str, fits: dict[str, Fit]) -> float:
+    def own_ratio(self, name: str, fits: dict[str, HypothesisFit]) -> float:
         """The same ratio as :meth:`ratio` at one component."""
         variance = float(self.problem.noise_K[self.problem.components.index(name)]) ** 2
         return float(np.sqrt((float(fits[name].loss[0]) + variance) / variance))
 
-    def ratio(self, fits: dict[str, Fit]) -> float:
+    def ratio(self, fits: dict[str, HypothesisFit]) -> float:
         """RMSE on left-out runs over the noise floor, all components together."""
         squares = []
         for c, name in enumerate(self.problem.components):

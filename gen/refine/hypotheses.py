@@ -10,8 +10,8 @@ from gen.model.effects import Effect, Setting, Variant, registry
 from gen.model.effects.catalogue.sensor_offset import SensorOffset
 from gen.refine.candidates import Candidate
 from gen.refine.judgement import TIE_LEVEL, judge, p_better
-from gen.refine.simulation_fit import Fit, Term, fit
-from gen.refine.stacked_runs import Problem
+from gen.refine.simulation_fit import HypothesisFit, Term, fit
+from gen.refine.stacked_runs import StackedRuns
 
 _NEAR = 1.02
 
@@ -24,9 +24,9 @@ def hypotheses_for(known: Setting) -> list[Hypothesis]:
 
 
 def first_round(
-    single: Problem,
+    single: StackedRuns,
     hypotheses: Sequence[Hypothesis],
-    null: Fit,
+    null: HypothesisFit,
     tried: int,
     progress: Callable[[str], None],
 ) -> list[Candidate]:
@@ -40,7 +40,7 @@ def first_round(
 
 
 def further(
-    single: Problem, terms: list[Term], current: Fit, hypotheses: Sequence[Hypothesis], tried: int
+    single: StackedRuns, terms: list[Term], current: HypothesisFit, hypotheses: Sequence[Hypothesis], tried: int
 ) -> list[Candidate]:
     """Each hypothesis beside the terms that there are, all fitted together, best first."""
     have = {term.effect.name for term in terms}
@@ -62,7 +62,7 @@ def material(candidate: Candidate) -> bool:
 
 
 def choose(
-    singles: dict[str, Problem], results: dict[str, list[Candidate]]
+    singles: dict[str, StackedRuns], results: dict[str, list[Candidate]]
 ) -> dict[str, tuple[Candidate, list[Candidate]]]:
     """For each component the best accepted hypothesis; of those tied, the one that most components share."""
     ties: dict[str, list[Candidate]] = {}
@@ -81,7 +81,7 @@ def choose(
     return chosen
 
 
-def tied(single: Problem, accepted: Sequence[Candidate]) -> list[Candidate]:
+def tied(single: StackedRuns, accepted: Sequence[Candidate]) -> list[Candidate]:
     """Those that the left-out runs cannot tell from the best: first those as good, the simplest of them first."""
     best = accepted[0]
     variance = float(single.noise_K[0]) ** 2
@@ -101,7 +101,7 @@ def distinct(candidates: Sequence[Candidate]) -> list[Candidate]:
     return list(best.values())
 
 
-def terms_of(fitted: Fit) -> list[Term]:
+def terms_of(fitted: HypothesisFit) -> list[Term]:
     """A fit's hypothesis, started where that fit ended."""
     made, at = [], 0
     for term in fitted.terms:
@@ -118,7 +118,7 @@ def _starts(variant: Variant) -> list[tuple[float, ...]]:
     return [plain, tuple(max(f.start * 0.2, f.low) if "tau" in f.name else f.start for f in variant.free)]
 
 
-def _training(fitted: Fit) -> float:
+def _training(fitted: HypothesisFit) -> float:
     return float(np.mean(fitted.error**2))
 
 

@@ -11,13 +11,13 @@ from gen.model.effects.catalogue.schedule_error import ScheduleError
 from gen.refine.candidates import Candidate
 from gen.refine.judgement import judge
 from gen.refine.simulation_fit import Term, fit
-from gen.refine.stacked_runs import Problem
+from gen.refine.stacked_runs import StackedRuns
 
 STRETCHES = 18
 """Blocks of each run where only stretches can be left out."""
 
 
-def by_stretch(single: Problem, known: Setting, tried: int) -> Candidate | None:
+def by_stretch(single: StackedRuns, known: Setting, tried: int) -> Candidate | None:
     """A wrong schedule, judged on left-out stretches (thirds of each run): a weaker test, and said to be one."""
     effect = registry()["schedule_error"]
     variant = effect.local(known) if isinstance(effect, ScheduleError) else None

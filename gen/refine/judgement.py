@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from gen.refine.simulation_fit import Fit
-from gen.refine.stacked_runs import Problem
+from gen.refine.simulation_fit import HypothesisFit
+from gen.refine.stacked_runs import StackedRuns
 
 LEVEL = 0.05
 LEAST_GAIN = 0.05
@@ -54,7 +54,7 @@ class Judgement:
         return not self.reasons
 
 
-def p_better(problem: Problem, c: int, worse: Fit, better: Fit) -> float:
+def p_better(problem: StackedRuns, c: int, worse: HypothesisFit, better: HypothesisFit) -> float:
     """One-sided p-value that `better` has the smaller squared error in left-out blocks at component c."""
     w = problem.weight[:, c, 0, :]
     gain = w * (worse.left_out[:, c] ** 2 - better.left_out[:, c] ** 2)
@@ -75,7 +75,7 @@ def p_better(problem: Problem, c: int, worse: Fit, better: Fit) -> float:
     return min(1.0, 2.0 * min(by_mean, by_rank)) if d.mean() > 0.0 else 1.0
 
 
-def judge(problem: Problem, c: int, null: Fit, found: Fit, tried: int, added: int) -> Judgement:
+def judge(problem: StackedRuns, c: int, null: HypothesisFit, found: HypothesisFit, tried: int, added: int) -> Judgement:
     """Decide on the hypothesis `found` against `null` at component c.
 
     Parameters
@@ -104,7 +104,7 @@ def judge(problem: Problem, c: int, null: Fit, found: Fit, tried: int, added: in
     return Judgement(p, before, after, tuple(reasons))
 
 
-def _worse_run(problem: Problem, c: int, null: Fit, found: Fit, variance: float) -> bool:
+def _worse_run(problem: StackedRuns, c: int, null: HypothesisFit, found: HypothesisFit, variance: float) -> bool:
     w = problem.weight[:, c, 0, :]
     size = np.maximum(w.sum(axis=0), 1e-9)
     old = np.sum(w * null.left_out[:, c] ** 2, axis=0) / size
@@ -113,7 +113,7 @@ def _worse_run(problem: Problem, c: int, null: Fit, found: Fit, variance: float)
     return many and bool(np.sum(new) > 0.25 * np.sum(old))
 
 
-def _parameters(found: Fit, c: int, added: int) -> list[str]:
+def _parameters(found: HypothesisFit, c: int, added: int) -> list[str]:
     reasons = []
     for i, free in enumerate(found.free[added:], start=added):
         value, spread = float(found.numbers[c, i]), float(found.spread[c, i])
@@ -143,7 +143,7 @@ def _parameters(found: Fit, c: int, added: int) -> list[str]:
     return reasons
 
 
-def told_from_none(found: Fit, c: int, at: int) -> bool:
+def told_from_none(found: HypothesisFit, c: int, at: int) -> bool:
     """Whether the 95 % interval of an effect's size leaves out zero.
 
     Parameters
@@ -162,7 +162,7 @@ def told_from_none(found: Fit, c: int, at: int) -> bool:
     return free.log or "[" in free.name or abs(float(found.numbers[c, at])) > 2.0 * spread
 
 
-def _starts(found: Fit) -> list[float]:
+def _starts(found: HypothesisFit) -> list[float]:
     """Where the fits began, in their own scale."""
     pairs = ((free, x) for term in found.terms for free, x in zip(term.variant.free, term.start, strict=True))
     return [float(np.log(max(x, 1e-12))) if free.log else x for free, x in pairs]

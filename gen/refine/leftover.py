@@ -34,7 +34,7 @@ class Remains:
         return {"rms_K": self.rms_K, "noise_K": self.noise_K, "share_of_variance": self.shares}
 
 
-def remains(tracing: Tracing, runs: Sequence[Condensed], name: str) -> Remains:
+def leftover(tracing: Tracing, runs: Sequence[Condensed], name: str) -> Remains:
     """Correlation ratios of what is left with time, speed, temperature, its slope, each channel and the run."""
     fit = tracing.final[name]
     c = tracing.problem.components.index(name)

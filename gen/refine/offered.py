@@ -9,13 +9,13 @@ import numpy as np
 from gen.coefficients import Coefficients
 from gen.model.effects import Setting
 from gen.refine.condense import Condensed
-from gen.refine.stacked_runs import Problem
+from gen.refine.stacked_runs import StackedRuns
 
 WARM_K = 3.0
 """A rise at which a start counts as warm."""
 
 
-def setting(coefficients: Coefficients, runs: Sequence[Condensed], whole: Problem, name: str) -> Setting:
+def offered(coefficients: Coefficients, runs: Sequence[Condensed], whole: StackedRuns, name: str) -> Setting:
     """What the data offer to explain one component's residual with."""
     model = coefficients.model
     c = whole.components.index(name)

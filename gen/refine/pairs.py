@@ -8,18 +8,18 @@ from dataclasses import replace
 from gen.refine.candidates import Candidate
 from gen.refine.hypotheses import Hypothesis, distinct, further, material, terms_of, tied
 from gen.refine.judgement import TIE_LEVEL, judge, p_better
-from gen.refine.simulation_fit import Fit
-from gen.refine.stacked_runs import Problem
+from gen.refine.simulation_fit import HypothesisFit
+from gen.refine.stacked_runs import StackedRuns
 
 SEEDS = 3
 """First effects that are each tried with every second one."""
 
 
 def pair(
-    single: Problem,
+    single: StackedRuns,
     hypotheses: Sequence[Hypothesis],
-    null: Fit,
-    current: Fit,
+    null: HypothesisFit,
+    current: HypothesisFit,
     first: Sequence[Candidate],
     tried: int,
 ) -> list[tuple[Candidate, list[Candidate]]]:
@@ -48,7 +48,7 @@ def pair(
 
 
 def third(
-    single: Problem, hypotheses: Sequence[Hypothesis], current: Fit, tried: int
+    single: StackedRuns, hypotheses: Sequence[Hypothesis], current: HypothesisFit, tried: int
 ) -> list[tuple[Candidate, list[Candidate]]]:
     """The best further effect beside those that there are, if it passes."""
     good = [

@@ -14,8 +14,8 @@ from gen.refine.candidates import Tracing
 from gen.refine.condense import Condensed, condense
 from gen.refine.effect_entries import calibrations, entry, extended_text
 from gen.refine.excitation import Excitation, excitation
-from gen.refine.leftover import Remains, remains
-from gen.refine.run_errors import Curve, Score, score, total
+from gen.refine.leftover import Remains, leftover
+from gen.refine.run_errors import Curve, Score, run_errors, total
 from gen.refine.trace import trace
 
 EXPLAINED = 1.3
@@ -142,13 +142,13 @@ def refine(
                 if model is baseline and errors is after:
                     scores, curve = getattr(before, key)[str(path)], before.curves[str(path)]
                 else:
-                    scores, curve = score(baseline, model, path)
+                    scores, curve = run_errors(baseline, model, path)
                 getattr(errors, key)[str(path)] = scores
                 errors.curves[str(path)] = curve
     warnings += [
         f"{path}: {before.curves[str(path)].left_out}" for path in test_paths if before.curves[str(path)].left_out
     ]
-    left = {name: remains(tracing, runs, name) for name in tracing.problem.components}
+    left = {name: leftover(tracing, runs, name) for name in tracing.problem.components}
     return Refinement(text, before, after, effects, verdict, tracing, runs, excitation(baseline, runs), left, warnings)
 
 

@@ -61,7 +61,7 @@ class Curve:
     left_out: str = ""
 
 
-def score(
+def run_errors(
     baseline: Coefficients, model: Coefficients, path: Path, most_points: int = 600
 ) -> tuple[dict[str, Score], Curve]:
     """Simulate a run and compare.

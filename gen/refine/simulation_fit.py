@@ -15,7 +15,7 @@ import numpy as np
 from gen.model.effects import Effect, Free, Variant
 from gen.model.effects.catalogue.sensor_offset import SensorOffset
 from gen.model.effects.integrate import Slot, readings
-from gen.refine.stacked_runs import Problem
+from gen.refine.stacked_runs import StackedRuns
 from gen.runs.run import FloatArray
 
 _ITERATIONS = 14
@@ -35,7 +35,7 @@ class Term:
 
 
 @dataclass(frozen=True)
-class Fit:
+class HypothesisFit:
     """A hypothesis fitted to C components; F folds.
 
     Parameters
@@ -86,7 +86,7 @@ class Fit:
         return made
 
 
-def fit(problem: Problem, terms: Sequence[Term]) -> Fit:
+def fit(problem: StackedRuns, terms: Sequence[Term]) -> HypothesisFit:
     """Fit a hypothesis.
 
     Parameters
@@ -130,7 +130,7 @@ def _to(free: Free, value: float) -> float:
     return float(np.log(max(value, 1e-12))) if free.log else value
 
 
-def _weights(problem: Problem) -> FloatArray:
+def _weights(problem: StackedRuns) -> FloatArray:
     """Samples of each bin that a lane is fitted to, shape (C, L, K R); lane 0 sees all."""
     w = problem.weight[:, :, 0, :]
     seen = np.concatenate([np.ones((1, *problem.left_out.shape[1:]), dtype=bool), ~problem.left_out])
@@ -162,7 +162,7 @@ class _Point:
 class _State:
     def __init__(
         self,
-        problem: Problem,
+        problem: StackedRuns,
         terms: Sequence[Term],
         free: Sequence[Free],
         weights: FloatArray,
@@ -251,15 +251,15 @@ class _State:
         return point.u + np.linalg.solve(a, g[..., None])[..., :n, 0]
 
 
-def _flat(array: FloatArray, problem: Problem) -> FloatArray:
+def _flat(array: FloatArray, problem: StackedRuns) -> FloatArray:
     """(K, C, lanes, R) -> (C, lanes, K R)."""
     full = np.broadcast_to(array, (array.shape[0], len(problem.components), array.shape[2], problem.residual.shape[-1]))
     return np.ascontiguousarray(np.moveaxis(full, 0, 2)).reshape(full.shape[1], full.shape[2], -1)
 
 
 def _finished(
-    problem: Problem, terms: tuple[Term, ...], free: Sequence[Free], best: _Point, weights: FloatArray, state: _State
-) -> Fit:
+    problem: StackedRuns, terms: tuple[Term, ...], free: Sequence[Free], best: _Point, weights: FloatArray, state: _State
+) -> HypothesisFit:
     bins, count, _, runs = problem.residual.shape
     residual = best.residual.reshape(count, best.residual.shape[1], bins, runs)
     left_out = residual[:, 0].copy()
@@ -274,7 +274,7 @@ def _finished(
     for i, parameter in enumerate(free):
         if parameter.log:
             numbers[:, i] = np.exp(numbers[:, i])
-    return Fit(
+    return HypothesisFit(
         terms=terms,
         numbers=numbers,
         spread=spread,

@@ -23,7 +23,7 @@ LEAST_BLOCKS = 36
 
 
 @dataclass(frozen=True)
-class Problem:
+class StackedRuns:
     """Residuals of some components in all runs; K bins (padded), C components, R runs.
 
     Parameters
@@ -56,7 +56,7 @@ class Problem:
     responses: dict[str, Response]
     tolerance_K: float = SensorOffset.TOLERANCE_K
 
-    def only(self, name: str) -> Problem:
+    def only(self, name: str) -> StackedRuns:
         """The same with one component."""
         at = self.components.index(name)
         part = slice(at, at + 1)
@@ -81,13 +81,13 @@ class Problem:
             noise_K=self.noise_K[part],
         )
 
-    def with_others(self, rises: dict[str, FloatArray]) -> Problem:
+    def with_others(self, rises: dict[str, FloatArray]) -> StackedRuns:
         """The same with other components' rises, shape (K + 1, R) each."""
         others = {name: rise[:, None, None, :] for name, rise in rises.items()}
         return replace(self, track=replace(self.track, others={**self.track.others, **others}))
 
 
-def problem(coefficients: Coefficients, runs: Sequence[Condensed]) -> Problem:
+def stack_runs(coefficients: Coefficients, runs: Sequence[Condensed]) -> StackedRuns:
     """Stack the runs.
 
     Parameters
@@ -157,7 +157,7 @@ def problem(coefficients: Coefficients, runs: Sequence[Condensed]) -> Problem:
         measured_rise=start[:, None, :],
     )
     sizes = [run.edges.size - 1 for run in runs]
-    return Problem(
+    return StackedRuns(
         components=names,
         track=track,
         residual=residual,

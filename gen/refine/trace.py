@@ -15,10 +15,10 @@ from gen.refine.condense import Condensed
 from gen.refine.hypotheses import choose, first_round, hypotheses_for, terms_of
 from gen.refine.judged_on_stretches import by_stretch
 from gen.refine.judgement import LEAST_GAIN, TIE_LEVEL, judge, p_better, told_from_none
-from gen.refine.offered import each_speed_once, setting
+from gen.refine.offered import each_speed_once, offered
 from gen.refine.pairs import pair, third
-from gen.refine.simulation_fit import Fit, Term, fit
-from gen.refine.stacked_runs import Problem, problem
+from gen.refine.simulation_fit import HypothesisFit, Term, fit
+from gen.refine.stacked_runs import StackedRuns, stack_runs
 
 MOST_EFFECTS = 3
 """Most effects at one component: what is left after three is said to be unexplained."""
@@ -43,10 +43,10 @@ def trace(
     progress
         Called with what is being done.
     """
-    whole = problem(coefficients, runs)
+    whole = stack_runs(coefficients, runs)
     singles = {name: whole.only(name) for name in whole.components}
     null = {name: fit(one, []) for name, one in singles.items()}
-    hypotheses = {name: hypotheses_for(setting(coefficients, runs, whole, name)) for name in whole.components}
+    hypotheses = {name: hypotheses_for(offered(coefficients, runs, whole, name)) for name in whole.components}
     tried = sum(len(h) for h in hypotheses.values())
     if each_speed_once(runs):  # then a left-out run says nothing of its speed's schedule: judged by stretches, below
         hypotheses = {n: [h for h in all_ if h[0].name != "schedule_error"] for n, all_ in hypotheses.items()}
@@ -85,7 +85,7 @@ def trace(
     if each_speed_once(runs):
         for name, one in singles.items():
             if name in considered and not final[name].terms:
-                entry = by_stretch(one, setting(coefficients, runs, whole, name), tried)
+                entry = by_stretch(one, offered(coefficients, runs, whole, name), tried)
                 if entry is not None:
                     considered[name].insert(0, entry)
                     found.append(Found(name, entry, []))
@@ -94,7 +94,7 @@ def trace(
     return Tracing(whole, found, final, null, considered, tried)
 
 
-def worth_tracing(single: Problem, fitted: Fit) -> bool:
+def worth_tracing(single: StackedRuns, fitted: HypothesisFit) -> bool:
     """Whether an effect that explained all that is left could lower the RMSE by what an effect must at least."""
     variance = float(single.noise_K[0]) ** 2
     w = single.weight[:, 0, 0, :]
@@ -108,7 +108,7 @@ def _say(progress: Callable[[str], None], component: str, effect: str) -> None:
 
 
 def _judge_again(
-    singles: dict[str, Problem], final: dict[str, Fit], null: dict[str, Fit], found: list[Found], tried: int
+    singles: dict[str, StackedRuns], final: dict[str, HypothesisFit], null: dict[str, HypothesisFit], found: list[Found], tried: int
 ) -> None:
     """All of a component's effects together must pass the test against none, whatever the way to them was."""
     for name, single in singles.items():
@@ -118,7 +118,7 @@ def _judge_again(
 
 
 def _refuse_offsets_at_their_limit(
-    singles: dict[str, Problem], final: dict[str, Fit], null: dict[str, Fit], found: list[Found], tried: int
+    singles: dict[str, StackedRuns], final: dict[str, HypothesisFit], null: dict[str, HypothesisFit], found: list[Found], tried: int
 ) -> None:
     """Drawn to its limit an offset stands for something else; it is no calibration, and effects must do without it."""
     for name, single in singles.items():
@@ -133,7 +133,7 @@ def _refuse_offsets_at_their_limit(
             final[name] = null[name]
 
 
-def _passes(single: Problem, name: str, without: Fit, together: Fit, found: list[Found], tried: int) -> bool:
+def _passes(single: StackedRuns, name: str, without: HypothesisFit, together: HypothesisFit, found: list[Found], tried: int) -> bool:
     own = [f for f in found if f.component == name]
     if not own or any(f.candidate.effect.everywhere for f in own):
         return True
@@ -141,7 +141,7 @@ def _passes(single: Problem, name: str, without: Fit, together: Fit, found: list
 
 
 def _extend_everywhere(
-    singles: dict[str, Problem], found: list[Found], final: dict[str, Fit], null: dict[str, Fit], tried: int
+    singles: dict[str, StackedRuns], found: list[Found], final: dict[str, HypothesisFit], null: dict[str, HypothesisFit], tried: int
 ) -> None:
     """What acts on most components by its nature acts on the others, too, even where another effect hides it."""
     for name in {f.candidate.effect.name for f in found if f.candidate.effect.everywhere}:
@@ -160,7 +160,7 @@ def _extend_everywhere(
             final[component] = made
 
 
-def _couple(whole: Problem, singles: dict[str, Problem], final: dict[str, Fit]) -> None:
+def _couple(whole: StackedRuns, singles: dict[str, StackedRuns], final: dict[str, HypothesisFit]) -> None:
     """Fit once more where a component's source is another one whose own effects were found meanwhile."""
     changed = {name: _rise(singles[name], f) for name, f in final.items() if f.terms}
     for name, f in list(final.items()):
@@ -170,13 +170,13 @@ def _couple(whole: Problem, singles: dict[str, Problem], final: dict[str, Fit]) 
             final[name] = fit(singles[name], terms_of(f))
 
 
-def _rise(single: Problem, fitted: Fit) -> np.ndarray:
+def _rise(single: StackedRuns, fitted: HypothesisFit) -> np.ndarray:
     slots = [(term.effect, values) for term, values in zip(fitted.terms, fitted.values(0), strict=True)]
     rise = readings(slots, single.track)[0]
     return np.asarray(np.broadcast_to(rise, (rise.shape[0], 1, 1, single.residual.shape[-1]))[:, 0, 0, :])
 
 
-def _prune(singles: dict[str, Problem], final: dict[str, Fit], found: list[Found]) -> None:
+def _prune(singles: dict[str, StackedRuns], final: dict[str, HypothesisFit], found: list[Found]) -> None:
     """Drop an effect that a later one has made needless (without it the left-out error is no larger) or unknowable."""
     for name, single in singles.items():
         at = 0
@@ -195,12 +195,12 @@ def _prune(singles: dict[str, Problem], final: dict[str, Fit], found: list[Found
             at = 0
 
 
-def _known(fitted: Fit, at: int) -> bool:
+def _known(fitted: HypothesisFit, at: int) -> bool:
     """Whether the size of effect number `at` can be told from none beside the others."""
     return not fitted.terms[at].variant.free or told_from_none(fitted, 0, fitted.first_free(at))
 
 
-def _importance(whole: Problem, entry: Found) -> float:
+def _importance(whole: StackedRuns, entry: Found) -> float:
     j = entry.candidate.judgement
     c = whole.components.index(entry.component)
     return (j.before_K**2 - j.after_K**2) / float(whole.noise_K[c]) ** 2

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from gen.identify.bands import NEAREST, Band, next_speed
 from gen.identify.forms import Form
 from gen.identify.linearity import linearity
-from gen.identify.orders import Candidate, _held_out, beats
-from gen.identify.output_error import Fit, Problem
+from gen.identify.orders import StructureCandidate, _held_out, beats
+from gen.identify.output_error import OutputErrorFit, OutputErrorProblem
 from gen.identify.records import Record, condense
 from gen.identify.structure import Structure
 from gen.identify.uncertainty import Uncertainty, criteria, residual_noise, residual_tests
@@ -22,8 +22,8 @@ from gen.identify.uncertainty import Uncertainty, criteria, residual_noise, resi
 Array = NDArray[np.float64]
 
 
-def candidate(losses: list[float]) -> Candidate:
-    return cast(Candidate, SimpleNamespace(losses=np.array(losses), loss=float(np.mean(losses))))
+def candidate(losses: list[float]) -> StructureCandidate:
+    return cast(StructureCandidate, SimpleNamespace(losses=np.array(losses), loss=float(np.mean(losses))))
 
 
 @pytest.mark.parametrize(
@@ -45,8 +45,8 @@ def test_a_held_out_error_is_that_of_a_fit_which_did_not_see_the_rows() -> None:
     def fit(layout: object, vector: object, mask: Array, most: int) -> object:
         return SimpleNamespace(residuals=[np.where(mask == 1.0, 0.0, 3.0)])
 
-    problem = cast(Problem, SimpleNamespace(rows=np.array([0, 12]), weights=[np.full(12, 2.0)], fit=fit))
-    given = cast(Fit, SimpleNamespace(layout=None, vector=np.zeros(1)))
+    problem = cast(OutputErrorProblem, SimpleNamespace(rows=np.array([0, 12]), weights=[np.full(12, 2.0)], fit=fit))
+    given = cast(OutputErrorFit, SimpleNamespace(layout=None, vector=np.zeros(1)))
     stretch = np.repeat(np.arange(4.0), 3)
     folds = [(np.repeat(np.arange(4), 3) % 2 != k).astype(np.float64) for k in (0, 1)]
     assert _held_out(problem, given, stretch, folds).tolist() == [36.0] * 4
@@ -154,4 +154,4 @@ def test_one_pole_that_moves_with_speed_makes_the_system_not_linear(
     fit = SimpleNamespace(layout=layout, theta=theta, steady=0.2 * speeds)
     judge = SimpleNamespace(error_at=lambda *_: np.zeros((1, 1)))
     monkeypatch.setattr("gen.identify.linearity.Judge", lambda *_: judge)
-    assert linearity(cast(Problem, None), cast(Fit, fit)).linear is linear
+    assert linearity(cast(OutputErrorProblem, None), cast(OutputErrorFit, fit)).linear is linear

@@ -18,8 +18,8 @@ from gen.refine.condense import Condensed
 from gen.refine.effect_entries import entry, extended_text
 from gen.refine.judgement import ALONE, TOO_LITTLE, Judgement, judge, p_better
 from gen.refine.refine import judge_verdict
-from gen.refine.simulation_fit import Fit, Term
-from gen.refine.stacked_runs import Problem
+from gen.refine.simulation_fit import HypothesisFit, Term
+from gen.refine.stacked_runs import StackedRuns
 from tests.examples import ROOT, example
 
 Array = NDArray[np.float64]
@@ -30,7 +30,7 @@ GAIN = Free("reverse_heating", 0.1, -5.0, 5.0)
 TAU = Free("node_tau_s", 600.0, 10.0, 40_000.0, log=True)
 
 
-def problem(noise_K: float = 1.0) -> Problem:
+def problem(noise_K: float = 1.0) -> StackedRuns:
     """Runs of equal bins, one sample each."""
     blocks = (np.arange(BINS) * BLOCKS // BINS)[:, None] + BLOCKS * np.arange(RUNS)[None, :]
     made = SimpleNamespace(
@@ -39,16 +39,16 @@ def problem(noise_K: float = 1.0) -> Problem:
         weight=np.ones((BINS, 1, 1, RUNS)),
         blocks=blocks,
     )
-    return cast(Problem, made)
+    return cast(StackedRuns, made)
 
 
 def fitted(
     left_out: Array, *free: Free, value: float = 1.0, spread: float = 0.05, folds: tuple[float, ...] = (1.0,) * RUNS
-) -> Fit:
+) -> HypothesisFit:
     """A fit that leaves this on the runs that it did not see, shape (BINS, RUNS)."""
     chosen = free or (GAIN,)
     numbers = np.full((1, len(chosen)), value)
-    return Fit(
+    return HypothesisFit(
         terms=(Term(EFFECT, Variant({}, chosen), tuple(item.start for item in chosen)),),
         numbers=numbers,
         spread=np.full((1, len(chosen)), spread),
@@ -164,12 +164,12 @@ def tracing(before: tuple[float, ...], after: tuple[float, ...], *found: Found) 
     names = tuple(f"part{i}" for i in range(len(before)))
     made = SimpleNamespace(components=names, noise_K=np.full(len(names), 0.5))
 
-    def fits(ratios: tuple[float, ...]) -> dict[str, Fit]:
+    def fits(ratios: tuple[float, ...]) -> dict[str, HypothesisFit]:
         return {
             n: fitted(np.full((BINS, RUNS), 0.5 * np.sqrt(r * r - 1.0))) for n, r in zip(names, ratios, strict=True)
         }
 
-    return Tracing(cast(Problem, made), list(found), fits(after), fits(before), {}, 20)
+    return Tracing(cast(StackedRuns, made), list(found), fits(after), fits(before), {}, 20)
 
 
 def effect(*, by_stretch: bool = False) -> Found:
