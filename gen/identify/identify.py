@@ -12,7 +12,7 @@ from gen.identify.data import Data
 from gen.identify.general import General, Judge, choose_forms, guard, misses
 from gen.identify.joint import Model, refine
 from gen.identify.linearity import Linearity, linearity
-from gen.identify.orders import StructureCandidate, Choice, choose
+from gen.identify.orders import Choice, StructureCandidate, choose
 from gen.identify.output_error import OFFSET_PRIOR, OutputErrorFit, OutputErrorProblem
 from gen.identify.records import Record
 from gen.identify.speeds import choose_speeds, without_gain
@@ -162,7 +162,9 @@ def identify_component(
     )
 
 
-def _refined(problem: OutputErrorProblem, fit: OutputErrorFit, spread: Uncertainty, general: General) -> tuple[General, Model]:
+def _refined(
+    problem: OutputErrorProblem, fit: OutputErrorFit, spread: Uncertainty, general: General
+) -> tuple[General, Model]:
     """Refine the best option; go on to the next where the refined one misses the speeds or is not physical."""
     judge = Judge(problem, fit)
     base = judge.base()
@@ -180,7 +182,9 @@ def _refined(problem: OutputErrorProblem, fit: OutputErrorFit, spread: Uncertain
     return general, unrefined
 
 
-def _with_offset(problem: OutputErrorProblem, chosen: StructureCandidate) -> tuple[OutputErrorFit, Uncertainty, float | None]:
+def _with_offset(
+    problem: OutputErrorProblem, chosen: StructureCandidate
+) -> tuple[OutputErrorFit, Uncertainty, float | None]:
     """Also estimate the sensor's offset, where the runs can tell it from the rise, and keep it where it is sure."""
     fit, spread = chosen.fit, chosen.uncertainty
     layout = problem.layout(chosen.structure, offset=True)

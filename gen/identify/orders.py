@@ -98,7 +98,9 @@ def choose(problem: OutputErrorProblem, progress: Callable[[str], None], most: i
     return Choice(tuple(candidates), chosen, reason, held_out)
 
 
-def candidate_of(problem: OutputErrorProblem, fit: OutputErrorFit, stretch: FloatArray, folds: list[FloatArray]) -> StructureCandidate:
+def candidate_of(
+    problem: OutputErrorProblem, fit: OutputErrorFit, stretch: FloatArray, folds: list[FloatArray]
+) -> StructureCandidate:
     """Judge a fit: uncertainty, error on held-out stretches, reasons against it."""
     spread = uncertainty(problem, fit)
     losses = _held_out(problem, fit, stretch, folds)
@@ -142,7 +144,9 @@ def folds_of(problem: OutputErrorProblem) -> tuple[FloatArray, list[FloatArray],
     return stretch, masks, what
 
 
-def _held_out(problem: OutputErrorProblem, fit: OutputErrorFit, stretch: FloatArray, folds: list[FloatArray]) -> FloatArray:
+def _held_out(
+    problem: OutputErrorProblem, fit: OutputErrorFit, stretch: FloatArray, folds: list[FloatArray]
+) -> FloatArray:
     square = np.empty(int(problem.rows[-1]))
     for mask in folds:
         refit = problem.fit(fit.layout, fit.vector, mask, most=6)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gen.identify.output_error import OutputErrorFit, Layout, OutputErrorProblem
+from gen.identify.output_error import Layout, OutputErrorFit, OutputErrorProblem
 from gen.identify.structure import FloatArray, Structure
 
 _GRID = 9

@@ -258,7 +258,12 @@ def _flat(array: FloatArray, problem: StackedRuns) -> FloatArray:
 
 
 def _finished(
-    problem: StackedRuns, terms: tuple[Term, ...], free: Sequence[Free], best: _Point, weights: FloatArray, state: _State
+    problem: StackedRuns,
+    terms: tuple[Term, ...],
+    free: Sequence[Free],
+    best: _Point,
+    weights: FloatArray,
+    state: _State,
 ) -> HypothesisFit:
     bins, count, _, runs = problem.residual.shape
     residual = best.residual.reshape(count, best.residual.shape[1], bins, runs)

@@ -108,7 +108,11 @@ def _say(progress: Callable[[str], None], component: str, effect: str) -> None:
 
 
 def _judge_again(
-    singles: dict[str, StackedRuns], final: dict[str, HypothesisFit], null: dict[str, HypothesisFit], found: list[Found], tried: int
+    singles: dict[str, StackedRuns],
+    final: dict[str, HypothesisFit],
+    null: dict[str, HypothesisFit],
+    found: list[Found],
+    tried: int,
 ) -> None:
     """All of a component's effects together must pass the test against none, whatever the way to them was."""
     for name, single in singles.items():
@@ -118,7 +122,11 @@ def _judge_again(
 
 
 def _refuse_offsets_at_their_limit(
-    singles: dict[str, StackedRuns], final: dict[str, HypothesisFit], null: dict[str, HypothesisFit], found: list[Found], tried: int
+    singles: dict[str, StackedRuns],
+    final: dict[str, HypothesisFit],
+    null: dict[str, HypothesisFit],
+    found: list[Found],
+    tried: int,
 ) -> None:
     """Drawn to its limit an offset stands for something else; it is no calibration, and effects must do without it."""
     for name, single in singles.items():
@@ -133,7 +141,9 @@ def _refuse_offsets_at_their_limit(
             final[name] = null[name]
 
 
-def _passes(single: StackedRuns, name: str, without: HypothesisFit, together: HypothesisFit, found: list[Found], tried: int) -> bool:
+def _passes(
+    single: StackedRuns, name: str, without: HypothesisFit, together: HypothesisFit, found: list[Found], tried: int
+) -> bool:
     own = [f for f in found if f.component == name]
     if not own or any(f.candidate.effect.everywhere for f in own):
         return True
@@ -141,7 +151,11 @@ def _passes(single: StackedRuns, name: str, without: HypothesisFit, together: Hy
 
 
 def _extend_everywhere(
-    singles: dict[str, StackedRuns], found: list[Found], final: dict[str, HypothesisFit], null: dict[str, HypothesisFit], tried: int
+    singles: dict[str, StackedRuns],
+    found: list[Found],
+    final: dict[str, HypothesisFit],
+    null: dict[str, HypothesisFit],
+    tried: int,
 ) -> None:
     """What acts on most components by its nature acts on the others, too, even where another effect hides it."""
     for name in {f.candidate.effect.name for f in found if f.candidate.effect.everywhere}:
