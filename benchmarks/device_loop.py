@@ -46,7 +46,7 @@ from gen.emulate.rig import RigPlant  # noqa: E402
 from gen.emulate.session import run_session  # noqa: E402
 from gen.emulate.twin import alarm_times  # noqa: E402
 from gen.record.port import write_parts  # noqa: E402
-from gen.refine.run_errors import Score, run_errors, total  # noqa: E402
+from gen.refinement.run_errors import Score, run_errors, total  # noqa: E402
 from gen.rig import Fault, MotorConfig, Profile, Setup, make_run, sensors  # noqa: E402
 from gen.rig.config import HiddenPart  # noqa: E402
 from gen.rig.parameters import HeatPath  # noqa: E402

@@ -17,9 +17,9 @@ import numpy as np
 
 from benchmarks.plants import AMBIENT, QUANTUM, Plant, fresh_profile, random_plant, simulate, step_runs
 from gen.coefficients import Coefficients
-from gen.identify.coefficient_file import Settings, coefficient_text
-from gen.identify.data import Source, make_data
-from gen.identify.identify import Identified, identify
+from gen.identification.coefficient_file import Settings, coefficient_text
+from gen.identification.data import Source, make_data
+from gen.identification.identify import Identified, identify
 from gen.model import ExactSolution
 
 

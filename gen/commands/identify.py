@@ -45,10 +45,10 @@ def identify(
     from gen.coefficients.names import name_fault
     from gen.errors import InputError
     from gen.files import check_outputs, write_text
-    from gen.identify.coefficient_file import Settings, coefficient_text, usable
-    from gen.identify.data import read_data
-    from gen.identify.identify import identify as run
-    from gen.identify.summary import summary, text, without_nan
+    from gen.identification.coefficient_file import Settings, coefficient_text, usable
+    from gen.identification.data import read_data
+    from gen.identification.identify import identify as run
+    from gen.identification.summary import summary, text, without_nan
 
     fault = name_fault(name)
     if fault:
@@ -64,7 +64,7 @@ def identify(
         written, loaded = coefficient_text(data, found, settings)
         page = None
         if report is not None:
-            from gen.identify.page import report_html
+            from gen.identification.page import report_html
 
             progress("report")
             page = report_html(data, found, loaded)

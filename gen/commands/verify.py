@@ -14,7 +14,7 @@ from gen.progress import progress_line
 
 if TYPE_CHECKING:
     from gen.lowering.kinds import Arithmetic, ScheduleKind
-    from gen.verify.verify import Target
+    from gen.verification.verify import Target
 
 
 @click.command(
@@ -39,9 +39,9 @@ def verify(
     """Prove the generated C++ equal to the reference, bit for bit, and measure error and cost."""
     from gen.coefficients import load
     from gen.files import check_outputs, write_text
-    from gen.verify.report import print_results
-    from gen.verify.verify import summary
-    from gen.verify.verify import verify as run
+    from gen.verification.report import print_results
+    from gen.verification.verify import summary
+    from gen.verification.verify import verify as run
 
     loaded = load(coefficients)
     check_outputs((json_file,), (coefficients,))

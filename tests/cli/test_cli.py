@@ -17,7 +17,7 @@ import pytest
 from gen.cli import main
 from gen.errors import InputError
 from gen.files import check_outputs, replace_folder, write_text
-from gen.verify import verify as verification
+from gen.verification import verify as verification
 from tests.examples import ROOT
 
 COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"

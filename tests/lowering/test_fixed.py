@@ -23,8 +23,8 @@ from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.model.exact import ExactSolution
 from gen.reference.fixed import FixedStep, Word, product
 from gen.reference.model import ReferenceModel
-from gen.verify.accuracy import error_course
-from gen.verify.profiles import campaign
+from gen.verification.accuracy import error_course
+from gen.verification.profiles import campaign
 from tests.examples import EXAMPLES, example
 
 

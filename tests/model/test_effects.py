@@ -17,7 +17,7 @@ from gen.errors import InputError
 from gen.lowering.lower import lower
 from gen.model.effects import registry
 from gen.model.extended import ExtendedSolution
-from tests.refine.plant import COEFFICIENTS
+from tests.refinement.plant import COEFFICIENTS
 
 Array = NDArray[np.float64]
 END = 5400

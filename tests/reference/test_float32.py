@@ -15,7 +15,7 @@ from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 from gen.lowering.kinds import ScheduleKind
 from gen.reference.float32 import accumulated
 from gen.templating import environment
-from gen.verify.verify import CombinationResult, Target, verify
+from gen.verification.verify import CombinationResult, Target, verify
 from tests.examples import example
 
 #: Goals of issue 2 for all four MY1016 components together.

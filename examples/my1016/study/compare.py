@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from examples.my1016.study.reproduce import rises
 from examples.my1016.study.tables import STEADY_S, Study, counts
-from gen.identify.coefficient_file import Settings, coefficient_text
-from gen.identify.data import Source, make_data
-from gen.identify.forms import FULL, Form
-from gen.identify.identify import identify
+from gen.identification.coefficient_file import Settings, coefficient_text
+from gen.identification.data import Source, make_data
+from gen.identification.forms import FULL, Form
+from gen.identification.identify import identify
 from gen.model import Component, ExponentialSum, Pole, Polynomial, Schedule, ThermalModel
 from gen.runs import Run
 
