@@ -94,14 +94,17 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
     printed. Time-lapse changes how fast one can watch, nothing else.
     """
     from gen.coefficients import load
-    from gen.emulate.plot import plot_svg
-    from gen.emulate.results import results_of, summary
     from gen.files import check_outputs, write_bytes, write_text
-    from gen.record.port import write_parts
 
     check_outputs((out, json_file, plot, options["eeprom"]), (coefficients,))
     loaded = load(coefficients)
     wanted = _wanted(loaded, coefficients, options)
+
+    # Slow to import: what is wrong with the file and the options was told before.
+    from gen.emulate.plot import plot_svg
+    from gen.emulate.results import results_of, summary
+    from gen.record.port import write_parts
+
     with ExitStack() as stack:
         board = _board(loaded, coefficients, wanted, stack, options)
         session = _run(board, wanted, stack, options)
@@ -136,10 +139,12 @@ class _Wanted:
 
 def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -> _Wanted:
     from gen.emulate.options import check_profile, parse_events
-    from gen.lowering.lower import check_speed
     from gen.record.profile import parse_profile
 
-    check_speed(options["arithmetic"], options["schedule"], options["speed"])
+    if options["speed"] != "normal":
+        from gen.lowering.lower import check_speed
+
+        check_speed(options["arithmetic"], options["schedule"], options["speed"])
     wiring = loaded.document.wiring
     if wiring is None or not wiring.thermocouples:
         raise InputError("has no thermocouples: there is nothing to emulate", file=str(coefficients), place="$.wiring")

@@ -83,13 +83,18 @@ def refine(
     """
     from gen.coefficients import load
     from gen.files import check_outputs, write_text
-    from gen.loop.refine import refine as run
+    from gen.runs import check_head
 
     check_outputs((out, report, json_file), (*fit_runs, *test_runs))
     check_outputs((report, json_file), (coefficients,))
     check_once(fit_runs)
     check_once(test_runs)
+    for path in (*fit_runs, *test_runs):
+        check_head(path)
     loaded = load(coefficients)
+
+    from gen.loop.refine import refine as run  # slow to import: what is wrong with a file's head was told before
+
     raw = coefficients.read_text(encoding="utf-8-sig")
     with progress_line() as progress:
         found = run(loaded, raw, fit_runs, test_runs, progress)

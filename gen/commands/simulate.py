@@ -35,16 +35,19 @@ def simulate(
     """Run the reference simulator on a run file and write the model's temperatures at the run's own times."""
     from gen.coefficients import load
     from gen.files import check_outputs
-    from gen.lowering.lower import check_speed
-    from gen.reference.simulate import simulate_run
-    from gen.runs import read_run
-    from gen.runs.writer import write_columns
+    from gen.runs import check_head, read_run, write_columns
 
-    check_speed(arithmetic, "table", speed)
     target = out or run.with_suffix(".model.csv")
     check_outputs((target,), (coefficients, run))
+    check_head(run)
     loaded = load(coefficients)
     measured = read_run(run, loaded.model.component_names, ambient=loaded.model.ambient_channel or "ambient_degC")
+
+    # Slow to import: what is wrong with the files was told before.
+    from gen.lowering.lower import check_speed
+    from gen.reference.simulate import simulate_run
+
+    check_speed(arithmetic, "table", speed)
     columns = simulate_run(loaded, measured, arithmetic, start, str(run), speed)
     write_columns(
         target,

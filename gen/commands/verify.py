@@ -41,6 +41,10 @@ def verify(
     """Prove the generated C++ equal to the reference, bit for bit, and measure error and cost."""
     from gen.coefficients import load
     from gen.files import check_outputs, write_text
+
+    check_outputs((json_file,), (coefficients,))
+    loaded = load(coefficients)  # before what is slow to import: a fault in the file is told at once
+
     from gen.lowering.lower import check_speed
     from gen.verify.report import print_results
     from gen.verify.verify import summary
@@ -48,8 +52,6 @@ def verify(
 
     if speed == "fast":
         check_speed("fixed" if arithmetic == "all" else arithmetic, "table" if schedule == "all" else schedule, speed)
-    loaded = load(coefficients)
-    check_outputs((json_file,), (coefficients,))
     arithmetics: tuple[Arithmetic, ...] = ("fixed", "float") if arithmetic == "all" else (arithmetic,)
     schedules: tuple[ScheduleKind, ...] = ("table", "onboard") if schedule == "all" else (schedule,)
     speeds: tuple[Speed, ...] = ("normal", "fast") if speed == "all" else (speed,)
