@@ -16,7 +16,7 @@ from gen.loop.admission import admitted
 from gen.loop.excitation import Excitation, excitation
 from gen.loop.found import Found, Tracing
 from gen.loop.remains import Remains, remains
-from gen.loop.residual import Condensed, condense
+from gen.loop.residual import Condensed, check_measured, condense
 from gen.loop.score import Curve, Score, score, total
 from gen.loop.trace import trace
 from gen.model.effects.sensor_offset import SensorOffset
@@ -114,11 +114,14 @@ def refine(
     Raises
     ------
     InputError
-        For files that are no runs, or no admitted run to fit.
+        For files that are no runs, before anything is fitted; or for no admitted run to fit.
     """
     both = {path.resolve() for path in fit_paths} & {path.resolve() for path in test_paths}
     if both:
         raise InputError("is given as --fit and as --test; test runs must take no part", file=str(sorted(both)[0]))
+    for path in test_paths:
+        progress(f"checking {path}")
+        check_measured(baseline, path)  # only whether it can be judged: its values stay unopened until the end
     runs = []
     for path in fit_paths:
         progress(f"reading {path}")
