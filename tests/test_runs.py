@@ -98,6 +98,8 @@ FAULTS = [
     ('time_s,pwm,x\n0,1,"2"\n', "line 2, column x", 'found ""2"", expected a number'),
     ("time_s,pwm\n0,1\n0,1\n", "line 3, column time_s", "found 0, expected more than 0 s"),
     ("time_s,pwm\n1,1\n0.5,1\n", "line 3, column time_s", "found 0.5, expected more than 1 s"),
+    ("time_s,pwm\n30.2,1\n30.1,1\n", "line 3, column time_s", "found 30.1, expected more than 30.2 s"),
+    ("time_s,pwm,a_degC\n0,1,6000.1\n", "line 2, column a_degC", "found 6000.1, expected a number within"),
     ("time_s,pwm\n1,1\n,1\n", "line 3, column time_s", "found nothing, expected a number in every row"),
     ("time_s,pwm\n1,\n", "line 2, column pwm", "found nothing, expected a number in every row"),
     ("time_s,pwm\n0,1\n1,256\n", "line 3, column pwm", "found 256, expected a whole number -255..255"),

@@ -208,11 +208,16 @@ def _number(text: str, line: int, column: str) -> float:
     return value
 
 
+def _shown(value: float) -> str:
+    """The shortest text that reads back as the same number: what stood in the file, most often."""
+    return repr(float(value)).removesuffix(".0")
+
+
 def _check_values(values: FloatArray, head: Head, first: int, last_time: float) -> None:
     def fail(bad: NDArray[np.bool_], column: str, message: str) -> None:
         row = int(np.argmax(bad))
         value = values[row, head.columns.index(column)]
-        found = "found nothing" if np.isnan(value) else f"found {value:.17g}"
+        found = "found nothing" if np.isnan(value) else f"found {_shown(value)}"
         raise InputError(f"{found}, {message}", place=f"line {first + row}, column {column}")
 
     time_s = values[:, head.columns.index("time_s")]
@@ -223,7 +228,7 @@ def _check_values(values: FloatArray, head: Head, first: int, last_time: float) 
     before = np.concatenate([[last_time], time_s[:-1]])
     late = time_s <= before
     if late.any():
-        fail(late, "time_s", f"expected more than {before[np.argmax(late)]:.17g} s, the time of the row before")
+        fail(late, "time_s", f"expected more than {_shown(before[np.argmax(late)])} s, the time of the row before")
     wrong = (np.abs(pwm) > 255) | (pwm != np.round(pwm))
     if wrong.any():
         fail(wrong, "pwm", "expected a whole number -255..255")
