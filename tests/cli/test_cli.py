@@ -398,10 +398,21 @@ def test_verify_ends_with_1_if_a_word_differs_and_says_so_in_its_json(
         assert old in files[path]
         return files | {path: files[path].replace(old, "(uint16_t)(whole & 0xFFFE)", 1)}
 
-    run = partial(verification.verify, mutation=wrong if planted else None, host_builds=["g++ -O2"])
+    run = partial(verification.verify, mutation=wrong if planted else None)
     monkeypatch.setattr(verification, "verify", run)
     out = tmp_path / "v.json"
-    options = ["--arithmetic", "fixed", "--schedule", "table", "--speed", "normal", "--target", "host"]
+    options = [
+        "--arithmetic",
+        "fixed",
+        "--schedule",
+        "table",
+        "--speed",
+        "normal",
+        "--target",
+        "host",
+        "--compilers",
+        "g++",
+    ]
     monkeypatch.setattr(
         sys, "argv", ["gen", "verify", str(COEFFICIENTS), *options, "--scale", "0.005", "--json", str(out)]
     )
@@ -414,6 +425,7 @@ def test_verify_ends_with_1_if_a_word_differs_and_says_so_in_its_json(
     found = json.loads(out.read_text())
     assert found["verdict"] == ("different" if planted else "equal")
     assert (found["differing"] > 0) == planted
+    assert {target["target"].split()[0] for target in found["combinations"][0]["targets"]} == {"g++"}
     said = capsys.readouterr()
     assert ("words differ" in said.err) == planted
     assert ("none differs" in said.out) != planted
