@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gen.commands.options import check_once
+from gen.commands.options import check_files, check_once
 from gen.progress import progress_line
 
 if TYPE_CHECKING:
@@ -83,14 +83,12 @@ def refine(
     """
     from gen.coefficients import load
     from gen.files import check_outputs, write_text
-    from gen.runs import check_head
 
     check_outputs((out, report, json_file), (*fit_runs, *test_runs))
     check_outputs((report, json_file), (coefficients,))
     check_once(fit_runs)
     check_once(test_runs)
-    for path in (*fit_runs, *test_runs):
-        check_head(path)
+    check_files(coefficients, (*fit_runs, *test_runs))
     loaded = load(coefficients)
 
     from gen.loop.refine import refine as run  # slow to import: what is wrong with a file's head was told before

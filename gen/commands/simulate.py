@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from gen.commands.options import COEFFICIENTS, speed_option
+from gen.commands.options import COEFFICIENTS, check_files, speed_option
 
 if TYPE_CHECKING:
     from gen.lowering.program import Arithmetic, Speed
@@ -35,11 +35,11 @@ def simulate(
     """Run the reference simulator on a run file and write the model's temperatures at the run's own times."""
     from gen.coefficients import load
     from gen.files import check_outputs
-    from gen.runs import check_head, read_run, write_columns
+    from gen.runs import read_run, write_columns
 
     target = out or run.with_suffix(".model.csv")
     check_outputs((target,), (coefficients, run))
-    check_head(run)
+    check_files(coefficients, [run])
     loaded = load(coefficients)
     measured = read_run(run, loaded.model.component_names, ambient=loaded.model.ambient_channel or "ambient_degC")
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from gen.commands.options import COEFFICIENTS, check_once
+from gen.commands.options import COEFFICIENTS, check_files, check_once
 from gen.errors import InputError
 
 _PATH = click.Path(path_type=Path)
@@ -34,12 +34,11 @@ def thresholds(coefficients: Path, runs: tuple[Path, ...], rules: Path, out: Pat
     """
     from gen.coefficients import load, parse
     from gen.files import check_outputs, write_text
-    from gen.runs import check_head, check_run, read_run
+    from gen.runs import check_run, read_run
 
     check_outputs((out,), (*runs, rules))
     check_once(runs)
-    for path in runs:
-        check_head(path)
+    check_files(coefficients, runs)
     loaded = load(coefficients)
     wanted = _rules(rules, loaded.model.component_names)
     for path in runs:
