@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from gen.reference.simulate import Start
 
 
-@one_thread
 def simulate(
     model: Model, run: RunLike, arithmetic: Literal["exact", "fixed", "float"] = "exact", *, start: Start = "auto"
 ) -> pd.DataFrame:
@@ -53,16 +52,16 @@ def simulate(
     >>> gen.simulate(motor, run)["casing_degC"].round(2).tolist()
     [30.0, 59.32, 63.67]
     """
-    import pandas as pd
-
     from gen.runs import read_run
 
     loaded = model.coefficients
     with run_files([run]) as (path,):
         ambient = loaded.model.ambient_channel or "ambient_degC"
         measured = read_run(path, loaded.model.component_names, ambient=ambient)
-
         from gen.reference.simulate import simulate_run  # slow to import: what is wrong with the file was told before
 
-        columns = simulate_run(loaded, measured, arithmetic, start, str(path))
+        columns = one_thread(simulate_run)(loaded, measured, arithmetic, start, str(path))
+
+    import pandas as pd
+
     return pd.DataFrame(columns).set_index("time_s")
