@@ -18,7 +18,7 @@ from gen.loop.identify.structure import ComplexArray, FloatArray, PoleArray, sep
 
 
 def divided_differences(poles: PoleArray, time: FloatArray) -> PoleArray:
-    """Give exp[p1 .. pk](t) for k = 1 .. n.
+    """Give `exp[p1 .. pk](t)` for k = 1 .. n.
 
     Parameters
     ----------
