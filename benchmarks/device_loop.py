@@ -45,8 +45,8 @@ from gen.emulate.firmware import build_firmware, cache_folder  # noqa: E402
 from gen.emulate.rig import RigPlant  # noqa: E402
 from gen.emulate.session import run_session  # noqa: E402
 from gen.emulate.twin import alarm_times  # noqa: E402
-from gen.loop.score import Score, score, total  # noqa: E402
 from gen.record.port import write_parts  # noqa: E402
+from gen.refinement.run_errors import Score, run_errors, total  # noqa: E402
 from gen.rig import Fault, MotorConfig, Profile, Setup, make_run, sensors  # noqa: E402
 from gen.rig.config import HiddenPart  # noqa: E402
 from gen.rig.parameters import HeatPath  # noqa: E402
@@ -257,7 +257,7 @@ def main() -> None:
         if dropped:
             print(f"not in the firmware: {', '.join(dropped)}")
         errors = [
-            total(one for path in test for one in score(model, load(held), path)[0].values())
+            total(one for path in test for one in run_errors(model, load(held), path)[0].values())
             for held in (baseline, board)
         ]
         before, after = (

@@ -15,9 +15,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.loop.identify.coefficients import Settings, coefficient_text, usable
-from gen.loop.identify.data import read_data
-from gen.loop.identify.identify import identify
+from gen.identification.coefficient_file import Settings, coefficient_text, usable
+from gen.identification.data import read_data
+from gen.identification.identify import identify
 from gen.reference.simulate import simulate_run
 from gen.runs import read_run
 

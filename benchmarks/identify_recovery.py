@@ -17,9 +17,9 @@ import numpy as np
 
 from benchmarks.plants import AMBIENT, QUANTUM, Plant, fresh_profile, random_plant, simulate, step_runs
 from gen.coefficients import Coefficients
-from gen.loop.identify.coefficients import Settings, coefficient_text
-from gen.loop.identify.data import Source, make_data
-from gen.loop.identify.identify import Identified, identify
+from gen.identification.coefficient_file import Settings, coefficient_text
+from gen.identification.data import Source, make_data
+from gen.identification.identify import Identified, identify
 from gen.model import ExactSolution
 
 

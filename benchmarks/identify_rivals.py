@@ -22,9 +22,9 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from benchmarks.plants import AMBIENT, Plant, fresh_profile, random_plant, simulate, step_runs
-from gen.loop.identify.coefficients import Settings, coefficient_text
-from gen.loop.identify.data import Source, make_data
-from gen.loop.identify.identify import identify
+from gen.identification.coefficient_file import Settings, coefficient_text
+from gen.identification.data import Source, make_data
+from gen.identification.identify import identify
 from gen.model import ExactSolution
 from gen.runs import Run
 

@@ -26,7 +26,7 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
 
 from gen.coefficients import parse  # noqa: E402
-from gen.loop.refine import refine  # noqa: E402
+from gen.refinement.refine import refine  # noqa: E402
 from gen.runs import Run, write_run  # noqa: E402
 
 

@@ -33,6 +33,8 @@ from rich.box import MARKDOWN
 from rich.console import Console
 from rich.table import Table
 
+from gen.avr.compile import sizes
+from gen.avr.simulator import FREQUENCY_HZ
 from gen.coefficients import Coefficients, load
 from gen.coefficients.wiring import Wiring
 from gen.emulate.board import Board
@@ -41,13 +43,11 @@ from gen.emulate.results import deepest_stack
 from gen.emulate.rig import RigPlant
 from gen.emulate.session import Event, run_session
 from gen.firmware.pins import PWM_TIMERS
-from gen.lowering.program import Arithmetic, ScheduleKind, Speed
+from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.rig import SensorFault
-from gen.verify.avr.compile import sizes
-from gen.verify.avr.simulator import FREQUENCY_HZ
 
 ROOT = Path(__file__).parent.parent
-FORMS = ("fixed/table", "fixed/table/fast", "fixed/onboard", "float/table", "float/onboard")
+FORMS = ("fixed/table", "fixed/onboard", "float/table", "float/onboard")
 BUSY_S, QUIET_S = 120.0, 60.0
 TICK_CYCLES = FREQUENCY_HZ // 4
 FLASH_BYTES, RAM_BYTES = 256 * 1024, 8192
@@ -104,7 +104,7 @@ def current_mA(wiring: Wiring, awake: float) -> tuple[float, float]:
 
 def measure(coefficients: Coefficients, form: str) -> Cost:
     """Run one form of the firmware."""
-    arithmetic, schedule, *speed = form.split("/")
+    arithmetic, schedule = form.split("/")
     wiring = coefficients.document.wiring
     assert wiring is not None
     firmware = build_firmware(
@@ -113,7 +113,6 @@ def measure(coefficients: Coefficients, form: str) -> Cost:
         cast(ScheduleKind, schedule),
         "coeffs.json",
         cache_folder(),
-        cast(Speed, speed[0] if speed else "normal"),
     )
     plant = RigPlant(
         [chip.channel for chip in wiring.thermocouples],

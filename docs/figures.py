@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 
 from gen.coefficients import load
 from gen.lowering.lower import lower
-from gen.lowering.program import rounded_up
+from gen.lowering.recursion.guarantee import rounded_up
 from gen.model.exact import ExactSolution
 from gen.reference.model import ReferenceModel
 

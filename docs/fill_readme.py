@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from gen.lowering.program import rounded_up
+from gen.lowering.recursion.guarantee import rounded_up
 
 README = Path(__file__).parent.parent / "README.md"
 
@@ -22,9 +22,8 @@ def table(record: dict[str, Any]) -> str:
     ]
     for item in record["combinations"]:
         cost = item["cost"]
-        speed = "/fast" if item.get("speed") == "fast" else ""
         lines.append(
-            f"| {item['arithmetic']}/{item['schedule']}{speed} | {rounded_up(max(item['error_K'].values())):.1e} K "
+            f"| {item['arithmetic']}/{item['schedule']} | {rounded_up(max(item['error_K'].values())):.1e} K "
             f"| {rounded_up(max(item['bound_K'].values())):.1e} K | {cost['cycles_constant']} "
             f"| {cost['cycles_change']} | {cost['flash_bytes']} B | {cost['ram_bytes']} B | {cost['stack_bytes']} B |"
         )

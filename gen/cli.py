@@ -15,7 +15,7 @@ import click
 from gen import __version__
 from gen.commands.build import build
 from gen.commands.emulate import emulate
-from gen.commands.identify import identify, study
+from gen.commands.identify import identify
 from gen.commands.log import log
 from gen.commands.refine import refine
 from gen.commands.simulate import simulate
@@ -33,7 +33,7 @@ def cli() -> None:
     """Turn identified motor-temperature coefficients into proven firmware for the Arduino Mega 2560."""
 
 
-for command in (build, verify, simulate, emulate, log, identify, thresholds, study, refine):
+for command in (build, verify, simulate, emulate, log, identify, thresholds, refine):
     cli.add_command(command)
 
 

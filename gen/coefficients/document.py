@@ -67,11 +67,11 @@ class Accuracy(Part):
 
     fixed_limit_K: Positive = 1e-5
     float_limit_K: Positive = 1e-3
-    fast_limit_K: Positive = 1e-4
+    fast_limit_K: Positive = 1e-4  # no longer used: files of version 1 may hold it
 
-    def limit(self, arithmetic: str, speed: str) -> tuple[float, str]:
+    def limit(self, arithmetic: str) -> tuple[float, str]:
         """Give the limit of one kind of build, K, and the name of its entry."""
-        entry = "fast_limit_K" if speed == "fast" else f"{arithmetic}_limit_K"
+        entry = f"{arithmetic}_limit_K"
         return float(getattr(self, entry)), entry
 
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gen.commands.options import COEFFICIENTS, combination, shown_name, speed_option
+from gen.commands.options import COEFFICIENTS, combination, shown_name
 
 if TYPE_CHECKING:
-    from gen.lowering.lower import Program
-    from gen.lowering.program import Arithmetic, ScheduleKind, Speed
+    from gen.lowering.kinds import Arithmetic, ScheduleKind
+    from gen.lowering.program import Program
 
 
 @click.command(
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 )
 @click.option("--force", is_flag=True, help="Replace files in --out even if they were edited since gen wrote them.")
 @combination(default_all=False)
-@speed_option(default_all=False)
 def build(
     coefficients: Path,
     out: Path,
@@ -35,27 +34,23 @@ def build(
     force: bool,
     arithmetic: Arithmetic,
     schedule: ScheduleKind,
-    speed: Speed,
 ) -> None:
     """Write the complete PlatformIO project for a coefficient file."""
     from gen.coefficients import load
     from gen.files import replace_folder
     from gen.firmware.effects_report import unwired
     from gen.firmware.project import kept_verification, project_files, read_verification
-    from gen.lowering.lower import check_speed, lower
+    from gen.lowering.lower import lower
 
-    check_speed(arithmetic, schedule, speed)
     loaded = load(coefficients)
     for warning in loaded.warnings:
         click.echo(f"warning: {coefficients}: {warning}", err=True)
     for warning in unwired(loaded):
         click.echo(f"warning: {coefficients}: {warning}", err=True)
     record = read_verification(verification, loaded) if verification else kept_verification(out, loaded)
-    program = lower(loaded, arithmetic, schedule, speed)
+    program = lower(loaded, arithmetic, schedule)
     replace_folder(out, project_files(loaded, program, shown_name(coefficients), record), force=force)
-    click.echo(
-        f"{out}: {loaded.name}, arithmetic {arithmetic}, schedule {schedule}" + (", fast" if speed == "fast" else "")
-    )
+    click.echo(f"{out}: {loaded.name}, arithmetic {arithmetic}, schedule {schedule}")
     for line in _guarantees(program):
         click.echo(f"  {line}")
 

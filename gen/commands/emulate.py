@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gen.commands.options import shown_name, speed_option
+from gen.commands.options import shown_name
 from gen.errors import CheckFailed, InputError
 
 if TYPE_CHECKING:
@@ -37,7 +37,6 @@ _EXAMPLE = (
 @click.argument("coefficients", metavar="COEFFS", type=_PATH)
 @click.option("--arithmetic", type=click.Choice(["fixed", "float"]), default="fixed", show_default=True)
 @click.option("--schedule", type=click.Choice(["table", "onboard"]), default="table", show_default=True)
-@speed_option(default_all=False)
 @click.option("--elf", type=_PATH, help="Run this firmware (PlatformIO's firmware.elf) instead of building one.")
 @click.option("--duration", type=click.FloatRange(min=1.0, max=1e6), default=10_800.0, show_default=True, help="s")
 @click.option("--profile", metavar="FILE|TIME:PWM,...", default="0:153", show_default=True, help="PWM to command.")
@@ -136,10 +135,8 @@ class _Wanted:
 
 def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -> _Wanted:
     from gen.emulate.options import check_profile, parse_events
-    from gen.lowering.lower import check_speed
     from gen.record.profile import parse_profile
 
-    check_speed(options["arithmetic"], options["schedule"], options["speed"])
     wiring = loaded.document.wiring
     if wiring is None or not wiring.thermocouples:
         raise InputError("has no thermocouples: there is nothing to emulate", file=str(coefficients), place="$.wiring")
@@ -188,9 +185,7 @@ def _board(
     cache = cache_folder()
     elf: Path | None = options["elf"]
     if elf is None:
-        elf = build_firmware(
-            loaded, options["arithmetic"], options["schedule"], shown_name(coefficients), cache, options["speed"]
-        ).elf
+        elf = build_firmware(loaded, options["arithmetic"], options["schedule"], shown_name(coefficients), cache).elf
     options["elf_sha256"] = hashlib.sha256(elf.read_bytes()).hexdigest()
     board = Board(elf, cache, wanted.wiring, wanted.plant, encoder=options["encoder"])
     stack.callback(board.close)

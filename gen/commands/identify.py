@@ -1,4 +1,4 @@
-"""The commands `gen identify` and `gen study`: parse, call, print; no logic."""
+"""The command `gen identify`: parse, call, print; no logic."""
 
 from __future__ import annotations
 
@@ -45,10 +45,10 @@ def identify(
     from gen.coefficients.names import name_fault
     from gen.errors import InputError
     from gen.files import check_outputs, write_text
-    from gen.loop.identify.coefficients import Settings, coefficient_text, usable
-    from gen.loop.identify.data import read_data
-    from gen.loop.identify.identify import identify as run
-    from gen.loop.identify.summary import summary, text, without_nan
+    from gen.identification.coefficient_file import Settings, coefficient_text, usable
+    from gen.identification.data import read_data
+    from gen.identification.identify import identify as run
+    from gen.identification.summary import summary, text, without_nan
 
     fault = name_fault(name)
     if fault:
@@ -64,7 +64,7 @@ def identify(
         written, loaded = coefficient_text(data, found, settings)
         page = None
         if report is not None:
-            from gen.loop.identify.report import report_html
+            from gen.identification.page import report_html
 
             progress("report")
             page = report_html(data, found, loaded)
@@ -77,27 +77,3 @@ def identify(
     for warning in loaded.warnings:
         click.echo(f"warning: {out}: {warning}", err=True)
     click.echo(f"{out}: {len(found)} component(s)")
-
-
-@click.command(
-    short_help="Compute the source study's tables again.", epilog="Example:  gen study examples/my1016/study.json"
-)
-@click.argument("tables", type=click.Path(path_type=Path), default=Path("examples/my1016/study.json"))
-@click.option("--tables-only", is_flag=True, help="Leave out the comparison with gen identify.")
-def study(tables: Path, tables_only: bool) -> None:
-    """Compute the source study's tables again, and compare its schedules with those that gen identify chooses.
-
-    TABLES holds the study's numbers  [default: examples/my1016/study.json].
-    """
-    from gen.study.tables import read_study
-    from gen.study.text import comparison, reproduction
-
-    numbers = read_study(tables)
-    click.echo(reproduction(numbers))
-    if not tables_only:
-        from gen.study.compare import compare
-
-        with progress_line() as progress:
-            found = compare(numbers, progress)
-        click.echo("")
-        click.echo(comparison(numbers, found))

@@ -34,17 +34,6 @@ def shown_name(path: Path) -> str:
     return "".join(c if c.isprintable() and c != "\\" else "?" for c in path.name)
 
 
-def speed_option(*, default_all: bool) -> Callable[[CommandType], CommandType]:
-    """--speed, with `all` where both can be handled at once."""
-    return click.option(
-        "--speed",
-        type=click.Choice(["normal", "fast", "all"] if default_all else ["normal", "fast"]),
-        default="normal",
-        show_default=True,
-        help="fast: fewer cycles for a larger, still guaranteed error; fixed point with a table only.",
-    )
-
-
 def combination(*, default_all: bool) -> Callable[[CommandType], CommandType]:
     """--arithmetic and --schedule, with `all` where several can be handled at once."""
     arithmetic = ["fixed", "float", "all"] if default_all else ["fixed", "float"]

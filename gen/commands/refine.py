@@ -12,7 +12,7 @@ from gen.commands.options import check_once
 from gen.progress import progress_line
 
 if TYPE_CHECKING:
-    from gen.loop.refine import Refinement
+    from gen.refinement.refine import Refinement
 
 _LISTS = ("--fit", "--test")
 
@@ -83,7 +83,7 @@ def refine(
     """
     from gen.coefficients import load
     from gen.files import check_outputs, write_text
-    from gen.loop.refine import refine as run
+    from gen.refinement.refine import refine as run
 
     check_outputs((out, report, json_file), (*fit_runs, *test_runs))
     check_outputs((report, json_file), (coefficients,))
@@ -97,7 +97,7 @@ def refine(
         click.echo(f"warning: {warning}", err=True)
     page = None
     if report is not None:
-        from gen.loop.report import page as make
+        from gen.refinement.page import page as make
 
         page = make(found, loaded)
     write_text(out, found.text)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from gen.commands.options import COEFFICIENTS, speed_option
+from gen.commands.options import COEFFICIENTS
 
 if TYPE_CHECKING:
-    from gen.lowering.program import Arithmetic, Speed
+    from gen.lowering.kinds import Arithmetic
     from gen.reference.simulate import Start
 
 
@@ -21,34 +21,26 @@ if TYPE_CHECKING:
 @COEFFICIENTS
 @click.argument("run", type=click.Path(path_type=Path))
 @click.option("--arithmetic", type=click.Choice(["exact", "fixed", "float"]), default="exact", show_default=True)
-@speed_option(default_all=False)
 @click.option("--start", type=click.Choice(["auto", "ambient", "measured"]), default="auto", show_default=True)
 @click.option("--out", type=click.Path(path_type=Path), help="The CSV to write.  [default: RUN with .model.csv]")
 def simulate(
     coefficients: Path,
     run: Path,
     arithmetic: Arithmetic | Literal["exact"],
-    speed: Speed,
     start: Start,
     out: Path | None,
 ) -> None:
     """Run the reference simulator on a run file and write the model's temperatures at the run's own times."""
     from gen.coefficients import load
     from gen.files import check_outputs
-    from gen.lowering.lower import check_speed
     from gen.reference.simulate import simulate_run
     from gen.runs import read_run
     from gen.runs.writer import write_columns
 
-    check_speed(arithmetic, "table", speed)
     target = out or run.with_suffix(".model.csv")
     check_outputs((target,), (coefficients, run))
     loaded = load(coefficients)
     measured = read_run(run, loaded.model.component_names, ambient=loaded.model.ambient_channel or "ambient_degC")
-    columns = simulate_run(loaded, measured, arithmetic, start, str(run), speed)
-    write_columns(
-        target,
-        columns,
-        {"model": loaded.name, "arithmetic": arithmetic, **({"speed": speed} if speed == "fast" else {})},
-    )
+    columns = simulate_run(loaded, measured, arithmetic, start, str(run))
+    write_columns(target, columns, {"model": loaded.name, "arithmetic": arithmetic})
     click.echo(f"{target}: {len(measured.time_s)} rows")

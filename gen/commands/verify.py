@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from gen.commands.options import COEFFICIENTS, combination, speed_option
+from gen.commands.options import COEFFICIENTS, combination
 from gen.errors import CheckFailed
 from gen.progress import progress_line
 
 if TYPE_CHECKING:
-    from gen.lowering.program import Arithmetic, ScheduleKind, Speed
-    from gen.verify.verify import Target
+    from gen.lowering.kinds import Arithmetic, ScheduleKind
+    from gen.verification.verify import Target
 
 
 @click.command(
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 )
 @COEFFICIENTS
 @combination(default_all=True)
-@speed_option(default_all=True)
 @click.option("--target", type=click.Choice(["host", "avr", "all"]), default="all", show_default=True)
 @click.option("--json", "json_file", type=click.Path(path_type=Path), help="Write what was found as JSON.")
 @click.option(
@@ -33,7 +32,6 @@ def verify(
     coefficients: Path,
     arithmetic: Arithmetic | Literal["all"],
     schedule: ScheduleKind | Literal["all"],
-    speed: Speed | Literal["all"],
     target: Target,
     json_file: Path | None,
     scale: float,
@@ -41,20 +39,16 @@ def verify(
     """Prove the generated C++ equal to the reference, bit for bit, and measure error and cost."""
     from gen.coefficients import load
     from gen.files import check_outputs, write_text
-    from gen.lowering.lower import check_speed
-    from gen.verify.report import print_results
-    from gen.verify.verify import summary
-    from gen.verify.verify import verify as run
+    from gen.verification.report import print_results
+    from gen.verification.verify import summary
+    from gen.verification.verify import verify as run
 
-    if speed == "fast":
-        check_speed("fixed" if arithmetic == "all" else arithmetic, "table" if schedule == "all" else schedule, speed)
     loaded = load(coefficients)
     check_outputs((json_file,), (coefficients,))
     arithmetics: tuple[Arithmetic, ...] = ("fixed", "float") if arithmetic == "all" else (arithmetic,)
     schedules: tuple[ScheduleKind, ...] = ("table", "onboard") if schedule == "all" else (schedule,)
-    speeds: tuple[Speed, ...] = ("normal", "fast") if speed == "all" else (speed,)
     with progress_line() as progress:
-        results = run(loaded, arithmetics, schedules, target, progress=progress, scale=scale, speeds=speeds)
+        results = run(loaded, arithmetics, schedules, target, progress=progress, scale=scale)
     found = summary(loaded, results)
     if json_file is not None:
         write_text(json_file, json.dumps(found, indent=1) + "\n")

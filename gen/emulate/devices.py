@@ -10,8 +10,8 @@ from enum import IntFlag
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.avr.simulator import FREQUENCY_HZ, EmulatedMega
 from gen.emulate.pins import compare_output, duty, port_pin
-from gen.verify.avr.simulator import FREQUENCY_HZ, EmulatedMega
 
 CONVERSION_S = 0.22
 """Longest conversion of a MAX6675 by its data sheet, s (0.17 s is typical): the hardest case for the firmware."""

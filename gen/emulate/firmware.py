@@ -8,11 +8,11 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from gen.avr.compile import ArduinoCore, build_elf
 from gen.coefficients import Coefficients
 from gen.firmware.project import project_files
+from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
-from gen.lowering.program import Arithmetic, ScheduleKind, Speed
-from gen.verify.avr.compile import ArduinoCore, build_elf
 
 OPTIMISATION = "-Os"
 """What PlatformIO compiles with."""
@@ -38,13 +38,12 @@ def build_firmware(
     schedule: ScheduleKind,
     source_name: str,
     cache: Path,
-    speed: Speed = "normal",
 ) -> Firmware:
     """Emit the project of a coefficient file and compile it with the Arduino core, unless that was done before.
 
     Parameters
     ----------
-    coefficients, arithmetic, schedule, speed
+    coefficients, arithmetic, schedule
         What to emit, as `gen build` does.
     source_name
         The coefficient file's name.
@@ -58,7 +57,7 @@ def build_firmware(
     BuildFailed
         When the project does not compile.
     """
-    program = lower(coefficients, arithmetic, schedule, speed)
+    program = lower(coefficients, arithmetic, schedule)
     files = project_files(coefficients, program, source_name, None)
     library = f"lib/{coefficients.name}/src/"
     wanted = {path: text for path, text in files.items() if path.startswith(("src/", library))}

@@ -19,8 +19,8 @@ from gen.coefficients import Coefficients
 from gen.emulate.plant import AMBIENT
 from gen.errors import CheckFailed
 from gen.firmware.project import project_files
+from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
-from gen.lowering.program import Arithmetic, ScheduleKind
 
 _GLUE = """
 #include "{name}.h"

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.avr.simulator import EmulatedMega
 from gen.coefficients.document import Document
 from gen.emulate.board import Board
 from gen.emulate.led import Seen, read_led
 from gen.emulate.session import Session
 from gen.record import Part
-from gen.verify.avr.simulator import EmulatedMega
 
 Array = NDArray[np.float64]
 

@@ -16,8 +16,9 @@ from gen.coefficients import Coefficients
 from gen.emulate.plant import AMBIENT, Plant, Reading
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.effects.program import Channel
-from gen.lowering.lower import Program, lower
-from gen.lowering.program import Arithmetic, ScheduleKind
+from gen.lowering.kinds import Arithmetic, ScheduleKind
+from gen.lowering.lower import lower
+from gen.lowering.program import Program
 from gen.reference.alarms import ReferenceAlarms
 from gen.reference.model import ReferenceModel
 from gen.rig import Profile

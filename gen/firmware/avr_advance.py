@@ -28,10 +28,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gen.firmware.asm_text import AsmText
-from gen.lowering.corrected_format import FIRST_DROPPED
-from gen.lowering.formats import GAIN_FACTOR, Format, dropped_bytes
-from gen.lowering.lower import Program
-from gen.lowering.program import FixedComponent
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.corrected_format import FIRST_DROPPED
+from gen.lowering.fixed.formats import GAIN_FACTOR, Format, dropped_bytes
+from gen.lowering.program import Program
 
 _A = (18, 19, 20, 21)
 _D = (22, 23, 24, 25)
@@ -243,7 +243,7 @@ class _Shape:
         )
 
     def _corrected_chain(self) -> None:
-        """Those of :mod:`gen.lowering.correction`; -q is in r27, r16, r17, r15, r13 and the sign, R2 still in a."""
+        """Those of :mod:`gen.lowering.fixed.correction`; -q is in r27, r16, r17, r15, r13 and sign, R2 still in a."""
         group, shift = self.text.group, self.layout.chain_shifts
         gain, last = 21, (26, 27, 14, 18, 19)
         group("r21: 4/3 of R2's uppermost byte", f"ldi r22, {GAIN_FACTOR}", "fmul r21, r22", f"mov r{gain}, r1")

@@ -12,20 +12,17 @@ from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
 from gen.firmware import avr_advance
 from gen.firmware.alarms_cpp import alarm_context
-from gen.firmware.avr_fast import coefficient_bytes, fast_block
 from gen.firmware.effects_cpp import effects_context
 from gen.firmware.onboard_cpp import helpers
 from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.alarms import lower_alarms
-from gen.lowering.corrected_format import FIRST_DROPPED
-from gen.lowering.dynamics import domain_rows
-from gen.lowering.fast_block import BACKWARD, FORWARD
-from gen.lowering.fast_format import BLOCK, FastComponent
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.corrected_format import FIRST_DROPPED
+from gen.lowering.fixed.formats import CARRY_FACTOR, GAIN_FACTOR, RESIDUE_BITS, start_scale
 from gen.lowering.float32 import LIMIT_BITS, ONBOARD_STEADY_SHIFT, Column, FloatComponent, column_words
-from gen.lowering.formats import CARRY_FACTOR, GAIN_FACTOR, RESIDUE_BITS, start_scale
-from gen.lowering.lower import AnyComponent, Program, Shape
-from gen.lowering.program import FixedComponent, rounded_up
-from gen.reference.fast import SIXTH
+from gen.lowering.program import AnyComponent, Program, Shape
+from gen.lowering.recursion.dynamics import domain_rows
+from gen.lowering.recursion.guarantee import rounded_up
 
 Context = dict[str, Any]
 
@@ -68,7 +65,6 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
             "place": places[number][1],
             "saturates": program.components[number].saturates,
             "bound": bound_text(program.components[number]),
-            "slot": getattr(program.components[number], "slot", 0),
         }
         | _onboard_words(program.components[number])
         for number, component in enumerate(model.components)
@@ -82,7 +78,6 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "sha256": coefficients.sha256,
         "arithmetic": program.arithmetic,
         "schedule": program.schedule,
-        "speed": program.speed,
         "sample_time": f"{model.sample_time:g}",
         "sample_ms": round(model.sample_time * 1000.0),
         "full_scale": model.full_scale,
@@ -98,13 +93,7 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         "saturates": program.saturates,
         "saturation_argument": f", &{name}_model.saturations",
         "shapes": shapes,
-        "avr": avr_advance.block(program) if (program.arithmetic, program.speed) == ("fixed", "normal") else None,
-        "fast": fast_block(program) if program.speed == "fast" else None,
-        "block": BLOCK,
-        "in_blocks": any(component.order == 1 for component in program.components),
-        "forward": FORWARD,
-        "backward": BACKWARD,
-        "sixth": SIXTH,
+        "avr": avr_advance.block(program) if program.arithmetic == "fixed" else None,
         "copied_at_once": _copied_at_once(program),
         "shifts": _shift_totals(program),
         "rows": _rows(program),
@@ -134,9 +123,6 @@ def _shape(program: Program, shape: Shape) -> Context:
         "start_mK": component.start_range_mK,
         "comments": [line for member in shape.members for line in _proof_lines(program.components[member])],
     }
-    if isinstance(component, FastComponent):
-        return common | _fast_shape(component)
-    common |= {"short_rate": False, "short_steady": False}
     return common | (_fixed_shape(component) if isinstance(component, FixedComponent) else _float_shape(component))
 
 
@@ -145,25 +131,8 @@ def carries(component: AnyComponent) -> bool:
     return component.carries if isinstance(component, FixedComponent) else component.order > 1
 
 
-def _fast_shape(component: FastComponent) -> Context:
-    layout = component.layout
-    return {
-        "narrow": layout.narrow,
-        "short_rate": layout.narrow and layout.order > 1,
-        "short_steady": layout.narrow,
-        "scale": layout.scale,
-        "unit": f"{layout.scale[0]}/2^{layout.scale[1]}",
-        "gaps": layout.gaps,
-        "rate_bits": layout.rate_bits,
-        "increment_shift": layout.increment_shift,
-        "carry_shift": layout.gaps[-1] - layout.increment_shift if layout.gaps else 0,
-    }
-
-
 def _row_bytes(program: Program) -> int:
     """Bytes of a row of the table in flash, of the fixed-point ones as they are copied."""
-    if program.speed == "fast":
-        return sum(coefficient_bytes(c) for c in program.components if isinstance(c, FastComponent))
     words = sum(component.order + 1 for component in program.components)
     return (3 if program.arithmetic == "float" else 4) * words
 
@@ -179,8 +148,6 @@ def _check_table(program: Program) -> None:
 
 def _copied_at_once(program: Program) -> int:
     """How many bytes of a row of the table the copying loop takes in one turn, so that turns come out even."""
-    if program.speed == "fast":
-        return next(count for count in (8, 7, 6, 5, 4, 3, 2, 1) if _row_bytes(program) % count == 0)
     words = sum(component.order + 1 for component in program.components)
     return 4 * max(part for part in range(1, 7) if words % part == 0)
 
@@ -294,27 +261,10 @@ def _rows(program: Program) -> list[Context]:
 
 
 def _literals(component: AnyComponent, row: int) -> Context:
-    if isinstance(component, FastComponent):
-        return _fast_literals(component, row)
     assert isinstance(component, FixedComponent)
     return {
-        "first": "",
         "rates": [f"{int(rate)}UL" for rate in component.rates[row]],
         "steady": f"{int(component.steady[row])}L",
-    }
-
-
-def _fast_literals(component: FastComponent, row: int) -> Context:
-    rates = [int(rate) for rate in component.rates[row]]
-    steady = int(component.steady[row])
-    first = ""
-    if component.layout.narrow and component.order > 1:
-        first = f"{{{rates[0] & 0xFFFF}, {rates[0] >> 16}}}"
-        del rates[0]
-    return {
-        "first": first,
-        "rates": [f"{rate}UL" for rate in rates],
-        "steady": f"{{{steady & 0xFFFF}, {steady >> 16}}}" if component.layout.narrow else f"{steady}L",
     }
 
 
@@ -325,12 +275,6 @@ def _schedule_comments(program: Program) -> list[str]:
             layout = component.layout
             bits = ", ".join(f"R{i} * 2^{b}" for i, b in enumerate(layout.rate_fraction_bits))
             lines.append(f"{component.name}: {bits}, S * 2^{layout.fraction_bits[0] - RESIDUE_BITS}; from")
-        elif isinstance(component, FastComponent):
-            bits = ", ".join(
-                f"{'R' + str(i) if component.order > 1 else 'y'} * 2^{b}"
-                for i, b in enumerate(component.layout.rate_bits)
-            )
-            lines.append(f"{component.name}: {bits}, S in {component.layout.steady_lsb:.3e} K; from")
         else:
             lines.append(f"{component.name}: R0..R{component.order - 1} and S in float32; from")
         lines.append(f"  $.components[name={component.name}].poles (R) and .gain (S = K |PWM| / A(0), in K).")

@@ -15,7 +15,7 @@ from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.context import Context
 from gen.firmware.effects_cpp import channel_names
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
-from gen.lowering.lower import Program
+from gen.lowering.program import Program
 from gen.lowering.sensors import (
     CONFIRMATIONS,
     CONVERSION_MS,
@@ -342,7 +342,8 @@ def _memory(
         return None
     record = _RECORD_FIXED + 2 * len(chips) + state_bytes(program)
     slots = _LATCH_AT // record
-    identity = zlib.crc32(f"{__version__} {sha256} {program.arithmetic} {program.schedule} {program.speed}".encode())
+    # "normal" stands for a kind of step; it stays, because any other word would make boards drop their copies.
+    identity = zlib.crc32(f"{__version__} {sha256} {program.arithmetic} {program.schedule} normal".encode())
     years = EEPROM_CYCLES * slots * wiring.memory.interval_s / (365.25 * 86400)
     return {
         "cycles": f"{EEPROM_CYCLES:,}".replace(",", " "),
@@ -359,11 +360,9 @@ def _memory(
 
 
 def state_bytes(program: Program) -> int:
-    """Bytes of the model's states on the board, with its phase where it has one (checked there at compile time)."""
+    """Bytes of the model's states on the board (checked there at compile time)."""
     effects = effect_fields(program.effects, program.components) if program.effects is not None else []
-    return (program.speed == "fast") + sum(
-        np.dtype(fields).itemsize for fields in (*map(state_fields, program.components), effects) if fields
-    )
+    return sum(np.dtype(fields).itemsize for fields in (*map(state_fields, program.components), effects) if fields)
 
 
 def _idle_timers(wiring: Wiring) -> list[int]:

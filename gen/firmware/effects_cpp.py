@@ -18,10 +18,10 @@ from gen.lowering.effects.program import (
     EffectsProgram,
 )
 from gen.lowering.effects.tape import Step, Tape
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.formats import CARRY_FACTOR, RESIDUE_BITS, WORD_BITS
 from gen.lowering.float32 import FloatComponent
-from gen.lowering.formats import CARRY_FACTOR, RESIDUE_BITS, WORD_BITS
-from gen.lowering.lower import Program
-from gen.lowering.program import FixedComponent
+from gen.lowering.program import Program
 from gen.reference.lanes import word_bits
 
 Names = Callable[[Operand], str]

@@ -7,15 +7,15 @@ The text needs ``{name}_onboard_math.h`` (:func:`math_header`) and ``{name}_plat
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.resources import files
 from math import log2
 
 import jinja2
 import numpy as np
 
+from gen.lowering.kinds import Arithmetic
 from gen.lowering.onboard.graph import INTEGERS
 from gen.lowering.onboard.tape import DIVIDE_SHIFT, OnboardComponent, Step
-from gen.lowering.program import Arithmetic
+from gen.templating import folder
 
 _OPERATORS = {"mul": "*", "div": "/", "add": "+", "sub": "-"}
 #: What a step calls, and what that calls in turn.
@@ -34,7 +34,7 @@ def helpers(components: Sequence[OnboardComponent]) -> frozenset[str]:
 
 def math_header(name: str, arithmetic: Arithmetic, called: frozenset[str]) -> str:
     """The text of ``{name}_onboard_math.h`` with the helpers that are called (:func:`helpers`), and no others."""
-    text = files("templates").joinpath("lib/model/src/onboard_math.h.j2").read_text(encoding="utf-8")
+    text = (folder("project") / "lib/model/src/onboard_math.h.j2").read_text(encoding="utf-8")
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False)
     return environment.from_string(text).render(name=name, arithmetic=arithmetic, helpers=called)
 

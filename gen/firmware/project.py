@@ -19,7 +19,7 @@ from gen.firmware.device import device_context, sketch_files
 from gen.firmware.report import report_html
 from gen.firmware.vectors import reference_vectors
 from gen.firmware.wiring_svg import parts, wiring_svg
-from gen.lowering.lower import Program
+from gen.lowering.program import Program
 
 PROJECT = {
     "platformio.ini": "platformio.ini.j2",
@@ -118,7 +118,6 @@ def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, 
         "coefficients_sha256": coefficients.sha256,
         "arithmetic": program.arithmetic,
         "schedule": program.schedule,
-        **({"speed": program.speed} if program.speed == "fast" else {}),
         "sample_time_s": program.model.sample_time,
         "domain_pwm": list(program.model.domain_pwm),
         "validity_pwm": list(program.model.validity),

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from functools import cache
-from importlib import resources
-
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
 from gen.firmware.context import Context
+from gen.templating import environment
 
 #: Emitted path -> template, for what the model's library consists of. NAME stands for the model's name.
 LIBRARY = {
@@ -30,7 +26,6 @@ _BY_ARITHMETIC = {
         "lib/NAME/src/NAME_step.h": "lib/model/src/step_float.h.j2",
     },
 }
-_FAST = {"lib/NAME/src/NAME_step.h": "lib/model/src/step_fast.h.j2"}
 _BY_SCHEDULE = {
     "table": {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table.cpp.j2"},
     "onboard": {
@@ -47,23 +42,10 @@ _EFFECTS = {
 }
 
 
-@cache
-def environment(*, own_line_breaks: bool = False) -> Environment:
-    """The template environment: a name that the context lacks is an error."""
-    return Environment(
-        loader=FileSystemLoader(str(resources.files("templates"))),
-        undefined=StrictUndefined,
-        trim_blocks=not own_line_breaks,
-        lstrip_blocks=not own_line_breaks,
-        keep_trailing_newline=True,
-        autoescape=False,
-    )
-
-
 def render(templates: dict[str, str], context: Context) -> dict[str, str]:
     """Render each template under its emitted path."""
     return {
-        path.replace("NAME", context["name"]): environment(own_line_breaks=template in _OWN_LINE_BREAKS)
+        path.replace("NAME", context["name"]): environment("project", own_line_breaks=template in _OWN_LINE_BREAKS)
         .get_template(template)
         .render(context)
         for path, template in templates.items()
@@ -76,5 +58,5 @@ def library(context: Context) -> dict[str, str]:
     sources = _BY_SCHEDULE[schedule]
     if (context["arithmetic"], schedule) == ("float", "table"):
         sources = {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table_float.cpp.j2"}
-    recursion = _FAST if context["speed"] == "fast" else _BY_ARITHMETIC[context["arithmetic"]]
+    recursion = _BY_ARITHMETIC[context["arithmetic"]]
     return render(LIBRARY | recursion | sources | (_EFFECTS if context["effects"] else {}), context)

@@ -6,26 +6,27 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal, localcontext
 from functools import cache, singledispatch
-from importlib import resources
 from math import ceil, floor, log2
 from typing import Any, Literal
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment
 
 from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware.alarm_text import alarm_texts
-from gen.firmware.charts import Chart, course_chart, plain, power, response_charts, schedule_charts, scientific, svg
 from gen.firmware.effects_report import effect_rows
-from gen.lowering.dynamics import domain_rows
-from gen.lowering.fast_format import FastComponent
+from gen.firmware.model_charts import course_chart, response_charts, schedule_charts
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.formats import RESIDUE_BITS, WORD_BITS
 from gen.lowering.float32 import LOW_BITS, FloatComponent
-from gen.lowering.formats import RESIDUE_BITS, WORD_BITS
-from gen.lowering.lower import AnyComponent, Program
-from gen.lowering.program import FixedComponent, rounded_up
+from gen.lowering.program import AnyComponent, Program
+from gen.lowering.recursion.dynamics import domain_rows
+from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import Component
 from gen.model.schedules import EXACT
+from gen.pages.charts import Chart, plain, power, scientific
+from gen.pages.environment import page_environment
 from gen.reference.model import ReferenceModel
 
 #: Length of the step responses, in s; the board's reference runs for their first part only (see ``_samples``).
@@ -61,11 +62,9 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
     if verification is not None and verification.get("coefficients_sha256") != coefficients.sha256:
         verification = None
     combinations = verification["combinations"] if verification is not None else []
-    wanted = (program.arithmetic, program.schedule, program.speed)
-    own = next(
-        (c for c in combinations if (c["arithmetic"], c["schedule"], c.get("speed", "normal")) == wanted),
-        None,
-    )
+    wanted = (program.arithmetic, program.schedule)
+    own = next((c for c in combinations if (c["arithmetic"], c["schedule"]) == wanted), None)
+    limit, limit_name = coefficients.accuracy.limit(program.arithmetic)
     window, responses = _responses(replace(program, effects=None))  # of the baseline: effects have no such exact ones
     return (
         _environment()
@@ -80,8 +79,8 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
             comparisons=[row for combination in combinations for row in comparisons(combination)],
             targets=TARGETS,
             course=course_chart(*own["error_course"].values()) if own and "error_course" in own else None,
-            limit_name=(limit_name := f"{'fast' if program.speed == 'fast' else program.arithmetic}_limit_K"),
-            limit=getattr(coefficients.accuracy, limit_name),
+            limit_name=limit_name,
+            limit=limit,
             window=window,
             figures=[
                 (component, schedule_charts(program.model, component), charts)
@@ -99,12 +98,7 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
 
 @cache
 def _environment() -> Environment:
-    loader = FileSystemLoader(str(resources.files("templates")))
-    environment = Environment(
-        loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, autoescape=True
-    )
-    environment.filters |= {"count": _count, "up": _up, "sci": scientific, "num": plain, "svg": svg}
-    return environment
+    return page_environment(count=_count, up=_up, sci=scientific, num=plain)
 
 
 def _magnitudes(component: AnyComponent) -> list[float]:
@@ -167,7 +161,6 @@ TARGETS = ("g++ -O2", "clang++ -O2", "g++ sanitized", "clang++ sanitized", "ATme
 def comparisons(combination: Mapping[str, Any]) -> list[tuple[str, str, list[tuple[str, bool]]]]:
     """Rows of the table of comparisons: combination, what was compared, and for each target a text and its alarm."""
     label = f"{combination['arithmetic']}/{combination['schedule']}"
-    label += "/fast" if combination.get("speed") == "fast" else ""
     found: dict[str, dict[str, Mapping[str, Any]]] = {}
     for target in combination["targets"]:
         name, _, what = target["target"].partition(", ")
@@ -210,25 +203,6 @@ def _(component: FixedComponent) -> list[Cells]:
 
 
 @words.register
-def _(component: FastComponent) -> list[Cells]:
-    layout, name = component.layout, component.name
-    result = []
-    for i, (lsb, magnitude) in enumerate(zip(layout.word_lsb, _magnitudes(component), strict=True)):
-        room = _headroom(39.0 + log2(lsb) - log2(magnitude))
-        result.append((name, f"x{i + 1}", "K", _range(component, i), "int40", f"{lsb:.2e} K", room))
-    for i, bits in enumerate(layout.rate_bits):
-        column = component.rates[:, i]
-        size = 24 if layout.narrow and layout.order > 1 and i == 0 else 32
-        span = _span(column.min() * 2.0**-bits, column.max() * 2.0**-bits)
-        room = _headroom(size - log2(int(column.max()) + 1))
-        result.append((name, f"R{i}", "1", span, f"uint{size}, Q{bits}", power(2, -bits), room))
-    size = 24 if layout.narrow else 32
-    span = _span(component.steady.min() * layout.steady_lsb, component.steady.max() * layout.steady_lsb)
-    room = _headroom(size - 1.0 - log2(int(np.abs(component.steady).max()) + 1))
-    return [*result, (name, "S", "K", span, f"int{size}", f"{layout.steady_lsb:.2e} K", room)]
-
-
-@words.register
 def _(component: FloatComponent) -> list[Cells]:
     name, low = component.name, LOW_BITS
     result = []
@@ -253,15 +227,12 @@ def constants(program: Program) -> list[Cells]:
     result: list[Cells] = []
     for number, component in enumerate(program.components):
         path, fixed = f"$.components[{number}]", not isinstance(component, FloatComponent)
-        short = isinstance(component, FastComponent) and component.order > 1 and component.layout.narrow
         at = "TABLE[|PWM|]" if program.schedule == "table" else "now"
         file = f"{source}_schedule.cpp" if program.schedule == "table" else f"{source}_model.h"
         member = f"{at}.{places[number]}."
         formats = {row[1]: row[4] for row in words(component)}
         for i in range(component.order):
-            rate = f"{member}rate[{i - short}]" if fixed or program.onboard else f"TABLE[|PWM|], {component.name}.R{i}"
-            if short and i == 0:
-                rate = f"{member}first"
+            rate = f"{member}rate[{i}]" if fixed or program.onboard else f"TABLE[|PWM|], {component.name}.R{i}"
             origin = f"{path}.poles, $.sample_time_s"
             result.append((component.name, f"R{i}", "1", formats[f"R{i}"], origin, f"{file}: {rate}"))
         steady = f"{member}steady" if fixed or program.onboard else f"TABLE[|PWM|], {component.name}.S"

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from gen.lowering.lower import Program
+from gen.lowering.program import Program
 from gen.reference.lanes import state_fields
 from gen.reference.model import ReferenceModel
 

@@ -3,126 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
-from gen.errors import CheckFailed, InputError
-from gen.lowering import bounds, fast, fixed, float32
-from gen.lowering.dynamics import Dynamics, LoweringError, domain_rows, dynamics
-from gen.lowering.effects import EffectsProgram, lower_effects
-from gen.lowering.fast_format import BLOCK, FastComponent
+from gen.errors import CheckFailed
+from gen.lowering import float32
+from gen.lowering.effects import lower_effects
+from gen.lowering.fixed import lower as fixed
+from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
+from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.onboard import OnboardComponent, compile_component, tuned
-from gen.lowering.program import Arithmetic, FixedComponent, ScheduleKind, Speed, rounded_up
-from gen.lowering.reach import SwitchedRecursion
+from gen.lowering.onboard.evaluate import evaluate
+from gen.lowering.program import AnyComponent, Program, Shape
+from gen.lowering.recursion import bounds
+from gen.lowering.recursion.dynamics import Dynamics, LoweringError, domain_rows, dynamics
+from gen.lowering.recursion.guarantee import rounded_up
+from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.model import Component, ThermalModel
-from gen.reference.onboard import evaluate
-
-AnyComponent = FixedComponent | FloatComponent | FastComponent
 
 #: Relative size of the terms that the float schedule leaves out where the usual one makes its bound too large.
 _FINE_TOLERANCE = 1e-7
 
 
-@dataclass(frozen=True)
-class Shape:
-    """Components that the same code advances: they differ in their coefficients only.
-
-    Attributes
-    ----------
-    identifier
-        A capital letter, or the only member's name.
-    members
-        Indices into the program's components.
-    """
-
-    identifier: str
-    members: tuple[int, ...]
-
-    @property
-    def place(self) -> str:
-        """Name of the array in the board's state."""
-        return self.identifier.lower()
-
-
-@dataclass(frozen=True)
-class Program:
-    """What the board holds, all of it.
-
-    Attributes
-    ----------
-    arithmetic, schedule
-        Which of the four combinations.
-    model
-        What was lowered.
-    components
-        In the order of the coefficient file.
-    shapes
-        In the order of the board's state.
-    onboard
-        How the board computes each component's coefficients; empty for a table.
-    speed
-        ``fast``: shorter words and products, fixed point and table only.
-    effects
-        What runs after the baseline's step; None without effects.
-    """
-
-    arithmetic: Arithmetic
-    schedule: ScheduleKind
-    model: ThermalModel
-    components: tuple[AnyComponent, ...]
-    shapes: tuple[Shape, ...]
-    onboard: tuple[OnboardComponent, ...] = ()
-    speed: Speed = "normal"
-    effects: EffectsProgram | None = None
-
-    @property
-    def label(self) -> str:
-        """The combination for people: arithmetic/schedule, and the speed unless it is the normal one."""
-        return f"{self.arithmetic}/{self.schedule}" + ("/fast" if self.speed == "fast" else "")
-
-    @property
-    def saturates(self) -> bool:
-        """Whether any component has no proof and saturates."""
-        return any(component.saturates for component in self.components)
-
-
-def refuse_effects(coefficients: Coefficients, what: str) -> None:
-    """Refuse a file with effects that are more than changed entries of its model.
-
-    Raises
-    ------
-    CheckFailed
-        Naming the first of them.
-    """
-    for applied in coefficients.effects:
-        raise CheckFailed(
-            f'the effect "{applied.effect.name}" of component {applied.component} is not part of {what}; leave that '
-            "out, or remove the effect from $.effects"
-        )
-
-
-def check_speed(arithmetic: str, schedule: str, speed: str) -> None:
-    """Refuse what the fast form is not made for.
-
-    Raises
-    ------
-    InputError
-        If `fast` is asked for together with float or a schedule that the board computes.
-    """
-    if speed == "fast" and arithmetic != "fixed":
-        raise InputError(f"--speed fast is for fixed-point arithmetic, not for --arithmetic {arithmetic}")
-    if speed == "fast" and schedule != "table":
-        raise InputError(f"--speed fast needs the rates of a table, not --schedule {schedule}")
-
-
-def lower(
-    coefficients: Coefficients, arithmetic: Arithmetic, schedule: ScheduleKind, speed: Speed = "normal"
-) -> Program:
+def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: ScheduleKind) -> Program:
     """Lower every component.
 
     Raises
@@ -130,15 +37,9 @@ def lower(
     CheckFailed
         If a component cannot be lowered, or its proven error exceeds the file's limit; the message names it. Also if
         the file holds an effect that no firmware is emitted for.
-    InputError
-        See :func:`check_speed`.
     """
-    check_speed(arithmetic, schedule, speed)
-    if speed == "fast":
-        refuse_effects(coefficients, "--speed fast")
-        return _lower_fast(coefficients)
     model = coefficients.model
-    limit, entry = coefficients.accuracy.limit(arithmetic, speed)
+    limit, entry = coefficients.accuracy.limit(arithmetic)
     components: list[FixedComponent | FloatComponent] = []
     onboard: list[OnboardComponent] = []
     for component in model.components:
@@ -153,22 +54,6 @@ def lower(
         components.append(lowered)
     effects = lower_effects(coefficients, arithmetic, components)
     return Program(arithmetic, schedule, model, tuple(components), _shapes(components), tuple(onboard), effects=effects)
-
-
-def _lower_fast(coefficients: Coefficients) -> Program:
-    model = coefficients.model
-    limit, entry = coefficients.accuracy.limit("fixed", "fast")
-    components: list[AnyComponent] = []
-    turns = 0
-    for component in model.components:
-        try:
-            lowered = fast.lower_component(model, component, turns % BLOCK, limit)
-        except LoweringError as error:
-            raise CheckFailed(str(error)) from error
-        _check_bound(lowered, limit, entry, lowered)
-        components.append(lowered)
-        turns += component.order == 1
-    return Program("fixed", "table", model, tuple(components), _shapes(components), speed="fast")
 
 
 def _check_bound(lowered: AnyComponent, limit: float, entry: str, exact: AnyComponent) -> None:

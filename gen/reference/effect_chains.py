@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.effects.program import GUARD_BITS
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.formats import CARRY_FACTOR, RESIDUE_BITS, WORD_BITS
 from gen.lowering.float32 import LOW_BITS, FloatComponent
-from gen.lowering.formats import CARRY_FACTOR, RESIDUE_BITS, WORD_BITS
-from gen.lowering.program import FixedComponent
 from gen.reference.effect_tapes import Counter
 from gen.reference.float32 import FloatStep
 

@@ -25,15 +25,13 @@ from gen.lowering.effects.program import (
     EffectComponent,
     EffectsProgram,
 )
+from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
-from gen.lowering.program import FixedComponent
 from gen.reference.effect_chains import FixedChain, FloatChain, Words
 from gen.reference.effect_tapes import Counter, Integers, Values, evaluate, rounded
 
 Fields = list[tuple[str, str]]
 Lowered = FixedComponent | FloatComponent
-AnyLowered = Sequence[object]
-"""A program's components; those with effects are of the kinds above."""
 
 _COUNT_LIMIT = 0xFFFF
 _KELVIN_END = KELVIN_LIMIT << KELVIN_BITS
@@ -168,15 +166,14 @@ class ReferenceEffects:
     """
 
     def __init__(
-        self, program: EffectsProgram, components: AnyLowered, lanes: int, channels: Integers | None = None
+        self, program: EffectsProgram, components: Sequence[Lowered], lanes: int, channels: Integers | None = None
     ) -> None:
         self._program = program
         self._counter = Counter(lanes)
         self._channels = np.array([np.full(lanes, c.neutral) for c in program.channels], dtype=np.int64)
         self._elapsed: Integers = np.zeros(lanes, dtype=np.int64)
         self._components = {
-            part.index: _Component(part, _plain(components[part.index]), self._counter, lanes)
-            for part in program.components
+            part.index: _Component(part, components[part.index], self._counter, lanes) for part in program.components
         }
         zero = np.zeros(lanes, dtype=np.int64)
         self._rise = dict.fromkeys(program.tracked, zero)
@@ -297,11 +294,11 @@ class ReferenceEffects:
         return self._counter.held(rise, low, high)
 
 
-def effect_fields(program: EffectsProgram, components: AnyLowered) -> Fields:
+def effect_fields(program: EffectsProgram, components: Sequence[Lowered]) -> Fields:
     """Names and types of the states, in the order of the board's structure."""
     fields: Fields = []
     for index in program.tracked:
-        lowered, part = _plain(components[index]), program.component(index)
+        lowered, part = components[index], program.component(index)
         name = lowered.name
         if part is not None:
             if part.chain is not None:
@@ -315,11 +312,6 @@ def effect_fields(program: EffectsProgram, components: AnyLowered) -> Fields:
     if program.elapsed_limit:
         fields.append(("elapsed", "<u4"))
     return [*fields, ("limited", "<u2")]
-
-
-def _plain(component: object) -> Lowered:
-    assert isinstance(component, FixedComponent | FloatComponent), "the fast form has no effects"
-    return component
 
 
 def _chain_fields(name: str, lowered: Lowered) -> Fields:

@@ -11,9 +11,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.corrected_format import FIRST_DROPPED
-from gen.lowering.formats import CARRY_FACTOR, GAIN_FACTOR, RESIDUE_BITS, WORD_BITS, dropped_bytes, start_scale
-from gen.lowering.program import FixedComponent
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.corrected_format import FIRST_DROPPED
+from gen.lowering.fixed.formats import CARRY_FACTOR, GAIN_FACTOR, RESIDUE_BITS, WORD_BITS, dropped_bytes, start_scale
 
 Word = TypeVar("Word", int, NDArray[np.int64])
 
@@ -101,7 +101,7 @@ class FixedStep:
         state[place] = self._word(state[place] + part)
 
     def advance(self, state: list[Word], rates: list[Word], q: Word) -> None:
-        """Do the additions, see :mod:`gen.lowering.increments` and (for the rates) :mod:`gen.lowering.correction`."""
+        """Do the additions: :mod:`gen.lowering.recursion.increments`, rates :mod:`gen.lowering.fixed.correction`."""
         if self._component.layout.corrected:
             self._advance_corrected(state, rates, q)
             return

@@ -89,7 +89,7 @@ class FloatStep:
         return np.where(where, new - rates[place + 1] * (rates[place] * carried), new)
 
     def advance(self, state: State, q: Singles) -> None:
-        """The chain of additions, see :mod:`gen.lowering.increments`."""
+        """The chain of additions, see :mod:`gen.lowering.recursion.increments`."""
         n, shifts, every = self._order, self._shifts, np.ones(len(q), dtype=bool)
         if n == 2:
             self._add(state, 0, word(state[1]), shifts[0], every)

@@ -8,12 +8,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.fast_format import FastComponent
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.formats import RESIDUE_BITS
 from gen.lowering.float32 import LOW_BITS, FloatComponent
-from gen.lowering.formats import RESIDUE_BITS
-from gen.lowering.lower import AnyComponent
-from gen.lowering.program import FixedComponent
-from gen.reference.fast import FastLanes, fast_coefficient_fields
+from gen.lowering.program import AnyComponent
 from gen.reference.fixed import FixedStep
 from gen.reference.float32 import FloatStep
 
@@ -160,8 +158,6 @@ def lanes_of(component: AnyComponent, start_mK: Sequence[int]) -> ComponentLanes
     """A component's lanes at rest at the given rises, in thousandths of a kelvin."""
     if isinstance(component, FixedComponent):
         return FixedLanes(component, start_mK)
-    if isinstance(component, FastComponent):
-        return FastLanes(component, start_mK)
     return FloatLanes(component, start_mK)
 
 
@@ -177,15 +173,12 @@ def state_fields(component: AnyComponent) -> Fields:
 
 def coefficient_fields(component: AnyComponent) -> Fields:
     """Names and types of the coefficients' words, in the order of the board's structure."""
-    if isinstance(component, FastComponent):
-        return fast_coefficient_fields(component)
     rates = [(f"{component.name}.R{i}", "<u4") for i in range(component.order)]
     return [*rates, (f"{component.name}.S", "<i4")]
 
 
 def word_bits(component: AnyComponent) -> int:
-    """Fraction bits of a component's rise as the high word of x1 has it (not of the fast form)."""
+    """Fraction bits of a component's rise as the high word of x1 has it."""
     if isinstance(component, FixedComponent):
         return component.layout.fraction_bits[0] - RESIDUE_BITS
-    assert isinstance(component, FloatComponent)
     return component.fraction_bits[0]

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.dynamics import domain_rows
 from gen.lowering.effects.program import KELVIN_BITS
-from gen.lowering.lower import Program
+from gen.lowering.program import Program
+from gen.lowering.recursion.dynamics import domain_rows
 from gen.reference.effects import ReferenceEffects, effect_fields
 from gen.reference.lanes import coefficient_fields, lanes_of, state_fields, thousandths, word_bits
 
@@ -65,7 +65,6 @@ class ReferenceModel:
         rows = domain_rows(program.model)
         self._row_flags = pwm_flags(program)
         self._first, self._last = int(rows[0]), int(rows[-1])
-        self._samples = 0
 
     @property
     def within_ranges(self) -> NDArray[np.bool_]:
@@ -91,7 +90,6 @@ class ReferenceModel:
         clamped = np.where((magnitude < self._first) | (magnitude > self._last), PWM_CLAMPED, 0)
         self._flags = (self._flags & (START_CLAMPED | SATURATED)) | self._row_flags[row] | clamped
         before, self._row = self._row, row
-        self._samples += 1
         for component in self._components:
             component.sample(row, before)
         if self._program.saturates:
@@ -144,8 +142,6 @@ class ReferenceModel:
         record["flags"] = self._flags | STARTED
         if self._program.saturates:
             record["saturations"] = self.saturations
-        if self._program.speed == "fast":
-            record["phase"] = self._samples % 256
         if self._effects is not None and self._program.effects is not None:
             fields = effect_fields(self._program.effects, self._program.components)
             for (name, _), word in zip(fields, self._effects.words(), strict=True):
@@ -172,8 +168,6 @@ def record_type(program: Program) -> np.dtype[np.void]:
     tail = [("command", "<i2"), ("flags", "u1")]
     if program.saturates:
         tail.append(("saturations", "<u2"))
-    if program.speed == "fast":
-        tail.append(("phase", "u1"))
     if program.effects is not None:
         tail += effect_fields(program.effects, program.components)
     return np.dtype(states + coefficients + tail)

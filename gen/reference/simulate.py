@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
-from gen.lowering.lower import Program, lower
-from gen.lowering.program import Arithmetic, Speed
+from gen.lowering.kinds import Arithmetic
+from gen.lowering.lower import lower
+from gen.lowering.program import Program
 from gen.model.exact import ExactSolution
 from gen.model.extended import ExtendedSolution
 from gen.reference.lanes import state_fields
 from gen.reference.model import ReferenceModel, record_type
 from gen.runs import Run
+from gen.runs.gaps import held_over_gaps
 
 Array = NDArray[np.float64]
 Start = Literal["auto", "ambient", "measured"]
@@ -30,7 +32,6 @@ def simulate_run(
     arithmetic: Literal["exact", "fixed", "float"],
     start: Start,
     file: str,
-    speed: Speed = "normal",
 ) -> dict[str, NDArray[np.float64] | NDArray[np.int64]]:
     """Model temperatures at the run's own times.
 
@@ -46,8 +47,6 @@ def simulate_run(
         from the measured one where there is one. Derivatives start at zero.
     file
         The run file's name for messages.
-    speed
-        Of the board.
 
     Returns
     -------
@@ -70,16 +69,16 @@ def simulate_run(
         for name, values in solved.items():
             columns[f"{name}_degC"] = values + ambient
         return columns
-    board, words = _on_board(coefficients, arithmetic, run, rise, speed, file)
+    board, words = _on_board(coefficients, arithmetic, run, rise, file)
     for name, values in board.items():
         columns[f"{name}_degC"] = values + ambient
     return columns | words
 
 
 def _on_board(
-    coefficients: Coefficients, arithmetic: Arithmetic, run: Run, rise: dict[str, float], speed: Speed, file: str
+    coefficients: Coefficients, arithmetic: Arithmetic, run: Run, rise: dict[str, float], file: str
 ) -> tuple[dict[str, Array], dict[str, NDArray[np.int64]]]:
-    program = lower(coefficients, arithmetic, "table", speed)
+    program = lower(coefficients, arithmetic, "table")
     samples = (run.time_s - run.time_s[0]) / program.model.sample_time
     grid = np.floor(samples + _ON_GRID).astype(np.int64)
     length = int(grid[-1])
@@ -131,14 +130,6 @@ def _ambient(coefficients: Coefficients, run: Run, file: str) -> Array:
             )
         return np.full(len(run.time_s), fixed)
     return held_over_gaps(run.ambient)
-
-
-def held_over_gaps(values: Array) -> Array:
-    """Each missing sample replaced by the latest one before it (the first one before all); not all may be missing."""
-    known = np.flatnonzero(~np.isnan(values))
-    latest = np.searchsorted(known, np.arange(values.size), side="right") - 1
-    held: Array = values[known[np.maximum(latest, 0)]]
-    return held
 
 
 def _extended(

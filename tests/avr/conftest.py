@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from gen.verify.avr.compile import ArduinoCore, build_elf
-from gen.verify.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.avr.compile import ArduinoCore, build_elf
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 
 SOURCES = Path(__file__).parent / "firmware"
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from gen.verify.avr.compile import (
+from gen.avr.compile import (
     SRAM_OFFSET,
     ArduinoCore,
     BuildFailed,

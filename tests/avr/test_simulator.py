@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gen.verify.avr import simulator
-from gen.verify.avr.compile import ArduinoCore
-from gen.verify.avr.shim import SHIM_FOLDER
-from gen.verify.avr.simulator import MARKER_OVERHEAD, EmulatedMega, EmulationFailed, Stop
+from gen.avr import simulator
+from gen.avr.compile import ArduinoCore
+from gen.avr.shim import SHIM_FOLDER
+from gen.avr.simulator import MARKER_OVERHEAD, EmulatedMega, EmulationFailed, Stop
 
 from .conftest import Emulate
 
@@ -245,7 +245,7 @@ def test_crash_is_an_error_with_its_place(emulate: Emulate, name: str, body: str
 ASTRAY = """
 import sys
 from pathlib import Path
-from gen.verify.avr.simulator import EmulatedMega, EmulationFailed
+from gen.avr.simulator import EmulatedMega, EmulationFailed
 with EmulatedMega(Path(sys.argv[1]), Path(sys.argv[2])) as mega:
     try:
         mega.run_cycles(100_000)

@@ -17,8 +17,8 @@ import pytest
 from gen.cli import main
 from gen.errors import InputError
 from gen.files import check_outputs, replace_folder, write_text
-from gen.verify import verify as verification
-from tests.verify_helpers import ROOT
+from gen.verification import verify as verification
+from tests.examples import ROOT
 
 COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"
 OLD = "old"
@@ -169,10 +169,10 @@ def test_an_interrupt_that_compiled_code_takes_for_an_error_is_one_all_the_same(
     assert capsys.readouterr().err == "interrupted\n"
 
 
-def test_a_full_disk_behind_the_output_is_one_line() -> None:
+def test_a_full_disk_behind_the_output_is_one_line(tmp_path: Path) -> None:
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
-            [*GEN, "study", ROOT / "examples" / "my1016" / "study.json", "--tables-only"],
+            [*GEN, "simulate", COEFFICIENTS, run_file(tmp_path), "--out", tmp_path / "model.csv"],
             stdout=full,
             stderr=subprocess.PIPE,
             text=True,
@@ -366,26 +366,6 @@ def test_simulate_measured_start_needs_a_measurement(tmp_path: Path) -> None:
     assert "column bearing_degC" in done.stderr
 
 
-@pytest.mark.parametrize(
-    ("command", "options"),
-    [
-        ("build", ["--arithmetic", "float"]),
-        ("build", ["--schedule", "onboard"]),
-        ("verify", ["--arithmetic", "float"]),
-        ("verify", ["--schedule", "onboard"]),
-        ("simulate", ["run.csv"]),
-        ("simulate", ["run.csv", "--arithmetic", "float"]),
-    ],
-)
-def test_fast_is_for_fixed_point_with_a_table_only(command: str, options: list[str], tmp_path: Path) -> None:
-    done = gen(command, COEFFICIENTS, *options, "--speed", "fast", cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stdout == ""
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert "--speed fast" in done.stderr
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize("planted", [True, False])
 def test_verify_ends_with_1_if_a_word_differs_and_says_so_in_its_json(
     planted: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -401,7 +381,7 @@ def test_verify_ends_with_1_if_a_word_differs_and_says_so_in_its_json(
     run = partial(verification.verify, mutation=wrong if planted else None, host_builds=["g++ -O2"])
     monkeypatch.setattr(verification, "verify", run)
     out = tmp_path / "v.json"
-    options = ["--arithmetic", "fixed", "--schedule", "table", "--speed", "normal", "--target", "host"]
+    options = ["--arithmetic", "fixed", "--schedule", "table", "--target", "host"]
     monkeypatch.setattr(
         sys, "argv", ["gen", "verify", str(COEFFICIENTS), *options, "--scale", "0.005", "--json", str(out)]
     )

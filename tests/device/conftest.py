@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from gen.avr.compile import ArduinoCore, build_elf
 from gen.firmware.project import project_files
 from gen.lowering.lower import lower
-from gen.verify.avr.compile import ArduinoCore, build_elf
 from tests.device.board import Board
 from tests.device.variants import variant
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from gen.verify.avr.compile import sizes
-from gen.verify.avr.simulator import FREQUENCY_HZ
+from gen.avr.compile import sizes
+from gen.avr.simulator import FREQUENCY_HZ
 from tests.device.board import OPEN
 from tests.device.conftest import Open
 

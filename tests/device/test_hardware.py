@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from gen import toolchain
+from gen.avr.compile import ArduinoCore, build_elf
 from gen.coefficients import parse
 from gen.emulate.devices import ResetCause
 from gen.errors import CheckFailed, InputError
 from gen.firmware.context import project_context
 from gen.lowering.lower import lower
-from gen.verify.avr.compile import ArduinoCore, build_elf
 from tests.device.board import LATE, NOISY, Board, warm
 from tests.device.conftest import Open
 from tests.device.variants import BASE, variant

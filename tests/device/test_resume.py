@@ -10,9 +10,9 @@ import pytest
 from gen import toolchain
 from gen.firmware import render
 from gen.firmware.context import project_context
+from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
-from gen.lowering.program import Arithmetic, ScheduleKind, Speed
-from tests.verify_helpers import example
+from tests.examples import example
 
 MAIN = """
 #include <stdio.h>
@@ -44,7 +44,6 @@ int main() {
         memset(&NAME_model, 0x5A, sizeof NAME_model);
         NAME_begin();
         NAME_model.state = kept[cut].state;
-        PHASE
         NAME_resume(kept[cut].command);
         for (int i = 0; i <= cut; ++i) {
             next_pwm(i);
@@ -63,30 +62,28 @@ int main() {
 """
 
 
-CASES: list[tuple[str, Arithmetic, ScheduleKind, Speed]] = [
-    ("my1016", "fixed", "table", "normal"),
-    ("my1016", "fixed", "table", "fast"),
-    ("my1016", "fixed", "onboard", "normal"),
-    ("my1016", "float", "table", "normal"),
-    ("my1016", "float", "onboard", "normal"),
-    ("two_mass", "fixed", "table", "normal"),  # orders 2 and 4
+CASES: list[tuple[str, Arithmetic, ScheduleKind]] = [
+    ("my1016", "fixed", "table"),
+    ("my1016", "fixed", "onboard"),
+    ("my1016", "float", "table"),
+    ("my1016", "float", "onboard"),
+    ("two_mass", "fixed", "table"),  # orders 2 and 4
 ]
 
 
-@pytest.mark.parametrize(("name", "arithmetic", "schedule", "speed"), CASES)
+@pytest.mark.parametrize(("name", "arithmetic", "schedule"), CASES)
 def test_the_model_goes_on_bit_for_bit(
-    tmp_path: Path, name: str, arithmetic: Arithmetic, schedule: ScheduleKind, speed: Speed
+    tmp_path: Path, name: str, arithmetic: Arithmetic, schedule: ScheduleKind
 ) -> None:
     coefficients = example(name)
-    context = project_context(coefficients, lower(coefficients, arithmetic, schedule, speed), "coeffs.json")
+    context = project_context(coefficients, lower(coefficients, arithmetic, schedule), "coeffs.json")
     sources = []
     for path, text in render.library(context).items():
         target = tmp_path / Path(path).name
         target.write_text(text)
         sources += [str(target)] if target.suffix == ".cpp" else []
     main = tmp_path / "main.cpp"
-    phase = "NAME_model.phase = kept[cut].phase;" if speed == "fast" else ""
-    main.write_text(MAIN.replace("PHASE", phase).replace("NAME", name).replace("SAMPLES", "4000"))
+    main.write_text(MAIN.replace("NAME", name).replace("SAMPLES", "4000"))
     command = [str(toolchain.program("g++")), "-std=gnu++11", "-O1", "-ffp-contract=off", str(main), *sources]
     subprocess.run([*command, "-o", str(tmp_path / "run")], check=True)
     done = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, check=False)

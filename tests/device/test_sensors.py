@@ -15,16 +15,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gen import toolchain
+from gen.avr.compile import build_elf
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.firmware.device import device_context
 from gen.lowering.lower import lower
 from gen.lowering.sensors import CONFIRMATIONS, NOISE_COUNTS, SensorLimits, reading_samples, sensor_limits
 from gen.reference.sensors import SensorCheck, SensorCode
-from gen.verify.avr.compile import build_elf
-from gen.verify.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 from tests.device.variants import variant
-from tests.verify_helpers import example
+from tests.examples import example
 
 MAIN = """
 #include <stdio.h>

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from gen import toolchain
+from gen.avr.compile import sizes
 from gen.emulate.devices import ResetCause
 from gen.lowering.lower import lower
 from gen.reference.model import ReferenceModel
-from gen.verify.avr.compile import sizes
 from tests.device.board import (
     AMBIENT,
     DROPPED,

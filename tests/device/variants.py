@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from gen.coefficients import Coefficients, parse
-from tests.verify_helpers import ROOT
+from tests.examples import ROOT
 
 Tree = dict[str, Any]
 BASE: Tree = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text())

@@ -9,10 +9,10 @@ from typing import Any
 
 from gen.coefficients import Coefficients, parse
 from gen.lowering.effects import lower_effects
-from gen.lowering.fast_format import FastComponent
-from gen.lowering.lower import Program, lower
-from gen.lowering.program import Arithmetic
-from tests.verify_helpers import ROOT
+from gen.lowering.kinds import Arithmetic
+from gen.lowering.lower import lower
+from gen.lowering.program import Program
+from tests.examples import ROOT
 
 Entry = dict[str, Any]
 
@@ -162,5 +162,4 @@ def lowered(label: str, arithmetic: Arithmetic) -> Program:
     """The case lowered; what it shares with the example alone is lowered once for all cases."""
     made, base = case(label), _baseline(CASES[label][0], arithmetic)
     assert made.model.components == base.model.components, "an effect was folded"
-    components = [c for c in base.components if not isinstance(c, FastComponent)]
-    return replace(base, model=made.model, effects=lower_effects(made, arithmetic, components))
+    return replace(base, model=made.model, effects=lower_effects(made, arithmetic, base.components))

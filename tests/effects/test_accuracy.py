@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from gen.lowering.effects.program import Channel
-from gen.lowering.lower import Program
-from gen.lowering.program import Arithmetic
+from gen.lowering.kinds import Arithmetic
+from gen.lowering.program import Program
 from gen.reference.model import ReferenceModel
-from gen.verify.effects import course_with_effects
-from gen.verify.held import HeldSolution
+from gen.verification.effects import course_with_effects
+from gen.verification.held import HeldSolution
 from tests.effects.cases import CASES, case, lowered
 
 Array = NDArray[np.float64]

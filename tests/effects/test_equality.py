@@ -12,11 +12,11 @@ import pytest
 from gen import toolchain
 from gen.firmware import render
 from gen.firmware.context import project_context
-from gen.lowering.program import Arithmetic
-from gen.verify import compare
-from gen.verify.effects import with_channels
-from gen.verify.profiles import Profile, campaign
-from gen.verify.runners import WARNINGS, AvrRunner, HostRunner, Library, write_library
+from gen.lowering.kinds import Arithmetic
+from gen.verification import compare
+from gen.verification.effects import with_channels
+from gen.verification.profiles import Profile, campaign
+from gen.verification.runners import WARNINGS, AvrRunner, HostRunner, Library, write_library
 from tests.effects.cases import CASES, TOGETHER, case, lowered
 
 #: What leaves parts of the code out: no heat, no chain, no own state; and what no other case has beside it.

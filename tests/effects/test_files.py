@@ -17,7 +17,7 @@ from gen.lowering.lower import lower
 from gen.reference.simulate import simulate_run
 from gen.runs import Run
 from tests.effects.cases import effect
-from tests.verify_helpers import ROOT
+from tests.examples import ROOT
 
 PLAIN = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
 

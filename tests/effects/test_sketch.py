@@ -9,16 +9,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gen.avr.compile import ArduinoCore, build_elf
 from gen.coefficients import Coefficients, parse
 from gen.coefficients.wiring import Thermocouple
 from gen.errors import InputError
 from gen.firmware.project import project_files
-from gen.lowering.lower import Program, lower
+from gen.lowering.lower import lower
+from gen.lowering.program import Program
 from gen.reference.model import ReferenceModel
-from gen.verify.avr.compile import ArduinoCore, build_elf
 from tests.device.board import OPEN, Board
 from tests.effects.cases import effect
-from tests.verify_helpers import ROOT
+from tests.examples import ROOT
 
 CURRENT, FAN = 54, 62
 ZERO_V, PER_V = 2.5, 10.0

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from gen.avr.compile import ArduinoCore, build_elf
 from gen.emulate.devices import DeviceMega
-from gen.verify.avr.compile import ArduinoCore, build_elf
 
 SOURCES = Path(__file__).parent / "firmware"
 

@@ -15,7 +15,7 @@ import pytest
 
 from gen.cli import main
 from gen.runs import read_run
-from tests.verify_helpers import ROOT
+from tests.examples import ROOT
 
 Refuse = Callable[..., str]
 
@@ -39,20 +39,6 @@ def refuse(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) 
         return capsys.readouterr().err
 
     return run
-
-
-def test_the_fast_form_runs_and_is_refused_where_there_is_none(
-    home: dict[str, str], tmp_path: Path, refuse: Refuse
-) -> None:
-    out = tmp_path / "run.csv"
-    command = [sys.executable, "-m", "gen", "emulate", str(COEFFICIENTS), "--duration", "20", "--out", str(out)]
-    subprocess.run([*command, "--speed", "fast"], env=home, check=True, capture_output=True)
-    fast = read_run(out, ("brush",))
-    subprocess.run(command, env=home, check=True, capture_output=True)
-    normal = read_run(out, ("brush",))
-    difference = fast.extras["brush_model_degC"] - normal.extras["brush_model_degC"]
-    assert abs(difference).max() <= 0.002  # printed in thousandths, fast is within 1e-4 K
-    assert "--speed fast" in refuse(COEFFICIENTS, "--speed", "fast", "--arithmetic", "float", "--out", out)
 
 
 def emulate(home: dict[str, str], *arguments: str | Path) -> subprocess.CompletedProcess[str]:

@@ -11,7 +11,7 @@ from gen.lowering.sensors import sensor_limits
 from gen.reference.model import ReferenceModel
 from gen.reference.sensors import SensorCheck
 from gen.rig import SensorFault
-from tests.verify_helpers import example
+from tests.examples import example
 
 
 def test_words_give_the_references_codes_and_states() -> None:

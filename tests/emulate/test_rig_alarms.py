@@ -8,7 +8,7 @@ from gen.coefficients import load
 from gen.emulate.rig import RigPlant
 from gen.emulate.twin import alarm_times
 from gen.rig import Fault, MotorConfig, Profile, sensors, warm_start
-from tests.verify_helpers import ROOT
+from tests.examples import ROOT
 
 FAULT_S, DURATION_S = 900.0, 2500.0
 PWM = 230

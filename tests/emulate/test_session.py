@@ -25,7 +25,7 @@ from gen.emulate.session import Event, EventKind, Session, _Runner, run_session
 from gen.emulate.terminal import PseudoTerminal
 from gen.runs import read_run
 from tests.device.variants import variant
-from tests.verify_helpers import ROOT
+from tests.examples import ROOT
 
 COEFFICIENTS = load(ROOT / "examples" / "my1016" / "coeffs.json")
 TEMPERATURES = {"brush": 31.0, "bearing": 30.5, "magnet": 30.25, "casing": 30.0, "ambient": 29.75}

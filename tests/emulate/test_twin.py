@@ -18,7 +18,7 @@ from gen.emulate.rig import RigPlant
 from gen.emulate.session import run_session
 from gen.emulate.twin import alarm_times
 from gen.rig import Profile, SensorConfig
-from tests.verify_helpers import ROOT
+from tests.examples import ROOT
 
 DURATION_S = 240.0
 NAMES = ("brush", "bearing", "magnet", "casing")

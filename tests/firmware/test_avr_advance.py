@@ -10,14 +10,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gen.avr.compile import build_elf
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 from gen.coefficients import load
 from gen.firmware import render
 from gen.firmware.context import project_context
-from gen.lowering.lower import Program, lower
-from gen.lowering.program import FixedComponent, ScheduleKind
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.kinds import ScheduleKind
+from gen.lowering.lower import lower
+from gen.lowering.program import Program
 from gen.reference.fixed import FixedStep
-from gen.verify.avr.compile import build_elf
-from gen.verify.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 STEPS = 3000

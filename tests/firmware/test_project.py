@@ -12,10 +12,10 @@ from typing import get_args
 import pytest
 
 from gen.firmware.project import project_files, read_verification
+from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
-from gen.lowering.program import Arithmetic, ScheduleKind
+from tests.examples import ROOT, example
 from tests.platformio.environment import install, pio_ci, pio_run, pio_test
-from tests.verify_helpers import ROOT, example
 
 EMITTED = ROOT / "firmware_out"
 STRICT = {"PLATFORMIO_BUILD_SRC_FLAGS": "-Werror"}

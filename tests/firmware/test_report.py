@@ -14,12 +14,15 @@ import numpy as np
 import pytest
 
 from gen.coefficients import Coefficients, parse
-from gen.firmware.charts import Chart, Series, scientific, svg, ticks
 from gen.firmware.report import constants, exact_response, report_html, words
-from gen.lowering.lower import Program, lower
-from gen.lowering.program import Arithmetic, FixedComponent, ScheduleKind, rounded_up
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.kinds import Arithmetic, ScheduleKind
+from gen.lowering.lower import lower
+from gen.lowering.program import Program
+from gen.lowering.recursion.guarantee import rounded_up
 from gen.model.exact import ExactSolution
-from tests.verify_helpers import ROOT, example
+from gen.pages.charts import Chart, Series, scientific, svg, ticks
+from tests.examples import ROOT, example
 
 HOSTILE = '</svg><script>alert("x")</script>&'
 

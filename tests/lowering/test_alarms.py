@@ -13,7 +13,7 @@ from gen.errors import InputError
 from gen.lowering.alarms import START_MARGIN_K, Segment, lower_alarms, start_wait
 from gen.model.exact import ExactSolution
 from gen.reference.alarms import ReferenceAlarms
-from tests.verify_helpers import ROOT, example
+from tests.examples import ROOT, example
 
 
 def changed(**rule: object) -> Coefficients:

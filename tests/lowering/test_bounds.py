@@ -15,14 +15,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from gen.lowering import bounds, corrected_format, formats, increments
-from gen.lowering.dynamics import Dynamics, dynamics
-from gen.lowering.fixed import lower_component
+from gen.lowering.fixed import corrected_format, formats
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.lower import lower_component
 from gen.lowering.lower import lower
-from gen.lowering.program import FixedComponent
-from gen.lowering.reach import SwitchedRecursion
+from gen.lowering.recursion import bounds, increments
+from gen.lowering.recursion.dynamics import Dynamics, dynamics
+from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.reference.fixed import FixedStep
-from tests.verify_helpers import example
+from tests.examples import example
 
 Array = NDArray[np.float64]
 

@@ -10,15 +10,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gen.lowering import bounds, corrected_format, correction
-from gen.lowering.correction import Correction
-from gen.lowering.dynamics import Dynamics, dynamics
-from gen.lowering.formats import nested_ranges
+from gen.lowering.fixed import corrected_format, correction
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.correction import Correction
+from gen.lowering.fixed.formats import nested_ranges
 from gen.lowering.lower import lower
-from gen.lowering.program import FixedComponent
-from gen.lowering.reach import SwitchedRecursion
+from gen.lowering.recursion import bounds
+from gen.lowering.recursion.dynamics import Dynamics, dynamics
+from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.reference.fixed import FixedStep, product
-from tests.verify_helpers import example
+from tests.examples import example
 
 NAMES = ("my1016", "my1016_averaged")
 

@@ -11,19 +11,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from gen.lowering import bounds
-from gen.lowering.dynamics import dynamics
-from gen.lowering.fixed import lower_component
-from gen.lowering.formats import CARRY_FACTOR, START_UNITS, carry_error, dropped_error
-from gen.lowering.lower import Program, lower
-from gen.lowering.program import FixedComponent, rounded_up
-from gen.lowering.reach import SwitchedRecursion
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.formats import CARRY_FACTOR, START_UNITS, carry_error, dropped_error
+from gen.lowering.fixed.lower import lower_component
+from gen.lowering.lower import lower
+from gen.lowering.program import Program
+from gen.lowering.recursion import bounds
+from gen.lowering.recursion.dynamics import dynamics
+from gen.lowering.recursion.guarantee import rounded_up
+from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.model.exact import ExactSolution
 from gen.reference.fixed import FixedStep, Word, product
 from gen.reference.model import ReferenceModel
-from gen.verify.accuracy import error_course
-from gen.verify.profiles import campaign
-from tests.verify_helpers import EXAMPLES, example
+from gen.verification.accuracy import error_course
+from gen.verification.profiles import campaign
+from tests.examples import EXAMPLES, example
 
 
 @cache

@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
-from gen.lowering import float32, increments
-from gen.lowering.dynamics import domain_rows, dynamics
+from gen.lowering import float32
 from gen.lowering.float32 import FloatComponent
+from gen.lowering.recursion import increments
+from gen.lowering.recursion.dynamics import domain_rows, dynamics
 from gen.model.exact import ExactSolution
 from gen.reference.float32 import FloatStep, accumulated
 from gen.reference.lanes import FloatLanes

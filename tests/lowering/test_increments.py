@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gen.lowering import increments
-from gen.lowering.dynamics import domain_rows
-from gen.lowering.series import delta_series, weight
+from gen.lowering.recursion import increments
+from gen.lowering.recursion.dynamics import domain_rows
+from gen.lowering.recursion.series import delta_series, weight
 from gen.model.exact import ExactSolution
-from tests.verify_helpers import example
+from tests.examples import example
 
 SAMPLE_TIME = 0.25
 POLES: dict[int, list[complex]] = {

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gen.lowering.dynamics import dynamics
-from gen.lowering.reach import NoProofError, SwitchedRecursion
-from tests.verify_helpers import example
+from gen.lowering.recursion.dynamics import dynamics
+from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
+from tests.examples import example
 
 
 def test_order_one_has_a_closed_form() -> None:

@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.dynamics import dynamics
-from gen.lowering.fixed import with_rows
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.lower import with_rows
 from gen.lowering.lower import lower
-from gen.lowering.program import FixedComponent
-from tests.verify_helpers import example
+from gen.lowering.recursion.dynamics import dynamics
+from tests.examples import example
 
 Integers = NDArray[np.int64]
 

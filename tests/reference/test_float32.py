@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gen.firmware import render
-from gen.lowering.program import ScheduleKind
+from gen.avr.compile import build_elf
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.lowering.kinds import ScheduleKind
 from gen.reference.float32 import accumulated
-from gen.verify.avr.compile import build_elf
-from gen.verify.avr.simulator import MAILBOX_FOLDER, EmulatedMega
-from gen.verify.verify import CombinationResult, Target, verify
-from tests.verify_helpers import example
+from gen.templating import environment
+from gen.verification.verify import CombinationResult, Target, verify
+from tests.examples import example
 
 #: Goals of issue 2 for all four MY1016 components together.
 GOAL_CYCLES, GOAL_RAM = 2_800, 80
@@ -78,7 +78,7 @@ def additions(count: int) -> NDArray[np.void]:
 def sources(folder: Path) -> list[Path]:
     context = {"name": "m", "NAME": "M", "saturates": False}
     for kind in ("h", "cpp"):
-        text = render.environment().get_template(f"lib/model/src/accumulator.{kind}.j2").render(context)
+        text = environment("project").get_template(f"lib/model/src/accumulator.{kind}.j2").render(context)
         (folder / f"m_accumulator.{kind}").write_text(text, encoding="utf-8")
     (folder / "harness.cpp").write_text(HARNESS, encoding="utf-8")
     return [folder / "harness.cpp", folder / "m_accumulator.cpp"]

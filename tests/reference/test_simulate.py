@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gen.reference.simulate import held_over_gaps, simulate_run
+from gen.reference.simulate import simulate_run
 from gen.runs import Run
-from tests.verify_helpers import example
+from gen.runs.gaps import held_over_gaps
+from tests.examples import example
 
 Array = NDArray[np.float64]
 NAN = float("nan")

@@ -17,7 +17,7 @@ from gen.lowering.alarms import lower_alarms, start_wait
 from gen.model.exact import ExactSolution
 from gen.runs import Run
 from gen.thresholds.healthy import compare
-from tests.verify_helpers import example
+from tests.examples import example
 
 TAU_S, RISE_K = 1000.0, 0.2  # rise per count
 

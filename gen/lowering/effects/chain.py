@@ -7,13 +7,13 @@ from math import ceil, log2
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering import increments
-from gen.lowering.dynamics import Dynamics, dynamics
 from gen.lowering.effects.program import GUARD_BITS, Chain
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.formats import RESIDUE_BITS
 from gen.lowering.float32 import FloatComponent
-from gen.lowering.formats import RESIDUE_BITS
-from gen.lowering.program import FixedComponent
-from gen.lowering.reach import NoProofError, SwitchedRecursion
+from gen.lowering.recursion import increments
+from gen.lowering.recursion.dynamics import Dynamics, dynamics
+from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
 from gen.model import Component, ThermalModel
 
 Array = NDArray[np.float64]
@@ -32,8 +32,8 @@ def chain(
     """Find how far the drive may go so that no word of the recursion leaves its bits, whatever the PWM does.
 
     The recursion is linear, so what one kelvin of drive can do under arbitrary switching (the invariant polytope of
-    :mod:`gen.lowering.reach`) scales. In fixed point the words have :data:`GUARD_BITS` more than the baseline's above
-    its highest; in float32 their unit is made coarser where the drive needs it.
+    :mod:`gen.lowering.recursion.reach`) scales. In fixed point the words have :data:`GUARD_BITS` more than the
+    baseline's above its highest; in float32 their unit is made coarser where the drive needs it.
 
     Parameters
     ----------

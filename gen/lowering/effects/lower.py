@@ -11,7 +11,6 @@ import numpy as np
 
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
-from gen.lowering.dynamics import domain_rows
 from gen.lowering.effects.chain import chain
 from gen.lowering.effects.channels import channels
 from gen.lowering.effects.graph import Array, Graph, Node
@@ -28,8 +27,10 @@ from gen.lowering.effects.program import (
     Lag,
 )
 from gen.lowering.effects.tape import Tape, record
+from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
-from gen.lowering.program import Arithmetic, FixedComponent
+from gen.lowering.kinds import Arithmetic
+from gen.lowering.recursion.dynamics import domain_rows
 from gen.lowering.sensors import COUNT_K, sensor_limits
 from gen.model import Component, ThermalModel
 from gen.model.effects import Applied, Moment

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gen.lowering.effects.tape import Tape
-from gen.lowering.program import Arithmetic
+from gen.lowering.kinds import Arithmetic
 
 #: Bits after the binary point of every temperature, in K.
 KELVIN_BITS = 20

@@ -25,7 +25,7 @@ from math import ceil, log2
 import numpy as np
 
 from gen.lowering.effects.graph import Entry, Graph, Node, Op, Operand
-from gen.lowering.program import Arithmetic
+from gen.lowering.kinds import Arithmetic
 
 #: Bits of a value's magnitude; the 31st is room for rounding.
 VALUE_BITS = 30

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.program import Proof
+from gen.lowering.recursion.guarantee import Proof
 
 Singles = NDArray[np.float32]
 Integers = NDArray[np.int64]
@@ -20,7 +20,7 @@ LOW_BITS = 8
 LIMIT_BITS = 30
 #: A steady rise that is computed on board is a multiple of this power of two of its unit: 2^23 of them span the word.
 ONBOARD_STEADY_SHIFT = 9
-#: Share of q that x[n-1] carries (:data:`gen.lowering.increments.CARRY`) in float32.
+#: Share of q that x[n-1] carries (:data:`gen.lowering.recursion.increments.CARRY`) in float32.
 CARRY = np.float32(1.0 / 12.0)
 
 

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from gen.lowering.dynamics import Dynamics, dynamics
 from gen.lowering.float32.component import LIMIT_BITS, FloatComponent, Singles
 from gen.lowering.float32.packing import packed, packed_steady
 from gen.lowering.float32.proof import prove, word_ranges
 from gen.lowering.float32.ranges import Magnitudes, Reachable, proven_magnitudes, unproven_magnitudes
-from gen.lowering.reach import NoProofError, SwitchedRecursion
-from gen.lowering.substeps import fewest_substeps
+from gen.lowering.recursion.dynamics import Dynamics, dynamics
+from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
+from gen.lowering.recursion.substeps import fewest_substeps
 from gen.model import Component, ThermalModel
 
 #: The units of neighbouring states differ by no more bits than this (a state that never moves needs no finer one).

@@ -11,11 +11,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering import increments
-from gen.lowering.dynamics import Dynamics
 from gen.lowering.float32.component import CARRY, LOW_BITS, FloatComponent
 from gen.lowering.float32.ranges import WIDENING, Magnitudes, Reachable
-from gen.lowering.program import Proof
+from gen.lowering.recursion import increments
+from gen.lowering.recursion.dynamics import Dynamics
+from gen.lowering.recursion.guarantee import Proof
 
 Array = NDArray[np.float64]
 
@@ -101,7 +101,7 @@ def _rounding_of_q(lowered: FloatComponent, exact: Dynamics, sizes: Magnitudes, 
 
 
 def _worst_error(reachable: Reachable, q_error: Array, chain_error: Array, start_error: float) -> float | None:
-    """Largest ``|x1 - T|`` in K, as :func:`gen.lowering.bounds.worst_error` with per-functional ranges."""
+    """Largest ``|x1 - T|`` in K, as :func:`gen.lowering.recursion.bounds.worst_error` with per-functional ranges."""
     exact = reachable.exact
     n, rows = exact.order, len(exact.steady)
     form_error = np.abs(increments.mismatch(exact.form, exact.exact, reachable.maps))

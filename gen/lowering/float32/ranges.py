@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering import bounds, increments
-from gen.lowering.dynamics import Dynamics
-from gen.lowering.reach import ReachSet, SwitchedRecursion
+from gen.lowering.recursion import bounds, increments
+from gen.lowering.recursion.dynamics import Dynamics
+from gen.lowering.recursion.reach import ReachSet, SwitchedRecursion
 
 Array = NDArray[np.float64]
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gen.lowering.formats import Format
+from gen.lowering.fixed.formats import Format, steady_excess
+from gen.lowering.kinds import Arithmetic
 from gen.lowering.onboard.discretise import discretise
 from gen.lowering.onboard.fixed import FixedTape
 from gen.lowering.onboard.graph import Label
 from gen.lowering.onboard.single import float_tape
-from gen.lowering.onboard.tape import OnboardComponent, Step, steady_excess
+from gen.lowering.onboard.tape import OnboardComponent, Step
 from gen.lowering.onboard.tune import tuned
-from gen.lowering.program import Arithmetic
 from gen.model import Component, ThermalModel
 
 __all__ = ["OnboardComponent", "Step", "compile_component", "steady_excess", "tuned"]

@@ -2,7 +2,7 @@
 
 A(s) = real(poly(poles)) is a product of real polynomials: one of degree 1 for every real pole, one of degree 2 for
 every conjugate pair, and one for all other complex poles together.  Each factor is discretised on its own by a few
-terms of its power series (:mod:`gen.lowering.series`), and the factors are multiplied as polynomials in
+terms of its power series (:mod:`gen.lowering.recursion.series`), and the factors are multiplied as polynomials in
 delta = z - 1.  A product of small factors needs far fewer terms, and keeps more digits, than the series of A itself.
 
 All poles are scaled by the (sub)sample's length, so that every quantity has the unit of its power of 1/sample.
@@ -17,11 +17,11 @@ from fractions import Fraction
 
 import numpy as np
 
-from gen.lowering.dynamics import domain_rows
-from gen.lowering.increments import FEEDBACK_FROM_DELTA
 from gen.lowering.onboard.graph import Graph
 from gen.lowering.onboard.sources import schedule_node
-from gen.lowering.series import Monomial, delta_series, weight
+from gen.lowering.recursion.dynamics import domain_rows
+from gen.lowering.recursion.increments import FEEDBACK_FROM_DELTA
+from gen.lowering.recursion.series import Monomial, delta_series, weight
 from gen.model import Component, ThermalModel
 from gen.model.schedules import EXACT
 

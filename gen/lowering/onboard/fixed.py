@@ -11,7 +11,7 @@ from decimal import ROUND_HALF_EVEN, Decimal, localcontext
 
 import numpy as np
 
-from gen.lowering.formats import RESIDUE_BITS, Format
+from gen.lowering.fixed.formats import RESIDUE_BITS, Format
 from gen.lowering.onboard.discretise import Discretised
 from gen.lowering.onboard.graph import INTEGERS, Graph, Label, Node
 from gen.lowering.onboard.interpolate import largest_sum

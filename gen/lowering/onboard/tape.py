@@ -1,6 +1,6 @@
 """What the board executes when PWM changes: a straight line of steps, each an int32 (or float32) or a small index.
 
-The reference (:mod:`gen.reference.onboard`) executes the steps, :mod:`gen.firmware.onboard_cpp` prints them.
+The reference (:mod:`gen.lowering.onboard.evaluate`) executes the steps, :mod:`gen.firmware.onboard_cpp` prints them.
 
 =================  ================================================================================================
 step               result in fixed point (q: bits after the binary point)
@@ -32,12 +32,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from gen.lowering.formats import Format
+from gen.lowering.fixed.formats import Format
+from gen.lowering.kinds import Arithmetic
 from gen.lowering.onboard.graph import UNLABELLED, Label
-from gen.lowering.program import Arithmetic
 
 #: The least shift of a division.
 DIVIDE_SHIFT = 24
@@ -108,20 +105,3 @@ class OnboardComponent:
     rates: tuple[int, ...]
     steady: int
     layout: Format | None
-
-
-def steady_excess(steady: NDArray[np.int64], exact: NDArray[np.float64], layout: Format) -> NDArray[np.float64]:
-    """By how many units each S leaves the interval [exact - 1, exact] that the step's proof assumes, shape (rows,).
-
-    Parameters
-    ----------
-    steady
-        The board's integers.
-    exact
-        Steady rises in K.
-    layout
-        The formats that hold.
-    """
-    deviation = steady - exact / layout.high_lsb[0]
-    excess: NDArray[np.float64] = np.maximum(0.0, np.maximum(deviation, -1.0 - deviation))
-    return excess

@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering import increments
+from gen.lowering.onboard.evaluate import RangeError, evaluate
 from gen.lowering.onboard.tape import GUARD_BITS, OnboardComponent, Step
-from gen.reference.onboard import RangeError, evaluate
+from gen.lowering.recursion import increments
 
 Array = NDArray[np.float64]
 

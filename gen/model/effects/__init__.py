@@ -8,18 +8,8 @@ component's own, ``A(0)/A'(0)`` at the present PWM, or 1/tau_s. Others stand bet
 A new effect is a new module here with one subclass of :class:`Effect`; nothing else has to know of it.
 """
 
-from gen.model.effects.base import (
-    REGISTRY,
-    Applied,
-    Effect,
-    Free,
-    Lanes,
-    Moment,
-    Parameters,
-    Setting,
-    Variant,
-    registry,
-)
+from gen.model.effects.base import Applied, Effect, Free, Lanes, Moment, Parameters, Setting, Variant
+from gen.model.effects.registry import REGISTRY, registry
 
 __all__ = [
     "REGISTRY",

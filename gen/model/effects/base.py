@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from abc import ABC
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
@@ -264,21 +260,3 @@ class Applied:
     effect: Effect
     component: str
     values: Values
-
-
-REGISTRY: dict[str, Effect] = {}
-
-
-@cache
-def registry() -> Mapping[str, Effect]:
-    """All effects by name, in alphabetical order of their files."""
-    from gen.model import effects
-
-    for module in sorted(info.name for info in pkgutil.iter_modules([str(Path(effects.__file__).parent)])):
-        if module in ("base", "integrate", "response", "tables"):
-            continue
-        found = importlib.import_module(f"{effects.__name__}.{module}")
-        for entry in vars(found).values():
-            if isinstance(entry, type) and issubclass(entry, Effect) and entry.__module__ == found.__name__:
-                REGISTRY[entry.name] = entry()
-    return REGISTRY

@@ -1,0 +1,1 @@
+"""Examples of coefficient files, with the scripts that made or judge them."""

@@ -1,0 +1,256 @@
+"""From run files to records: which components there are, over which ambient, and what cannot be used."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.coefficients.names import name_fault
+from gen.errors import InputError
+from gen.identification.records import Record, condense
+from gen.identification.structure import FloatArray
+from gen.runs import Run, read_run
+
+MOST_ROWS = 100_000
+"""A run of more than twice as many rows is thinned to about as many: blocks are longer than that in the end."""
+FEWEST = 20
+"""Samples that a component needs in a run."""
+MOVES_K = 0.5
+"""A component whose temperature, over all runs, moves less than this (or four sensor steps) tells nothing."""
+MOST_NODES = 12
+NEAR = 6
+"""Speeds closer than this, in counts, are not told apart."""
+HELD = 0.1
+"""A speed counts as identified when it is held for this share of the longest hold at any speed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """One run file."""
+
+    path: str
+    run: Run
+
+    @property
+    def name(self) -> str:
+        """Short name of the run."""
+        return Path(self.path).stem
+
+
+@dataclass(frozen=True, eq=False)
+class Data:
+    """What identification works on.
+
+    Attributes
+    ----------
+    sources
+        The run files.
+    records
+        By component, one for each run that it was measured in.
+    ambient_fixed
+        Ambient in degC where it was not measured, or None.
+    ambient_measured
+        Whether every run has a measured ambient.
+    warnings
+        What was left out, and why.
+    """
+
+    sources: tuple[Source, ...]
+    records: dict[str, tuple[Record, ...]]
+    ambient_fixed: float | None
+    ambient_measured: bool
+    warnings: tuple[str, ...]
+
+
+def read_data(paths: Sequence[Path], ambient: float | None) -> Data:
+    """Read run files and condense them.
+
+    Parameters
+    ----------
+    paths
+        The files.
+    ambient
+        Fixed ambient in degC for runs without a measured one, or None.
+
+    Raises
+    ------
+    InputError
+        When nothing can be identified from them.
+    """
+    sources = [Source(str(path), read_run(path, most_rows=MOST_ROWS)) for path in paths]
+    return make_data(sources, ambient)
+
+
+def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
+    """Condense runs in memory, as :func:`read_data` does."""
+    warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
+    if not any(np.any(source.run.pwm != 0) for source in sources):
+        raise InputError("found PWM 0 in every row, expected runs in which the motor turns", file=sources[0].path)
+    names = _components(sources)
+    for source in sources:
+        if len(source.run.time_s) < FEWEST:
+            count = len(source.run.time_s)
+            raise InputError(f"found {count} row(s), expected at least {FEWEST} to identify from", file=source.path)
+    ambients = [_ambient(source, ambient, warnings) for source in sources]
+    stems = [source.name for source in sources]
+    labels = stems if len(set(stems)) == len(stems) else [source.path for source in sources]
+    records: dict[str, tuple[Record, ...]] = {}
+    for name in names:
+        found = []
+        for label, source, around in zip(labels, sources, ambients, strict=True):
+            record = _record(label, source, name, around, warnings)
+            if record is not None:
+                found.append(record)
+        reason = _useless(found)
+        if reason:
+            warnings.append(f"{name} is left out: {reason}")
+        else:
+            records[name] = tuple(found)
+    if not records:
+        reasons = "; ".join(w for w in warnings if "left out" in w)
+        raise InputError(f"nothing can be identified: {reasons}", file=sources[0].path)
+    warnings += _fahrenheit(records)
+    measured = all(s.run.ambient is not None and np.isfinite(s.run.ambient).any() for s in sources)
+    fixed = next((a for a in ambients if isinstance(a, float)), ambient)
+    return Data(tuple(sources), records, fixed, measured, tuple(dict.fromkeys(warnings)))
+
+
+def _components(sources: Sequence[Source]) -> list[str]:
+    names: dict[str, str] = {}
+    for source in sources:
+        for name in source.run.temps:
+            names.setdefault(name, source.path)
+    for name, path in names.items():
+        problem = name_fault(name)
+        if problem:
+            raise InputError(problem, file=path, place=f"column {name}_degC")
+    if not names:
+        found = ", ".join(["time_s", "pwm", *sources[0].run.extras])
+        others = [c for c in sources[0].run.extras if re.search(r"_(degF|F|K)$", c)]
+        hint = f"; {others[0]} is not in degC: convert it" if others else ""
+        raise InputError(f"missing column <component>_degC; found {found}{hint}", file=sources[0].path)
+    return list(names)
+
+
+def _ambient(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float:
+    """The ambient at every row, or one number."""
+    run = source.run
+    if run.ambient is not None and np.isfinite(run.ambient).any():
+        good = np.isfinite(run.ambient)
+        missing = float(np.mean(~good))
+        if missing > 0.05:
+            warnings.append(f"{source.path}: ambient_degC is missing in {missing:.0%} of the rows; it is interpolated")
+        return np.interp(run.time_s, run.time_s[good], run.ambient[good])
+    if fixed is not None:
+        return float(fixed)
+    noted = run.comments.get("ambient_degC")
+    if noted is not None:
+        try:
+            return float(noted)
+        except ValueError:
+            raise InputError(f'found "{noted}", expected a number', file=source.path, place="# ambient_degC") from None
+    return _from_start(source, warnings)
+
+
+def _from_start(source: Source, warnings: list[str]) -> float:
+    """Without any ambient: a cold start says it, when all components start alike."""
+    firsts = []
+    for values in source.run.temps.values():
+        good = np.flatnonzero(np.isfinite(values))
+        if good.size:
+            firsts.append(float(values[good[0]]))
+    if not firsts or max(firsts) - min(firsts) > 3.0:
+        raise InputError(
+            "there is no ambient_degC, and the components do not start alike; give the ambient with --ambient",
+            file=source.path,
+        )
+    level = float(np.median(firsts))
+    warnings.append(f"{source.path}: no ambient_degC; a cold start is assumed, so {level:g} degC, where the run begins")
+    return level
+
+
+def _record(label: str, source: Source, name: str, ambient: FloatArray | float, warnings: list[str]) -> Record | None:
+    run = source.run
+    if name not in run.temps:
+        return None
+    good = int(np.isfinite(run.temps[name]).sum())
+    if good < FEWEST:
+        warnings.append(f"{source.path}: {name}_degC has {good} sample(s) only; the run is left out for {name}")
+        return None
+    if good < 0.5 * len(run.time_s):
+        warnings.append(f"{source.path}: {name}_degC is missing in {1.0 - good / len(run.time_s):.0%} of the rows")
+    return condense(label, run.time_s, run.pwm, run.temps[name], ambient)
+
+
+def _useless(records: list[Record]) -> str:
+    """Why nothing can be identified from these, or nothing."""
+    if not records:
+        return "no run holds enough samples of it"
+    moves = max(float(np.ptp(record.raw_rise)) for record in records)
+    if moves < max(MOVES_K, 4.0 * max(record.quantum_K for record in records)):
+        return f"it moves by {moves:.2g} K only in all runs: it does not react, or the runs begin where they end"
+    if not any(np.any(record.segments.pwm != 0) for record in records):
+        return "PWM is 0 whenever it is measured"
+    return ""
+
+
+def _fahrenheit(records: dict[str, tuple[Record, ...]]) -> list[str]:
+    """Suspect Fahrenheit: every cold component at once 40 K or more over ambient, and at ambient when converted."""
+    firsts = np.array([float(r.raw_rise[0]) for of in records.values() for r in of])
+    if len(firsts) and np.all(firsts > 30.0) and np.ptp(firsts) < 6.0:
+        return [
+            f"every run begins {firsts.mean():.0f} K above ambient: are the temperatures in Fahrenheit? "
+            "degC is expected; they are taken as they are, as a warm start"
+        ]
+    return []
+
+
+def held_speeds(records: Sequence[Record]) -> NDArray[np.int64]:
+    """Find the |PWM| at which a transfer function can be identified: what is held long enough.
+
+    Returns
+    -------
+    array
+        Increasing; with PWM 0 when the run cools down for long enough. Empty where no speed is held.
+    """
+    total: dict[int, float] = {}
+    longest: dict[int, float] = {}
+    for record in records:
+        for pwm, length in zip(record.segments.pwm.tolist(), record.segments.length.tolist(), strict=True):
+            if pwm >= 0:
+                total[pwm] = total.get(pwm, 0.0) + length
+                longest[pwm] = max(longest.get(pwm, 0.0), length)
+    if not any(p > 0 for p in longest):
+        return np.array([], dtype=np.int64)
+    most = max(longest.values())
+    whole = sum(record.duration for record in records)
+    held = [p for p, length in longest.items() if length >= HELD * most and total[p] >= 0.02 * whole]
+    nodes = _thinned(held, total)
+    return np.array(nodes if any(p > 0 for p in nodes) else [], dtype=np.int64)
+
+
+def _thinned(held: list[int], total: dict[int, float]) -> list[int]:
+    chosen: list[int] = [0] if 0 in held else []
+    for p in sorted((p for p in held if p), key=lambda p: -total[p]):
+        if all(abs(p - q) >= NEAR for q in chosen if q) and len([q for q in chosen if q]) < MOST_NODES:
+            chosen.append(p)
+    return sorted(chosen)
+
+
+def quantile_speeds(records: Sequence[Record], quantiles: Sequence[float]) -> NDArray[np.int64]:
+    """Give the |PWM| above 0 below which these shares of the driven time lie, increasing."""
+    shares: dict[int, float] = {}
+    for record in records:
+        for j, pwm in enumerate(record.segments.pwm.tolist()):
+            parts = {pwm: 1.0} if pwm >= 0 else record.segments.mixed[j]
+            for level, share in parts.items():
+                shares[level] = shares.get(level, 0.0) + share * float(record.segments.length[j])
+    levels = np.array(sorted(p for p in shares if p > 0))
+    weight = np.cumsum([shares[int(p)] for p in levels])
+    picks = {int(levels[np.searchsorted(weight, q * weight[-1])]) for q in quantiles}
+    return np.array(_thinned(sorted(picks), dict.fromkeys(picks, 1.0)), dtype=np.int64)

@@ -1,0 +1,97 @@
+"""From a general model to the schedules of a coefficient file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gen.identification.joint import Model
+from gen.identification.structure import FloatArray
+from gen.model import Table
+
+SAME = 1e-6
+"""A polynomial or exponential stands for a curve when it is this close, relative to the largest value."""
+CLOSE = 2e-4
+"""A table's interpolation may differ from the curve by this share of it."""
+
+
+def component_entry(name: str, model: Model, low: int, high: int) -> dict[str, Any]:
+    """Write one component of the coefficient file.
+
+    Parameters
+    ----------
+    name
+        The component.
+    model
+        Its general model.
+    low, high
+        |PWM| range over which the curves are written; the file's own rule goes on outside of it.
+    """
+    pwm = np.arange(low, high + 1, dtype=np.float64)
+    theta, steady = model.evaluate(np.maximum(pwm, 1e-3))
+    poles = np.asarray(model.shape.structure.poles(theta), dtype=np.complex128)
+    gain = steady / np.maximum(pwm, 1e-3) * np.abs(np.prod(poles, axis=1))
+    entries = []
+    for k in range(poles.shape[1]):
+        entry = {"real": schedule_entry(pwm, poles[:, k].real)}
+        if np.any(np.abs(poles[:, k].imag) > 1e-12):
+            entry["imag"] = schedule_entry(pwm, poles[:, k].imag)
+        entries.append(entry)
+    return {"name": name, "order": poles.shape[1], "gain": schedule_entry(pwm, gain), "poles": entries}
+
+
+def schedule_entry(pwm: FloatArray, value: FloatArray) -> dict[str, Any]:
+    """Find the simplest schedule for a curve that is given at every |PWM|.
+
+    Parameters
+    ----------
+    pwm
+        Consecutive counts, shape (m,).
+    value
+        Shape (m,).
+
+    Returns
+    -------
+    dict
+        A polynomial up to degree 3, one exponential, or a table that pchip interpolates.
+    """
+    scale = float(np.max(np.abs(value))) or 1.0
+    if len(pwm) == 1:
+        return {"poly": [_short(value[0])]}
+    for degree in range(4):
+        if degree >= len(pwm):
+            break
+        coefficients = np.polyfit(pwm / 255.0, value / scale, degree)
+        if np.max(np.abs(np.polyval(coefficients, pwm / 255.0) - value / scale)) < SAME:
+            powers = 255.0 ** np.arange(degree, -1, -1)
+            return {"poly": [_short(c) for c in coefficients * scale / powers]}
+    if np.all(value * value[0] > 0.0):
+        slope, log = np.polyfit(pwm, np.log(np.abs(value)), 1)
+        if np.max(np.abs(np.exp(log + slope * pwm) / np.abs(value) - 1.0)) < SAME:
+            return {"exp1": [_short(np.copysign(np.exp(log), value[0])), _short(slope)]}
+    nodes = _nodes(pwm, value, scale)
+    return {
+        "table": {
+            "pwm": [int(x) for x in pwm[nodes]],
+            "value": [_short(v) for v in value[nodes]],
+            "interpolation": "pchip",
+        }
+    }
+
+
+def _nodes(pwm: FloatArray, value: FloatArray, scale: float) -> list[int]:
+    """Add the worst place to the table until it is close everywhere."""
+    nodes = [0, len(pwm) - 1]
+    while len(nodes) < len(pwm):
+        table = Table(tuple(int(x) for x in pwm[nodes]), tuple(float(v) for v in value[nodes]), "pchip")
+        gap = np.abs(table(pwm) - value) / (np.abs(value) + 1e-3 * scale)
+        if np.max(gap) < CLOSE:
+            break
+        nodes = sorted({*nodes, int(np.argmax(gap))})
+    return nodes
+
+
+def _short(value: float) -> float:
+    """Ten significant digits: far below any uncertainty, and readable."""
+    return float(f"{float(value):.10g}") + 0.0

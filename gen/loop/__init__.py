@@ -1,1 +1,0 @@
-"""From measured runs to models: identification. It reads run files and coefficient files, nothing else."""

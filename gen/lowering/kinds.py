@@ -1,0 +1,16 @@
+"""Kinds of arithmetic and schedule, and what integers are held in."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Arithmetic = Literal["fixed", "float"]
+
+
+ScheduleKind = Literal["table", "onboard"]
+
+
+Integers = NDArray[np.int64]

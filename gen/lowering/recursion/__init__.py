@@ -1,0 +1,1 @@
+"""The recursion that a component becomes: increment form, reachable sets, bounds; for every arithmetic alike."""

@@ -1,0 +1,232 @@
+"""Ranges and worst errors of one component's recursion, for any PWM sequence in the domain.
+
+Let z be the true state (T, Ts T', Ts^2 T'', ..), which obeys z -> E(p) (z - s) + s with E = exp(A Ts), and x the
+board's state, which obeys x -> F (x - s) + s + (rounding).  With x - s = M(p) (y - s)
+(:mod:`gen.lowering.recursion.increments`) the board's state is a disturbed copy y of the true one,
+
+    y -> E (y - s) + s + M^-1 [ (F M - M E) (y - s) + dF (x - s) + rounding ],
+
+dF being the change of F by rounded coefficients, and nothing happens to y at a change of PWM but the carry's
+rounding.  The error y - z therefore obeys z's own recursion, disturbed by the bracket, and one invariant polytope
+(:mod:`gen.lowering.recursion.reach`) bounds it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.recursion import increments
+from gen.lowering.recursion.dynamics import Dynamics
+from gen.lowering.recursion.reach import ReachSet, SwitchedRecursion
+
+Array = NDArray[np.float64]
+
+#: The error itself may widen the ranges by this share; checked when the error is known.
+_WIDENING = 1e-3
+#: By how much ranges are widened for a component whose ranges cannot be proven.
+_UNPROVEN_HEADROOM = 4.0
+
+
+@dataclass(frozen=True)
+class StateRanges:
+    """What the board's state can reach.
+
+    Attributes
+    ----------
+    rise
+        Lowest and highest x1, in K.
+    magnitude
+        Largest |x| of every coordinate, shape (n,), in K per sample^k.
+    distance
+        Largest |x - s| of every coordinate at every PWM, shape (rows, n).
+    true_distance
+        The same of the disturbed copy y of the true state.
+    """
+
+    rise: tuple[float, float]
+    magnitude: Array
+    distance: Array
+    true_distance: Array
+
+
+def state_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> StateRanges:
+    """Ranges of the state for starts and steady rises of the domain.
+
+    Raises
+    ------
+    NoProofError
+        If the recursion has no invariant polytope.
+    """
+    reach = _state_reach(recursion, exact)
+    extents = reach.extents(np.eye(exact.order)) * (1.0 + _WIDENING)
+    return _ranges(exact, extents)
+
+
+@dataclass(frozen=True)
+class InnerRanges:
+    """What the nested evaluation of q meets on its way, in K per sample^k.
+
+    Attributes
+    ----------
+    sums
+        Largest magnitude of what each rate multiplies, (x1 - S), x2 + R0 (x1 - S) .., shape (n,).
+    products
+        Largest magnitude of what each x[i] is added to, a rate times the sum before it, shape (n,); 0 for x1.
+    drive
+        Largest |q|.
+    """
+
+    sums: Array
+    products: Array
+    drive: float
+
+    @property
+    def largest(self) -> Array:
+        """The larger of sum and product at each place, shape (n,)."""
+        return np.maximum(self.sums, self.products)
+
+
+def inner_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> InnerRanges:
+    """Ranges of the nested sums, read off the polytope in each one's own direction.
+
+    Their terms are not at their largest together: while the rise is far from S, x2 moves it there.
+
+    Raises
+    ------
+    NoProofError
+        If the recursion has no invariant polytope.
+    """
+    reach = _state_reach(recursion, exact)
+    n = exact.order
+    # The board's error, coordinate by coordinate: worst_error allows no more.
+    error = _WIDENING * _ranges(exact, reach.extents(np.eye(n))).true_distance.min(axis=0)
+    widening = np.abs(exact.state_maps()) @ error
+
+    def largest(directions: Array) -> float:
+        true = np.einsum("pi,pij->pj", directions, exact.state_maps())
+        away = np.abs(true[:, 0] * (exact.centre - exact.steady))
+        return float((reach.extents(true) + away + np.einsum("pi,pi->p", np.abs(directions), widening)).max())
+
+    sums, products = np.zeros(n), np.zeros(n)
+    directions = np.zeros((len(exact.steady), n))
+    for i in range(n):
+        directions[:, i] = 1.0
+        sums[i] = largest(directions)
+        directions *= exact.rates[:, i : i + 1]
+        if i + 1 < n:
+            products[i + 1] = largest(directions)
+    drive = largest(directions)
+    if n > 1:  # at a change of PWM the new q is computed before x[n-1] has taken over its share of the change
+        share = 2.0 * increments.CARRY
+        drive /= 1.0 - share * exact.c[:, n - 2].max()
+        sums[n - 2] += share * drive
+        products[n - 1] += exact.rates[:, n - 2].max() * share * drive
+        sums[n - 1] += exact.rates[:, n - 2].max() * share * drive
+    return InnerRanges(sums, products, drive)
+
+
+def _state_reach(recursion: SwitchedRecursion, exact: Dynamics) -> ReachSet:
+    """What the true state, less the centre, can reach."""
+    n = exact.order
+    towards = (np.eye(n) - exact.exact)[:, :, 0] * (exact.steady - exact.centre)[:, None]
+    start = np.zeros((1, n))
+    start[0, 0] = max(exact.start[1] - exact.centre, exact.centre - exact.start[0])
+    return recursion.bound(towards[:, None, :], start)
+
+
+def unproven_ranges(exact: Dynamics) -> StateRanges:
+    """Ranges with room, from what each PWM alone can do, for a component that has to saturate."""
+    largest = np.zeros(exact.order)
+    for matrix, steady in zip(exact.exact, exact.steady, strict=True):
+        spread = max(abs(start - steady) for start in exact.start) + np.ptp(exact.steady)
+        largest = np.maximum(largest, _peak_response(matrix) * spread)
+    return _ranges(exact, largest * _UNPROVEN_HEADROOM)
+
+
+def worst_error(
+    recursion: SwitchedRecursion,
+    exact: Dynamics,
+    ranges: StateRanges,
+    *,
+    changed_c: Array,
+    q_error: Array,
+    chain_error: Array,
+    start_error: float,
+    carry: float = increments.CARRY,
+) -> float | None:
+    """Largest |x1 - T| for any PWM sequence, in K.
+
+    Parameters
+    ----------
+    recursion, exact, ranges
+        The component.
+    changed_c
+        Rounded minus exact C0..C[n-1], shape (rows, n).
+    q_error, chain_error
+        Bounds on one sample's rounding of q, shape (rows,), and of each x[i] by additions, shape (rows, n).
+    start_error
+        Bound on the rounding of the start value, in K.
+    carry
+        Share of q that the board carries over at a change of PWM; 0 where nothing happens then.
+
+    Returns
+    -------
+    float or None
+        None if the error would be too large for the ranges that it rests on.
+
+    Raises
+    ------
+    NoProofError
+        If the recursion has no invariant polytope.
+    """
+    n, rows = exact.order, len(exact.steady)
+    state_maps = exact.state_maps(carry)
+    from_board = np.linalg.inv(state_maps)
+    disturbance = np.zeros((rows, 2 * n + 1, n))
+    coefficients = np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
+    q_total = q_error + coefficients
+    disturbance[:, 0, :] = q_total[:, None] * increments.injection(n)
+    form_error = np.abs(increments.mismatch(exact.form, exact.exact, state_maps))
+    form_rows = np.einsum("pij,pj->pi", form_error, ranges.true_distance)
+    if n > 1:  # the carry is evaluated before it acts: what it would change in itself
+        q_range = np.einsum("pj,pj->p", np.abs(exact.c), ranges.distance)
+        form_rows[:, n - 2] += exact.c[:, n - 2].max() * q_range.max() * 2.0 * carry**2
+        form_rows[:, n - 2] += 2.0 * carry * coefficients.max()  # and both q come from the board's coefficients
+    for i in range(n):
+        disturbance[:, 1 + i, i] = chain_error[:, i]
+        disturbance[:, 1 + n + i, i] = form_rows[:, i]
+    start = np.zeros((1, n))
+    start[0, 0] = start_error
+    error = recursion.bound(np.einsum("pij,pkj->pki", from_board, disturbance), start)
+    extents = error.extents(np.eye(n))
+    if np.any(extents > ranges.true_distance.min(axis=0) * _WIDENING / (1.0 + _WIDENING)):
+        return None
+    output = np.einsum("pj,pj->p", np.abs(state_maps[:, 0, :] - np.eye(n)[0]), ranges.true_distance).max()
+    return float(extents[0] + output)
+
+
+def _ranges(exact: Dynamics, extents: Array) -> StateRanges:
+    true_distance = np.tile(extents, (len(exact.steady), 1))
+    true_distance[:, 0] = extents[0] + np.abs(exact.steady - exact.centre)
+    # The share of q that a board carries is 1/12 but for its rounding, which moves nothing by more than the widening.
+    distance = np.einsum("pij,pj->pi", np.abs(exact.state_maps()), true_distance)
+    excess = float((distance[:, 0] - true_distance[:, 0]).max())  # x1 is T plus a little of the increments
+    rise = (exact.centre - float(extents[0]) - excess, exact.centre + float(extents[0]) + excess)
+    magnitude = distance.max(axis=0)
+    magnitude[0] = max(abs(rise[0]), abs(rise[1]))
+    return StateRanges(rise, magnitude, distance, true_distance)
+
+
+def _peak_response(matrix: Array) -> Array:
+    """Largest magnitude of each coordinate on the way from (1, 0, ..) to 0."""
+    slowest = float(-np.log(np.abs(np.linalg.eigvals(matrix))).min())
+    stride = np.linalg.matrix_power(matrix, max(1, int(0.002 / slowest)))
+    state = np.eye(matrix.shape[0])[:, 0]
+    peak = np.abs(state)
+    for _ in range(4000):
+        state = stride @ state
+        peak = np.maximum(peak, np.abs(state))
+    return peak

@@ -1,0 +1,103 @@
+"""The real-valued tables of one component over its domain: what lowering approximates and proofs refer to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, floor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.recursion import increments
+from gen.model import Component, ThermalModel
+
+Array = NDArray[np.float64]
+
+
+class LoweringError(Exception):
+    """A component cannot be lowered; the message names it."""
+
+
+@dataclass(frozen=True)
+class Dynamics:
+    """Real-valued tables of one component over its domain, and the recursion that they drive.
+
+    Attributes
+    ----------
+    rates, c, steady
+        Shapes (rows, n), (rows, n), (rows,): the exact values that the integers approximate.
+    form, exact
+        One (sub)sample of the increment form and of the differential equation, shape (rows, n, n).
+    start
+        Lowest and highest rise from which the board may start, in K.
+    constant_map
+        How the true state becomes the board's where PWM has no part in it, shape (n, n); None for the carried form.
+    """
+
+    rates: Array
+    c: Array
+    steady: Array
+    form: Array
+    exact: Array
+    start: tuple[float, float]
+    constant_map: Array | None = None
+
+    @property
+    def start_range_mK(self) -> tuple[int, int]:
+        """The same in thousandths of a kelvin, rounded inwards."""
+        return ceil(self.start[0] * 1000.0), floor(self.start[1] * 1000.0)
+
+    @property
+    def order(self) -> int:
+        """The component's order n."""
+        return int(self.rates.shape[1])
+
+    def state_maps(self, carry: float = increments.CARRY) -> Array:
+        """The matrices M(p) of :func:`gen.lowering.recursion.increments.state_map`, shape (rows, n, n)."""
+        if self.constant_map is None:
+            return increments.state_map(self.c, carry)
+        return np.tile(self.constant_map, (len(self.c), 1, 1))
+
+    @property
+    def centre(self) -> float:
+        """Middle of everything that x1 starts from or settles to, in K."""
+        low = min(self.start[0], float(self.steady.min()))
+        return (low + max(self.start[1], float(self.steady.max()))) / 2.0
+
+
+def domain_rows(model: ThermalModel) -> NDArray[np.int64]:
+    """|PWM| of each row of the tables."""
+    lo, hi = model.domain_pwm
+    return np.arange(lo, hi + 1)
+
+
+def dynamics(model: ThermalModel, component: Component, substeps: int) -> Dynamics:
+    """Tabulate a component's exact coefficients for a sample cut into ``substeps``.
+
+    Raises
+    ------
+    LoweringError
+        If a nested rate is not positive (poles too fast or oscillating too strongly for the sample time).
+    """
+    rows = domain_rows(model)
+    denominator = component.denominator(rows)
+    step = model.sample_time / substeps
+    c = increments.feedback(increments.delta_polynomial(denominator, step))
+    rates = increments.rates(c)
+    if not np.all(rates > 0.0) or not np.all(rates < 1.0):
+        row = int(np.argmax(np.any((rates <= 0.0) | (rates >= 1.0), axis=1)))
+        raise LoweringError(
+            f"component {component.name}: at PWM {rows[row]} the poles are too fast for a sample time of "
+            f"{model.sample_time} s"
+        )
+    return Dynamics(
+        rates=rates,
+        c=c,
+        steady=component.steady_rise(rows),
+        form=increments.transition(c),
+        exact=increments.exact_transition(denominator, step),
+        start=(
+            model.domain_temperature[0] - model.domain_ambient[1],
+            model.domain_temperature[1] - model.domain_ambient[0],
+        ),
+    )

@@ -1,0 +1,1 @@
+"""One file an effect; :mod:`gen.model.effects.registry` finds them."""

@@ -1,0 +1,336 @@
+"""Residuals of a free run: what the sensors measured minus what the model says, from the start of each log.
+
+A run is condensed when it is read: slow signals become means over bins, so that hours at 4 Hz cost little. The model is
+solved at every row of the run first, and only the difference is averaged: a change of PWM costs no accuracy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.coefficients import Coefficients
+from gen.errors import InputError
+from gen.model.exact import ExactSolution
+from gen.model.extended import FINEST_S, ExtendedSolution, own_rate
+from gen.runs import Run, read_run
+from gen.runs.gaps import held_over_gaps
+from gen.runs.run import FloatArray, board_columns
+
+BINS = 240
+"""Aimed at for a run of some time constants."""
+
+MOST_ROWS = 100_000
+"""A run of more than twice as many rows is thinned to about as many: they say all that the bins can hold."""
+LONGEST_BIN_S = 60.0
+START_WINDOW_S = 60.0
+"""The start of the free run is the first measured temperature, its noise averaged over this time."""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One component's condensed residual and drive in one run; K bins.
+
+    Parameters
+    ----------
+    residual
+        Measured minus baseline, mean of each bin, K; NaN where nothing was measured, shape (K,).
+    noise_K, resolution_K
+        Standard deviation of single samples about their bin's trend, and the step of the readings.
+    base
+        The baseline's rise at the ends of the bins, K, shape (K + 1,).
+    fading
+        What is left of 1 K at the start, by the own rate (K + 1).
+    rate, heat
+        The component's own rate (1/s) and the baseline's heating (K/s), mean of each bin.
+    start_rise
+        Measured rise at the start, K.
+    sum_squares, samples
+        Squared scatter of single samples about the bins' means, summed over the run, K^2, and their number.
+    """
+
+    residual: FloatArray
+    noise_K: float
+    resolution_K: float
+    base: FloatArray
+    fading: FloatArray
+    rate: FloatArray
+    heat: FloatArray
+    start_rise: float
+    sum_squares: float
+    samples: int
+
+
+@dataclass(frozen=True)
+class Condensed:
+    """One run as the tracing sees it; K bins.
+
+    Parameters
+    ----------
+    name
+        The run's file name as the user gave it.
+    edges
+        Times of the bins' ends, s, shape (K + 1,).
+    weight
+        Samples in each bin.
+    pwm, reverse, standstill
+        Mean |PWM| in counts, share of time with PWM < 0 and with PWM = 0.
+    ambient, measured_ambient
+        At the bins' ends, degC.
+    channels
+        Extra channels, mean of each bin.
+    traces
+        By component.
+    comments
+        The run file's.
+    thinned
+        What was left out of a long file, as a sentence; empty for nothing.
+    """
+
+    name: str
+    edges: FloatArray
+    weight: FloatArray
+    pwm: FloatArray
+    reverse: FloatArray
+    standstill: FloatArray
+    ambient: FloatArray
+    measured_ambient: FloatArray | None
+    channels: dict[str, FloatArray]
+    traces: dict[str, Trace]
+    comments: Mapping[str, str]
+    thinned: str = ""
+
+
+def condense(coefficients: Coefficients, path: Path) -> Condensed:
+    """Read a run, solve the baseline along it and keep bins only.
+
+    Raises
+    ------
+    InputError
+        When the file is not a run, or holds no temperature of any component.
+    """
+    run = read_measured(coefficients, path)
+    return _condensed(coefficients, run, dict(run.temps), str(path))
+
+
+def read_measured(coefficients: Coefficients, path: Path) -> Run:
+    """Read a run and keep the components that were measured in it.
+
+    Raises
+    ------
+    InputError
+        When the file is not a run, is too short, or holds no temperature of any component.
+    """
+    model = coefficients.model
+    ambient = model.ambient_channel or "ambient_degC"
+    run = read_run(path, model.component_names, ambient=ambient, most_rows=MOST_ROWS)
+    measured = {name: values for name, values in run.temps.items() if np.any(np.isfinite(values))}
+    if not measured:
+        expected = ", ".join(f"{name}_degC" for name in model.component_names)
+        raise InputError(f"no component's temperature was measured; expected {expected}", file=str(path))
+    if run.time_s.size < 8:
+        raise InputError(f"found {run.time_s.size} rows, expected at least 8", file=str(path))
+    own = board_columns([*(f"{name}_degC" for name in run.temps), *run.extras])
+    extras = {name: values for name, values in run.extras.items() if name not in own}
+    return replace(run, temps=measured, extras=extras)
+
+
+def free_run(baseline: Coefficients, model: Coefficients, path: Path) -> tuple[Run, dict[str, FloatArray]]:
+    """Simulate a model, with its effects, along a run.
+
+    Parameters
+    ----------
+    baseline
+        Says from which temperatures a run starts.
+    model
+        What to simulate.
+    path
+        The run file.
+
+    Returns
+    -------
+    run, shown
+        The run with its measured components, and what their sensors would show, degC.
+    """
+    run = read_measured(baseline, path)
+    ambient, sensed = _ambients(baseline, run, str(path))
+    first, _ = _solved(baseline, run, run.temps, ambient)
+    own, _ = _ambients(model, run, str(path))
+    smooth = own if sensed is None else _smooth(sensed, run.time_s)
+    if model.model.ambient_channel is not None and sensed is not None:
+        own = smooth
+    start = {name: value + float(ambient[0] - own[0]) for name, value in first.items()}
+    channels = {k: held_over_gaps(v) for k, v in run.extras.items() if np.any(np.isfinite(v))}
+    for applied in model.effects:
+        column = applied.values.get("channel") or applied.values.get("source")
+        known = (
+            column is None or column in channels or column in model.model.component_names or column == "ambient_degC"
+        )
+        if not known:
+            raise InputError(
+                f'the effect "{applied.effect.name}" needs the column {column}', file=str(path), place="header"
+            )
+    # The effects' states are integrated in steps of 1 s: over a month this would be more steps than rows were kept.
+    finest = max(FINEST_S, float(run.time_s[-1] - run.time_s[0]) / (4 * MOST_ROWS))
+    shown = ExtendedSolution(model.model, model.effects, finest).simulate_times(
+        run.time_s, run.pwm, own, smooth, channels, start
+    )
+    return run, {name: shown[name] for name in run.temps}
+
+
+def _ambients(coefficients: Coefficients, run: Run, name: str) -> tuple[FloatArray, FloatArray | None]:
+    """The ambient that the model counts from, and the measured one if there is one, degC."""
+    model = coefficients.model
+    sensed = None if run.ambient is None or np.all(np.isnan(run.ambient)) else held_over_gaps(run.ambient)
+    if model.ambient_channel is not None and sensed is not None:
+        return sensed, sensed
+    if model.ambient_fixed is not None:
+        return np.full(run.time_s.size, model.ambient_fixed), sensed
+    raise InputError(
+        f"the column {model.ambient_channel} is missing, and the coefficient file has no fixed ambient",
+        file=name,
+        place="header",
+    )
+
+
+def _condensed(coefficients: Coefficients, run: Run, measured: dict[str, FloatArray], name: str) -> Condensed:
+    model = coefficients.model
+    time = run.time_s
+    ambient, sensed = _ambients(coefficients, run, name)
+    start_rise, base = _solved(coefficients, run, measured, ambient)
+    index, edges = _bins(time, run.pwm)
+    count = edges.size - 1
+    step = np.diff(time)
+    at = index[:-1]
+    length = np.bincount(at, step, count)
+    length = np.where(length > 0.0, length, 1.0)
+
+    def held(values: FloatArray) -> FloatArray:
+        return np.asarray(np.bincount(at, values[:-1] * step, count) / length)
+
+    counts = np.abs(run.pwm)
+    traces = {}
+    for component in model.components:
+        if component.name not in measured:
+            continue
+        rate = own_rate(component)
+        heat = rate * component.steady_rise(np.arange(256))
+        residual = measured[component.name] - ambient - base[component.name]
+        means, noise, squares, samples = _binned(residual, time, index, count)
+        traces[component.name] = Trace(
+            residual=means,
+            noise_K=noise,
+            resolution_K=_resolution(measured[component.name]),
+            base=np.interp(edges, time, base[component.name]),
+            fading=np.exp(-np.concatenate([[0.0], np.cumsum(held(rate[counts]) * np.diff(edges))])),
+            rate=held(rate[counts]),
+            heat=held(heat[counts]),
+            start_rise=start_rise[component.name],
+            sum_squares=squares,
+            samples=samples,
+        )
+    extras = {k: held_over_gaps(v) for k, v in run.extras.items() if np.any(np.isfinite(v))}
+    return Condensed(
+        name=name,
+        edges=edges,
+        weight=np.bincount(index, minlength=count).astype(np.float64),
+        pwm=held(counts.astype(np.float64)),
+        reverse=held((run.pwm < 0).astype(np.float64)),
+        standstill=held((run.pwm == 0).astype(np.float64)),
+        ambient=np.interp(edges, time, ambient),
+        measured_ambient=None if sensed is None else np.interp(edges, time, _smooth(sensed, time)),
+        channels={key: held(values) for key, values in extras.items()},
+        traces=traces,
+        comments=run.comments,
+        thinned=run.thinned,
+    )
+
+
+def _solved(
+    coefficients: Coefficients, run: Run, measured: dict[str, FloatArray], ambient: FloatArray
+) -> tuple[dict[str, float], dict[str, FloatArray]]:
+    """Start and baseline: the first measured temperature, its noise averaged over the first minute."""
+    model = coefficients.model
+    first = {}
+    for name, values in measured.items():
+        at = int(np.flatnonzero(np.isfinite(values))[0])
+        first[name] = float(values[at] - ambient[at])
+    span = min(START_WINDOW_S, 0.01 * float(run.time_s[-1] - run.time_s[0]))
+    window = max(int(np.searchsorted(run.time_s, run.time_s[0] + span, side="right")), 1)
+    solution = ExactSolution(model)
+    if window > 2:
+        early = solution.simulate_times(run.time_s[:window], run.pwm[:window], first)
+        for name in measured:
+            off = (measured[name] - ambient)[:window] - early[name]
+            if np.any(np.isfinite(off)):
+                first[name] += float(np.nanmean(off))
+    return first, solution.simulate_times(run.time_s, run.pwm, first)
+
+
+def _bins(time: FloatArray, pwm: NDArray[np.int64]) -> tuple[NDArray[np.int64], FloatArray]:
+    """Bin of each row, and the bins' ends; every bin holds a row, so a long gap is one bin.
+
+    Where PWM is held for long, a change begins a bin.
+    """
+    span = float(time[-1] - time[0])
+    typical = float(np.median(np.diff(time)))
+    width = max(min(span / BINS, LONGEST_BIN_S), typical)
+    raw = np.floor((time - time[0]) / width).astype(np.int64)
+    changed = np.diff(pwm, prepend=pwm[0]) != 0
+    if np.count_nonzero(changed) <= BINS // 4:
+        raw = raw + np.cumsum(changed)
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(raw)) + 1])
+    index = np.cumsum(np.diff(raw, prepend=raw[0]) > 0)
+    if starts[-1] == time.size - 1 and starts.size > 1:  # the last row alone ends the bin before it
+        starts = starts[:-1]
+        index[-1] = index[-2]
+    return index, np.concatenate([time[starts], time[-1:]])
+
+
+def _binned(
+    residual: FloatArray, time: FloatArray, index: NDArray[np.int64], count: int
+) -> tuple[FloatArray, float, float, int]:
+    """Means, and the scatter about each bin's own straight line."""
+    good = np.isfinite(residual)
+    r, t, i = residual[good], time[good], index[good]
+    n = np.bincount(i, minlength=count).astype(np.float64)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.bincount(i, r, count) / n
+        centre = np.bincount(i, t, count) / n
+        dt, dr = t - centre[i], r - mean[i]
+        stt = np.bincount(i, dt * dt, count)
+        slope = np.where(stt > 0.0, np.bincount(i, dt * dr, count) / np.where(stt > 0.0, stt, 1.0), 0.0)
+    left = dr - slope[i] * dt
+    enough = n >= 5.0
+    freedom = float(np.sum(n[enough] - 2.0))
+    if freedom >= 20.0:
+        noise = float(np.sqrt(np.sum((left * left)[enough[i]]) / freedom))
+    elif r.size >= 6:
+        noise = float(np.std(np.diff(r, 3)) / np.sqrt(20.0))
+    else:
+        noise = 0.0
+    return mean, noise, float(np.sum(dr * dr)), int(r.size)
+
+
+def _resolution(values: FloatArray) -> float:
+    """Step of the readings: the smallest distance between different ones, 0 if they are as good as continuous."""
+    distinct = np.unique(values[np.isfinite(values)])
+    if distinct.size < 2:
+        return 0.0
+    step = float(np.min(np.diff(distinct)))
+    return step if step > 0.02 else 0.0
+
+
+def _smooth(values: FloatArray, time: FloatArray) -> FloatArray:
+    """Mean over two minutes: a room changes slowly, its sensor's noise does not matter."""
+    half = round(60.0 / max(float(np.median(np.diff(time))), 1e-6))
+    if half == 0 or values.size <= 2 * half + 1:
+        return values
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    low = np.clip(np.arange(values.size) - half, 0, values.size)
+    high = np.clip(np.arange(values.size) + half + 1, 0, values.size)
+    return np.asarray((total[high] - total[low]) / (high - low))

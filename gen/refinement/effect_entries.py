@@ -1,0 +1,97 @@
+"""Found effects as entries of the coefficient file and of the JSON summary."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from gen.model.effects.catalogue.sensor_offset import SensorOffset
+from gen.refinement.candidates import Found, Tracing
+
+
+def calibrations(tracing: Tracing) -> list[dict[str, Any]]:
+    """Offsets within the sensors' tolerance that were fitted beside accepted effects.
+
+    They are no finding of their own (so none is written for a component without an effect), but the effects' parameters
+    hold beside them only.
+    """
+    made = []
+    for name in dict.fromkeys(found.component for found in tracing.found):
+        final = tracing.final[name]
+        noise = float(tracing.problem.noise_K[tracing.problem.components.index(name)])
+        offset = float(final.offset[0])
+        if any(term.effect.name == "sensor_offset" for term in final.terms) or abs(offset) < 0.5 * noise:
+            continue
+        made.append(
+            {
+                "name": "sensor_offset",
+                "component": name,
+                "parameters": {"offset_K": offset},
+                "evidence": {
+                    "within_tolerance": True,
+                    "note": f"within the sensor's tolerance of {SensorOffset.TOLERANCE_K:g} K; fitted with the others",
+                    "lookalikes": [],
+                },
+            }
+        )
+    return made
+
+
+def entry(found: Found, tracing: Tracing) -> dict[str, Any]:
+    """An effect as the coefficient file and the JSON summary have it, parameters from the last joint fit."""
+    name, candidate = found.component, found.candidate
+    final = tracing.final[name]
+    at = next(i for i, term in enumerate(final.terms) if term.effect.name == candidate.effect.name)
+    values = final.values(0)[at]
+    intervals = {}
+    for i, free in enumerate(candidate.variant.free, start=final.first_free(at)):
+        value, spread = float(final.numbers[0, i]), 2.0 * float(final.spread[0, i])
+        if not np.isfinite(spread):
+            ends = [free.low, free.high]
+        elif free.log:
+            ends = [value * float(np.exp(-min(spread, 20.0))), value * float(np.exp(min(spread, 20.0)))]
+        else:
+            ends = [value - spread, value + spread]
+        intervals[free.name] = [max(ends[0], free.low), min(ends[1], free.high)]
+    experiments = candidate.effect.lookalikes
+    judgement = candidate.judgement
+    return {
+        "name": candidate.effect.name,
+        "component": name,
+        "parameters": {key: _plain(value) for key, value in values.items()},
+        "evidence": {
+            "left_out_rmse_K": {"before": judgement.before_K, "after": judgement.after_K},
+            "p_value": judgement.p_value,
+            "level": tracing.level,
+            "judged_on": "stretches of runs, as each speed was run once" if candidate.by_stretch else "whole runs",
+            "intervals_95": intervals,
+            "lookalikes": [
+                {
+                    "name": other.effect.name,
+                    "left_out_rmse_K": other.judgement.after_K,
+                    "told_apart_by": experiments.get(
+                        other.effect.name, other.effect.lookalikes.get(candidate.effect.name, "")
+                    )
+                    or "vary what drives the one while the other's drive is held, for two hours each",
+                }
+                for other in found.lookalikes
+            ],
+        },
+    }
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401
+    if isinstance(value, (list, tuple)):
+        return [_plain(v) for v in value]
+    return value
+
+
+def extended_text(raw: str, effects: Sequence[dict[str, Any]]) -> str:
+    """The coefficient file with effects added to those that it has."""
+    document = json.loads(raw)
+    if effects:
+        document["effects"] = [*document.get("effects", []), *effects]
+    return json.dumps(document, indent=1, ensure_ascii=False) + "\n"

@@ -1,0 +1,168 @@
+"""Is an improvement on runs left out more than chance?
+
+The test: on every run that a fit did not see, the squared residual without and with the effect is compared in blocks
+(six a run, more where runs are few; whole runs left out in turn); a one-sided test on the blocks' differences gives p.
+The level is 5 %, divided by the number of hypotheses tried (Bonferroni).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from gen.refinement.simulation_fit import HypothesisFit
+from gen.refinement.stacked_runs import StackedRuns
+
+LEVEL = 0.05
+LEAST_GAIN = 0.05
+"""An effect must lower the left-out RMSE, the sensor's noise included, by this share: less is not worth its cost."""
+ALONE = "what drives it is in one left-out group of runs alone, so that no other can confirm it"
+TOO_LITTLE = f"lowers the error on left-out runs by less than {LEAST_GAIN:.0%}"
+WORSE_RUN = 1.05
+"""No left-out run may get worse by more than this factor (beside a third of the noise)."""
+TIE_LEVEL = 0.05
+NO_SIZE = "nominal_V"
+"""What an effect is measured against, not how large it is: the first free parameter of `supply_voltage`."""
+SAME = 0.2
+"""An effect's size must have one sign in every fold, and the smallest be at least this share of the largest."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What the left-out runs say of a hypothesis at one component.
+
+    Parameters
+    ----------
+    p_value
+        Of the one-sided test that it lowers the squared error.
+    before_K, after_K
+        RMSE on left-out runs, the sensor's noise included, K.
+    reasons
+        Why it is not accepted; empty if it is.
+    """
+
+    p_value: float
+    before_K: float
+    after_K: float
+    reasons: tuple[str, ...]
+
+    @property
+    def accepted(self) -> bool:
+        """Accepted."""
+        return not self.reasons
+
+
+def p_better(problem: StackedRuns, c: int, worse: HypothesisFit, better: HypothesisFit) -> float:
+    """One-sided p-value that `better` has the smaller squared error in left-out blocks at component c."""
+    w = problem.weight[:, c, 0, :]
+    gain = w * (worse.left_out[:, c] ** 2 - better.left_out[:, c] ** 2)
+    good = (problem.blocks >= 0) & (w > 0)
+    total = np.bincount(problem.blocks[good], gain[good])
+    size = np.bincount(problem.blocks[good], w[good])
+    d = total[size > 0] / size[size > 0]
+    if d.size < 3 or not np.any(d != 0.0):
+        return 1.0
+    spread = np.std(d, ddof=1) / np.sqrt(d.size)
+    if spread == 0.0:
+        return 0.0 if d.mean() > 0 else 1.0
+    # Gains of a real effect are skewed (nothing in some blocks, much in others), which makes t small though every
+    # difference is positive; Wilcoxon's signed ranks see that. The smaller p counts, doubled for the choice.
+    by_mean = float(stats.t.sf(d.mean() / spread, d.size - 1))
+    moved = d[np.abs(d) > 1e-12]
+    by_rank = float(stats.wilcoxon(moved, alternative="greater").pvalue) if moved.size >= 6 else 1.0
+    return min(1.0, 2.0 * min(by_mean, by_rank)) if d.mean() > 0.0 else 1.0
+
+
+def judge(problem: StackedRuns, c: int, null: HypothesisFit, found: HypothesisFit, tried: int, added: int) -> Judgement:
+    """Decide on the hypothesis `found` against `null` at component c.
+
+    Parameters
+    ----------
+    problem, c
+        The data and the component's index.
+    null, found
+        Fits without and with the effect.
+    tried
+        Number of hypotheses tried, for the correction of the level.
+    added
+        Index of the first free parameter of the effect in question.
+    """
+    variance = float(problem.noise_K[c]) ** 2
+    before, after = (float(np.sqrt(f.loss[c] + variance)) for f in (null, found))
+    p = p_better(problem, c, null, found)
+    reasons = []
+    if after > (1.0 - LEAST_GAIN) * before:
+        reasons.append(TOO_LITTLE)
+    if p > LEVEL / tried:
+        reasons.append("not more than chance")
+    worse = _worse_run(problem, c, null, found, variance)
+    if worse:
+        reasons.append("makes a left-out run worse")
+    reasons += _parameters(found, c, added)
+    return Judgement(p, before, after, tuple(reasons))
+
+
+def _worse_run(problem: StackedRuns, c: int, null: HypothesisFit, found: HypothesisFit, variance: float) -> bool:
+    w = problem.weight[:, c, 0, :]
+    size = np.maximum(w.sum(axis=0), 1e-9)
+    old = np.sum(w * null.left_out[:, c] ** 2, axis=0) / size
+    new = np.sum(w * found.left_out[:, c] ** 2, axis=0) / size
+    many = bool(np.any(new + variance > WORSE_RUN**2 * (old + variance) + 0.1 * variance))
+    return many and bool(np.sum(new) > 0.25 * np.sum(old))
+
+
+def _parameters(found: HypothesisFit, c: int, added: int) -> list[str]:
+    reasons = []
+    for i, free in enumerate(found.free[added:], start=added):
+        value, spread = float(found.numbers[c, i]), float(found.spread[c, i])
+        first = i == added
+        if free.low == free.high:
+            continue
+        if first:
+            if free.name == NO_SIZE:
+                continue
+            each = found.folds[c, :, i]
+            steady = bool(np.all(each > 0.0) or np.all(each < 0.0)) and np.min(np.abs(each)) > SAME * np.max(
+                np.abs(each)
+            )
+            entry = "[" in free.name
+            if not entry and np.any(np.abs(each - _starts(found)[i]) < 1e-9):
+                reasons.append(ALONE)  # without that group the fit stayed where it began, which says nothing
+            elif not told_from_none(found, c, i) or not (steady or entry):
+                reasons.append(f"{free.name} cannot be told from no effect")
+        if first and not free.log and value >= free.high * 0.999:
+            reasons.append(f"{free.name} is at its physical limit")
+        # A time constant of which the data say nothing, or that they push to its limit, is no part's: the hypothesis
+        # lends its form to something else.
+        if free.name.endswith("tau_s") and free.log:
+            anywhere = 4.0 * spread > np.log(free.high / free.low)
+            if anywhere or not 1.01 * free.low < value < free.high / 1.01:
+                reasons.append(f"{free.name} is not determined" if anywhere else f"{free.name} is at its limit")
+    return reasons
+
+
+def told_from_none(found: HypothesisFit, c: int, at: int) -> bool:
+    """Whether the 95 % interval of an effect's size leaves out zero.
+
+    Parameters
+    ----------
+    found, c
+        The fit and the component's index.
+    at
+        Index of the size among the free parameters. Sizes by logarithm and those that stand for a level of a schedule
+        have no zero to be told from, and only have to be determined.
+    """
+    free, spread = found.free[at], float(found.spread[c, at])
+    if free.name == NO_SIZE:
+        return True
+    if not np.isfinite(spread):
+        return False
+    return free.log or "[" in free.name or abs(float(found.numbers[c, at])) > 2.0 * spread
+
+
+def _starts(found: HypothesisFit) -> list[float]:
+    """Where the fits began, in their own scale."""
+    pairs = ((free, x) for term in found.terms for free, x in zip(term.variant.free, term.start, strict=True))
+    return [float(np.log(max(x, 1e-12))) if free.log else x for free, x in pairs]

@@ -1,0 +1,312 @@
+"""Prove the emitted alarm rules equal to their reference: temperatures, timers, sums and alarms after every sample."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen import toolchain
+from gen.avr.compile import build_elf
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.errors import CheckFailed
+from gen.lowering.alarms import LoweredRule
+from gen.lowering.program import Program
+from gen.reference.alarms import ReferenceAlarms, alarm_record_type
+from gen.reference.model import ReferenceModel
+from gen.templating import environment
+from gen.verification.compare import Mismatch, first_mismatch
+from gen.verification.profiles import Profile
+from gen.verification.runners import HOST_BUILDS, WARNINGS, Library
+
+Integers = NDArray[np.int64]
+Records = NDArray[np.void]
+STEP, BEGIN, RESET_AND_STEP = 0, 1, 2
+_HARNESSES = ("verify_alarms.h", "verify_alarms_host.cpp", "verify_alarms_avr.cpp")
+_CYCLES_PER_RECORD = 400_000
+_RESET_SHARE = 4e-3
+#: A sensor's step, in thousandths of a degree: half of the readings lie on it, so that thresholds are met exactly.
+_COUNT_MC = 250
+
+
+@dataclass(frozen=True)
+class AlarmCampaign:
+    """Inputs of the alarm rules over L lanes of N samples, and what the reference makes of them.
+
+    Attributes
+    ----------
+    inputs
+        Records as the harnesses read them, shape (L, N + 1): the first begins the lane.
+    expected
+        The reference's records, shape (L, N).
+    """
+
+    inputs: Records
+    expected: Records
+
+
+def input_type(components: int, rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
+    """The harnesses' input record; the alarm structure at its end is what a lane begins with."""
+    sample = [("measured_mC", "<i4", (components,)), ("ambient_mC", "<i4"), ("valid", "<u2")]
+    return np.dtype([("op", "u1"), ("pwm", "<i2"), *sample, *_fields(alarm_record_type(rules))])
+
+
+def output_type(program: Program, rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
+    """The harnesses' output record: temperatures, the alarm structure, and whether the motor is to stop."""
+    temperatures = [(f"{component.name}.mC", "<i4") for component in program.components]
+    return np.dtype([*temperatures, *_fields(alarm_record_type(rules)), ("stop", "u1")])
+
+
+def alarm_profile(program: Program, rules: Sequence[LoweredRule], lanes: int, length: int, seed: int = 511) -> Profile:
+    """PWM that stays within the rules' ranges for long, visits their ends, and leaves them now and then."""
+    random = np.random.default_rng(seed)
+    scale = program.model.full_scale
+    edges = sorted(
+        {0, scale} | {end for rule in rules for segment in rule.segments for end in (segment.low, segment.high)}
+    )
+    pwm = np.zeros((lanes, length), dtype=np.int64)
+    for lane in pwm:
+        low, high = 0, scale
+        if rules:
+            rule = rules[int(random.integers(len(rules)))]
+            low, high = rule.segments[0].low, rule.segments[-1].high
+        position = 0
+        while position < length:
+            hold = int(random.integers(1, 400))
+            level = random.integers(low, high + 1)
+            if random.random() < 0.1:
+                level = np.clip(edges[random.integers(len(edges))] + random.integers(-1, 2), 0, scale)
+            lane[position : position + hold] = level * random.choice([1, -1])
+            position += hold
+    start = random.integers(-30_000, 60_000, lanes)
+    return Profile(pwm, start.astype(np.int64))
+
+
+def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, seed: int = 7) -> AlarmCampaign:
+    """Measurements around every rule's thresholds, with missing samples and resets, and the reference's answer.
+
+    Parameters
+    ----------
+    program, rules
+        What the board holds.
+    profile
+        PWM and start rises. The first lane begins trusted, the second untrusted with alarms restored, the others with
+        timers and sums close to their ends, which would take hours to reach.
+    """
+    random = np.random.default_rng(seed)
+    lanes, length = profile.pwm.shape
+    count = len(program.components)
+    model = ReferenceModel(program, [int(rise) for rise in profile.start_mK])
+    trusted = np.arange(lanes) == 0
+    preset = np.arange(lanes) >= 2
+    alarms = ReferenceAlarms(rules, trusted)
+    alarms.advance(_close_to_the_end(random, rules, alarms.record(), preset))
+    inputs = np.zeros((lanes, length + 1), dtype=input_type(count, rules))
+    inputs["op"][:, 0] = BEGIN
+    inputs["measured_mC"][:, 0, :] = profile.start_mK[:, None]
+    inputs["valid"][:, 0] = trusted | preset << 1
+    begun = alarms.record()
+    restored = np.arange(lanes) == 1  # any mask, with bits that no rule has
+    begun["latched"][restored] = random.integers(0, 1 << 16, int(restored.sum()))
+    alarms.restore(np.where(restored, begun["latched"], 0).astype(np.int64))
+    inputs["valid"][:, 0] |= (restored << 2).astype(np.uint16)
+    for name in begun.dtype.names or ():
+        inputs[name][:, 0] = begun[name]
+    expected = np.zeros((lanes, length), dtype=output_type(program, rules))
+    ambient: Integers = np.zeros(lanes, dtype=np.int64)
+    source = _Measurements(random, rules, lanes, count)
+    for step in range(length):
+        pwm = profile.pwm[:, step]
+        resets = np.asarray(random.random(lanes) < _RESET_SHARE)
+        model.step(pwm)
+        if step % 50 == 0:
+            ambient = np.asarray(random.integers(-10_000, 50_000, lanes), dtype=np.int64)
+        modelled = model.rises_mK + ambient
+        measured, valid = source.next(modelled)
+        alarms.reset(resets)
+        alarms.step(pwm, measured, modelled, valid)
+        row = inputs[:, step + 1]
+        row["op"] = np.where(resets, RESET_AND_STEP, STEP)
+        row["pwm"], row["ambient_mC"], row["valid"], row["measured_mC"] = pwm, ambient, valid, measured.T
+        _keep(expected[:, step], program, rules, modelled, alarms)
+    return AlarmCampaign(inputs, expected)
+
+
+def _keep(
+    row: Records, program: Program, rules: Sequence[LoweredRule], modelled: Integers, alarms: ReferenceAlarms
+) -> None:
+    state = alarms.record()
+    for name in state.dtype.names or ():
+        row[name] = state[name]
+    for component, temperature in zip(program.components, modelled, strict=True):
+        row[f"{component.name}.mC"] = temperature
+    stops = sum(1 << number for number, rule in enumerate(rules) if rule.stops)
+    row["stop"] = (alarms.latched & stops) != 0
+
+
+def _close_to_the_end(
+    random: np.random.Generator, rules: Sequence[LoweredRule], begun: Records, lanes: NDArray[np.bool_]
+) -> Records:
+    record = begun.copy()
+    count = int(lanes.sum())
+    record["latched"][lanes] = random.integers(0, 1 << len(rules), count)
+    for rule in rules:
+        short = random.integers(0, 4, (3, count))
+        record[f"{rule.name}.settled"][lanes] = np.maximum(rule.settle - short[0], 0)
+        record[f"{rule.name}.start_wait"][lanes] = np.minimum(rule.start_wait, short[1])
+        record[f"{rule.name}.held"][lanes] = np.maximum(rule.persistence - short[2], 0)
+        if rule.sum_limit is not None:
+            ends = np.where(random.random(count) < 0.5, 0, rule.sum_limit)
+            record[f"{rule.name}.sum"][lanes] = np.abs(ends - random.integers(0, min(40_000, rule.sum_limit), count))
+    return record
+
+
+def _fields(record: np.dtype[np.void]) -> list[tuple[str, str]]:
+    return [(name, kind.str) for name, (kind, *_) in (record.fields or {}).items()]
+
+
+class _Measurements:
+    """Deviations from the model that dwell at, just beside and far from the thresholds."""
+
+    def __init__(self, random: np.random.Generator, rules: Sequence[LoweredRule], lanes: int, components: int) -> None:
+        self._random = random
+        self._shape = (components, lanes)
+        levels: list[list[tuple[str, int, int | None]]] = [[] for _ in range(components)]
+        for rule in rules:
+            for segment in rule.segments:
+                ends = (segment.trip_mK, segment.clear_mK)
+                levels[rule.component] += [(rule.quantity, end, rule.relative_to) for end in ends]
+        self._levels = levels
+        self._offset = np.zeros(self._shape, dtype=np.int64)
+        self._absolute = np.zeros(self._shape, dtype=bool)
+        self._left = np.zeros(self._shape, dtype=np.int64)
+        self._missing = np.zeros(self._shape, dtype=np.int64)
+
+    def next(self, modelled: Integers) -> tuple[Integers, Integers]:
+        """Measured temperatures, shape (components, L), and the mask of the valid ones, shape (L,)."""
+        self._left -= 1
+        for component, lane in np.argwhere(self._left < 0):
+            self._choose(component, lane)
+        measured = np.where(self._absolute, 0, modelled) + self._offset
+        counted = self._left % 2 == 0
+        measured = np.where(counted, measured // _COUNT_MC * _COUNT_MC, measured)
+        self._missing = np.where(
+            self._random.random(self._shape) < 0.01, self._random.integers(1, 30, self._shape), self._missing - 1
+        )
+        seen = self._missing < 0
+        valid = (seen << np.arange(self._shape[0])[:, None]).sum(axis=0)
+        # What failed its checks may be anything.
+        return np.where(seen, measured, self._random.integers(-(10**6), 10**6, self._shape)), valid
+
+    def _choose(self, component: int, lane: int) -> None:
+        random = self._random
+        self._left[component, lane] = random.integers(0, 800)
+        self._absolute[component, lane] = False
+        if not self._levels[component] or random.random() < 0.2:
+            self._offset[component, lane] = random.integers(-20_000, 20_000)
+            return
+        quantity, level, other = self._levels[component][random.integers(len(self._levels[component]))]
+        near = level + int(random.choice([0, 1, -1, 250, -250, 1500, -1500, 10_000, -10_000]))
+        self._absolute[component, lane] = quantity == "measured"
+        self._offset[component, lane] = -near if quantity == "below" else near
+        if other is not None:
+            self._offset[component, lane] += self._offset[other, lane]
+
+
+class HostAlarms:
+    """One compiler's build of the model with its rules."""
+
+    def __init__(self, library: Library, name: str, given: AlarmCampaign) -> None:
+        compiler, flags = HOST_BUILDS[name]
+        self.name = f"{name}, outputs and alarms"
+        self._type = given.expected.dtype
+        self._binary = library.folder / ("alarms-" + "".join(c if c.isalnum() else "-" for c in name))
+        command = [str(toolchain.program(compiler)), "-std=gnu++11", "-ffp-contract=off", *WARNINGS, *flags]
+        command += [f"-I{library.include}", f"-I{library.folder}", str(library.folder / "verify_alarms_host.cpp")]
+        command += [*map(str, library.sources), "-o", str(self._binary)]
+        scratch = {**os.environ, "TMPDIR": str(library.folder)}  # an interrupted compiler's files go with the folder
+        done = subprocess.run(command, capture_output=True, text=True, check=False, env=scratch)
+        if done.returncode:
+            raise CheckFailed(f"{name} does not compile the emitted alarms:\n{done.stderr[-4000:]}")
+
+    def run(self, inputs: Records) -> Records:
+        """The records after every input, shape (L, N)."""
+        done = subprocess.run([str(self._binary)], input=inputs.tobytes(), capture_output=True, check=False)
+        if done.returncode:
+            raise CheckFailed(f"{self.name}: {done.stderr.decode(errors='replace')[-4000:]}")
+        return np.frombuffer(done.stdout, dtype=self._type).reshape(inputs.shape)[:, 1:]
+
+
+class AvrAlarms:
+    """The model with its rules on the emulated Mega."""
+
+    def __init__(self, library: Library, cache: Path, given: AlarmCampaign) -> None:
+        self.name = "ATmega2560 (simavr), outputs and alarms"
+        self._type, self._cache = given.expected.dtype, cache
+        self._elf = build_elf(
+            [library.folder / "verify_alarms_avr.cpp", *library.sources],
+            [MAILBOX_FOLDER, library.include, library.folder],
+            library.folder / "alarms.elf",
+            optimisation="-O2",
+        )
+
+    def run(self, inputs: Records) -> Records:
+        """The records after every input, shape (L, N)."""
+        flat = inputs.reshape(-1)
+        with EmulatedMega(self._elf, self._cache) as mega:
+            output, _ = mega.run_records(
+                flat,
+                mega.sram_address("gen_input"),
+                inputs.dtype.itemsize,
+                mega.sram_address("gen_output"),
+                self._type.itemsize,
+                len(flat),
+                len(flat) * _CYCLES_PER_RECORD,
+            )
+        return np.ascontiguousarray(output).view(self._type).reshape(inputs.shape)[:, 1:]
+
+
+def compare_alarms(
+    library: Library,
+    rules: Sequence[LoweredRule],
+    lanes: int,
+    length: int,
+    hosts: Sequence[str],
+    *,
+    board: bool,
+) -> Iterator[tuple[str, AlarmCampaign, Mismatch | None]]:
+    """Run the campaign on each target: its name, what was compared, and the first difference.
+
+    Parameters
+    ----------
+    library
+        The emitted library, written to a folder.
+    rules
+        The lowered rules; without any, the temperatures alone are compared.
+    lanes, length
+        Of the campaign.
+    hosts
+        Which of :data:`gen.verification.runners.HOST_BUILDS` to run.
+    board
+        Whether to run the emulated Mega.
+    """
+    _write_harnesses(library)
+    given = campaign(library.program, rules, alarm_profile(library.program, rules, lanes, length))
+    runners: list[Callable[[], HostAlarms | AvrAlarms]] = [partial(HostAlarms, library, name, given) for name in hosts]
+    if board:
+        runners.append(partial(AvrAlarms, library, library.folder / "cache", given))
+    for make in runners:
+        runner = make()
+        yield runner.name, given, first_mismatch(given.expected, runner.run(given.inputs))
+
+
+def _write_harnesses(library: Library) -> None:
+    for name in _HARNESSES:
+        text = environment("harness").get_template(f"{name}.j2").render(library.context)
+        (library.folder / name).write_text(text)

@@ -1,0 +1,123 @@
+"""Compare what a runner computed with the reference, word by word; shrink a profile that fails."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.program import Program
+from gen.reference.model import ReferenceModel, record_type
+from gen.verification.profiles import Profile
+
+Records = NDArray[np.void]
+Runner = Callable[[Profile], Records]
+
+#: Runs that shrinking may spend.
+_SHRINKING_RUNS = 120
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """The first word that differs.
+
+    Attributes
+    ----------
+    lane, step
+        Where, both from 0.
+    field
+        ``component.word``: x1.hi and x1.lo are a state's high and low word, R0.. and S coefficients.
+    expected, found
+        The reference's and the runner's value.
+    differing
+        How many words differ in the whole run.
+    """
+
+    lane: int
+    step: int
+    field: str
+    expected: int
+    found: int
+    differing: int
+
+    def __str__(self) -> str:
+        return (
+            f"step {self.step}, {self.field}: reference {self.expected} (0x{self.expected & 0xFFFFFFFF:X}), "
+            f"found {self.found} (0x{self.found & 0xFFFFFFFF:X})"
+        )
+
+
+def reference_run(program: Program, profile: Profile) -> Records:
+    """The reference's records for a profile, shape (L, N)."""
+    told = None if profile.channels is None else np.moveaxis(profile.channels, (1, 2), (0, 1))  # (N + 1, channels, L)
+    model = ReferenceModel(program, [int(rise) for rise in profile.start_mK], None if told is None else told[0])
+    records = np.zeros(profile.pwm.shape, dtype=record_type(program))
+    for step in range(profile.pwm.shape[1]):
+        if told is not None:
+            model.set_channels(told[step + 1])
+        model.step(profile.pwm[:, step])
+        records[:, step] = model.record()
+    return records
+
+
+def words_per_sample(program: Program) -> int:
+    """How many words each sample compares."""
+    return len(record_type(program).names or ())
+
+
+def first_mismatch(expected: Records, found: Records) -> Mismatch | None:
+    """The earliest differing word, or None."""
+    names = list(expected.dtype.names or ())
+    differs = {name: expected[name] != found[name] for name in names}
+    total = int(sum(int(mask.sum()) for mask in differs.values()))
+    if not total:
+        return None
+    any_word = np.zeros(expected.shape, dtype=bool)
+    for mask in differs.values():
+        any_word |= mask
+    step = int(np.argmax(any_word.any(axis=0)))
+    lane = int(np.argmax(any_word[:, step]))
+    name = next(name for name in names if differs[name][lane, step])
+    return Mismatch(lane, step, name, int(expected[name][lane, step]), int(found[name][lane, step]), total)
+
+
+def shrink(program: Program, run: Runner, profile: Profile, mismatch: Mismatch) -> tuple[Profile, Mismatch]:
+    """A shorter profile of one lane that still fails, and its mismatch.
+
+    Cuts after the failing step, then leaves out ever smaller pieces, then replaces values by their neighbours', as
+    long as the runner still differs from the reference.
+    """
+    if profile.channels is not None:  # the channels' values would have to be cut with it
+        return profile, mismatch
+    pwm = profile.pwm[mismatch.lane, : mismatch.step + 1]
+    start = int(profile.start_mK[mismatch.lane])
+    budget = _SHRINKING_RUNS
+
+    def attempt(candidate: NDArray[np.int64], rise: int) -> tuple[Profile, Mismatch] | None:
+        nonlocal budget
+        if budget <= 0 or not candidate.size:
+            return None
+        budget -= 1
+        tried = Profile(candidate[None, :], np.array([rise], dtype=np.int64))
+        found = first_mismatch(reference_run(program, tried), run(tried))
+        return (tried, found) if found is not None else None
+
+    best = attempt(pwm, start)
+    if best is None:  # it depends on the lanes before it: keep the whole profile
+        return profile, mismatch
+    best = attempt(best[0].pwm[0, : best[1].step + 1], 0) or best
+    piece = best[0].pwm.shape[1] // 2
+    while piece >= 1 and budget > 0:
+        position = 0
+        while position < best[0].pwm.shape[1] and budget > 0:
+            lane, rise = best[0].pwm[0], int(best[0].start_mK[0])
+            smaller = attempt(np.concatenate([lane[:position], lane[position + piece :]]), rise)
+            if smaller is not None:
+                cut = smaller[0].pwm[0, : smaller[1].step + 1]
+                best = attempt(cut, rise) or smaller
+            else:
+                position += piece
+        piece //= 2
+    return best

@@ -1,0 +1,107 @@
+"""Channels for a campaign, and how far the board is from the exact solution of a model with effects."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.effects import EffectsProgram
+from gen.lowering.program import Program
+from gen.model.effects import Applied
+from gen.reference.model import ReferenceModel
+from gen.verification.accuracy import ErrorCourse
+from gen.verification.held import HeldSolution
+from gen.verification.profiles import Profile, campaign
+
+Integers = NDArray[np.int64]
+Array = NDArray[np.float64]
+
+#: Samples of the comparison with the exact solution, which is integrated step by step.
+EFFECTS_LENGTH = 14_400
+_POINTS = 60
+_CHANGES = 0.02
+"""Share of samples at which the channels change."""
+_BEYOND = 0.05
+
+
+def with_channels(profile: Profile, effects: EffectsProgram | None, seed: int = 17) -> Profile:
+    """The profile with values for every channel, some beyond their ranges.
+
+    Lanes hold a value for long, jump between the ends at every sample, draw anew at every sample, or stay neutral.
+    """
+    if effects is None:
+        return profile
+    random = np.random.default_rng(seed)
+    lanes, length = profile.pwm.shape
+    made = np.zeros((lanes, length + 1, len(effects.channels)), dtype=np.int64)
+    for number, channel in enumerate(effects.channels):
+        beyond = int((channel.high - channel.low) * _BEYOND) + 1
+        for lane in range(lanes):
+            match (lane + number) % 4:
+                case 0:
+                    hold = int(random.integers(20, 800))
+                    values = np.repeat(random.integers(channel.low, channel.high + 1, length // hold + 1), hold)
+                case 1:
+                    values = np.tile([channel.low, channel.high], length // 2 + 1)
+                case 2:
+                    values = random.integers(channel.low - beyond, channel.high + beyond + 1, length + 1)
+                case _:
+                    values = np.full(length + 1, channel.neutral)
+            made[lane, :, number] = np.resize(values, length + 1)
+    return replace(profile, channels=made)
+
+
+def course_with_effects(program: Program, effects: Sequence[Applied], lanes: int, length: int) -> ErrorCourse:
+    """Compare the reference's readings with the exact solution of a model with effects.
+
+    Parameters
+    ----------
+    program, effects
+        What the board holds, and its effects.
+    lanes, length
+        Of a campaign from starts within the domain, with channels that are held for some seconds and lie within the
+        middle half of their ranges; `length` in samples. A lane counts until the board holds something to its range.
+    """
+    assert program.effects is not None
+    random = np.random.default_rng(311)
+    profile = campaign(program.model, lanes, length, seed=10_800)
+    low = max(component.start_range_mK[0] for component in program.components)
+    high = min(component.start_range_mK[1] for component in program.components)
+    start = np.clip(profile.start_mK, max(low, 0), high // 2) // 250 * 250
+    names = program.model.component_names
+    told = _drawn(random, program.effects, lanes)
+    board = ReferenceModel(program, [int(value) for value in start], told)
+    exact = HeldSolution(
+        program.model,
+        effects,
+        dict.fromkeys(names, start / 1000.0),
+        told[0] / 1000.0,
+        {name: rise / 1000.0 for name, rise in board.starts_mK.items()},
+    )
+    ends = np.linspace(0, length, min(_POINTS, length) + 1).round().astype(int)[1:]
+    worst = np.zeros((len(ends), len(names)))
+    interval = 0
+    for step in range(length):
+        told = np.where(random.random(lanes) < _CHANGES, _drawn(random, program.effects, lanes), told)
+        board.set_channels(told)
+        board.step(profile.pwm[:, step])
+        columns = {c.column: told[i] / 1000.0 for i, c in enumerate(program.effects.channels)}
+        exact.step(profile.pwm[:, step], told[0] / 1000.0, columns)
+        error = np.where(board.within_ranges, np.abs(board.rises - exact.shown()), 0.0)
+        worst[interval] = np.maximum(worst[interval], error.max(axis=1))
+        interval += step + 1 == ends[interval]
+    return ErrorCourse(
+        (ends * program.model.sample_time).tolist(),
+        {name: worst[:, number].tolist() for number, name in enumerate(names)},
+    )
+
+
+def _drawn(random: np.random.Generator, effects: EffectsProgram, lanes: int) -> Integers:
+    values = []
+    for channel in effects.channels:
+        quarter = (channel.high - channel.low) // 4
+        values.append(random.integers(channel.low + quarter, channel.high - quarter + 1, lanes))
+    return np.array(values, dtype=np.int64)

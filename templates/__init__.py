@@ -1,1 +1,0 @@
-"""Jinja templates of the emitted project: the folder mirrors the emitted tree."""

@@ -1,0 +1,186 @@
+"""Broken data: one clear message with the place, or an honest result."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gen.coefficients import load
+from gen.errors import InputError
+from gen.identification.data import Source, make_data, read_data
+from gen.identification.identify import identify
+from gen.runs import Run, write_run
+
+TIME = np.arange(0.0, 7200.0, 4.0)
+
+
+def step(tau: float = 1200.0, rise: float = 40.0, pwm: int = 102, ambient: float = 30.0) -> Run:
+    part = ambient + rise * (1.0 - np.exp(-TIME / tau))
+    noise = np.random.default_rng(pwm).normal(0.0, 0.1, len(TIME))
+    return Run(
+        TIME,
+        np.full(len(TIME), pwm),
+        {"brush": np.round((part + noise) * 4) / 4},
+        np.full(len(TIME), ambient),
+    )
+
+
+def gen_identify(tmp_path: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    out = tmp_path / "coeffs.json"
+    command = [sys.executable, "-m", "gen", "identify", *map(str, arguments), "--out", str(out)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def edit(line: int, change: Callable[[list[str]], list[str]]) -> Callable[[list[str]], list[str]]:
+    def applied(lines: list[str]) -> list[str]:
+        fields = change(lines[line].split(","))
+        return [*lines[:line], ",".join(fields), *lines[line + 1 :]]
+
+    return applied
+
+
+BROKEN: dict[str, tuple[Callable[[list[str]], list[str]], list[str]]] = {
+    "time runs back": (edit(5, lambda f: ["3", *f[1:]]), ["line 6, column time_s", "found 3"]),
+    "text in numbers": (edit(9, lambda f: [*f[:2], "hot", f[3]]), ["line 10, column brush_degC", '"hot"']),
+    "no pwm": (lambda lines: [line.replace("pwm", "duty") for line in lines], ["line 1", "missing column pwm"]),
+    "no temperature": (
+        lambda lines: [line.replace("brush_degC", "brush") for line in lines],
+        ["missing column <component>_degC", "brush"],
+    ),
+    "in Fahrenheit by its name": (
+        lambda lines: [line.replace("brush_degC", "brush_degF") for line in lines],
+        ["brush_degF is not in degC"],
+    ),
+    "a name that cannot be built": (
+        lambda lines: [line.replace("brush_degC", "2nd brush_degC") for line in lines],
+        ["column 2nd brush_degC", "C identifier"],
+    ),
+    "all missing": (
+        lambda lines: [lines[0], *(",".join([*line.split(",")[:2], "", line.split(",")[3]]) for line in lines[1:])],
+        ["nothing can be identified", "brush is left out: no run holds enough samples"],
+    ),
+    "constant channel": (
+        lambda lines: [lines[0], *(",".join([*line.split(",")[:2], "31", line.split(",")[3]]) for line in lines[1:])],
+        ["brush is left out", "it does not react"],
+    ),
+    "one row": (lambda lines: lines[:2], ["found 1 row", "expected at least"]),
+    "never driven": (
+        lambda lines: [lines[0], *(",".join([line.split(",")[0], "0", *line.split(",")[2:]]) for line in lines[1:])],
+        ["found PWM 0 in every row"],
+    ),
+    "empty": (lambda _: [""], ["the file is empty"]),
+}
+
+
+@pytest.mark.parametrize("fault", BROKEN)
+def test_a_fault_is_one_message_with_its_place_and_exit_2(fault: str, tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    write_run(path, step())
+    change, expected = BROKEN[fault]
+    path.write_text("\n".join(change(path.read_text().splitlines())))
+    done = gen_identify(tmp_path, path)
+    assert done.returncode == 2, done.stdout
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert str(path) in done.stderr
+    for text in expected:
+        assert text in done.stderr
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["run.csv"]
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    done = gen_identify(tmp_path, tmp_path / "none.csv")
+    assert done.returncode == 2
+    assert "none.csv: there is no such file" in done.stderr
+
+
+def test_a_step_without_change_of_pwm_is_enough(tmp_path: Path) -> None:
+    """PWM never changes: one speed, from cold. The file says that it holds there only."""
+    path = tmp_path / "run.csv"
+    write_run(path, step())
+    done = gen_identify(tmp_path, path)
+    assert done.returncode == 0, done.stderr
+    loaded = load(tmp_path / "coeffs.json")
+    assert loaded.model.validity == (102, 102)
+    assert loaded.model.component("brush").steady_rise([102])[0] == pytest.approx(40.0, abs=0.2)
+    assert "next run: PWM" in done.stdout
+
+
+def test_fahrenheit_is_suspected() -> None:
+    run = step()
+    hot = Run(run.time_s, run.pwm, {"brush": run.temps["brush"] * 1.8 + 32.0}, run.ambient)
+    data = make_data([Source("run.csv", hot)], None)
+    assert any("Fahrenheit" in warning for warning in data.warnings)
+    assert not any("Fahrenheit" in w for w in make_data([Source("run.csv", run)], None).warnings)
+
+
+def test_a_run_of_nothing_but_missing_samples_is_left_out_and_said() -> None:
+    empty = Run(TIME, np.full(len(TIME), 204), {"brush": np.full(len(TIME), np.nan)}, np.full(len(TIME), 30.0))
+    data = make_data([Source("empty.csv", empty), Source("run.csv", step())], None)
+    assert [record.run for record in data.records["brush"]] == ["run"]
+    assert any("empty.csv" in warning and "0 sample(s)" in warning for warning in data.warnings)
+    found = identify(data, lambda _: None)["brush"]
+    assert found.speeds == [102]
+
+
+def test_gaps_and_irregular_sampling_do_not_matter() -> None:
+    rng = np.random.default_rng(1)
+    keep = np.sort(rng.choice(len(TIME), 500, replace=False))
+    keep = keep[(keep < 300) | (keep > 600)]
+    run = step()
+    brush = run.temps["brush"][keep].copy()
+    brush[::7] = np.nan
+    sparse = Run(run.time_s[keep], run.pwm[keep], {"brush": brush}, np.full(len(keep), 30.0))
+    found = identify(make_data([Source("run.csv", sparse)], None), lambda _: None)["brush"]
+    assert found.fit.steady[0] == pytest.approx(40.0, abs=0.4)
+    assert np.exp(found.fit.theta[0, 0]) == pytest.approx(1200.0, rel=0.03)
+
+
+def test_without_ambient_a_cold_start_says_it_and_a_warm_one_asks() -> None:
+    cold = step()
+    data = make_data([Source("run.csv", Run(cold.time_s, cold.pwm, cold.temps))], None)
+    assert data.ambient_fixed == pytest.approx(30.0, abs=0.5)
+    assert any("cold start is assumed" in warning for warning in data.warnings)
+    warm = Run(cold.time_s, cold.pwm, {**cold.temps, "casing": cold.temps["brush"] + 20.0})
+    with pytest.raises(InputError, match="--ambient"):
+        make_data([Source("run.csv", warm)], None)
+    noted = Run(cold.time_s, cold.pwm, cold.temps, comments={"ambient_degC": "29.5"})
+    assert make_data([Source("run.csv", noted)], None).ambient_fixed == 29.5
+
+
+def test_an_unsettled_run_shows_what_it_extrapolates() -> None:
+    short = step(tau=1200.0)
+    cut = slice(0, 300)  # 20 minutes: 63 % of the way
+    assert short.ambient is not None
+    run = Run(short.time_s[cut], short.pwm[cut], {"brush": short.temps["brush"][cut]}, short.ambient[cut])
+    found = identify(make_data([Source("run.csv", run)], None), lambda _: None)["brush"]
+    width = found.spread.factor * found.spread.deviation[found.fit.layout.thetas]
+    assert found.settled[102] == pytest.approx(0.63, abs=0.05)
+    assert width > 0.15
+    assert abs(found.fit.steady[0] - 40.0) < width
+
+
+def test_ten_million_rows(tmp_path: Path) -> None:
+    """In memory, as reading them is the run reader's business; every row counts and it takes seconds."""
+    count = 10_000_000
+    time = np.linspace(0.0, 10800.0, count, dtype=np.float64)
+    true = 30.0 + 40.0 * (1.0 - np.exp(-time / 1200.0))
+    noisy = true + np.random.default_rng(1).normal(0.0, 0.5, count)
+    run = Run(time, np.full(count, 102), {"brush": noisy}, np.full(count, 30.0))
+    data = make_data([Source("run.csv", run)], None)
+    record = data.records["brush"][0]
+    assert record.count.sum() == count
+    assert len(record.time) < 1000
+    found = identify(data, lambda _: None, most=1)["brush"]
+    assert found.fit.steady[0] == pytest.approx(40.0, abs=0.02)
+
+
+def test_read_data_reads_files(tmp_path: Path) -> None:
+    write_run(tmp_path / "a.csv", step())
+    data = read_data([tmp_path / "a.csv"], None)
+    assert list(data.records) == ["brush"]
+    assert data.ambient_measured

@@ -1,0 +1,171 @@
+"""The onboard schedules of the examples: equality of words, accuracy, proven bound, cost."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gen.coefficients.reader import parse
+from gen.errors import CheckFailed
+from gen.lowering.fixed import formats
+from gen.lowering.kinds import Arithmetic
+from gen.lowering.lower import lower
+from gen.lowering.onboard import OnboardComponent, compile_component, steady_excess
+from gen.lowering.onboard.evaluate import RangeError, evaluate
+from gen.lowering.recursion import bounds, increments
+from gen.lowering.recursion.dynamics import dynamics
+from gen.model import ExponentialSum, Polynomial
+from gen.model.dynamics import Pole
+from tests.lowering.onboard import harness
+from tests.lowering.onboard.harness import PWM
+from tests.model.examples import model
+
+EXAMPLES_FOLDER = Path(__file__).parents[3] / "examples"
+FULL = os.environ.get("GEN_CAMPAIGN") == "full"
+EXAMPLES = ("my1016", "two_mass", "my1016_averaged")
+ARITHMETICS: tuple[Arithmetic, ...] = ("fixed", "float")
+#: Cycles of a PWM change: the goal of 15 000 less the step's own 1 300.
+MOST_CYCLES = {("my1016", "fixed"): 13_700}
+#: Bytes of the schedules' code and tables, helpers included: the goal of 5 120 less what the step itself needs.
+MOST_FLASH = {("my1016", "fixed"): 3_150, ("my1016", "float"): 3_550}
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_every_input_gives_the_same_words_everywhere(example: str, arithmetic: Arithmetic, tmp_path: Path) -> None:
+    components = harness.compiled(example, arithmetic)
+    want = harness.words([evaluate(c, PWM) for c in components])
+    sources = harness.write(tmp_path, components)
+    for compiler in ("g++", "clang++"):
+        for extra in ((), ("-fsanitize=undefined", "-fno-sanitize-recover")):
+            np.testing.assert_array_equal(harness.host_words(sources, compiler, extra), want)
+    got, cycles = harness.mega_words(sources, tmp_path)
+    np.testing.assert_array_equal(got, want)
+    assert cycles.max() <= MOST_CYCLES.get((example, arithmetic), 20_000)
+    if (example, arithmetic) in MOST_FLASH:
+        assert harness.flash_bytes(sources) <= MOST_FLASH[example, arithmetic]
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_fixed_rates_and_steady_rises_are_accurate(example: str) -> None:
+    for component, exact in zip(harness.compiled(example, "fixed"), harness.exact(example), strict=True):
+        assert component.layout is not None
+        rates, steady = evaluate(component, PWM)
+        bits = np.array(component.layout.rate_fraction_bits)
+        resolution = 0.5 / (exact.rates * 2.0**bits)
+        assert np.all(np.abs(rates * 2.0**-bits / exact.rates - 1.0) <= resolution + 1.3e-8)
+        assert steady_excess(steady, exact.steady, component.layout).max() <= 4.0
+        assert np.abs((steady + 0.5) * component.layout.high_lsb[0] - exact.steady).max() <= 1.5e-6
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_float_rates_and_steady_rises_are_accurate(example: str) -> None:
+    for component, exact in zip(harness.compiled(example, "float"), harness.exact(example), strict=True):
+        rates, steady = evaluate(component, PWM)
+        assert rates.dtype == steady.dtype == np.float32
+        assert np.abs(rates / exact.rates - 1.0).max() <= 4e-6
+        assert np.abs(steady - exact.steady).max() <= 1e-4
+
+
+@pytest.mark.parametrize("place", range(4))
+def test_my1016_is_proven_within_its_limit_with_the_boards_own_coefficients(place: int) -> None:
+    component = harness.compiled("my1016", "fixed")[place]
+    exact = harness.exact("my1016")[place]
+    assert component.layout is not None
+    recursion, ranges = harness.ranges("my1016", place)
+    rates, steady = evaluate(component, PWM)
+    excess = steady_excess(steady, exact.steady, component.layout)
+    q_error, chain_error = formats.rounding(component.layout, exact.rates)
+    board = increments.from_rates(rates * 2.0 ** -np.array(component.layout.rate_fraction_bits))
+    bound = bounds.worst_error(
+        recursion,
+        exact,
+        ranges,
+        changed_c=board - exact.c,
+        q_error=q_error + exact.c[:, 0] * excess * component.layout.high_lsb[0],
+        chain_error=np.tile(chain_error, (len(q_error), 1)),
+        start_error=component.layout.high_lsb[0],
+    )
+    assert bound is not None
+    assert bound + component.layout.high_lsb[0] <= harness.LIMIT_K
+
+
+def synthetic(order: int) -> tuple[OnboardComponent, NDArray[np.float64]]:
+    """Complex poles that are no pairs, mixed with real ones; negative and constant schedules."""
+    base = model("two_mass")
+    slow = Polynomial((-1e-8, -3e-6, -0.0006))
+    poles = (
+        Pole(ExponentialSum(((-0.002, 0.003), (-0.0005, -0.004))), Polynomial((2e-6, 0.0007))),
+        Pole(ExponentialSum(((-0.0021, 0.0031),)), Polynomial((-2.1e-6, -0.0008))),
+        Pole(slow, Polynomial((1e-6, 0.0001))),
+        Pole(Polynomial((-0.011,)), Polynomial((-1.1e-6, -0.0001))),
+    )[:order]
+    template = base.component("housing")
+    component = replace(
+        template,
+        order=order,
+        poles=poles if order > 1 else (Pole(slow),),
+        gain=Polynomial((1e-9 * 0.003**order, 1e-3 * 0.003**order)),
+        outside="extrapolate",
+    )
+    odd = replace(base, components=(component,), sample_time=0.3)
+    exact = dynamics(odd, component, 1)
+    return compile_component(odd, component, "float", None, 1), exact.rates
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_any_order_and_unpaired_complex_poles_compile(order: int) -> None:
+    component, exact = synthetic(order)
+    rates, _ = evaluate(component, PWM)
+    assert np.abs(rates / exact - 1.0).max() <= 5e-6
+
+
+def test_inputs_outside_the_domain_are_refused() -> None:
+    component = harness.compiled("my1016", "fixed")[0]
+    with pytest.raises(ValueError, match=r"0\.\.255"):
+        evaluate(component, np.array([256]))
+
+
+def test_a_tape_that_overflows_is_noticed() -> None:
+    component = harness.compiled("my1016", "fixed")[0]
+    place = next(i for i, s in enumerate(component.steps) if s.op == "times")
+    steps = list(component.steps)
+    steps[place] = replace(steps[place], shift=steps[place].shift + 4)
+    with pytest.raises(RangeError):
+        evaluate(replace(component, steps=tuple(steps)), PWM)
+
+
+def near(schedule: dict[str, list[float]], random: np.random.Generator) -> dict[str, list[float]]:
+    """A schedule with every coefficient changed by up to 1 %."""
+    return {key: [v * (1.0 + 0.01 * random.uniform(-1.0, 1.0)) for v in values] for key, values in schedule.items()}
+
+
+@pytest.mark.parametrize("seed", [s for s in range(1, 12) if FULL or s in (1, 4)])
+def test_a_motor_like_the_my1016_is_proven_within_its_limit_too(seed: int) -> None:
+    """With seed 4, R0 and R1 just exceed the powers of two that they stay below in the MY1016."""
+    random = np.random.default_rng(seed)
+    tree = json.loads((EXAMPLES_FOLDER / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
+    brush = tree["components"][0]
+    first, second, third = brush["poles"]
+    brush["gain"] = near(brush["gain"], random)
+    first["real"], first["imag"] = near(first["real"], random), near(first["imag"], random)
+    second["real"], second["imag"] = near(second["real"], random), {"poly": [-v for v in first["imag"]["poly"]]}
+    third["real"] = near(third["real"], random)
+    program = lower(parse(json.dumps(tree).encode()), "fixed", "onboard")  # raises if a bound exceeds the limit
+    assert program.components[0].proof is not None
+    assert not program.saturates
+
+
+@pytest.mark.parametrize(("limit", "table_keeps_it"), [(6.2e-6, True), (1e-7, False)])
+def test_a_bound_beyond_the_limit_names_the_table_only_where_that_helps(limit: float, table_keeps_it: bool) -> None:
+    document = json.loads((EXAMPLES_FOLDER / "two_mass" / "coeffs.json").read_text())
+    document["accuracy"] = {"fixed_limit_K": limit}
+    with pytest.raises(CheckFailed, match=r"the guaranteed error bound .* exceeds") as failure:
+        lower(parse(json.dumps(document).encode()), "fixed", "onboard")
+    assert ("--schedule table" in str(failure.value)) == table_keeps_it

@@ -1,0 +1,82 @@
+"""The emitted alarm rules against their reference, on the host and on the emulated board, and with planted faults."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gen.firmware import render
+from gen.firmware.context import project_context
+from gen.lowering.alarms import LoweredRule, lower_alarms
+from gen.lowering.lower import lower
+from gen.verification.alarms import alarm_profile, campaign, compare_alarms
+from gen.verification.runners import Library, write_library
+from tests.examples import example
+
+NAME = "two_mass"
+LANES, LENGTH = 20, 1000
+
+
+def emitted(folder: Path, fault: tuple[str, str] | None = None) -> tuple[Library, tuple[LoweredRule, ...]]:
+    coefficients = example(NAME)
+    program = lower(coefficients, "float", "table")
+    context = project_context(coefficients, program, "coeffs.json")
+    files = render.library(context)
+    if fault is not None:
+        path = f"lib/{NAME}/src/{NAME}_alarms.cpp"
+        assert files[path].count(fault[0]) >= 1, "the fault has no place to stand"
+        files[path] = files[path].replace(fault[0], fault[1], 1)
+    library = write_library(program, context, files, folder)
+    return library, lower_alarms(coefficients)
+
+
+def test_the_campaign_takes_every_rule_through_every_state(tmp_path: Path) -> None:
+    library, rules = emitted(tmp_path)
+    expected = campaign(library.program, rules, alarm_profile(library.program, rules, LANES, LENGTH)).expected
+    for number, rule in enumerate(rules):
+        always_awake = rule.settle == 0 and rule.requires is None and not rule.needs_model
+        for mask in ("latched", "active") if always_awake else ("latched", "active", "asleep"):
+            bits = (expected[mask] >> number) & 1
+            assert bits.any(), f"{rule.name} never {mask}"
+            assert not bits.all(), f"{rule.name} always {mask}"
+        released = np.diff(((expected["latched"] >> number) & 1).astype(np.int8), axis=1)
+        assert (released < 0).any(), f"{rule.name} never reset"
+    assert expected["stop"].any()
+
+
+def test_no_word_differs_on_any_target(tmp_path: Path) -> None:
+    library, rules = emitted(tmp_path)
+    hosts = ("g++ -O2", "clang++ sanitized")
+    for name, given, difference in compare_alarms(library, rules, LANES, LENGTH, hosts, board=True):
+        assert difference is None, f"{name}: {difference}"
+        assert given.expected.size == LANES * LENGTH
+
+
+FAULTS = {
+    "threshold met counts": ("return value > (timers", "return value >= (timers"),
+    "no hysteresis": ("timers->held ? segment.clear : segment.trip", "segment.trip"),
+    "late by a sample": ("timers->held <= rule.persistence) {", "timers->held < rule.persistence) {"),
+    "16-bit sum": ("const int32_t sum = timers->sum + (value", "const int32_t sum = (int16_t)timers->sum + (value"),
+    "sum below zero": ("sum < 0 ? 0 : ", ""),
+    "missing samples are used": (
+        "return (sample->valid >> component) & 1u",
+        "return (sample->valid >> component) != 0xFFFFu",
+    ),
+    "other part's missing samples are used": ("|| (rule.relative_to != NONE &&", "|| (false &&"),
+    "other part not subtracted": ("if (rule.relative_to != NONE) {\n", "if (false) {\n"),
+    "excluding alarm ignored": ("(rule.unless == NONE ||", "(true ||"),
+    "reset keeps the sum": ("timers[rule].sum = 0", "timers[rule].sum += 0"),
+    "range open at its end": ("pwm <= segment->high", "pwm < segment->high"),
+    "required alarm ignored": ("return !slept && (rule.requires == NONE ||", "return !slept && (true ||"),
+    "settling survives standstill": ("if (!inside) {", "if (false) {"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
+def test_a_planted_fault_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
+    library, rules = emitted(tmp_path, fault)
+    ((_, _, difference),) = compare_alarms(library, rules, LANES, LENGTH, ("g++ -O2",), board=False)
+    assert difference is not None
+    assert difference.differing > 0
