@@ -1,3 +1,6 @@
 """From identified motor-temperature coefficients to proven firmware for the Arduino Mega 2560."""
 
-__version__ = "0.1.0"
+from importlib.metadata import version
+
+__version__ = version("gen-thermal")
+"""Stands in pyproject.toml; written into everything that is emitted."""
