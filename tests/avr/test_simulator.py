@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from gen.verify.avr import simulator
 from gen.verify.avr.compile import ArduinoCore
-from gen.verify.avr.shim import SHIM_FOLDER
 from gen.verify.avr.simulator import MARKER_OVERHEAD, EmulatedMega, EmulationFailed, Stop
 
 from .conftest import Emulate
@@ -325,13 +324,6 @@ def test_closed_emulator_refuses_work(emulate: Emulate) -> None:
 def test_unreadable_firmware_is_an_error(cache: Path, tmp_path: Path) -> None:
     with pytest.raises(EmulationFailed, match="no such firmware"):
         EmulatedMega(tmp_path / "absent.elf", cache)
-
-
-def test_shim_compiles_without_warnings(tmp_path: Path) -> None:
-    sources = map(str, SHIM_FOLDER.glob("*.c"))
-    command = ["gcc", "-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", *sources, "-lsimavr"]
-    done = subprocess.run([*command, "-o", str(tmp_path / "shim.so")], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_sleep_and_the_longest_stretch_awake(emulate: Emulate, core: ArduinoCore) -> None:
