@@ -110,7 +110,7 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
         found["true_at_end_degC"] = {name: round(value, 3) for name, value in wanted.plant.temperatures.items()}
         picture = plot_svg(results, _title(loaded, options)) if plot is not None and session.recorder.rows else None
         if options["eeprom"] is not None:
-            write_bytes(options["eeprom"], board.mega.eeprom)
+            write_bytes(options["eeprom"], board.mega.eeprom.image)
     if not session.recorder.rows:
         raise CheckFailed("the firmware printed no row of a run file")
     session.recorder.parts[0].comments += _comments(found, options)
@@ -195,7 +195,7 @@ def _board(
     board = Board(elf, cache, wanted.wiring, wanted.plant, encoder=options["encoder"])
     stack.callback(board.close)
     if wanted.image is not None:
-        board.mega.eeprom = wanted.image
+        board.mega.eeprom.image = wanted.image
     if options["clock"] is not None:
         board.mega.start_clock_at(options["clock"])
     return board

@@ -161,7 +161,7 @@ class _Runner:
         if self._terminal is not None:
             typed = self._terminal.read()
             if typed:
-                self._board.mega.uart_send(typed)
+                self._board.mega.uart.send(typed)
         if session.recorder.headers != self._headers:
             self._headers = session.recorder.headers
             self._given = max(self._given - 1, 0)
@@ -185,11 +185,11 @@ class _Runner:
             cause = ResetCause.POWER_ON if event.kind == "power_cut" else ResetCause.BROWN_OUT
             mega.cut_power(event.duration_s, cause=cause, seed=1 + round(event.time_s * 1000.0))
         elif event.kind == "send":
-            mega.uart_send(event.data)
+            mega.uart.send(event.data)
         elif event.kind == "flood":
             bits_per_byte = 10
             count = round(event.duration_s * self._board.wiring.serial_baud / bits_per_byte)
-            mega.uart_send((_FLOOD * (count // len(_FLOOD) + 1))[:count])
+            mega.uart.send((_FLOOD * (count // len(_FLOOD) + 1))[:count])
         elif event.kind == "held_up":
             mega.hold_up(round(event.duration_s * 1000.0))
         else:
@@ -197,7 +197,7 @@ class _Runner:
 
     def _take(self) -> None:
         board, session = self._board, self._session
-        sent = board.mega.uart_take()
+        sent = board.mega.uart.take()
         if board.mega.resets != self._resets:
             self._resets = board.mega.resets
             session.restarts_s.append(board.seconds)

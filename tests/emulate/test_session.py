@@ -178,7 +178,7 @@ def test_the_same_seed_gives_the_same_bytes(make_board: MakeBoard) -> None:
 def test_a_recorder_that_comes_late_can_ask_for_the_header(make_board: MakeBoard) -> None:
     board = make_board()
     board.mega.run_seconds(5.0)
-    assert b"time_s,pwm" in board.mega.uart_take()
+    assert b"time_s,pwm" in board.mega.uart.take()
     session = run_session(board, 10.0, events=[Event(6.0, "send", data=b"?\n")])
     assert session.recorder.headers == 1
     assert session.recorder.garbled == 0
