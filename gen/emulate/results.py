@@ -103,6 +103,7 @@ def summary(results: Results, board: Board, session: Session, settings: dict[str
     return settings | {
         "seconds": session.seconds,
         "wall_s": round(session.wall_s, 3),
+        "interrupted": session.interrupted,
         "rows": session.recorder.rows,
         "garbled_lines": session.recorder.garbled,
         "time_zero_s": session.time_zero_s,
