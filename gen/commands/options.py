@@ -14,6 +14,22 @@ CommandType = TypeVar("CommandType", bound=Callable[..., Any])
 COEFFICIENTS = click.argument("coefficients", metavar="COEFFS", type=click.Path(path_type=Path))
 
 
+def check_files(coefficients: Path, runs: Sequence[Path]) -> None:
+    """Find what is wrong with a coefficient file's form and with the runs' heads before anything slow is imported.
+
+    Raises
+    ------
+    InputError
+        With the first fault, its file and its place.
+    """
+    from gen.coefficients import check_form
+    from gen.runs import check_head
+
+    check_form(coefficients)
+    for path in runs:
+        check_head(path)
+
+
 def check_once(runs: Sequence[Path]) -> None:
     """Refuse a run that is given twice: it would count as evidence of its own.
 
@@ -27,11 +43,6 @@ def check_once(runs: Sequence[Path]) -> None:
         if path.resolve() in seen:
             raise InputError("is given twice; expected each run once", file=str(path))
         seen.add(path.resolve())
-
-
-def shown_name(path: Path) -> str:
-    """A file's name as comments of the C++ can hold it: a name may have line ends and bytes that are no text."""
-    return "".join(c if c.isprintable() and c != "\\" else "?" for c in path.name)
 
 
 def combination(*, default_all: bool) -> Callable[[CommandType], CommandType]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from gen.commands.options import COEFFICIENTS, check_once
+from gen.commands.options import COEFFICIENTS, check_files, check_once
 from gen.errors import InputError
 
 _PATH = click.Path(path_type=Path)
@@ -31,14 +31,21 @@ def thresholds(coefficients: Path, runs: tuple[Path, ...], rules: Path, out: Pat
     from gen.coefficients import load, parse, with_rules
     from gen.coefficients.rules import read_rules
     from gen.files import check_outputs, write_text
-    from gen.runs import read_run
-    from gen.thresholds.derive import complete, error_bands
-    from gen.thresholds.healthy import compare
+    from gen.runs import check_run, read_run
 
     check_outputs((out,), (*runs, rules))
     check_once(runs)
+    check_files(coefficients, runs)
     loaded = load(coefficients)
     wanted = read_rules(rules, loaded.model.component_names)
+    for path in runs:
+        if path.is_file():  # a pipe can be read only once
+            check_run(path)
+
+    # Slow to import: what is wrong with a file was told before.
+    from gen.thresholds.derive import complete, error_bands
+    from gen.thresholds.healthy import compare
+
     healthy = []
     for path in runs:
         run = read_run(path, loaded.model.component_names, ambient=loaded.model.ambient_channel or "ambient_degC")

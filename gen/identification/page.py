@@ -6,15 +6,16 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment
 
-from gen import __version__
 from gen.coefficients import Coefficients
 from gen.identification import figures
 from gen.identification.data import Data
 from gen.identification.identify import Identified
 from gen.identification.summary import summary
 from gen.pages.environment import page_environment
+from gen.version import __version__
 
 _OPTIONS = 8
 
@@ -70,6 +71,7 @@ def _part(item: Identified, numbers: dict[str, Any]) -> dict[str, Any]:
         "rejected": [_option(option, item) for option in bad[:_OPTIONS]],
         "counts": (len(item.general.options), len(bad)),
         "chosen": item.general.chosen,
+        "own_K": float(np.sqrt(np.mean([tests.rms_K**2 for tests in item.tests.values()]))),
         "offset_sd": item.offset_sd,
     }
 
@@ -77,8 +79,8 @@ def _part(item: Identified, numbers: dict[str, Any]) -> dict[str, Any]:
 def _option(option: Any, item: Identified) -> dict[str, Any]:  # noqa: ANN401
     left = option.left_out
     return {
-        "time": option.shape.time.name,
-        "gain": option.shape.gain.name,
+        "time": option.shape.time.words,
+        "gain": option.shape.gain.words,
         "score": f"{option.score:.2f}",
         "own": f"{max(abs(option.own.steady_K)):.2f}",
         "left": [f"{value:.2f}" for value in left.rms_K] if left is not None else ["" for _ in item.speeds],

@@ -7,11 +7,10 @@ from io import TextIOWrapper
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from gen.files import replacing
-from gen.runs.run import AMBIENT, Run
+from gen.runs.run import Run
 
 
 def write_run(path: Path | str, run: Run) -> None:
@@ -29,11 +28,7 @@ def write_run(path: Path | str, run: Run) -> None:
     InputError
         When the file cannot be written.
     """
-    columns: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {"time_s": run.time_s, "pwm": run.pwm}
-    columns |= {f"{name}_degC": values for name, values in run.temps.items()}
-    if run.ambient is not None:
-        columns[AMBIENT] = run.ambient
-    write_columns(path, {**columns, **run.extras}, run.comments)
+    write_columns(path, run.columns(), run.comments)
 
 
 def write_columns(
@@ -65,6 +60,8 @@ def write_columns(
     for name in columns:
         if not name or set(name) & set(',"#') or name != name.strip():
             raise ValueError(f"{name!r} cannot be a column's name")
+    import pandas as pd  # slow to import: reading does without
+
     with replacing(Path(path)) as stream:
         lines = TextIOWrapper(stream, encoding="utf-8", newline="")
         for key, value in (comments or {}).items():
