@@ -22,8 +22,9 @@ KEYS = {key for part in OBJECTS.values() for key in part["properties"]} - ELSEWH
 
 #: Other formats with words of the same name: module -> the words, by what they are keys of.
 OTHER_FORMATS = {
-    # the JSON summary of `gen refine`
+    # the JSON summary of `gen refine` (and, of the Python interface, that of `gen identify`)
     "commands/refine.py": {"name", "component", "parameters", "evidence"},
+    "interface/loop.py": {"name", "component", "parameters", "evidence", "components", "order", "value"},
     "refinement/page.py": {"name", "component", "parameters", "evidence", "note"},
     # the JSON summary of `gen identify`: a measured error by speed, a fitted number with its interval
     "identification/page.py": {"components"},
@@ -37,7 +38,8 @@ OTHER_FORMATS = {
     "firmware/effects_report.py": {"effects"},
     "firmware/render.py": {"name", "effects"},
     "firmware/wiring_svg.py": {"channels", "encoder", "drive", "column"},
-    # parameters of an optimiser, fields of the study's targets, columns of a verification
+    # a frame's attributes, parameters of an optimiser, fields of the study's targets, columns of a verification
+    "interface/files.py": {"name"},
     "identification/output_error.py": {"value"},
     "rig/calibrate/targets.py": {"speed_percent", "duration_s"},
     "verification/profiles.py": {"channels"},
