@@ -7,9 +7,16 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from gen.coefficients.alarms import MOST_RULES, AlarmRule
-from gen.coefficients.base import Celsius, Counts, Name, Number, Part, Positive, fault, ordered
-from gen.coefficients.effects import EffectEntry
-from gen.coefficients.references import check_references, within
+from gen.coefficients.base import Celsius, CountRange, Name, Part, Positive, fault, ordered
+from gen.coefficients.effects import EffectEntry, check_effects
+from gen.coefficients.provenance import Provenance
+from gen.coefficients.references import (
+    check_alarm_references,
+    check_component_names,
+    check_provenance,
+    check_wiring_references,
+    within,
+)
 from gen.coefficients.schedule import ScheduleEntry
 from gen.coefficients.wiring import Wiring
 
@@ -17,7 +24,6 @@ SKETCH_FILES = frozenset(["board", "commands", "config", "console", "crc32", "de
 SKETCH_FILES |= {"channels", "indicator", "memory", "observer", "output", "selftest", "thermocouples"}
 """Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
 
-CountRange = tuple[Counts, Counts]
 CelsiusRange = tuple[Celsius, Celsius]
 ColumnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 
@@ -101,33 +107,6 @@ class ComponentEntry(Part):
         return self
 
 
-class ErrorBand(Part):
-    """What the model is known to be off by, in a range of PWM."""
-
-    component: str
-    pwm: CountRange
-    model_minus_measured_K: Annotated[tuple[Number, Number], Field(description="[lowest, highest]")]
-    note: str = ""
-
-    @model_validator(mode="after")
-    def _check(self) -> ErrorBand:
-        ordered(*self.pwm, "pwm")
-        ordered(*self.model_minus_measured_K, "model_minus_measured_K")
-        return self
-
-
-class Provenance(Part):
-    """Where the numbers come from, and how good they are."""
-
-    source: str
-    method: str = ""
-    data: tuple[str, ...] = ()
-    fit: Annotated[
-        dict[str, dict[str, Number]], Field(description="By component: figures of the fit, unit in the name.")
-    ] = Field(default_factory=dict)
-    error: tuple[ErrorBand, ...] = ()
-
-
 class Document(Part):
     """A coefficient file."""
 
@@ -154,7 +133,7 @@ class Document(Part):
         if self.name.lower() in SKETCH_FILES:
             raise fault(f'"{self.name}" is the name of a file of the sketch; expected another name', "name")
         self._check_ranges()
-        check_references(self)
+        self._check_references()
         return self
 
     def _check_ranges(self) -> None:
@@ -167,6 +146,17 @@ class Document(Part):
         fixed = self.ambient.fixed_degC
         if fixed is not None:
             within((fixed, fixed), self.domain.ambient_degC, "the domain", "ambient", "fixed_degC")
+
+    def _check_references(self) -> None:
+        names = [component.name for component in self.components]
+        full_scale = self.input.full_scale
+        check_component_names(names)
+        if self.provenance is not None:
+            check_provenance(self.provenance, names, full_scale)
+        check_effects(self.effects, names)
+        if self.wiring is not None:
+            check_wiring_references(self.wiring, names, self.ambient.channel, full_scale)
+        check_alarm_references(self.alarms, names, full_scale, self.sample_time_s)
 
     @property
     def thermocouple_columns(self) -> tuple[str, ...]:

@@ -4,50 +4,52 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from gen.coefficients.alarms import MOST_SAMPLES, AlarmRule, OverTemperature, window_counts
 from gen.coefficients.base import fault, listed, ordered
-from gen.coefficients.effects import check_effects
-
-if TYPE_CHECKING:
-    from gen.coefficients.document import Document, Provenance
-    from gen.coefficients.wiring import Wiring
+from gen.coefficients.provenance import Provenance
+from gen.coefficients.wiring import Wiring
 
 _EXTRA_COLUMN = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,25}_degC")
 
 
-def check_references(document: Document) -> None:
-    """Check every name and range by which one part of the document refers to another.
+def check_component_names(names: Sequence[str]) -> None:
+    """Check that the components' names differ.
 
     Raises
     ------
     PydanticCustomError
-        At the first that does not fit; the path starts at the document.
+        Here as below at the first fault; the path starts at the document.
     """
-    names = [component.name for component in document.components]
     _unique(names, "components")
-    _unique([alarm.name for alarm in document.alarms], "alarms")
-    if document.provenance is not None:
-        _check_provenance(document.provenance, names, document.input.full_scale)
-    check_effects(document.effects, names)
-    if document.wiring is not None:
-        _check_thermocouples(document.wiring, names, document.ambient.channel)
-        _check_columns(document.wiring, names, document.ambient.channel)
-        _check_profile(document.wiring, document.input.full_scale)
-    for i, alarm in enumerate(document.alarms):
-        _known(alarm.component, names, "alarms", i, "component")
-        _check_window(alarm, i, document.input.full_scale, document.sample_time_s)
-        _check_earlier(alarm, i, [rule.name for rule in document.alarms[:i]])
-        _check_relative(alarm, i, names)
 
 
-def _check_provenance(provenance: Provenance, names: list[str], full_scale: int) -> None:
+def check_provenance(provenance: Provenance, names: list[str], full_scale: int) -> None:
+    """Check error bands and figures against the components' names and the input's full scale."""
     for i, band in enumerate(provenance.error):
         _known(band.component, names, "provenance", "error", i, "component")
         within(band.pwm, (0, full_scale), "the input's full scale", "provenance", "error", i, "pwm")
     for name in provenance.fit:
         _known(name, names, "provenance", "fit", name)
+
+
+def check_wiring_references(wiring: Wiring, names: list[str], ambient: str | None, full_scale: int) -> None:
+    """Check channels, columns and the profile against the components' names, the ambient's column and full scale."""
+    _check_thermocouples(wiring, names, ambient)
+    _check_columns(wiring, names, ambient)
+    _check_profile(wiring, full_scale)
+
+
+def check_alarm_references(
+    alarms: Sequence[AlarmRule], names: list[str], full_scale: int, sample_time_s: float
+) -> None:
+    """Check rules against the components' names, each other, the input's full scale and the sample time in s."""
+    _unique([alarm.name for alarm in alarms], "alarms")
+    for i, alarm in enumerate(alarms):
+        _known(alarm.component, names, "alarms", i, "component")
+        _check_window(alarm, i, full_scale, sample_time_s)
+        _check_earlier(alarm, i, [rule.name for rule in alarms[:i]])
+        _check_relative(alarm, i, names)
 
 
 def _check_thermocouples(wiring: Wiring, names: list[str], ambient: str | None) -> None:

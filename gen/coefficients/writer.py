@@ -12,8 +12,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from gen.coefficients.base import Part
-from gen.coefficients.document import Document, ErrorBand
+from gen.coefficients.document import Document
 from gen.coefficients.effects import EffectEntry
+from gen.coefficients.provenance import ErrorBand
 from gen.coefficients.reader import read_tree
 from gen.coefficients.rules import RuleDraft, Rules
 from gen.coefficients.versions import Tree, migrated

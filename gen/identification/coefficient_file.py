@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients, Document, dump, parse
-from gen.coefficients.document import Accuracy, Ambient, Domain, ErrorBand, Input, Provenance, Validity
+from gen.coefficients.document import Accuracy, Ambient, Domain, Input, Validity
 from gen.coefficients.messages import building
+from gen.coefficients.provenance import ErrorBand, Provenance
 from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.bands import Band

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.coefficients.document import Document, ErrorBand
+from gen.coefficients.document import Document
+from gen.coefficients.provenance import ErrorBand
 from gen.coefficients.rules import RuleDraft
 from gen.errors import InputError
 from gen.thresholds.healthy import MEAN_S, SETTLE_S, HealthyRun, differences

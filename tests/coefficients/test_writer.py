@@ -9,9 +9,10 @@ from typing import Any
 import pytest
 
 from gen.coefficients import as_json, dump, load, parse, with_effects, with_rules
-from gen.coefficients.document import Ambient, ErrorBand
+from gen.coefficients.document import Ambient
 from gen.coefficients.effects import EffectEntry
 from gen.coefficients.messages import building
+from gen.coefficients.provenance import ErrorBand
 from gen.coefficients.rules import RuleDraft, Rules
 from gen.coefficients.wiring import Wiring
 from gen.errors import InputError
