@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from gen.coefficients import Coefficients, parse
+from gen.coefficients import Coefficients, as_json, parse, with_effects
 from gen.errors import InputError
 from gen.refinement.admission import admitted
 from gen.refinement.candidates import Tracing
 from gen.refinement.condense import Condensed, check_measured, condense
-from gen.refinement.effect_entries import calibrations, entry, extended_text
+from gen.refinement.effect_entries import effect_entries
 from gen.refinement.excitation import Excitation, excitation
 from gen.refinement.leftover import Remains, leftover
 from gen.refinement.run_errors import Curve, Score, run_errors, total
@@ -55,7 +55,7 @@ class Refinement:
     before, after
         Errors of the baseline and of the refined model.
     effects
-        As in the coefficient file.
+        As the JSON summary has them, which is as in the coefficient file.
     verdict
         "explained", "partly explained", "nothing missing" or "unexplained".
     tracing, runs, excitation, remains, warnings
@@ -127,13 +127,11 @@ def refine(
     runs, warnings = admitted(baseline, runs)
     warnings += long
     tracing = trace(baseline, runs, progress)
-    effects = [entry(f, tracing) for f in tracing.found]
-    effects += calibrations(tracing)
     verdict = judge_verdict(tracing)
-    for effect in effects:
-        effect["evidence"]["confident"] = verdict == "explained" and not effect["evidence"]["lookalikes"]
-    text = extended_text(raw, effects)
-    refined = parse(text.encode()) if effects else baseline
+    entries = effect_entries(tracing, explained=verdict == "explained")
+    effects = [as_json(entry) for entry in entries]
+    text = with_effects(raw, entries)
+    refined = parse(text.encode()) if entries else baseline
     before, after = Errors(), Errors()
     kept = {run.name for run in runs}
     for paths, key in ((fit_paths, "fit"), (test_paths, "test")):
