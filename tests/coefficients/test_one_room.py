@@ -26,6 +26,7 @@ OTHER_FORMATS = {
     "commands/refine.py": {"name", "component", "parameters", "evidence"},
     "interface/loop.py": {"name", "component", "parameters", "evidence", "components", "order", "value"},
     "refinement/page.py": {"name", "component", "parameters", "evidence", "note"},
+    "refinement/residual_charts.py": {"component"},
     # the JSON summary of `gen identify`: a measured error by speed, a fitted number with its interval
     "identification/page.py": {"components"},
     "identification/summary.py": {"components", "value", "model_minus_measured_K"},
