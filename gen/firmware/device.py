@@ -8,13 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gen import __version__
 from gen.coefficients import Coefficients
 from gen.coefficients.wiring import SUPPLY_V, ChannelInput, Drive, Encoder, Observe, Thermocouple, Wiring
 from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.context import Context
 from gen.firmware.effects_cpp import channel_names
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
+from gen.lowering.alarms import COLD_mK
 from gen.lowering.program import Program
 from gen.lowering.sensors import (
     CONFIRMATIONS,
@@ -28,6 +28,7 @@ from gen.lowering.sensors import (
 )
 from gen.reference.effects import effect_fields
 from gen.reference.lanes import state_fields
+from gen.version import __version__
 
 #: Modules of the sketch that every project has.
 _ALWAYS = ("board", "commands", "console", "crc32", "drive", "output", "selftest")
@@ -135,6 +136,7 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         "measured": [chip for chip in chips if chip["channel"] in names],
         "column_chips": [chip for chip in chips if chip["column"]],
         "ambient_chip": next((chip for chip in chips if chip["channel"] == "ambient"), None),
+        "cold_mK": COLD_mK,
         "read_samples": read_samples,
         "reading_ms": read_samples * sample_ms,
         "conversion_ms": CONVERSION_MS,
