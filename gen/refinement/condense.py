@@ -166,13 +166,10 @@ def free_run(baseline: Coefficients, model: Coefficients, path: Path) -> tuple[R
     start = {name: value + float(ambient[0] - own[0]) for name, value in first.items()}
     channels = {k: held_over_gaps(v) for k, v in run.extras.items() if np.any(np.isfinite(v))}
     for applied in model.effects:
-        column = applied.values.get("channel") or applied.values.get("source")
-        known = (
-            column is None or column in channels or column in model.model.component_names or column == "ambient_degC"
-        )
-        if not known:
+        missing = [column for column in applied.columns(model.model.component_names) if column not in channels]
+        if missing:
             raise InputError(
-                f'the effect "{applied.effect.name}" needs the column {column}', file=str(path), place="header"
+                f'the effect "{applied.effect.name}" needs the column {missing[0]}', file=str(path), place="header"
             )
     # The effects' states are integrated in steps of 1 s: over a month this would be more steps than rows were kept.
     finest = max(FINEST_S, float(run.time_s[-1] - run.time_s[0]) / (4 * MOST_ROWS))

@@ -49,7 +49,7 @@ def trace(
     hypotheses = {name: hypotheses_for(offered(coefficients, runs, whole, name)) for name in whole.components}
     tried = sum(len(h) for h in hypotheses.values())
     if each_speed_once(runs):  # then a left-out run says nothing of its speed's schedule: judged by stretches, below
-        hypotheses = {n: [h for h in all_ if h[0].name != "schedule_error"] for n, all_ in hypotheses.items()}
+        hypotheses = {n: [h for h in all_ if not h[0].of_single_speeds] for n, all_ in hypotheses.items()}
     final = dict(null)
     found: list[Found] = []
     considered: dict[str, list[Candidate]] = {}
@@ -178,7 +178,7 @@ def _couple(whole: StackedRuns, singles: dict[str, StackedRuns], final: dict[str
     """Fit once more where a component's source is another one whose own effects were found meanwhile."""
     changed = {name: _rise(singles[name], f) for name, f in final.items() if f.terms}
     for name, f in list(final.items()):
-        sources = {str(term.variant.fixed.get("source")) for term in f.terms}
+        sources = {part for term in f.terms for _, part in term.effect.reads(term.variant.fixed, "component")}
         if sources & set(changed):
             singles[name] = singles[name].with_others({k: v for k, v in changed.items() if k != name})
             final[name] = fit(singles[name], terms_of(f))
@@ -211,7 +211,8 @@ def _prune(singles: dict[str, StackedRuns], final: dict[str, HypothesisFit], fou
 
 def _known(fitted: HypothesisFit, at: int) -> bool:
     """Whether the size of effect number `at` can be told from none beside the others."""
-    return not fitted.terms[at].variant.free or told_from_none(fitted, 0, fitted.first_free(at))
+    size = fitted.size(at)
+    return size is None or told_from_none(fitted, 0, size)
 
 
 def _importance(whole: StackedRuns, entry: Found) -> float:
