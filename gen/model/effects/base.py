@@ -286,7 +286,7 @@ class Effect(ABC):
         """The hypothesis that says nothing of speeds that were not run; None where there is none."""
         return None
 
-    def calibrated(self, offset_K: float) -> dict[str, float]:
+    def calibrated(self, error_K: float) -> dict[str, float]:
         """Parameters that stand for a constant error within the tolerance."""
         raise NotImplementedError
 

@@ -35,8 +35,8 @@ class SensorOffset(Effect):
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         return [Variant({}, (Free("offset_K", 0.5, -30.0, 30.0),))]
 
-    def calibrated(self, offset_K: float) -> dict[str, float]:  # noqa: D102
-        return {"offset_K": offset_K}
+    def calibrated(self, error_K: float) -> dict[str, float]:  # noqa: D102
+        return {"offset_K": error_K}
 
     def start(self, p: Values, rise: Lanes, ambient: Lanes, measured_ambient: Lanes) -> Lanes:  # noqa: D102
         return -p["offset_K"]
