@@ -93,7 +93,7 @@ def write_runs(folder: Path, count: int) -> list[Path]:
         rows = np.arange(0, steps, EVERY)
         shown = AMBIENT + course[rows] + random.normal(0.0, 0.15, rows.size)
         run = Run(
-            time_s=rows * STEP,
+            time_s=np.asarray(rows * STEP, dtype=np.float64),
             pwm=pwm[rows],
             temps={PART: np.round(shown / 0.25) * 0.25},
             ambient=np.full(rows.size, AMBIENT),

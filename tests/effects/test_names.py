@@ -79,8 +79,14 @@ def test_templates_name_no_effect_and_no_parameter() -> None:
     assert found == []
 
 
+def test_the_registry_alone_imports_the_catalogue() -> None:
+    assert [path for path in PATHS if re.search(r"effects\.catalogue\b", path.read_text(encoding="utf-8"))] == []
+
+
 def test_the_simulated_motor_shares_nothing_with_the_effects() -> None:
-    assert [path for path in PATHS if APART in path.parents and "model.effects" in path.read_text()] == []
+    assert [
+        path for path in PATHS if APART in path.parents and "model.effects" in path.read_text(encoding="utf-8")
+    ] == []
 
 
 def looked_up(tree: ast.AST) -> Iterator[tuple[int, str]]:
