@@ -1,7 +1,7 @@
 """Finds the external programs, headers and sources that verification needs.
 
-Everything comes from Debian packages. What is missing is reported with the package that holds it; nothing is
-skipped for want of it.
+Everything comes from Debian packages. What is missing is reported with the package that holds it. Nothing is
+skipped for want of it, but for one of the two compilers of this computer, where the user did not ask for it.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 
 from gen.errors import InputError
@@ -34,6 +35,9 @@ PACKAGES = {
     "clang++": "clang",
 }
 """The Debian package that holds each program."""
+
+HOST_COMPILERS = ("g++", "clang++")
+"""The compilers of this computer that the emitted library is verified with."""
 
 
 class ToolMissing(InputError):
@@ -74,6 +78,27 @@ def program(name: str) -> Path:
     if found is None:
         raise ToolMissing(name, PACKAGES[name])
     return Path(found)
+
+
+def host_compilers(asked: Sequence[str] = ()) -> list[str]:
+    """Find compilers for this computer.
+
+    Parameters
+    ----------
+    asked
+        Some of `HOST_COMPILERS`, each of which must be there; empty: as many as there are.
+
+    Raises
+    ------
+    ToolMissing
+        When one that was asked for is not on the ``PATH``, or none is.
+    """
+    for name in asked:
+        program(name)
+    found = [name for name in asked or HOST_COMPILERS if shutil.which(name) is not None]
+    if not found:
+        raise ToolMissing(" or ".join(HOST_COMPILERS), PACKAGES[HOST_COMPILERS[0]])
+    return found
 
 
 def avr_compiler() -> Path:

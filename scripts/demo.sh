@@ -4,6 +4,6 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 bash scripts/setup.sh
 .venv/bin/gen build examples/my1016/coeffs.json --out build/my1016
-.venv/bin/gen verify examples/my1016/coeffs.json --target all --json build/verification.json
+.venv/bin/gen verify examples/my1016/coeffs.json --target all --compilers g++,clang++ --json build/verification.json
 .venv/bin/gen build examples/my1016/coeffs.json --out build/my1016 --verification build/verification.json
 echo "The project is in build/my1016; open build/my1016/report.html in a browser."

@@ -5,8 +5,14 @@ from __future__ import annotations
 import os
 import signal
 
+from hypothesis import HealthCheck, settings
+
 # As `gen` itself: the matrices are small, and threads of the linear algebra library wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # A shell lets background jobs ignore Ctrl-C, and children inherit that: tests of interrupts would wait forever.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# How long an example takes, and how quickly one is drawn, is the machine's business.
+settings.register_profile("any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("any machine")

@@ -76,6 +76,27 @@ def load(path: Path | str) -> Coefficients:
         raise InputError(error.message, file=str(path), place=error.place) from error
 
 
+def check_form(path: Path | str) -> None:
+    """Check a coefficient file's form and references only, which is quick; :func:`load` checks all.
+
+    Parameters
+    ----------
+    path
+        The JSON file; what is no file to be opened twice, such as a pipe, is left to its reader.
+
+    Raises
+    ------
+    InputError
+        As :func:`load`.
+    """
+    if Path(path).exists() and not Path(path).is_file() and not Path(path).is_dir():
+        return
+    try:
+        parse_document(_read(Path(path)))
+    except InputError as error:
+        raise InputError(error.message, file=str(path), place=error.place) from error
+
+
 def parse(raw: bytes) -> Coefficients:
     """Check the bytes of a coefficient file, as :func:`load` does.
 

@@ -37,12 +37,14 @@ def build(
 ) -> None:
     """Write the complete PlatformIO project for a coefficient file."""
     from gen.coefficients import load
+
+    loaded = load(coefficients)  # before what is slow to import: a fault in the file is told at once
+
     from gen.files import replace_folder
     from gen.firmware.effects_report import unwired
     from gen.firmware.project import kept_verification, project_files, read_verification
     from gen.lowering.lower import lower
 
-    loaded = load(coefficients)
     for warning in loaded.warnings:
         click.echo(f"warning: {coefficients}: {warning}", err=True)
     for warning in unwired(loaded):

@@ -93,14 +93,17 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
     printed. Time-lapse changes how fast one can watch, nothing else.
     """
     from gen.coefficients import load
-    from gen.emulate.plot import plot_svg
-    from gen.emulate.results import results_of, summary
     from gen.files import check_outputs, write_bytes, write_text
-    from gen.record.port import write_parts
 
     check_outputs((out, json_file, plot, options["eeprom"]), (coefficients,))
     loaded = load(coefficients)
     wanted = _wanted(loaded, coefficients, options)
+
+    # Slow to import: what is wrong with the file and the options was told before.
+    from gen.emulate.plot import plot_svg
+    from gen.emulate.results import results_of, summary
+    from gen.record.port import write_parts
+
     with ExitStack() as stack:
         board = _board(loaded, coefficients, wanted, stack, options)
         session = _run(board, wanted, stack, options)

@@ -45,16 +45,22 @@ def identify(
     from gen.coefficients.names import name_fault
     from gen.errors import InputError
     from gen.files import check_outputs, write_text
-    from gen.identification.coefficient_file import Settings, coefficient_text, usable
-    from gen.identification.data import read_data
-    from gen.identification.identify import identify as run
-    from gen.identification.summary import summary, text, without_nan
+    from gen.runs import check_head
 
     fault = name_fault(name)
     if fault:
         raise InputError(fault, place="--name")
     check_outputs((out, json_file, report), runs)
     check_once(runs)
+    for path in runs:
+        check_head(path)
+
+    # Slow to import: what is wrong with a file's head was told before.
+    from gen.identification.coefficient_file import Settings, coefficient_text, usable
+    from gen.identification.data import read_data
+    from gen.identification.identify import identify as run
+    from gen.identification.summary import summary, text, without_nan
+
     with progress_line() as progress:
         progress("reading")
         data = read_data(runs, ambient)

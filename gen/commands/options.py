@@ -14,6 +14,22 @@ CommandType = TypeVar("CommandType", bound=Callable[..., Any])
 COEFFICIENTS = click.argument("coefficients", metavar="COEFFS", type=click.Path(path_type=Path))
 
 
+def check_files(coefficients: Path, runs: Sequence[Path]) -> None:
+    """Find what is wrong with a coefficient file's form and with the runs' heads before anything slow is imported.
+
+    Raises
+    ------
+    InputError
+        With the first fault, its file and its place.
+    """
+    from gen.coefficients import check_form
+    from gen.runs import check_head
+
+    check_form(coefficients)
+    for path in runs:
+        check_head(path)
+
+
 def check_once(runs: Sequence[Path]) -> None:
     """Refuse a run that is given twice: it would count as evidence of its own.
 

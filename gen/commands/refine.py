@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gen.commands.options import check_once
+from gen.commands.options import check_files, check_once
 from gen.progress import progress_line
 
 if TYPE_CHECKING:
@@ -83,13 +83,16 @@ def refine(
     """
     from gen.coefficients import load
     from gen.files import check_outputs, write_text
-    from gen.refinement.refine import refine as run
 
     check_outputs((out, report, json_file), (*fit_runs, *test_runs))
     check_outputs((report, json_file), (coefficients,))
     check_once(fit_runs)
     check_once(test_runs)
+    check_files(coefficients, (*fit_runs, *test_runs))
     loaded = load(coefficients)
+
+    from gen.refinement.refine import refine as run  # slow to import: what is wrong with a file's head was told before
+
     raw = coefficients.read_text(encoding="utf-8-sig")
     with progress_line() as progress:
         found = run(loaded, raw, fit_runs, test_runs, progress)

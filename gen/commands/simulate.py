@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from gen.commands.options import COEFFICIENTS
+from gen.commands.options import COEFFICIENTS, check_files
 
 if TYPE_CHECKING:
     from gen.lowering.kinds import Arithmetic
@@ -33,14 +33,16 @@ def simulate(
     """Run the reference simulator on a run file and write the model's temperatures at the run's own times."""
     from gen.coefficients import load
     from gen.files import check_outputs
-    from gen.reference.simulate import simulate_run
-    from gen.runs import read_run
-    from gen.runs.writer import write_columns
+    from gen.runs import read_run, write_columns
 
     target = out or run.with_suffix(".model.csv")
     check_outputs((target,), (coefficients, run))
+    check_files(coefficients, [run])
     loaded = load(coefficients)
     measured = read_run(run, loaded.model.component_names, ambient=loaded.model.ambient_channel or "ambient_degC")
+
+    from gen.reference.simulate import simulate_run  # slow to import: what is wrong with the files was told before
+
     columns = simulate_run(loaded, measured, arithmetic, start, str(run))
     write_columns(target, columns, {"model": loaded.name, "arithmetic": arithmetic})
     click.echo(f"{target}: {len(measured.time_s)} rows")

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from gen.commands.options import COEFFICIENTS, check_once
+from gen.commands.options import COEFFICIENTS, check_files, check_once
 from gen.errors import InputError
 
 _PATH = click.Path(path_type=Path)
@@ -34,14 +34,21 @@ def thresholds(coefficients: Path, runs: tuple[Path, ...], rules: Path, out: Pat
     """
     from gen.coefficients import load, parse
     from gen.files import check_outputs, write_text
-    from gen.runs import read_run
-    from gen.thresholds.derive import complete, error_bands
-    from gen.thresholds.healthy import compare
+    from gen.runs import check_run, read_run
 
     check_outputs((out,), (*runs, rules))
     check_once(runs)
+    check_files(coefficients, runs)
     loaded = load(coefficients)
     wanted = _rules(rules, loaded.model.component_names)
+    for path in runs:
+        if path.is_file():  # a pipe can be read only once
+            check_run(path)
+
+    # Slow to import: what is wrong with a file was told before.
+    from gen.thresholds.derive import complete, error_bands
+    from gen.thresholds.healthy import compare
+
     healthy = []
     for path in runs:
         run = read_run(path, loaded.model.component_names, ambient=loaded.model.ambient_channel or "ambient_degC")

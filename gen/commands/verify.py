@@ -11,6 +11,7 @@ import click
 from gen.commands.options import COEFFICIENTS, combination
 from gen.errors import CheckFailed
 from gen.progress import progress_line
+from gen.toolchain import HOST_COMPILERS, PACKAGES, host_compilers
 
 if TYPE_CHECKING:
     from gen.lowering.kinds import Arithmetic, ScheduleKind
@@ -24,6 +25,12 @@ if TYPE_CHECKING:
 @COEFFICIENTS
 @combination(default_all=True)
 @click.option("--target", type=click.Choice(["host", "avr", "all"]), default="all", show_default=True)
+@click.option(
+    "--compilers",
+    metavar="NAME,...",
+    callback=lambda _context, _option, text: _names(text),
+    help=f"Of this computer, {' or '.join(HOST_COMPILERS)}; each must be there.  [default: those that are there]",
+)
 @click.option("--json", "json_file", type=click.Path(path_type=Path), help="Write what was found as JSON.")
 @click.option(
     "--scale", type=click.FloatRange(0.001, 10.0), default=1.0, help="Share of the full campaign.", hidden=True
@@ -33,22 +40,40 @@ def verify(
     arithmetic: Arithmetic | Literal["all"],
     schedule: ScheduleKind | Literal["all"],
     target: Target,
+    compilers: tuple[str, ...],
     json_file: Path | None,
     scale: float,
 ) -> None:
-    """Prove the generated C++ equal to the reference, bit for bit, and measure error and cost."""
+    """Prove the generated C++ equal to the reference, bit for bit, and measure error and cost.
+
+    On this computer (--target host) with g++ and clang++, or with the one that is there; on an emulated Mega
+    (--target avr) with avr-g++.
+    """
     from gen.coefficients import load
     from gen.files import check_outputs, write_text
+
+    check_outputs((json_file,), (coefficients,))
+    used = _compilers(target, compilers)
+    loaded = load(coefficients)  # before what is slow to import: a fault in the file is told at once
+
     from gen.verification.report import print_results
+    from gen.verification.runners import HOST_BUILDS
     from gen.verification.verify import summary
     from gen.verification.verify import verify as run
 
-    loaded = load(coefficients)
-    check_outputs((json_file,), (coefficients,))
     arithmetics: tuple[Arithmetic, ...] = ("fixed", "float") if arithmetic == "all" else (arithmetic,)
     schedules: tuple[ScheduleKind, ...] = ("table", "onboard") if schedule == "all" else (schedule,)
+    builds = [name for name, (compiler, _) in HOST_BUILDS.items() if compiler in used]
     with progress_line() as progress:
-        results = run(loaded, arithmetics, schedules, target, progress=progress, scale=scale)
+        results = run(
+            loaded,
+            arithmetics,
+            schedules,
+            target,
+            progress=progress,
+            scale=scale,
+            host_builds=builds,
+        )
     found = summary(loaded, results)
     if json_file is not None:
         write_text(json_file, json.dumps(found, indent=1) + "\n")
@@ -59,3 +84,27 @@ def verify(
     if exceeded:
         raise CheckFailed(exceeded[0])
     click.echo(f"equal: {found['samples']} samples, {found['words']} words, none differs")
+
+
+def _names(text: str | None) -> tuple[str, ...]:
+    names = tuple(name.strip() for name in text.split(",")) if text is not None else ()
+    for name in names:
+        if name not in HOST_COMPILERS:
+            raise click.BadParameter(f'found "{name}", expected {" or ".join(HOST_COMPILERS)}')
+    return names
+
+
+def _compilers(target: Target, asked: tuple[str, ...]) -> list[str]:
+    """Those to run; says which is missing, unless the user chose."""
+    if target == "avr":
+        if asked:
+            raise click.UsageError("--compilers is of no use with --target avr: the firmware's is avr-g++")
+        return []
+    found = host_compilers(asked)
+    for name in () if asked else HOST_COMPILERS:
+        if name not in found:
+            click.echo(
+                f"warning: {name} is missing (Debian package {PACKAGES[name]}): verified with {', '.join(found)} only",
+                err=True,
+            )
+    return found

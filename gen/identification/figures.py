@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import re
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from markupsafe import Markup
@@ -22,6 +23,22 @@ _POINTS = 300
 _HOUR = 3600.0
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """A chart and its legend, which stands below it as text, as large on a phone as on a desk.
+
+    Attributes
+    ----------
+    svg
+        Inline SVG.
+    legend
+        Label and colour (CSS) of each line.
+    """
+
+    svg: Markup
+    legend: tuple[tuple[str, str], ...] = ()
+
+
 def _figure(width: float = 5.6, height: float = 3.4) -> tuple[Figure, Axes]:
     # The object-oriented interface: no global state, no display.
     from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -37,11 +54,21 @@ def _figure(width: float = 5.6, height: float = 3.4) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _svg(figure: Figure, identifier: str, description: str) -> Markup:
+def _legend(axes: Axes) -> tuple[tuple[str, str], ...]:
+    """The labels that lines were given, with their colours."""
+    from matplotlib.colors import to_hex
+    from matplotlib.container import ErrorbarContainer
+
+    handles, labels = axes.get_legend_handles_labels()
+    lines: list[Any] = [handle[0] if isinstance(handle, ErrorbarContainer) else handle for handle in handles]
+    return tuple((label, to_hex(line.get_color())) for label, line in zip(labels, lines, strict=True))
+
+
+def _drawn(figure: Figure, identifier: str, description: str) -> Drawn:
     import matplotlib
 
     stream = io.StringIO()
-    with matplotlib.rc_context({"svg.hashsalt": identifier, "svg.fonttype": "none", "font.size": 9}):
+    with matplotlib.rc_context({"svg.hashsalt": identifier, "svg.fonttype": "none", "font.size": 11}):
         figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     text = stream.getvalue()
     text = text[text.index("<svg") :]
@@ -52,7 +79,7 @@ def _svg(figure: Figure, identifier: str, description: str) -> Markup:
     text = re.sub(r' xmlns:xlink="[^"]*"| xmlns="[^"]*"', "", text)
     text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
     text = text.replace("<svg", f'<svg role="img" aria-label="{description}"', 1)
-    return Markup(text)
+    return Drawn(Markup(text), _legend(figure.axes[0]))
 
 
 def _thin(*arrays: FloatArray) -> tuple[FloatArray, ...]:
@@ -60,7 +87,7 @@ def _thin(*arrays: FloatArray) -> tuple[FloatArray, ...]:
     return tuple(a[keep] for a in arrays)
 
 
-def fits(item: Identified) -> Markup:
+def fits(item: Identified) -> Drawn:
     """Measured rise (dots) and the general model's free run (lines) over time."""
     figure, axes = _figure()
     for r, record in enumerate(item.problem.records):
@@ -70,12 +97,10 @@ def fits(item: Identified) -> Markup:
         axes.plot(time / _HOUR, rise - residual, "-", color=colour, linewidth=1.3, label=record.run)
     axes.set_xlabel("time (h)")
     axes.set_ylabel("rise over ambient (K)")
-    if len(item.problem.records) <= 8:
-        axes.legend(fontsize=7, frameon=False)
-    return _svg(figure, f"fit-{item.name}", f"Measured and simulated rise of {item.name}")
+    return _drawn(figure, f"fit-{item.name}", f"Measured and simulated rise of {item.name}")
 
 
-def residuals(item: Identified) -> Markup:
+def residuals(item: Identified) -> Drawn:
     """Block means of measured minus model over time."""
     figure, axes = _figure()
     for r, record in enumerate(item.problem.records):
@@ -85,10 +110,10 @@ def residuals(item: Identified) -> Markup:
     axes.axhline(0.0, color="#59626c", linewidth=0.8)
     axes.set_xlabel("time (h)")
     axes.set_ylabel("measured minus model (K)")
-    return _svg(figure, f"res-{item.name}", f"Residual of {item.name} over time")
+    return _drawn(figure, f"res-{item.name}", f"Residual of {item.name} over time")
 
 
-def rises(item: Identified) -> Markup:
+def rises(item: Identified) -> Drawn:
     """Steady rise over PWM: speeds with their intervals, the schedule with its band, left-out predictions."""
     figure, axes = _figure()
     band, layout = item.band, item.fit.layout
@@ -117,11 +142,10 @@ def rises(item: Identified) -> Markup:
         axes.plot(speeds, averaged, "--", color=_COLOURS[6], linewidth=0.9, label="averaged poles")
     axes.set_xlabel("|PWM| (counts)")
     axes.set_ylabel("steady rise (K)")
-    axes.legend(fontsize=7, frameon=False)
-    return _svg(figure, f"rise-{item.name}", f"Steady rise of {item.name} over PWM")
+    return _drawn(figure, f"rise-{item.name}", f"Steady rise of {item.name} over PWM")
 
 
-def times(item: Identified) -> Markup:
+def times(item: Identified) -> Drawn:
     """Structure parameters over PWM with intervals and band."""
     figure, axes = _figure()
     layout = item.fit.layout
@@ -143,11 +167,10 @@ def times(item: Identified) -> Markup:
     axes.set_yscale("log")
     axes.set_xlabel("|PWM| (counts)")
     axes.set_ylabel("time constant (s)")
-    axes.legend(fontsize=7, frameon=False)
-    return _svg(figure, f"tau-{item.name}", f"Time constants of {item.name} over PWM")
+    return _drawn(figure, f"tau-{item.name}", f"Time constants of {item.name} over PWM")
 
 
-def pole_map(item: Identified) -> Markup:
+def pole_map(item: Identified) -> Drawn:
     """Poles in the complex plane, one colour a speed, with their mean."""
     figure, axes = _figure()
     line = item.linearity
@@ -161,5 +184,4 @@ def pole_map(item: Identified) -> Markup:
     axes.axvline(0.0, color="#59626c", linewidth=0.8)
     axes.set_xlabel("real part (10⁻³ rad/s)")
     axes.set_ylabel("imaginary part (10⁻³ rad/s)")
-    axes.legend(fontsize=7, frameon=False)
-    return _svg(figure, f"map-{item.name}", f"Pole map of {item.name}")
+    return _drawn(figure, f"map-{item.name}", f"Pole map of {item.name}")

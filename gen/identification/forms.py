@@ -14,6 +14,21 @@ from gen.identification.structure import FloatArray
 Kind = Literal["poly", "exp2", "linear", "pchip", "trend"]
 FULL = 255.0
 
+_DEGREES = ("constant", "straight line", "parabola", "cubic")
+_CURVES = {
+    "exp2": "sum of two exponentials",
+    "linear": "straight lines from point to point",
+    "pchip": "smooth curve through the points",
+    "trend": "{} and a smooth curve through what it leaves",
+}
+_QUANTITIES = {
+    "log": "(of the logarithm)",
+    "rate": "(of the pole)",
+    "rise": "(of the steady rise)",
+    "per_count": "(of the rise per count)",
+    "numerator": "(of the gain K)",
+}
+
 
 @dataclass(frozen=True)
 class Form:
@@ -41,6 +56,14 @@ class Form:
         """For people."""
         shape = f"{self.kind}{self.degree}" if self.kind in ("poly", "trend") else self.kind
         return f"{self.quantity} {shape}"
+
+    @property
+    def words(self) -> str:
+        """What the name stands for."""
+        if self.kind == "poly" and self.degree == 0:
+            return "the same at every speed"
+        curve = _DEGREES[self.degree] if self.kind == "poly" else _CURVES[self.kind].format(_DEGREES[self.degree])
+        return f"{curve} {_QUANTITIES[self.quantity]}"
 
     @property
     def interpolates(self) -> bool:

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.general import Judge
-from gen.identification.output_error import OutputErrorFit, OutputErrorProblem
+from gen.identification.output_error import OutputErrorFit
 from gen.identification.structure import FloatArray
 
 LIMIT = 0.10
-"""Coefficient of variation up to which one linear time-invariant system is accepted."""
+"""Coefficient of variation of a pole, and error of the averaged-pole model's steady rise as a share of the rise, up to
+which one linear time-invariant system is accepted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,12 +27,10 @@ class Linearity:
         Shape (n, order), rad/s.
     mean, variance, cv
         By pole: mean, sample variance E|p - mean|^2, and sqrt(variance) / |Re mean|, shape (order,).
-    linear
-        Whether every coefficient of variation is within the limit; None with one speed.
     averaged_K
         Steady error of the averaged-pole model (mean poles, mean gain) by speed, K.
-    averaged_rms_K
-        Its root mean square error over time by speed, K.
+    steady_K
+        Identified steady rise by speed, K.
     """
 
     speeds: NDArray[np.int64]
@@ -40,12 +38,34 @@ class Linearity:
     mean: NDArray[np.complex128]
     variance: FloatArray
     cv: FloatArray
-    linear: bool | None
     averaged_K: FloatArray
-    averaged_rms_K: FloatArray
+    steady_K: FloatArray
+
+    @property
+    def averaged_share(self) -> float:
+        """Largest error of the averaged-pole model's steady rise, as a share of the identified rise."""
+        return float(np.max(np.abs(self.averaged_K) / np.maximum(np.abs(self.steady_K), 1e-9)))
+
+    @property
+    def linear(self) -> bool | None:
+        """Whether poles and steady rises both stay within the limit; None with one speed."""
+        if len(self.speeds) < 2:
+            return None
+        return bool(np.all(self.cv <= LIMIT)) and self.averaged_share <= LIMIT
+
+    @property
+    def verdict(self) -> str:
+        """The answer in words, with what speaks against one linear system."""
+        if self.linear is None:
+            return "one speed: whether one linear system would do is not known"
+        if self.linear:
+            return f"one linear system would do: its steady rise is off by up to {self.averaged_share:.0%}"
+        scattered = f"poles vary by up to {np.max(self.cv):.0%}" if np.any(self.cv > LIMIT) else "poles are alike"
+        rise = f"the averaged poles' steady rise is off by up to {self.averaged_share:.0%}"
+        return f"not one linear system: {scattered}, {rise}"
 
 
-def linearity(problem: OutputErrorProblem, fit: OutputErrorFit) -> Linearity:
+def linearity(fit: OutputErrorFit) -> Linearity:
     """Compute the figures of a fit."""
     nodes = fit.layout.positive
     structure = fit.layout.structure
@@ -57,28 +77,12 @@ def linearity(problem: OutputErrorProblem, fit: OutputErrorFit) -> Linearity:
     cv = np.sqrt(variance) / np.abs(mean.real)
     gain = np.mean(fit.steady / nodes * np.abs(np.prod(poles, axis=1)))
     steady = gain * nodes / np.abs(np.real(np.prod(mean)))
-    judge = Judge(problem, fit)
-    # The mean of the poles in the fit's own parameters, which the simulation takes.
-    averaged = _parameters(fit, mean)
-    rms = np.array([judge.error_at(i, averaged[None, :], steady[i : i + 1])[0][0] for i in range(count)])
     return Linearity(
         nodes,
         poles,
         mean,
         np.asarray(variance, dtype=np.float64),
         np.asarray(cv, dtype=np.float64),
-        bool(np.all(cv <= LIMIT)) if count > 1 else None,
         np.asarray(steady - fit.steady, dtype=np.float64),
-        rms,
+        np.asarray(fit.steady, dtype=np.float64),
     )
-
-
-def _parameters(fit: OutputErrorFit, poles: NDArray[np.complex128]) -> FloatArray:
-    structure = fit.layout.structure
-    real = -np.log(np.maximum(np.abs(poles[: structure.real].real), 1e-12))
-    if not structure.pair:
-        return np.asarray(real, dtype=np.float64)
-    square = max(float(np.real(poles[-1] * poles[-2])), 1e-20)
-    omega = np.sqrt(square)
-    zeta = max(float(-np.real(poles[-1] + poles[-2])) / (2.0 * omega), 1e-3)
-    return np.asarray([*real, -np.log(omega), np.log(zeta)], dtype=np.float64)

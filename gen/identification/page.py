@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment
 
 from gen import __version__
@@ -70,6 +71,7 @@ def _part(item: Identified, numbers: dict[str, Any]) -> dict[str, Any]:
         "rejected": [_option(option, item) for option in bad[:_OPTIONS]],
         "counts": (len(item.general.options), len(bad)),
         "chosen": item.general.chosen,
+        "own_K": float(np.sqrt(np.mean([tests.rms_K**2 for tests in item.tests.values()]))),
         "offset_sd": item.offset_sd,
     }
 
@@ -77,8 +79,8 @@ def _part(item: Identified, numbers: dict[str, Any]) -> dict[str, Any]:
 def _option(option: Any, item: Identified) -> dict[str, Any]:  # noqa: ANN401
     left = option.left_out
     return {
-        "time": option.shape.time.name,
-        "gain": option.shape.gain.name,
+        "time": option.shape.time.words,
+        "gain": option.shape.gain.words,
         "score": f"{option.score:.2f}",
         "own": f"{max(abs(option.own.steady_K)):.2f}",
         "left": [f"{value:.2f}" for value in left.rms_K] if left is not None else ["" for _ in item.speeds],

@@ -13,16 +13,39 @@ from gen.identification.coefficient_file import measured_error
 from gen.identification.data import Data
 from gen.identification.identify import SETTLED, Identified
 
+_LEAST_OFFSET_K = 0.005
+"""Smaller offsets print as none."""
+BETWEEN_K = 1.0
+"""Error at speeds that were left out, above which a model is called good at the measured speeds only."""
+
 
 def summary(data: Data, found: Mapping[str, Identified]) -> dict[str, Any]:
     """Give everything as plain numbers and words."""
     return {
         "runs": [source.path for source in data.sources],
         "ambient": {"fixed_degC": data.ambient_fixed, "measured": data.ambient_measured},
+        "verdict": verdict(found),
         "warnings": [*data.warnings, *_warnings(found)],
         "components": {name: _component(item) for name, item in found.items()},
         "next_speed": _next(found),
     }
+
+
+def verdict(found: Mapping[str, Identified]) -> str:
+    """Whether the model is good to be built, in one line: from the runs' reach, the speeds and what had a fault."""
+    speeds = {pwm for item in found.values() for pwm in item.speeds}
+    faulty = [name for name, item in found.items() if item.choice.chosen.rejected or item.general.chosen.rejected]
+    short = [name for name, item in found.items() if min(item.settled.values(), default=1.0) < SETTLED]
+    if faulty:
+        return f"Not good yet: no order or schedule without a fault was found for {', '.join(faulty)}."
+    if len(speeds) < 3:
+        return "Good at the measured speeds only: with fewer than three, nothing shows what lies between and beyond."
+    far = [n for n, item in found.items() if item.general.chosen.left_out and item.general.chosen.score > BETWEEN_K]
+    if far:
+        return f"Good at the measured speeds; between them {', '.join(far)} may be off by more than {BETWEEN_K:g} K."
+    if short:
+        return f"Good for as long as the runs lasted; where {', '.join(short)} would settle is extrapolated."
+    return "Good: every run settled, and every order and schedule passed its checks."
 
 
 def without_nan(tree: Any) -> Any:  # noqa: ANN401
@@ -80,6 +103,7 @@ def _component(item: Identified) -> dict[str, Any]:
             "variance": line.variance.tolist(),
             "cv": line.cv.tolist(),
             "linear": line.linear,
+            "verdict": line.verdict,
             "averaged_pole_steady_error_K": dict(zip(map(str, item.speeds), line.averaged_K.tolist(), strict=True)),
         },
         "schedules": {
@@ -134,7 +158,7 @@ def _warnings(found: Mapping[str, Identified]) -> list[str]:
                     f"{name} at PWM {pwm}: the runs reach {share:.0%} of the way to the steady rise; "
                     f"the rest is extrapolated, known to ±{item.spread.factor * sd:.2g} K"
                 )
-        if item.fit.offset:
+        if item.fit.offset and abs(item.fit.offset) >= _LEAST_OFFSET_K:
             result.append(
                 f"{name}: its sensor reads {item.fit.offset:+.2f} K against the ambient's (±"
                 f"{item.spread.factor * (item.offset_sd or 0.0):.2f} K); the model is without it"
@@ -166,11 +190,11 @@ def text(data: Data, found: Mapping[str, Identified]) -> str:
             lines.append(f"  {node:>3}   {taus:<28}  {rise:<19}  {low:+.2f} .. {high:+.2f}{'':<8}  {out}")
         line = item.linearity
         if line.linear is not None:
-            verdict = "one linear system would do" if line.linear else "not one linear system"
             cv = ", ".join(f"{c:.0%}" for c in line.cv)
             worst = float(np.max(np.abs(line.averaged_K)))
-            lines.append(f"  poles vary by {cv} (CV): {verdict}; averaged poles would be off by up to {worst:.1f} K")
-        lines.append(f"  schedules: {item.general.chosen.name}")
+            lines.append(f"  {line.verdict} ({worst:.1f} K; coefficients of variation of the poles: {cv})")
+        shape = item.general.chosen.shape
+        lines.append(f"  schedules: time constants: {shape.time.words}; gain: {shape.gain.words}")
     if whole["next_speed"]:
         lines.append(f"next run: PWM {whole['next_speed']['pwm']} ({whole['next_speed']['why']})")
     lines += [f"warning: {warning}" for warning in whole["warnings"]]

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import expm
 
 from gen.model.dynamics import Component, ThermalModel
 from gen.model.schedules import FloatArray
@@ -189,6 +188,8 @@ def _step_matrices(component: Component, tau: float, pwm: NDArray[np.int64], ste
         grown = np.expm1(exponent)
         phi = np.divide(grown, exponent, out=np.ones_like(grown), where=exponent != 0.0)
         return _Steps(grown[:, None, None], (phi * b[:, 0] * step * pwm)[:, None])
+    from scipy.linalg import expm  # slow to import: reading and checking a file does without
+
     scale = tau ** np.arange(n)
     m = a * (scale[:, None] / scale[None, :]) * step[:, None, None]
     drive = b * scale * (step * pwm)[:, None]

@@ -16,7 +16,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 FloatArray = NDArray[np.float64]
 Interpolation = Literal["pchip", "linear"]
@@ -163,6 +162,8 @@ class Table(Schedule):
         x = np.asarray(self.pwm, dtype=np.float64)
         y = np.asarray(self.value, dtype=np.float64)
         if self.interpolation == "pchip":
+            from scipy.interpolate import PchipInterpolator  # slow to import, and most files need none
+
             # Its harmonic mean of slopes overflows, harmlessly, where a slope is next to zero.
             with np.errstate(over="ignore"):
                 columns = np.asarray(PchipInterpolator(x, y).c, dtype=np.float64)

@@ -6,7 +6,7 @@ solved at every row of the run first, and only the difference is averaged: a cha
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
+from gen.model.dynamics import ThermalModel
 from gen.model.exact import ExactSolution
 from gen.model.extended import FINEST_S, ExtendedSolution, own_rate
-from gen.runs import Run, read_run
+from gen.runs import AMBIENT, Run, check_run, read_run
 from gen.runs.gaps import held_over_gaps
 from gen.runs.run import FloatArray, board_columns
 
@@ -27,6 +28,7 @@ BINS = 240
 MOST_ROWS = 100_000
 """A run of more than twice as many rows is thinned to about as many: they say all that the bins can hold."""
 LONGEST_BIN_S = 60.0
+FEWEST_ROWS = 8
 START_WINDOW_S = 60.0
 """The start of the free run is the first measured temperature, its noise averaged over this time."""
 
@@ -117,6 +119,48 @@ def condense(coefficients: Coefficients, path: Path) -> Condensed:
     return _condensed(coefficients, run, dict(run.temps), str(path))
 
 
+def check_measured(coefficients: Coefficients, path: Path) -> None:
+    """Find out whether a run could be judged, and learn nothing else of it: none of its values is kept.
+
+    Raises
+    ------
+    InputError
+        When the file is not a run, is too short, or lacks a column that the model needs.
+    """
+    model = coefficients.model
+    found = check_run(path)
+    _check_measured(model, found.filled, found.rows, str(path))
+    if model.ambient_fixed is None and (model.ambient_channel or AMBIENT) not in found.filled:
+        raise _no_ambient(model, str(path))
+    _check_channels(coefficients, found.filled - board_columns(found.filled), str(path))
+
+
+def _check_measured(model: ThermalModel, filled: Collection[str], rows: int, file: str) -> None:
+    expected = [f"{name}_degC" for name in model.component_names]
+    if not any(column in filled for column in expected):
+        raise InputError(f"no component's temperature was measured; expected {', '.join(expected)}", file=file)
+    if rows < FEWEST_ROWS:
+        raise InputError(f"found {rows} rows, expected at least {FEWEST_ROWS}", file=file)
+
+
+def _check_channels(coefficients: Coefficients, channels: Collection[str], file: str) -> None:
+    """The effects' columns are there."""
+    for applied in coefficients.effects:
+        missing = [column for column in applied.columns(coefficients.model.component_names) if column not in channels]
+        if missing:
+            raise InputError(
+                f'the effect "{applied.effect.name}" needs the column {missing[0]}', file=file, place="header"
+            )
+
+
+def _no_ambient(model: ThermalModel, file: str) -> InputError:
+    return InputError(
+        f"the column {model.ambient_channel or AMBIENT} is missing, and the coefficient file has no fixed ambient",
+        file=file,
+        place="header",
+    )
+
+
 def read_measured(coefficients: Coefficients, path: Path) -> Run:
     """Read a run and keep the components that were measured in it.
 
@@ -126,14 +170,10 @@ def read_measured(coefficients: Coefficients, path: Path) -> Run:
         When the file is not a run, is too short, or holds no temperature of any component.
     """
     model = coefficients.model
-    ambient = model.ambient_channel or "ambient_degC"
+    ambient = model.ambient_channel or AMBIENT
     run = read_run(path, model.component_names, ambient=ambient, most_rows=MOST_ROWS)
     measured = {name: values for name, values in run.temps.items() if np.any(np.isfinite(values))}
-    if not measured:
-        expected = ", ".join(f"{name}_degC" for name in model.component_names)
-        raise InputError(f"no component's temperature was measured; expected {expected}", file=str(path))
-    if run.time_s.size < 8:
-        raise InputError(f"found {run.time_s.size} rows, expected at least 8", file=str(path))
+    _check_measured(model, {f"{name}_degC" for name in measured}, run.time_s.size, str(path))
     own = board_columns([*(f"{name}_degC" for name in run.temps), *run.extras])
     extras = {name: values for name, values in run.extras.items() if name not in own}
     return replace(run, temps=measured, extras=extras)
@@ -165,12 +205,7 @@ def free_run(baseline: Coefficients, model: Coefficients, path: Path) -> tuple[R
         own = smooth
     start = {name: value + float(ambient[0] - own[0]) for name, value in first.items()}
     channels = {k: held_over_gaps(v) for k, v in run.extras.items() if np.any(np.isfinite(v))}
-    for applied in model.effects:
-        missing = [column for column in applied.columns(model.model.component_names) if column not in channels]
-        if missing:
-            raise InputError(
-                f'the effect "{applied.effect.name}" needs the column {missing[0]}', file=str(path), place="header"
-            )
+    _check_channels(model, channels, str(path))
     # The effects' states are integrated in steps of 1 s: over a month this would be more steps than rows were kept.
     finest = max(FINEST_S, float(run.time_s[-1] - run.time_s[0]) / (4 * MOST_ROWS))
     shown = ExtendedSolution(model.model, model.effects, finest).simulate_times(
@@ -187,11 +222,7 @@ def _ambients(coefficients: Coefficients, run: Run, name: str) -> tuple[FloatArr
         return sensed, sensed
     if model.ambient_fixed is not None:
         return np.full(run.time_s.size, model.ambient_fixed), sensed
-    raise InputError(
-        f"the column {model.ambient_channel} is missing, and the coefficient file has no fixed ambient",
-        file=name,
-        place="header",
-    )
+    raise _no_ambient(model, name)
 
 
 def _condensed(coefficients: Coefficients, run: Run, measured: dict[str, FloatArray], name: str) -> Condensed:

@@ -11,7 +11,7 @@ from gen.coefficients import Coefficients, parse
 from gen.errors import InputError
 from gen.refinement.admission import admitted
 from gen.refinement.candidates import Tracing
-from gen.refinement.condense import Condensed, condense
+from gen.refinement.condense import Condensed, check_measured, condense
 from gen.refinement.effect_entries import calibrations, entry, extended_text
 from gen.refinement.excitation import Excitation, excitation
 from gen.refinement.leftover import Remains, leftover
@@ -111,11 +111,14 @@ def refine(
     Raises
     ------
     InputError
-        For files that are no runs, or no admitted run to fit.
+        For files that are no runs, before anything is fitted; or for no admitted run to fit.
     """
     both = {path.resolve() for path in fit_paths} & {path.resolve() for path in test_paths}
     if both:
         raise InputError("is given as --fit and as --test; test runs must take no part", file=str(sorted(both)[0]))
+    for path in test_paths:
+        progress(f"checking {path}")
+        check_measured(baseline, path)  # only whether it can be judged: its values stay unopened until the end
     runs = []
     for path in fit_paths:
         progress(f"reading {path}")

@@ -4,8 +4,9 @@ Comment lines ``# key: value`` may come first, then a header line, then one row 
 a missing sample (NaN here). ``time_s`` and ``pwm`` must be there in every row; the rest may be empty.
 """
 
-from gen.runs.reader import read_run
+from gen.runs.head import check_head
+from gen.runs.reader import Contents, check_run, read_run
 from gen.runs.run import AMBIENT, Run
 from gen.runs.writer import write_columns, write_run
 
-__all__ = ["AMBIENT", "Run", "read_run", "write_columns", "write_run"]
+__all__ = ["AMBIENT", "Contents", "Run", "check_head", "check_run", "read_run", "write_columns", "write_run"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
@@ -14,10 +13,10 @@ from numpy.typing import NDArray
 
 from gen.errors import InputError
 from gen.runs.columns import Columns
+from gen.runs.head import NUMBER, Head, check_columns, decoded, naming, opened, read_head
 from gen.runs.run import AMBIENT, FloatArray, Run, board_columns
 from gen.runs.thinning import thinned
 
-_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _CELSIUS = (-273.15, 5000.0)
 _HIGHEST = 1e12
 """No column's value is larger, in its unit: calculations with larger ones overflow."""
@@ -26,11 +25,19 @@ _BLOCK_BYTES = 1 << 19
 
 
 @dataclass(frozen=True)
-class _Head:
-    comments: dict[str, str]
-    columns: list[str]
-    first_row: int
-    """Number of the line that holds the first row; the file's first line is 1."""
+class Contents:
+    """What a run file holds, without any of its values.
+
+    Parameters
+    ----------
+    rows
+        How many there are.
+    filled
+        Columns with a value in at least one row.
+    """
+
+    rows: int
+    filled: frozenset[str]
 
 
 def read_run(
@@ -64,13 +71,10 @@ def read_run(
     InputError
         With file, line and column, what was found and what was expected.
     """
-    try:
-        with _opened(Path(path)) as stream:
-            head = _parse_head(stream)
-            _check_columns(head, require)
-            channels = _read_rows(stream, head, None if most_rows is None else 2 * most_rows)
-    except InputError as error:
-        raise InputError(error.message, file=str(path), place=error.place) from error.__cause__
+    with naming(path), opened(Path(path)) as stream:
+        head = read_head(stream)
+        check_columns(head, require)
+        channels = _read_rows(stream, head, None if most_rows is None else 2 * most_rows)
     rows = channels["time_s"].size
     if most_rows is not None and rows > 2 * most_rows:
         sampled = {name for name in channels if name.endswith("_degC")}
@@ -93,68 +97,52 @@ def read_run(
     )
 
 
-@contextmanager
-def _opened(path: Path) -> Iterator[IO[bytes]]:
-    try:
-        with path.open("rb") as stream:
-            yield stream
-    except FileNotFoundError:
-        raise InputError("there is no such file; expected a run file") from None
-    except IsADirectoryError:
-        raise InputError("this is a directory; expected a run file") from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror or error}") from None
+def check_run(path: Path | str, *, require: Collection[str] = ()) -> Contents:
+    """Check every row of a run file as :func:`read_run` does, and keep no value.
+
+    Parameters
+    ----------
+    path, require
+        As for :func:`read_run`.
+
+    Raises
+    ------
+    InputError
+        As :func:`read_run`.
+    """
+    filled: set[str] = set()
+    rows = 0
+    with naming(path), opened(Path(path)) as stream:
+        head = read_head(stream)
+        check_columns(head, require)
+        for values in _checked(stream, head):
+            rows += len(values)
+            filled.update(head.columns[i] for i in np.flatnonzero(np.isfinite(values).any(axis=0)))
+    return Contents(rows, frozenset(filled))
 
 
-def _parse_head(stream: IO[bytes]) -> _Head:
-    comments: dict[str, str] = {}
-    number = 0
-    while raw := stream.readline():
-        number += 1
-        if number == 1:
-            raw = raw.removeprefix(b"\xef\xbb\xbf")
-        line = _decode(raw.removesuffix(b"\n").removesuffix(b"\r"), number).strip()
-        if line.startswith("#"):
-            key, _, value = line[1:].partition(":")
-            comments[key.strip()] = value.strip()
-        elif line:
-            return _Head(comments, [name.strip() for name in line.split(",")], number + 1)
-    if not comments:
-        raise InputError("the file is empty; expected a header line and rows")
-    raise InputError("there are only comments; expected a header line and rows", place=f"line {number}")
-
-
-def _check_columns(head: _Head, require: Collection[str]) -> None:
-    place = f"line {head.first_row - 1}"
-    if all(_NUMBER.fullmatch(name) or not name for name in head.columns):
-        raise InputError("found numbers, expected a header line such as time_s,pwm,brush_degC", place=place)
-    seen: set[str] = set()
-    for index, name in enumerate(head.columns):
-        if not name:
-            raise InputError(f"column {index + 1} has no name in the header", place=place)
-        if name in seen:
-            raise InputError("this column appears twice in the header", place=f"{place}, column {name}")
-        seen.add(name)
-    for name in ("time_s", "pwm", *(f"{component}_degC" for component in require)):
-        if name not in seen:
-            found = ", ".join(head.columns)
-            hint = "; expected commas between the columns" if re.search(r"[;\t]", found) else ""
-            raise InputError(f"missing column {name}; found {found}{hint}", place=place)
-
-
-def _read_rows(stream: IO[bytes], head: _Head, compact_after: int | None) -> dict[str, FloatArray]:
-    """Parse block by block, which bounds the memory and confines the slow way to the blocks that need it."""
+def _read_rows(stream: IO[bytes], head: Head, compact_after: int | None) -> dict[str, FloatArray]:
     columns = Columns(head.columns, compact_after)
-    last_time = -np.inf
+    for values in _checked(stream, head):
+        columns.append(values)
+    return columns.finished()
+
+
+def _checked(stream: IO[bytes], head: Head) -> Iterator[FloatArray]:
+    """Parse block by block, which bounds the memory and confines the slow way to the blocks that need it.
+
+    Yields the rows of each block, shape (n, columns), all faults in them found; at least one block.
+    """
+    rows, last_time = 0, -np.inf
     for first, lines in _blocks(stream, head.first_row):
         fast = _parse_fast(lines, len(head.columns))
         values = _parse_slowly(lines, head, first) if fast is None else fast
         _check_values(values, head, first, last_time)
         last_time = values[-1, head.columns.index("time_s")]
-        columns.append(values)
-    if columns.rows == 0:
+        rows += len(values)
+        yield values
+    if rows == 0:
         raise InputError("there are no rows; expected at least one", place=f"line {head.first_row}")
-    return columns.finished()
 
 
 def _blocks(stream: IO[bytes], first: int) -> Iterator[tuple[int, list[bytes]]]:
@@ -192,10 +180,10 @@ def _parse_fast(lines: list[bytes], width: int) -> FloatArray | None:
     return None if np.isinf(values).any() else values
 
 
-def _parse_slowly(lines: list[bytes], head: _Head, first: int) -> FloatArray:
+def _parse_slowly(lines: list[bytes], head: Head, first: int) -> FloatArray:
     rows = []
     for number, line in enumerate(lines, start=first):
-        fields = _decode(line, number).split(",")
+        fields = decoded(line, number).split(",")
         if not line.strip():
             raise InputError("found an empty line between the rows, expected a row", place=f"line {number}")
         if line.lstrip().startswith(b"#"):
@@ -212,19 +200,24 @@ def _parse_slowly(lines: list[bytes], head: _Head, first: int) -> FloatArray:
 def _number(text: str, line: int, column: str) -> float:
     if not text:
         return float("nan")
-    value = float(text) if _NUMBER.fullmatch(text) else float("inf")
+    value = float(text) if NUMBER.fullmatch(text) else float("inf")
     if np.isinf(value):
         shown = text if len(text) <= 40 else f"{text[:36]}..."
-        expected = "a finite number" if _NUMBER.fullmatch(text) else "a number, or nothing for a missing sample"
+        expected = "a finite number" if NUMBER.fullmatch(text) else "a number, or nothing for a missing sample"
         raise InputError(f'found "{shown}", expected {expected}', place=f"line {line}, column {column}")
     return value
 
 
-def _check_values(values: FloatArray, head: _Head, first: int, last_time: float) -> None:
+def _shown(value: float) -> str:
+    """The shortest text that reads back as the same number: what stood in the file, most often."""
+    return repr(float(value)).removesuffix(".0")
+
+
+def _check_values(values: FloatArray, head: Head, first: int, last_time: float) -> None:
     def fail(bad: NDArray[np.bool_], column: str, message: str) -> None:
         row = int(np.argmax(bad))
         value = values[row, head.columns.index(column)]
-        found = "found nothing" if np.isnan(value) else f"found {value:.17g}"
+        found = "found nothing" if np.isnan(value) else f"found {_shown(value)}"
         raise InputError(f"{found}, {message}", place=f"line {first + row}, column {column}")
 
     time_s = values[:, head.columns.index("time_s")]
@@ -235,7 +228,7 @@ def _check_values(values: FloatArray, head: _Head, first: int, last_time: float)
     before = np.concatenate([[last_time], time_s[:-1]])
     late = time_s <= before
     if late.any():
-        fail(late, "time_s", f"expected more than {before[np.argmax(late)]:.17g} s, the time of the row before")
+        fail(late, "time_s", f"expected more than {_shown(before[np.argmax(late)])} s, the time of the row before")
     wrong = (np.abs(pwm) > 255) | (pwm != np.round(pwm))
     if wrong.any():
         fail(wrong, "pwm", "expected a whole number -255..255")
@@ -244,12 +237,3 @@ def _check_values(values: FloatArray, head: _Head, first: int, last_time: float)
         beyond = (values[:, index] < low) | (values[:, index] > high)
         if beyond.any():
             fail(beyond, column, f"expected a number within {low:g}..{high:g}")
-
-
-def _decode(line: bytes, number: int) -> str:
-    try:
-        return line.decode("utf-8")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"byte 0x{line[error.start]:02x} is not UTF-8; expected a UTF-8 text", place=f"line {number}"
-        ) from error

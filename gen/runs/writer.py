@@ -7,7 +7,6 @@ from io import TextIOWrapper
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from gen.files import replacing
@@ -65,6 +64,8 @@ def write_columns(
     for name in columns:
         if not name or set(name) & set(',"#') or name != name.strip():
             raise ValueError(f"{name!r} cannot be a column's name")
+    import pandas as pd  # slow to import: reading does without
+
     with replacing(Path(path)) as stream:
         lines = TextIOWrapper(stream, encoding="utf-8", newline="")
         for key, value in (comments or {}).items():

@@ -11,6 +11,7 @@ import serial
 
 from gen.emulate.terminal import PseudoTerminal
 from gen.errors import InputError
+from tests.work import HANGS_S
 
 
 def test_more_than_the_buffer_holds_arrives_whole(tmp_path: Path) -> None:
@@ -19,9 +20,11 @@ def test_more_than_the_buffer_holds_arrives_whole(tmp_path: Path) -> None:
         assert not terminal.is_open
         terminal.write(b"nobody hears this")
         got = bytearray()
+        ready = threading.Event()
 
         def reader() -> None:
             with serial.Serial(str(tmp_path / "port"), 115200, timeout=1.0) as line:
+                ready.set()
                 line.write(b"hello\n")
                 while len(got) < len(data):
                     got.extend(line.read(1000))
@@ -30,8 +33,9 @@ def test_more_than_the_buffer_holds_arrives_whole(tmp_path: Path) -> None:
         thread = threading.Thread(target=reader)
         thread.start()
         terminal.wait()
+        assert ready.wait(HANGS_S)
         terminal.write(data)
-        thread.join(timeout=20.0)
+        thread.join(timeout=HANGS_S)
         assert bytes(got) == data
         assert terminal.read() == b"hello\n"
     assert not (tmp_path / "port").is_symlink()

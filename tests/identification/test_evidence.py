@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from gen.identification.bands import NEAREST, Band, next_speed
-from gen.identification.forms import Form
+from gen.identification.forms import GAIN_FORMS, TIME_FORMS, Form
 from gen.identification.linearity import linearity
 from gen.identification.orders import StructureCandidate, _held_out, beats
 from gen.identification.output_error import OutputErrorFit, OutputErrorProblem
@@ -144,14 +144,34 @@ def test_the_next_speed_is_where_least_is_known() -> None:
 
 
 @pytest.mark.parametrize(("spread", "linear"), [(0.0, True), (0.05, True), (0.5, False)])
-def test_one_pole_that_moves_with_speed_makes_the_system_not_linear(
-    spread: float, linear: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_one_pole_that_moves_with_speed_makes_the_system_not_linear(spread: float, linear: bool) -> None:
     """The slow one stands still: that is not enough."""
     speeds = np.array([60, 130, 200])
     theta = np.stack([np.full(3, np.log(2000.0)), np.log(100.0) + spread * np.array([-1.0, 0.0, 1.0])], axis=1)
     layout = SimpleNamespace(positive=speeds, nodes=speeds, structure=Structure(2))
     fit = SimpleNamespace(layout=layout, theta=theta, steady=0.2 * speeds)
-    judge = SimpleNamespace(error_at=lambda *_: np.zeros((1, 1)))
-    monkeypatch.setattr("gen.identification.linearity.Judge", lambda *_: judge)
-    assert linearity(cast(OutputErrorProblem, None), cast(OutputErrorFit, fit)).linear is linear
+    found = linearity(cast(OutputErrorFit, fit))
+    assert found.linear is linear
+    assert ("one linear system would do" in found.verdict) is linear
+
+
+def test_a_steady_rise_that_averaged_poles_miss_makes_the_system_not_linear() -> None:
+    """Poles that stand still are not enough: 30 K where the averaged model says 36 K is no linear system."""
+    speeds = np.array([60, 130, 200])
+    theta = np.tile(np.log([2000.0, 100.0]), (3, 1))
+    layout = SimpleNamespace(positive=speeds, nodes=speeds, structure=Structure(2))
+    fit = SimpleNamespace(layout=layout, theta=theta, steady=np.array([0.2, 0.2, 0.15]) * speeds)
+    found = linearity(cast(OutputErrorFit, fit))
+    assert np.all(found.cv < 1e-12)
+    assert found.averaged_share == pytest.approx((0.55 / 3.0 - 0.15) / 0.15)
+    assert found.linear is False
+    assert found.verdict == (
+        "not one linear system: poles are alike, the averaged poles' steady rise is off by up to 22%"
+    )
+
+
+def test_a_form_says_what_it_stands_for() -> None:
+    assert Form("log", "poly", 0).words == "the same at every speed"
+    assert Form("rise", "pchip").words == "smooth curve through the points (of the steady rise)"
+    assert len({form.words for form in GAIN_FORMS}) == len(GAIN_FORMS)
+    assert len({form.words for form in TIME_FORMS}) == len(TIME_FORMS)

@@ -1,17 +1,19 @@
 """The exact solution: against extended precision, python-control and the study's tables."""
 
-import timeit
 from dataclasses import replace
 
 import control
 import numpy as np
 import pytest
+import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from gen.model import Component, ExactSolution, ThermalModel
 from tests.model.examples import NAMES, model
 from tests.model.published import PWM, STEADY_ERROR, TRANSFER_FUNCTIONS, TRANSIENT_ERROR
+from tests.work import lines
 
 N = 43_200
 RANDOM = np.random.default_rng(7).integers(-255, 256, N)
@@ -172,6 +174,21 @@ def test_empty_and_single_row_runs() -> None:
     assert solution.simulate_times([5.0], [100], {"brush": 4.0})["brush"].tolist() == [4.0]
 
 
-def test_a_run_of_three_hours_takes_well_under_a_second() -> None:
+def test_work_grows_with_the_samples_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A few lines a sample and component, and one matrix exponential for each PWM, which the next run finds made."""
+    exponentials = []
+
+    def counted(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+        exponentials.append(len(matrices))
+        return np.asarray(expm(matrices))
+
+    expm = scipy.linalg.expm
+    monkeypatch.setattr(scipy.linalg, "expm", counted)
     solution = ExactSolution(model("my1016"))
-    assert min(timeit.repeat(lambda: solution.simulate(RANDOM), number=1, repeat=5)) < 1.0
+    half = lines(lambda: solution.simulate(RANDOM[: N // 2]))
+    made = sum(exponentials)
+    assert 0 < made <= 256 * sum(component.order > 1 for component in solution.model.components)
+    whole = lines(lambda: solution.simulate(RANDOM))
+    assert sum(exponentials) == made
+    assert whole < 2.01 * half
+    assert whole < 20 * N

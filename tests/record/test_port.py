@@ -17,16 +17,18 @@ import tty
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
 import pytest
 import serial
 
 from gen.cli import main
 from gen.errors import InputError
+from gen.record import port as port_module
 from gen.record.port import Commander, Recording, _listen, record_port
 from gen.record.profile import parse_profile
 from gen.runs import read_run
+from tests.work import HANGS_S
 
 HEAD = b"# model: my1016\r\ntime_s,pwm,brush_degC,flags\r\n"
 ROWS = 3000
@@ -42,13 +44,27 @@ def ends() -> Iterator[tuple[int, str]]:
     os.close(master)
 
 
-def wait_for_reader(master: int) -> None:
-    """Wait until somebody has opened the other end, and has had time to discard what stood there before."""
+@pytest.fixture
+def listening(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
+    """Set once a recording of this process has discarded what stood in the port before."""
+    event = threading.Event()
+    listen = port_module._listen
+
+    def told(*arguments: Any) -> None:  # noqa: ANN401
+        event.set()
+        listen(*arguments)
+
+    monkeypatch.setattr(port_module, "_listen", told)
+    return event
+
+
+def wait_until_asked(master: int) -> None:
+    """Wait until another process that records asks the silent board for its header."""
     hung_up = select.poll()
     hung_up.register(master, 0)
     while hung_up.poll(0):
         time.sleep(0.05)
-    time.sleep(0.5)
+    assert os.read(master, 2) == b"?\n"
 
 
 def write_all(master: int, data: bytes) -> None:
@@ -78,10 +94,12 @@ def log(port: str, out: Path, *options: str) -> subprocess.Popen[str]:
 def test_every_row_arrives(ends: tuple[int, str], tmp_path: Path) -> None:
     master, port = ends
     out = tmp_path / "run.csv"
-    done = log(port, out, "--duration", "1.5")
-    wait_for_reader(master)
+    done = log(port, out)
+    wait_until_asked(master)
     write_all(master, HEAD + b"".join(map(row, range(ROWS))))
-    stdout, stderr = done.communicate(timeout=30)
+    wait_until_read(port)
+    done.terminate()
+    stdout, stderr = done.communicate(timeout=HANGS_S)
     assert (done.returncode, stderr) == (0, "")
     assert f"{ROWS} rows" in stdout and "0 garbled" in stdout
     run = read_run(out, ["brush"])
@@ -94,25 +112,27 @@ def test_an_interruption_keeps_what_came(ends: tuple[int, str], tmp_path: Path, 
     master, port = ends
     out = tmp_path / "run.csv"
     done = log(port, out)
-    wait_for_reader(master)
+    wait_until_asked(master)
     write_all(master, HEAD)
     write_all(master, b"".join(map(row, range(100))) + b"25.000,3")
     wait_until_read(port)
     done.send_signal(number)
-    done.communicate(timeout=10)
+    done.communicate(timeout=HANGS_S)
     assert done.returncode == 0
     assert len(read_run(out).time_s) == 100
     assert [path.name for path in tmp_path.iterdir()] == ["run.csv"]
 
 
-def test_a_silent_board_is_asked_for_its_header(ends: tuple[int, str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_silent_board_is_asked_for_its_header(
+    ends: tuple[int, str], listening: threading.Event, monkeypatch: pytest.MonkeyPatch
+) -> None:
     master, port = ends
-    monkeypatch.setattr("gen.record.port._ASK_AFTER_S", 0.8)
+    monkeypatch.setattr(port_module, "_ASK_AFTER_S", 0.8)
 
     def board() -> None:
-        wait_for_reader(master)
+        assert listening.wait(HANGS_S)
         write_all(master, row(8))
-        assert os.read(master, 16) == b"?\n"
+        assert os.read(master, 2) == b"?\n"
         write_all(master, HEAD + row(9) + row(10))
 
     thread = threading.Thread(target=board)
@@ -122,17 +142,23 @@ def test_a_silent_board_is_asked_for_its_header(ends: tuple[int, str], monkeypat
     assert (recording.recorder.rows, recording.recorder.unheaded) == (2, 1)
 
 
-def test_the_profile_is_commanded_and_repeated_after_a_restart(ends: tuple[int, str]) -> None:
+def test_the_profile_is_commanded_and_repeated_after_a_restart(
+    ends: tuple[int, str], listening: threading.Event, monkeypatch: pytest.MonkeyPatch
+) -> None:
     master, port = ends
     heard: list[bytes] = []
+    clock = [100.0]  # the recording's, which goes on when the board has heard what it waits for
+    monkeypatch.setattr(port_module, "time", SimpleNamespace(monotonic=lambda: clock[0]))
 
     def board() -> None:
-        wait_for_reader(master)
+        assert listening.wait(HANGS_S)
         write_all(master, HEAD + row(1))
         heard.append(os.read(master, 16))
+        clock[0] += 0.5
         heard.append(os.read(master, 16))
         write_all(master, b"# reset: watchdog\r\n" + HEAD + row(1))
         heard.append(os.read(master, 16))
+        clock[0] += 1.0
 
     thread = threading.Thread(target=board)
     thread.start()
@@ -148,11 +174,11 @@ def test_a_lost_port_ends_the_recording(tmp_path: Path) -> None:
     os.close(slave)
     out = tmp_path / "run.csv"
     done = log(port, out)
-    wait_for_reader(master)
+    wait_until_asked(master)
     write_all(master, HEAD + row(1) + row(2))
     wait_until_read(port)
     os.close(master)
-    _, stderr = done.communicate(timeout=20)
+    _, stderr = done.communicate(timeout=HANGS_S)
     assert done.returncode == 1
     assert "lost" in stderr
     assert len(read_run(out).time_s) == 2
@@ -160,7 +186,7 @@ def test_a_lost_port_ends_the_recording(tmp_path: Path) -> None:
 
 def test_no_such_port_is_one_message_and_exit_2(tmp_path: Path) -> None:
     done = log("/dev/no-such-port", tmp_path / "run.csv")
-    _, stderr = done.communicate(timeout=20)
+    _, stderr = done.communicate(timeout=HANGS_S)
     assert done.returncode == 2
     assert stderr.startswith("error: /dev/no-such-port: cannot be opened")
     assert len(stderr.strip().splitlines()) == 1

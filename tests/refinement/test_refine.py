@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +18,14 @@ from gen.coefficients import load, parse
 from gen.errors import InputError
 from gen.model.exact import ExactSolution
 from gen.refinement.admission import admitted
-from gen.refinement.condense import condense
+from gen.refinement.condense import check_measured, condense, free_run
 from gen.refinement.page import page
 from gen.refinement.refine import Refinement, refine
 from gen.runs import Run, read_run, write_run
 from tests.refinement.plant import COEFFICIENTS, NAMES
 from tests.refinement.plant_effects import LIBRARY, OUTSIDE, make
 
+FAN = {"name": "airflow", "component": "casing", "parameters": {"channel": "fan", "cooling_per_s": 0.001}}
 FULL = os.environ.get("GEN_CAMPAIGN") == "full"
 CAMPAIGN = (
     [((name,), seed) for name in (*LIBRARY, *OUTSIDE) for seed in range(2)] + [((), seed) for seed in range(5)]
@@ -165,6 +167,54 @@ def test_test_runs_take_no_part(tmp_path: Path) -> None:
     assert honest.verdict == spoilt.verdict
     assert honest.after.summary()["fit"] == spoilt.after.summary()["fit"]
     assert honest.after.summary()["test"] != spoilt.after.summary()["test"]
+
+
+@pytest.mark.parametrize(
+    ("header", "row", "message"),
+    [
+        ("time_s,pwm,casing_degC", "{},10,hot", "line 2, column casing_degC"),
+        ("time_s,pwm,casing_degC", "5,10,30", "line 3, column time_s"),
+        ("time_s,pwm,elsewhere_degC", "{},10,30", "no component's temperature was measured"),
+        ("time_s,pwm,casing_degC", "{},10,", "no component's temperature was measured"),
+    ],
+)
+def test_a_test_run_that_cannot_be_judged_is_refused_before_any_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, header: str, row: str, message: str
+) -> None:
+    fit, test, _ = make(tmp_path, (), 3)
+    test[-1].write_text("\n".join([header, *(row.format(i) for i in range(20))]) + "\n")
+
+    def work(*_: object) -> None:
+        raise AssertionError("work began")
+
+    for step in ("condense", "trace"):
+        monkeypatch.setattr(sys.modules[refine.__module__], step, work)
+    with pytest.raises(InputError, match=message) as refused:
+        refine(load(COEFFICIENTS), COEFFICIENTS.read_text(encoding="utf-8"), fit, test)
+    assert refused.value.file == str(test[-1])
+
+
+@pytest.mark.parametrize(
+    ("rows", "change", "message"),
+    [
+        (7, {}, "found 7 rows, expected at least 8"),
+        (8, {"ambient": {"channel": "room_degC"}}, "the column room_degC is missing"),
+        (8, {"effects": [FAN]}, 'the effect "airflow" needs the column fan'),
+        (8, {}, ""),
+    ],
+)
+def test_what_judging_a_run_needs_is_checked_without_its_values(
+    tmp_path: Path, rows: int, change: dict[str, object], message: str
+) -> None:
+    baseline = parse(json.dumps(json.loads(COEFFICIENTS.read_text(encoding="utf-8")) | change).encode())
+    path = tmp_path / "run.csv"
+    path.write_text("time_s,pwm,casing_degC\n" + "".join(f"{i},10,30\n" for i in range(rows)))
+    if not message:
+        check_measured(baseline, path)
+        return
+    for check in (check_measured, partial(free_run, baseline)):  # as judging it would say
+        with pytest.raises(InputError, match=message):
+            check(baseline, path)
 
 
 def test_residual_of_irregular_rows_with_gaps_is_what_the_sensor_adds(tmp_path: Path) -> None:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from gen.model.dynamics import Component
 from gen.model.effects.base import Array, Lanes
@@ -38,6 +37,8 @@ def response(component: Component, counts: NDArray[np.int64], step: Array) -> Re
     counts, step
         |PWM| and length (s) of each step, shape (K, R).
     """
+    from scipy.linalg import expm  # slow to import: reading and checking a file does without
+
     n = component.order
     pairs, index = np.unique(np.stack([counts.ravel().astype(np.float64), step.ravel()]), axis=1, return_inverse=True)
     known = pairs[0].astype(np.int64)
