@@ -1,3 +1,60 @@
-"""From identified motor-temperature coefficients to proven firmware for the Arduino Mega 2560."""
+"""From identified motor-temperature coefficients to proven firmware for the Arduino Mega 2560.
 
-__version__ = "0.1.0"
+The Python interface: :func:`load`, :func:`read_run`, :func:`identify`, :func:`refine`, :func:`simulate`, :func:`build`
+and :func:`verify`, as the commands of the same names. Importing the package is quick: what a function needs is imported
+when it is called.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gen.errors import CheckFailed, InputError
+from gen.version import __version__
+
+if TYPE_CHECKING:
+    from gen.interface import (
+        Build,
+        Identification,
+        Model,
+        Refinement,
+        Verification,
+        build,
+        identify,
+        load,
+        read_run,
+        refine,
+        simulate,
+        verify,
+    )
+
+__all__ = [
+    "Build",
+    "CheckFailed",
+    "Identification",
+    "InputError",
+    "Model",
+    "Refinement",
+    "Verification",
+    "__version__",
+    "build",
+    "identify",
+    "load",
+    "read_run",
+    "refine",
+    "simulate",
+    "verify",
+]
+
+
+def __getattr__(name: str) -> object:
+    """Import the interface when it is first used."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from gen import interface
+
+    return getattr(interface, name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

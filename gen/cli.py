@@ -12,7 +12,6 @@ from typing import NoReturn
 
 import click
 
-from gen import __version__
 from gen.commands.build import build
 from gen.commands.emulate import emulate
 from gen.commands.identify import identify
@@ -22,6 +21,7 @@ from gen.commands.simulate import simulate
 from gen.commands.thresholds import thresholds
 from gen.commands.verify import verify
 from gen.errors import CheckFailed, InputError
+from gen.version import __version__
 
 # The matrices are small: threads of the linear algebra library would only wait for each other. Set before numpy loads.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -87,6 +87,11 @@ def check_writable(path: Path) -> None:
         raise InputError(f"cannot be written: {error.strerror}", file=str(path)) from error
 
 
+def shown_name(path: Path) -> str:
+    """A file's name as comments of the C++ can hold it: a name may have line ends and bytes that are no text."""
+    return "".join(c if c.isprintable() and c != "\\" else "?" for c in path.name)
+
+
 def check_outputs(written: Iterable[Path | None], read: Iterable[Path]) -> None:
     """Find out before long work that files cannot be written at its end, or that one would take another's place.
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gen.commands.options import COEFFICIENTS, combination, shown_name
+from gen.commands.options import COEFFICIENTS, combination
 
 if TYPE_CHECKING:
     from gen.lowering.kinds import Arithmetic, ScheduleKind
@@ -36,24 +36,21 @@ def build(
     schedule: ScheduleKind,
 ) -> None:
     """Write the complete PlatformIO project for a coefficient file."""
-    from gen.coefficients import load
+    from gen.interface import build as run
+    from gen.interface import load
 
-    loaded = load(coefficients)  # before what is slow to import: a fault in the file is told at once
-
-    from gen.files import replace_folder
-    from gen.firmware.effects_report import unwired
-    from gen.firmware.project import kept_verification, project_files, read_verification
-    from gen.lowering.lower import lower
-
-    for warning in loaded.warnings:
-        click.echo(f"warning: {coefficients}: {warning}", err=True)
-    for warning in unwired(loaded):
-        click.echo(f"warning: {coefficients}: {warning}", err=True)
-    record = read_verification(verification, loaded) if verification else kept_verification(out, loaded)
-    program = lower(loaded, arithmetic, schedule)
-    replace_folder(out, project_files(loaded, program, shown_name(coefficients), record), force=force)
-    click.echo(f"{out}: {loaded.name}, arithmetic {arithmetic}, schedule {schedule}")
-    for line in _guarantees(program):
+    model = load(coefficients)  # before what is slow to import: a fault in the file is told at once
+    made = run(
+        model,
+        out,
+        arithmetic=arithmetic,
+        schedule=schedule,
+        verification=verification,
+        force=force,
+        warn=lambda warning: click.echo(f"warning: {coefficients}: {warning}", err=True),
+    )
+    click.echo(f"{out}: {model.name}, arithmetic {arithmetic}, schedule {schedule}")
+    for line in _guarantees(made.program):
         click.echo(f"  {line}")
 
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gen.commands.options import shown_name
 from gen.errors import CheckFailed, InputError
+from gen.files import shown_name
 
 if TYPE_CHECKING:
     from gen.coefficients import Coefficients
@@ -238,7 +238,7 @@ def _eeprom_image(path: Path | None) -> bytes | None:
 
 
 def _settings(loaded: Coefficients, options: dict[str, Any]) -> dict[str, Any]:
-    from gen import __version__
+    from gen.version import __version__
 
     kept = {name: value for name, value in options.items() if value not in (None, ()) and not isinstance(value, Path)}
     return {

@@ -45,6 +45,7 @@ def identify(
     from gen.coefficients.names import name_fault
     from gen.errors import InputError
     from gen.files import check_outputs, write_text
+    from gen.interface import identify as run
     from gen.runs import check_head
 
     fault = name_fault(name)
@@ -54,32 +55,25 @@ def identify(
     check_once(runs)
     for path in runs:
         check_head(path)
-
-    # Slow to import: what is wrong with a file's head was told before.
-    from gen.identification.coefficient_file import Settings, coefficient_text, usable
-    from gen.identification.data import read_data
-    from gen.identification.identify import identify as run
-    from gen.identification.summary import summary, text, without_nan
-
     with progress_line() as progress:
-        progress("reading")
-        data = read_data(runs, ambient)
-        found = run(data, progress, max_order, sample_time)
-        settings = Settings(name, sample_time, full_scale, rpm)
-        data, found = usable(data, found, settings)
-        written, loaded = coefficient_text(data, found, settings)
-        page = None
-        if report is not None:
-            from gen.identification.page import report_html
-
-            progress("report")
-            page = report_html(data, found, loaded)
-    write_text(out, written)
+        found = run(
+            runs,
+            name=name,
+            ambient=ambient,
+            sample_time=sample_time,
+            full_scale=full_scale,
+            rpm=rpm,
+            max_order=max_order,
+            progress=progress,
+        )
+        progress("report")
+        page = found.html() if report is not None else ""
+    found.model.save(out)
     if json_file is not None:
-        write_text(json_file, json.dumps(without_nan(summary(data, found)), indent=1, allow_nan=False) + "\n")
-    if report is not None and page is not None:
+        write_text(json_file, json.dumps(found.details(), indent=1, allow_nan=False) + "\n")
+    if report is not None:
         write_text(report, page)
-    click.echo(text(data, found))
-    for warning in loaded.warnings:
+    click.echo(found.text())
+    for warning in found.model.warnings:
         click.echo(f"warning: {out}: {warning}", err=True)
-    click.echo(f"{out}: {len(found)} component(s)")
+    click.echo(f"{out}: {len(found.found)} component(s)")

@@ -45,11 +45,6 @@ def check_once(runs: Sequence[Path]) -> None:
         seen.add(path.resolve())
 
 
-def shown_name(path: Path) -> str:
-    """A file's name as comments of the C++ can hold it: a name may have line ends and bytes that are no text."""
-    return "".join(c if c.isprintable() and c != "\\" else "?" for c in path.name)
-
-
 def combination(*, default_all: bool) -> Callable[[CommandType], CommandType]:
     """--arithmetic and --schedule, with `all` where several can be handled at once."""
     arithmetic = ["fixed", "float", "all"] if default_all else ["fixed", "float"]

@@ -81,30 +81,24 @@ def refine(
     Verdicts: "explained" (what is left is near the sensors' noise), "partly explained", "nothing missing" and
     "unexplained".
     """
-    from gen.coefficients import load
     from gen.files import check_outputs, write_text
+    from gen.interface import load
+    from gen.interface import refine as run
 
     check_outputs((out, report, json_file), (*fit_runs, *test_runs))
     check_outputs((report, json_file), (coefficients,))
     check_once(fit_runs)
     check_once(test_runs)
     check_files(coefficients, (*fit_runs, *test_runs))
-    loaded = load(coefficients)
-
-    from gen.refinement.refine import refine as run  # slow to import: what is wrong with a file's head was told before
-
-    raw = coefficients.read_text(encoding="utf-8-sig")
+    model = load(coefficients)
     with progress_line() as progress:
-        found = run(loaded, raw, fit_runs, test_runs, progress)
+        refined = run(model, fit=fit_runs, test=test_runs, progress=progress)
+    found = refined.found
     for warning in found.warnings:
         click.echo(f"warning: {warning}", err=True)
-    page = None
-    if report is not None:
-        from gen.refinement.page import page as make
-
-        page = make(found, loaded)
+    page = refined.html() if report is not None else ""
     write_text(out, found.text)
-    if report is not None and page is not None:
+    if report is not None:
         write_text(report, page)
     if json_file is not None:
         write_text(json_file, json.dumps(found.summary(), indent=1) + "\n")

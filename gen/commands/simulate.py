@@ -31,18 +31,16 @@ def simulate(
     out: Path | None,
 ) -> None:
     """Run the reference simulator on a run file and write the model's temperatures at the run's own times."""
-    from gen.coefficients import load
     from gen.files import check_outputs
-    from gen.runs import read_run, write_columns
+    from gen.interface import load
+    from gen.interface import simulate as simulated
+    from gen.runs import write_columns
 
     target = out or run.with_suffix(".model.csv")
     check_outputs((target,), (coefficients, run))
     check_files(coefficients, [run])
-    loaded = load(coefficients)
-    measured = read_run(run, loaded.model.component_names, ambient=loaded.model.ambient_channel or "ambient_degC")
-
-    from gen.reference.simulate import simulate_run  # slow to import: what is wrong with the files was told before
-
-    columns = simulate_run(loaded, measured, arithmetic, start, str(run))
-    write_columns(target, columns, {"model": loaded.name, "arithmetic": arithmetic})
-    click.echo(f"{target}: {len(measured.time_s)} rows")
+    model = load(coefficients)
+    frame = simulated(model, run, arithmetic, start=start).reset_index()
+    columns = {str(name): frame[name].to_numpy() for name in frame.columns}
+    write_columns(target, columns, {"model": model.name, "arithmetic": arithmetic})
+    click.echo(f"{target}: {len(frame)} rows")

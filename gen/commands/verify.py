@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import click
 
 from gen.commands.options import COEFFICIENTS, combination
-from gen.errors import CheckFailed
 from gen.progress import progress_line
 from gen.toolchain import HOST_COMPILERS, PACKAGES, host_compilers
 
@@ -49,41 +47,32 @@ def verify(
     On this computer (--target host) with g++ and clang++, or with the one that is there; on an emulated Mega
     (--target avr) with avr-g++.
     """
-    from gen.coefficients import load
-    from gen.files import check_outputs, write_text
+    from gen.files import check_outputs
+    from gen.interface import load
+    from gen.interface import verify as run
 
     check_outputs((json_file,), (coefficients,))
     used = _compilers(target, compilers)
-    loaded = load(coefficients)  # before what is slow to import: a fault in the file is told at once
+    model = load(coefficients)  # before what is slow to import: a fault in the file is told at once
+    with progress_line() as progress:
+        found = run(
+            model,
+            arithmetic=arithmetic,
+            schedule=schedule,
+            target=target,
+            compilers=used,
+            scale=scale,
+            progress=progress,
+        )
+    if json_file is not None:
+        found.save(json_file)
 
     from gen.verification.report import print_results
-    from gen.verification.runners import HOST_BUILDS
-    from gen.verification.verify import summary
-    from gen.verification.verify import verify as run
 
-    arithmetics: tuple[Arithmetic, ...] = ("fixed", "float") if arithmetic == "all" else (arithmetic,)
-    schedules: tuple[ScheduleKind, ...] = ("table", "onboard") if schedule == "all" else (schedule,)
-    builds = [name for name, (compiler, _) in HOST_BUILDS.items() if compiler in used]
-    with progress_line() as progress:
-        results = run(
-            loaded,
-            arithmetics,
-            schedules,
-            target,
-            progress=progress,
-            scale=scale,
-            host_builds=builds,
-        )
-    found = summary(loaded, results)
-    if json_file is not None:
-        write_text(json_file, json.dumps(found, indent=1) + "\n")
-    print_results(results)
-    if found["differing"]:
-        raise CheckFailed(f"{found['differing']} of {found['words']} words differ")
-    exceeded = [f"{result.label}, {sentence}" for result in results for sentence in result.exceeded]
-    if exceeded:
-        raise CheckFailed(exceeded[0])
-    click.echo(f"equal: {found['samples']} samples, {found['words']} words, none differs")
+    print_results(found.results)
+    found.check()
+    record = found.details()
+    click.echo(f"equal: {record['samples']} samples, {record['words']} words, none differs")
 
 
 def _names(text: str | None) -> tuple[str, ...]:

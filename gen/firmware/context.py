@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from gen import __version__
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
 from gen.firmware import avr_advance
@@ -23,6 +22,7 @@ from gen.lowering.float32 import LIMIT_BITS, ONBOARD_STEADY_SHIFT, Column, Float
 from gen.lowering.program import AnyComponent, Program, Shape
 from gen.lowering.recursion.dynamics import domain_rows
 from gen.lowering.recursion.guarantee import rounded_up
+from gen.version import __version__
 
 Context = dict[str, Any]
 

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gen import __version__
 from gen.coefficients import Coefficients
 from gen.coefficients.wiring import SUPPLY_V, ChannelInput, Drive, Encoder, Observe, Thermocouple, Wiring
 from gen.firmware.alarm_text import alarm_texts
@@ -28,6 +27,7 @@ from gen.lowering.sensors import (
 )
 from gen.reference.effects import effect_fields
 from gen.reference.lanes import state_fields
+from gen.version import __version__
 
 #: Modules of the sketch that every project has.
 _ALWAYS = ("board", "commands", "console", "crc32", "drive", "output", "selftest")

@@ -10,7 +10,6 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from gen import __version__
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.firmware import render
@@ -20,6 +19,7 @@ from gen.firmware.report import report_html
 from gen.firmware.vectors import reference_vectors
 from gen.firmware.wiring_svg import parts, wiring_svg
 from gen.lowering.program import Program
+from gen.version import __version__
 
 PROJECT = {
     "platformio.ini": "platformio.ini.j2",

@@ -12,7 +12,6 @@ from typing import Any, Literal
 import numpy as np
 from jinja2 import Environment
 
-from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.effects_report import effect_rows
@@ -28,6 +27,7 @@ from gen.model.schedules import EXACT
 from gen.pages.charts import Chart, plain, power, scientific
 from gen.pages.environment import page_environment
 from gen.reference.model import ReferenceModel
+from gen.version import __version__
 
 #: Length of the step responses, in s; the board's reference runs for their first part only (see ``_samples``).
 HORIZON_S = 10_800

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from jinja2 import Environment
 
-from gen import __version__
 from gen.coefficients import Coefficients
 from gen.identification import figures
 from gen.identification.data import Data
 from gen.identification.identify import Identified
 from gen.identification.summary import summary
 from gen.pages.environment import page_environment
+from gen.version import __version__
 
 _OPTIONS = 8
 

@@ -18,7 +18,7 @@ from gen.identification.structure import ComplexArray, FloatArray, PoleArray, se
 
 
 def divided_differences(poles: PoleArray, time: FloatArray) -> PoleArray:
-    """Give exp[p1 .. pk](t) for k = 1 .. n.
+    """Give `exp[p1 .. pk](t)` for k = 1 .. n.
 
     Parameters
     ----------

@@ -49,6 +49,14 @@ class Run:
     comments: dict[str, str] = field(default_factory=dict)
     rows_in_file: int | None = None
 
+    def columns(self) -> dict[str, FloatArray | NDArray[np.int64]]:
+        """Every column by the name that it has in a run file, in the file's order, shape (N,) each."""
+        found: dict[str, FloatArray | NDArray[np.int64]] = {"time_s": self.time_s, "pwm": self.pwm}
+        found |= {f"{name}_degC": values for name, values in self.temps.items()}
+        if self.ambient is not None:
+            found[AMBIENT] = self.ambient
+        return {**found, **self.extras}
+
     @property
     def thinned(self) -> str:
         """Say how much of its file this run is, or nothing."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.files import replacing
-from gen.runs.run import AMBIENT, Run
+from gen.runs.run import Run
 
 
 def write_run(path: Path | str, run: Run) -> None:
@@ -28,11 +28,7 @@ def write_run(path: Path | str, run: Run) -> None:
     InputError
         When the file cannot be written.
     """
-    columns: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {"time_s": run.time_s, "pwm": run.pwm}
-    columns |= {f"{name}_degC": values for name, values in run.temps.items()}
-    if run.ambient is not None:
-        columns[AMBIENT] = run.ambient
-    write_columns(path, {**columns, **run.extras}, run.comments)
+    write_columns(path, run.columns(), run.comments)
 
 
 def write_columns(

@@ -9,7 +9,6 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from gen import __version__
 from gen.coefficients import Coefficients
 from gen.firmware import render
 from gen.firmware.context import project_context
@@ -26,6 +25,7 @@ from gen.verification.effects import EFFECTS_LENGTH, course_with_effects, with_c
 from gen.verification.limits import exceeded
 from gen.verification.profiles import Profile, campaign, every_command
 from gen.verification.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
+from gen.version import __version__
 
 Target = Literal["host", "avr", "all"]
 Files = Mapping[str, str]

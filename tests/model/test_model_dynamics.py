@@ -100,7 +100,9 @@ def test_control_objects(example: str) -> None:
         assert zpk(0.001j) == pytest.approx(continuous(0.001j), rel=1e-9)
         # The textbook's sampled transfer function loses digits with slow poles; that is its nature.
         poles = np.exp(continuous.poles() * thermal.sample_time)
-        assert np.sort(np.abs(sampled.poles())) == pytest.approx(np.sort(np.abs(poles)), abs=1e-4)
+        # (Not `sampled.poles()`, which takes its numerator apart as well: SciPy 1.18 warns of its small coefficients.)
+        of_sampled = np.roots(sampled.den[0][0])
+        assert np.sort(np.abs(of_sampled)) == pytest.approx(np.sort(np.abs(poles)), abs=1e-4)
 
 
 def test_two_mass_has_a_conjugate_pair_and_slow_and_fast_poles() -> None:

@@ -1,0 +1,25 @@
+"""What `import gen` offers: one function for each step from measured runs to proven firmware.
+
+The commands call these functions, too. Everything slow to import is imported by the function that needs it.
+"""
+
+from gen.interface.files import load, read_run
+from gen.interface.firmware import Build, Verification, build, verify
+from gen.interface.loop import Identification, Refinement, identify, refine
+from gen.interface.model import Model
+from gen.interface.simulation import simulate
+
+__all__ = [
+    "Build",
+    "Identification",
+    "Model",
+    "Refinement",
+    "Verification",
+    "build",
+    "identify",
+    "load",
+    "read_run",
+    "refine",
+    "simulate",
+    "verify",
+]

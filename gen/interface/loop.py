@@ -1,0 +1,303 @@
+"""From measured runs to a model, and from further runs to what it lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gen.interface.files import RunLike, run_files
+from gen.interface.model import Model
+from gen.interface.threads import one_thread
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from gen.identification.data import Data
+    from gen.identification.identify import Identified
+    from gen.refinement.refine import Refinement as Found
+
+Progress = Callable[[str], None]
+
+
+def _silent(_: str) -> None:
+    """Say nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """What was identified.
+
+    Parameters
+    ----------
+    model
+        The model, as :func:`gen.load` would give it.
+    data, found
+        The runs, and what each part was found to be.
+    """
+
+    model: Model
+    data: Data
+    found: Mapping[str, Identified]
+
+    def details(self) -> dict[str, Any]:
+        """All that was found as plain numbers and words, as ``gen identify --json`` writes it."""
+        from gen.identification.summary import summary, without_nan
+
+        details: dict[str, Any] = without_nan(summary(self.data, self.found))
+        return details
+
+    @property
+    def verdict(self) -> str:
+        """Whether the model is good to be built, in one line."""
+        from gen.identification.summary import verdict
+
+        return verdict(self.found)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What to look at, one sentence each."""
+        return tuple(self.details()["warnings"])
+
+    def summary(self) -> pd.DataFrame:
+        """A row for each part and identified |PWM|.
+
+        Columns: ``order``, ``steady_rise_K`` with its 95 % interval (``_low``, ``_high``), ``left_out_rms_K`` (the
+        model's error there when that speed is left out) and the time constants in s, the slowest first.
+        """
+        import pandas as pd
+
+        rows = []
+        for name, part in self.details()["components"].items():
+            turning = [pwm for pwm in part["speeds"] if int(pwm)]
+            left = dict(zip(turning, part["schedules"]["leave_one_speed_out_K"] or (), strict=False))
+            for pwm, entry in part["speeds"].items():
+                rise = entry.get("steady_rise_K", {"value": None, "interval": (None, None)})
+                labels = [key for key in entry if key.startswith("tau")]
+                rows.append(
+                    {
+                        "component": name,
+                        "pwm": int(pwm),
+                        "order": part["order"],
+                        "steady_rise_K": rise["value"],
+                        "steady_rise_K_low": rise["interval"][0],
+                        "steady_rise_K_high": rise["interval"][1],
+                        "left_out_rms_K": left.get(pwm),
+                        **{f"{label}_s": entry[label]["value"] for label in labels},
+                    }
+                )
+        return pd.DataFrame(rows).set_index(["component", "pwm"])
+
+    def text(self) -> str:
+        """What the command prints."""
+        from gen.identification.summary import text
+
+        return text(self.data, self.found)
+
+    def html(self) -> str:
+        """The report as one HTML page."""
+        from gen.identification.page import report_html
+
+        return report_html(self.data, self.found, self.model.coefficients)
+
+    def report(self, path: Path | str) -> None:
+        """Write the report.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written.
+        """
+        from gen.files import write_text
+
+        write_text(Path(path), self.html())
+
+
+@one_thread
+def identify(
+    runs: Sequence[RunLike],
+    *,
+    name: str = "motor",
+    ambient: float | None = None,
+    sample_time: float = 0.25,
+    full_scale: int = 255,
+    rpm: float = 2650.0,
+    max_order: int = 4,
+    progress: Progress = _silent,
+) -> Identification:
+    """Identify a speed-scheduled model from measured runs.
+
+    Parameters
+    ----------
+    runs
+        Run files or frames.
+    name
+        The model's name.
+    ambient
+        In degC, for runs without a measured one.
+    sample_time
+        The board's, s.
+    full_scale
+        The PWM count that is 100 %.
+    rpm
+        Speed at full scale.
+    max_order
+        Highest order to try, 1..4.
+    progress
+        Called with what is being done.
+
+    Raises
+    ------
+    InputError
+        If a run is none, or nothing can be identified from the runs.
+    CheckFailed
+        If what was found is no model that can be built.
+
+    Examples
+    --------
+    >>> found = gen.identify(["cold_40.csv", "cold_70.csv", "cold_100.csv"])  # doctest: +SKIP
+    >>> found.summary()  # doctest: +SKIP
+    >>> found.model.save("coeffs.json")  # doctest: +SKIP
+    """
+    from gen.coefficients.names import name_fault
+    from gen.errors import InputError
+    from gen.identification.coefficient_file import Settings, coefficient_text, usable
+    from gen.identification.data import read_data
+    from gen.identification.identify import identify as run
+
+    fault = name_fault(name)
+    if fault:
+        raise InputError(fault, place="name")
+    with run_files(runs) as paths:
+        progress("reading")
+        data = read_data(paths, ambient)
+        found = run(data, progress, max_order, sample_time)
+        settings = Settings(name, sample_time, full_scale, rpm)
+        data, found = usable(data, found, settings)
+        text, loaded = coefficient_text(data, found, settings)
+    return Identification(Model(loaded, text), data, found)
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """What a refinement found.
+
+    Parameters
+    ----------
+    model
+        The refined model.
+    baseline
+        The model that it began with.
+    found
+        All that was found.
+    """
+
+    model: Model
+    baseline: Model
+    found: Found
+
+    @property
+    def verdict(self) -> str:
+        """``explained``, ``partly explained``, ``nothing missing`` or ``unexplained``."""
+        return self.found.verdict
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What to look at, one sentence each."""
+        return tuple(self.found.warnings)
+
+    def details(self) -> dict[str, Any]:
+        """The JSON summary, as ``gen refine --json`` writes it."""
+        return self.found.summary()
+
+    def effects(self) -> pd.DataFrame:
+        """A row for each effect that was added: ``component``, ``effect``, ``parameters`` and its look-alikes."""
+        import pandas as pd
+
+        rows = [
+            {
+                "component": effect["component"],
+                "effect": effect["name"],
+                "parameters": effect["parameters"],
+                "lookalikes": [other["name"] for other in effect["evidence"]["lookalikes"]],
+            }
+            for effect in self.found.effects
+        ]
+        return pd.DataFrame(rows, columns=["component", "effect", "parameters", "lookalikes"])
+
+    def errors(self) -> pd.DataFrame:
+        """RMSE in K before and after, by kind (``fit``, ``test``), run and part."""
+        import pandas as pd
+
+        rows = []
+        for kind in ("fit", "test"):
+            before, after = getattr(self.found.before, kind), getattr(self.found.after, kind)
+            for run, parts in before.items():
+                for name, score in parts.items():
+                    rows.append(
+                        {
+                            "kind": kind,
+                            "run": Path(run).stem,
+                            "component": name,
+                            "before_rmse_K": score.summary()["rmse_K"],
+                            "after_rmse_K": after[run][name].summary()["rmse_K"],
+                        }
+                    )
+        return pd.DataFrame(rows).set_index(["kind", "run", "component"])
+
+    def html(self) -> str:
+        """The report as one HTML page."""
+        from gen.refinement.page import page
+
+        return page(self.found, self.baseline.coefficients)
+
+    def report(self, path: Path | str) -> None:
+        """Write the report.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written.
+        """
+        from gen.files import write_text
+
+        write_text(Path(path), self.html())
+
+
+@one_thread
+def refine(
+    model: Model, *, fit: Sequence[RunLike], test: Sequence[RunLike], progress: Progress = _silent
+) -> Refinement:
+    """Trace what a model misses in measured runs to physical effects, and add them to the model.
+
+    Parameters
+    ----------
+    model
+        The baseline.
+    fit
+        Runs to learn from: files or frames.
+    test
+        Runs that take no part; opened once, at the end.
+    progress
+        Called with what is being done.
+
+    Raises
+    ------
+    InputError
+        If a run is none or is given twice, or no run can be fitted.
+
+    Examples
+    --------
+    >>> motor = gen.load("coeffs.json")  # doctest: +SKIP
+    >>> found = gen.refine(motor, fit=["mon.csv", "tue.csv"], test=["wed.csv"])  # doctest: +SKIP
+    >>> found.verdict, found.errors()  # doctest: +SKIP
+    >>> found.model.save("refined.json")  # doctest: +SKIP
+    """
+    from gen.coefficients import parse
+    from gen.refinement.refine import refine as run
+
+    with run_files([*fit, *test]) as paths:
+        found = run(model.coefficients, model.text, paths[: len(fit)], paths[len(fit) :], progress)
+    refined = Model(parse(found.text.encode()), found.text) if found.effects else model
+    return Refinement(refined, model, found)
