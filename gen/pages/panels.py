@@ -125,7 +125,7 @@ def _panel(panel: Panel, across: _Scale, top: float) -> list[str]:
     low, high = _range(panel)
     up = _Scale(low, high, bottom, top)
     parts = []
-    for value in ticks(low, high, about=max(2, round(panel.height / 30.0))):
+    for value in ticks(low, high, about=max(3, round(panel.height / 30.0))):
         y = up(value)
         parts.append(
             f'<path class="{"zero" if value == 0.0 else "grid"}" d="M{_LEFT:.1f} {y:.1f}H{WIDTH - _RIGHT:.1f}"/>'
