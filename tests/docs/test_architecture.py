@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-BESIDE = {"errors", "files", "progress", "templating", "toolchain", "version"}
+BESIDE = {"errors", "files", "interruption", "progress", "templating", "toolchain", "version"}
 """Modules beside the rooms that every room may import."""
 
 
