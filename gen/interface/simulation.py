@@ -52,11 +52,12 @@ def simulate(
     >>> gen.simulate(motor, run)["casing_degC"].round(2).tolist()
     [30.0, 59.32, 63.67]
     """
-    from gen.replay import read_for
+    from gen.runs import read_run
 
     loaded = model.coefficients
     with run_files([run]) as (path,):
-        measured = read_for(loaded, path)
+        ambient = loaded.model.ambient_channel or "ambient_degC"
+        measured = read_run(path, loaded.model.component_names, ambient=ambient)
         from gen.reference.simulate import simulate_run  # slow to import: what is wrong with the file was told before
 
         columns = one_thread(simulate_run)(loaded, measured, arithmetic, start, str(path))

@@ -113,7 +113,7 @@ def condense(coefficients: Coefficients, path: Path) -> Condensed:
     Raises
     ------
     InputError
-        When the file is not a run, holds no temperature of any component, or lacks a column that the model needs.
+        When the file is not a run, or holds no temperature of any component.
     """
     run = read_measured(coefficients, path)
     return _condensed(coefficients, run, dict(run.temps), str(path))
