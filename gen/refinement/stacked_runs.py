@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from gen.coefficients import Coefficients
-from gen.model.effects.catalogue.sensor_offset import SensorOffset
+from gen.model.effects import tolerance_K
 from gen.model.effects.integrate import Track
 from gen.model.effects.response import Response, answer, response
 from gen.refinement.condense import Condensed
@@ -60,7 +60,7 @@ class StackedRuns:
     left_out_parts: str
     blocks: np.ndarray
     responses: dict[str, Response]
-    tolerance_K: float = SensorOffset.TOLERANCE_K
+    tolerance_K: float = field(default_factory=tolerance_K)
 
     def only(self, name: str) -> StackedRuns:
         """The same with one component."""

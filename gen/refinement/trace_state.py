@@ -124,8 +124,8 @@ def beginning(coefficients: Coefficients, runs: Sequence[Condensed]) -> TraceSta
     for name in whole.components:
         alone = whole.only(name)
         null = fit(alone, [])
-        # A left-out run says nothing of its speed's schedule where no other has that speed: the last step judges it.
-        tried = [h for h in hypotheses[name] if not (once and h[0].name == "schedule_error")]
+        # A left-out run says nothing of its speed where no other has that speed: the last step judges such effects.
+        tried = [h for h in hypotheses[name] if not (once and h[0].of_single_speeds)]
         components[name] = ComponentState(
             name=name,
             runs=alone,

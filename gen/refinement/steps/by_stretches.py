@@ -1,4 +1,4 @@
-"""A wrong schedule where each speed was run once: judged on left-out stretches, where nothing else was found."""
+"""Effects of single speeds where each was run once: judged on left-out stretches, where nothing else was found."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from gen.refinement.trace_state import ComponentState, Say, TraceState
 
 
 def by_stretches(state: TraceState, say: Say) -> TraceState:
-    """Try the schedule at each component that is worth it and has no effect."""
+    """Try these effects at each component that is worth it and has no effect."""
     if not state.each_speed_once:
         return state
 

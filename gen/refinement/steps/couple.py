@@ -18,8 +18,8 @@ def couple(state: TraceState, say: Say) -> TraceState:
     rises = {c.name: _rise(c) for c in state.components.values() if c.final.terms}
 
     def refitted(component: ComponentState) -> ComponentState:
-        sources = {str(term.variant.fixed.get("source")) for term in component.final.terms}
-        if not sources & set(rises):
+        named = [term.effect.reads(term.variant.fixed, "component") for term in component.final.terms]
+        if not any(source in rises for term in named for _, source in term):
             return component
         say(component.name)
         runs = component.runs.with_others({name: rise for name, rise in rises.items() if name != component.name})

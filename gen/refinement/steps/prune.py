@@ -38,7 +38,8 @@ def _without(component: ComponentState, at: int) -> ComponentState:
 
 def _known(fitted: HypothesisFit, at: int) -> bool:
     """Whether the size of effect number `at` can be told from none beside the others."""
-    return not fitted.terms[at].variant.free or told_from_none(fitted, 0, fitted.first_free(at))
+    size = fitted.size(at)
+    return size is None or told_from_none(fitted, 0, size)
 
 
 def _needed(component: ComponentState, less: ComponentState) -> bool:
