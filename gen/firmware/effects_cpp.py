@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from gen.lowering.effects.graph import Operand
 from gen.lowering.effects.program import (
     GUARD_BITS,
     KELVIN_BITS,
@@ -23,8 +21,6 @@ from gen.lowering.fixed.formats import CARRY_FACTOR, RESIDUE_BITS, WORD_BITS
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.program import Program
 from gen.reference.lanes import word_bits
-
-Names = Callable[[Operand], str]
 
 _PER_LINE = 8
 

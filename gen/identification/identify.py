@@ -153,7 +153,7 @@ def identify_component(
         criteria={c.structure.name: _criteria(problem, c, choice) for c in choice.candidates},
         tests=_tests(problem, model),
         settled=_settled(problem, fit, held=speeds.held),
-        linearity=linearity(problem, fit),
+        linearity=linearity(fit),
         general=general,
         model=model,
         band=band(general, model, *speeds.range),

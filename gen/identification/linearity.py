@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.general import Judge
-from gen.identification.output_error import OutputErrorFit, OutputErrorProblem
+from gen.identification.output_error import OutputErrorFit
 from gen.identification.structure import FloatArray
 
 LIMIT = 0.10
@@ -31,8 +30,6 @@ class Linearity:
         Whether every coefficient of variation is within the limit; None with one speed.
     averaged_K
         Steady error of the averaged-pole model (mean poles, mean gain) by speed, K.
-    averaged_rms_K
-        Its root mean square error over time by speed, K.
     """
 
     speeds: NDArray[np.int64]
@@ -42,10 +39,9 @@ class Linearity:
     cv: FloatArray
     linear: bool | None
     averaged_K: FloatArray
-    averaged_rms_K: FloatArray
 
 
-def linearity(problem: OutputErrorProblem, fit: OutputErrorFit) -> Linearity:
+def linearity(fit: OutputErrorFit) -> Linearity:
     """Compute the figures of a fit."""
     nodes = fit.layout.positive
     structure = fit.layout.structure
@@ -57,10 +53,6 @@ def linearity(problem: OutputErrorProblem, fit: OutputErrorFit) -> Linearity:
     cv = np.sqrt(variance) / np.abs(mean.real)
     gain = np.mean(fit.steady / nodes * np.abs(np.prod(poles, axis=1)))
     steady = gain * nodes / np.abs(np.real(np.prod(mean)))
-    judge = Judge(problem, fit)
-    # The mean of the poles in the fit's own parameters, which the simulation takes.
-    averaged = _parameters(fit, mean)
-    rms = np.array([judge.error_at(i, averaged[None, :], steady[i : i + 1])[0][0] for i in range(count)])
     return Linearity(
         nodes,
         poles,
@@ -69,16 +61,4 @@ def linearity(problem: OutputErrorProblem, fit: OutputErrorFit) -> Linearity:
         np.asarray(cv, dtype=np.float64),
         bool(np.all(cv <= LIMIT)) if count > 1 else None,
         np.asarray(steady - fit.steady, dtype=np.float64),
-        rms,
     )
-
-
-def _parameters(fit: OutputErrorFit, poles: NDArray[np.complex128]) -> FloatArray:
-    structure = fit.layout.structure
-    real = -np.log(np.maximum(np.abs(poles[: structure.real].real), 1e-12))
-    if not structure.pair:
-        return np.asarray(real, dtype=np.float64)
-    square = max(float(np.real(poles[-1] * poles[-2])), 1e-20)
-    omega = np.sqrt(square)
-    zeta = max(float(-np.real(poles[-1] + poles[-2])) / (2.0 * omega), 1e-3)
-    return np.asarray([*real, -np.log(omega), np.log(zeta)], dtype=np.float64)

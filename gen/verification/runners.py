@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -223,8 +223,3 @@ def _is_forbidden(name: str) -> bool:
     if name in ("__umulhisi3", "__mulhisi3", "__usmulhisi3", "__muluhisi3", "__mulshisi3"):
         return False
     return any(part in name for part in _FORBIDDEN)
-
-
-def all_host_runners(library: Library, names: Sequence[str]) -> list[HostRunner]:
-    """Build for several compilers."""
-    return [HostRunner(library, name) for name in names]
