@@ -11,7 +11,6 @@ from gen.templating import environment
 # Emitted path -> template, for what the model's library consists of. NAME stands for the model's name.
 _MODEL = {
     "lib/NAME/src/NAME.h": "lib/model/src/model.h.j2",
-    "lib/NAME/src/NAME.cpp": "lib/model/src/model.cpp.j2",
     "lib/NAME/src/NAME_model.h": "lib/model/src/model_state.h.j2",
     "lib/NAME/src/NAME_platform.h": "lib/model/src/platform.h.j2",
 }
@@ -19,6 +18,10 @@ _ALARMS = {
     "lib/NAME/src/NAME_alarms.h": "lib/model/src/alarms.h.j2",
     "lib/NAME/src/NAME_alarms.cpp": "lib/model/src/alarms.cpp.j2",
     "lib/NAME/src/NAME_alarms_state.h": "lib/model/src/alarms_state.h.j2",
+}
+_BODY: Mapping[Arithmetic, Mapping[str, str]] = {
+    "fixed": {"lib/NAME/src/NAME.cpp": "lib/model/src/model_fixed.cpp.j2"},
+    "float": {"lib/NAME/src/NAME.cpp": "lib/model/src/model_float.cpp.j2"},
 }
 _RECURSION: Mapping[Arithmetic, Mapping[str, str]] = {
     "fixed": {
@@ -63,6 +66,7 @@ def library(context: LibraryContext) -> dict[str, str]:
     schedule = _ONBOARD if context.identity["schedule"] == "onboard" else _TABLE[arithmetic]
     return (
         render(_MODEL, context.of_model())
+        | render(_BODY[arithmetic], context.of_model())
         | render(_ALARMS, context.of_alarms())
         | render(_RECURSION[arithmetic], context.of_model())
         | render(schedule, context.of_schedule())
