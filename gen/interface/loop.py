@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,8 +26,28 @@ def _silent(_: str) -> None:
     """Say nothing."""
 
 
+class Reported(ABC):
+    """What can be written as a report."""
+
+    @abstractmethod
+    def html(self) -> str:
+        """The report as one HTML page."""
+
+    def report(self, path: Path | str) -> None:
+        """Write the report.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written.
+        """
+        from gen.files import write_text
+
+        write_text(Path(path), self.html())
+
+
 @dataclass(frozen=True, eq=False)
-class Identification:
+class Identification(Reported):
     """What was identified.
 
     Parameters
@@ -101,18 +122,6 @@ class Identification:
 
         return report_html(self.data, self.found, self.model.coefficients)
 
-    def report(self, path: Path | str) -> None:
-        """Write the report.
-
-        Raises
-        ------
-        InputError
-            If it cannot be written.
-        """
-        from gen.files import write_text
-
-        write_text(Path(path), self.html())
-
 
 @one_thread
 def identify(
@@ -180,7 +189,7 @@ def identify(
 
 
 @dataclass(frozen=True, eq=False)
-class Refinement:
+class Refinement(Reported):
     """What a refinement found.
 
     Parameters
@@ -251,18 +260,6 @@ class Refinement:
         from gen.refinement.page import page
 
         return page(self.found, self.baseline.coefficients)
-
-    def report(self, path: Path | str) -> None:
-        """Write the report.
-
-        Raises
-        ------
-        InputError
-            If it cannot be written.
-        """
-        from gen.files import write_text
-
-        write_text(Path(path), self.html())
 
 
 @one_thread
