@@ -14,8 +14,6 @@ from gen.coefficients.messages import explained
 from gen.model.effects import Applied, registry
 
 _COLUMN = re.compile(r'[^\x00-\x1f\x7f,;"\\]{1,64}')
-_SOURCE_UNITS = ("_degC", "_percent", "_pct", "_W")
-_ENDINGS = tuple(unit.lower() for unit in _SOURCE_UNITS)
 
 
 def _schema(schema: dict[str, Any]) -> None:
@@ -54,9 +52,8 @@ class EffectEntry(Part):
         except ValidationError as error:
             message, place = explained(error)
             raise fault(message, "parameters", *place) from None
-        for key in ("channel", "source"):
-            if key in values:
-                _check_column(values[key], "parameters", key)
+        for source, name in registry()[self.name].reads(values):
+            _check_column(name, "parameters", source.parameter)
         return self
 
     def _validated(self) -> dict[str, Any]:
@@ -94,16 +91,22 @@ def check_effects(effects: Sequence[EffectEntry], components: list[str]) -> None
                 f'found "{effect.component}", expected the name of a component: {listed(components)}',
                 *("effects", i, "component"),
             )
-        source = effect.applied().values.get("source")
         others = [name for name in components if name != effect.component]
-        if source is not None and source not in others and not source.lower().endswith(_ENDINGS):
-            expected = f"the name of another component ({listed(others)}) or " if others else ""
-            raise fault(
-                f'found "{source}", expected {expected}a column that ends in {listed(list(_SOURCE_UNITS))}',
-                *("effects", i, "parameters", "source"),
-            )
+        applied = effect.applied()
+        for source, name in applied.effect.reads(applied.values, "component"):
+            if name not in others and not source.fits(name):
+                raise fault(
+                    f'found "{name}", expected {_expected(others, source.units)}',
+                    *("effects", i, "parameters", source.parameter),
+                )
         if effect.without_evidence() in [earlier.without_evidence() for earlier in effects[:i]]:
             raise fault("this effect is there already, with the same parameters; expected it once", "effects", i)
+
+
+def _expected(others: list[str], units: Sequence[str]) -> str:
+    component = f"the name of another component ({listed(others)})" if others else ""
+    column = f"a column that ends in {listed(list(units))}" if units else ""
+    return " or ".join(text for text in (component, column) if text) or "another component, of which there is none"
 
 
 def _check_column(name: str, *at: str) -> None:

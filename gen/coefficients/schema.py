@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from gen.coefficients.document import Document
+from gen.model.effects import catalogue_only
 
 STORED = Path(__file__).parent.parent / "schema" / "gen-coefficients-1.schema.json"
 
@@ -31,8 +32,9 @@ def json_schema() -> dict[str, Any]:
 
 
 def schema_text() -> str:
-    """Give the schema as the text of the stored file."""
-    return json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n"
+    """Give the schema as the text of the stored file, which knows the catalogue's effects alone."""
+    with catalogue_only():
+        return json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
 if __name__ == "__main__":

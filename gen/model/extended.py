@@ -112,7 +112,7 @@ class ExtendedSolution:
         )
         rises = dict(base)
         shown: dict[str, FloatArray] = {}
-        coupled = any(applied.values.get("source") in tracks for applied in self.effects)
+        coupled = any(applied.sources(tracks) for applied in self.effects)
         for _ in range(_ROUNDS if coupled else 1):
             change = 0.0
             for name, track in tracks.items():

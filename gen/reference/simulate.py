@@ -118,7 +118,7 @@ def _told(coefficients: Coefficients, run: Run, program: Program, file: str) -> 
 def _ambient(coefficients: Coefficients, run: Run, file: str) -> Array:
     """Ambient at every row, in degC: the measured one held over its gaps, else the file's fixed one."""
     fixed = coefficients.model.ambient_fixed
-    if fixed is not None and any(applied.effect.name == "ambient" for applied in coefficients.effects):
+    if fixed is not None and any(applied.effect.replaces_ambient for applied in coefficients.effects):
         return np.full(len(run.time_s), fixed)  # the measured one acts through the effect
     if run.ambient is None or np.all(np.isnan(run.ambient)):
         if fixed is None:
@@ -147,14 +147,14 @@ def _columns(coefficients: Coefficients, run: Run, ambient: Array, file: str) ->
     measured = ambient if run.ambient is None or np.all(np.isnan(run.ambient)) else held_over_gaps(run.ambient)
     channels = {name: held_over_gaps(column) for name, column in run.extras.items() if not np.all(np.isnan(column))}
     for applied in coefficients.effects:
-        name, column = applied.effect.name, applied.values.get("channel") or applied.values.get("source")
-        if name == "ambient":
-            missing = run.ambient is None
-        else:
-            missing = column is not None and column not in channels and column not in coefficients.model.component_names
+        missing = [column for column in applied.columns(coefficients.model.component_names) if column not in channels]
+        if run.ambient is None:
+            missing += [column for _, column in applied.effect.reads(applied.values, "ambient")]
         if missing:
             raise InputError(
-                f'the effect "{name}" of {applied.component} needs the column {column}', file=file, place="header"
+                f'the effect "{applied.effect.name}" of {applied.component} needs the column {missing[0]}',
+                file=file,
+                place="header",
             )
     return measured, channels
 

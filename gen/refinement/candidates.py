@@ -33,8 +33,8 @@ class Candidate:
     @property
     def label(self) -> str:
         """Name and what it acts through."""
-        through = self.variant.fixed.get("channel") or self.variant.fixed.get("source")
-        name = f"{self.effect.name} ({through})" if through else self.effect.name
+        through = [name for _, name in self.effect.reads(self.variant.fixed)]
+        name = f"{self.effect.name} ({', '.join(through)})" if through else self.effect.name
         return f"{name}, judged on stretches" if self.by_stretch else name
 
 

@@ -145,11 +145,12 @@ def _check_measured(model: ThermalModel, filled: Collection[str], rows: int, fil
 
 def _check_channels(coefficients: Coefficients, channels: Collection[str], file: str) -> None:
     """The effects' columns are there."""
-    known = {*channels, *coefficients.model.component_names, AMBIENT}
     for applied in coefficients.effects:
-        column = applied.values.get("channel") or applied.values.get("source")
-        if column is not None and column not in known:
-            raise InputError(f'the effect "{applied.effect.name}" needs the column {column}', file=file, place="header")
+        missing = [column for column in applied.columns(coefficients.model.component_names) if column not in channels]
+        if missing:
+            raise InputError(
+                f'the effect "{applied.effect.name}" needs the column {missing[0]}', file=file, place="header"
+            )
 
 
 def _no_ambient(model: ThermalModel, file: str) -> InputError:

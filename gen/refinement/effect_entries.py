@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gen.model.effects.catalogue.sensor_offset import SensorOffset
+from gen.model.effects import calibration
 from gen.refinement.candidates import Found, Tracing
 
 
@@ -19,20 +19,21 @@ def calibrations(tracing: Tracing) -> list[dict[str, Any]]:
     hold beside them only.
     """
     made = []
+    effect = calibration()
     for name in dict.fromkeys(found.component for found in tracing.found):
         final = tracing.final[name]
         noise = float(tracing.problem.noise_K[tracing.problem.components.index(name)])
         offset = float(final.offset[0])
-        if any(term.effect.name == "sensor_offset" for term in final.terms) or abs(offset) < 0.5 * noise:
+        if any(term.effect is effect for term in final.terms) or abs(offset) < 0.5 * noise:
             continue
         made.append(
             {
-                "name": "sensor_offset",
+                "name": effect.name,
                 "component": name,
-                "parameters": {"offset_K": offset},
+                "parameters": effect.calibrated(offset),
                 "evidence": {
                     "within_tolerance": True,
-                    "note": f"within the sensor's tolerance of {SensorOffset.TOLERANCE_K:g} K; fitted with the others",
+                    "note": f"within the sensor's tolerance of {effect.tolerance_K:g} K; fitted with the others",
                     "lookalikes": [],
                 },
             }

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen.coefficients import Coefficients
+from gen.model.effects import registry
 from gen.refinement.condense import Condensed
 
 _HOUR = 3600.0
@@ -64,9 +65,9 @@ def excitation(coefficients: Coefficients, runs: Sequence[Condensed]) -> Excitat
     if not warm:
         missing.append("no warm start: log a run that begins warm")
     common = set.intersection(*(set(run.channels) for run in runs))
-    for suffix, what in (("_A", "current"), ("_V", "supply voltage")):
-        if not any(name.endswith(suffix) for name in common):
-            missing.append(f"no {what} was logged: its effect cannot be seen")
+    for source in (source for effect in registry().values() for source in effect.inputs if source.quantity):
+        if not any(source.fits(name) for name in common):
+            missing.append(f"no {source.quantity} was logged: its effect cannot be seen")
     for name in sorted(common):
         values = np.concatenate([run.channels[name] for run in runs])
         facts.append((name, f"{values.min():.4g} .. {values.max():.4g}"))

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from gen.model.effects import Effect, Setting, Variant, registry
-from gen.model.effects.catalogue.sensor_offset import SensorOffset
 from gen.refinement.candidates import Candidate
 from gen.refinement.judgement import TIE_LEVEL, judge, p_better
 from gen.refinement.simulation_fit import HypothesisFit, Term, fit
@@ -55,10 +54,11 @@ def further(
 
 
 def material(candidate: Candidate) -> bool:
-    """An offset within the sensor's tolerance is its nature, not an effect."""
-    if not isinstance(candidate.effect, SensorOffset):
+    """An error within the sensor's tolerance is its nature, not an effect."""
+    size = candidate.fit.size(len(candidate.fit.terms) - 1)
+    if candidate.effect.tolerance_K is None or size is None:
         return True
-    return abs(float(candidate.fit.numbers[candidate.at, -1])) > SensorOffset.TOLERANCE_K
+    return abs(float(candidate.fit.numbers[candidate.at, size])) > candidate.effect.tolerance_K
 
 
 def choose(
@@ -113,9 +113,10 @@ def terms_of(fitted: HypothesisFit) -> list[Term]:
 
 def _starts(variant: Variant) -> list[tuple[float, ...]]:
     plain = tuple(f.start for f in variant.free)
-    if not any("tau" in f.name for f in variant.free):
+    slow = [f.role == "time constant" for f in variant.free]
+    if not any(slow):
         return [plain, *variant.also]
-    return [plain, tuple(max(f.start * 0.2, f.low) if "tau" in f.name else f.start for f in variant.free)]
+    return [plain, tuple(max(f.start * 0.2, f.low) if s else f.start for f, s in zip(variant.free, slow, strict=True))]
 
 
 def _training(fitted: HypothesisFit) -> float:
@@ -127,7 +128,6 @@ def _penalised(candidate: Candidate) -> float:
 
 
 def _same(one: Candidate, other: Candidate) -> bool:
-    keys = ("channel", "source")
-    return one.effect.name == other.effect.name and (
-        one.effect.name == "coupling" or all(one.variant.fixed.get(k) == other.variant.fixed.get(k) for k in keys)
-    )
+    """Whether two components have one effect, through the same channels: another component is another one for each."""
+    through = [[name for _, name in c.effect.reads(c.variant.fixed, "channel")] for c in (one, other)]
+    return one.effect is other.effect and through[0] == through[1]

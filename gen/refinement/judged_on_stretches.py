@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gen.model.effects import Setting, registry
-from gen.model.effects.catalogue.schedule_error import ScheduleError
+from gen.model.effects import Effect, Setting, Variant, registry
 from gen.refinement.candidates import Candidate
 from gen.refinement.judgement import judge
 from gen.refinement.simulation_fit import Term, fit
@@ -18,11 +17,17 @@ STRETCHES = 18
 
 
 def by_stretch(single: StackedRuns, known: Setting, tried: int) -> Candidate | None:
-    """A wrong schedule, judged on left-out stretches (thirds of each run): a weaker test, and said to be one."""
-    effect = registry()["schedule_error"]
-    variant = effect.local(known) if isinstance(effect, ScheduleError) else None
-    if variant is None:
-        return None
+    """The best effect of single speeds, by left-out stretches (thirds of each run): a weaker test, said to be one."""
+    made = [
+        _judged(single, effect, variant, tried)
+        for effect in registry().values()
+        if effect.of_single_speeds and (variant := effect.local(known)) is not None
+    ]
+    accepted = [candidate for candidate in made if candidate.judgement.accepted]
+    return min(accepted, key=lambda candidate: candidate.loss, default=None)
+
+
+def _judged(single: StackedRuns, effect: Effect, variant: Variant, tried: int) -> Candidate:
     length = single.blocks.shape[0]
     sizes = np.sum(single.blocks >= 0, axis=0)
     thirds = np.minimum(np.arange(length)[:, None] * 3 // np.maximum(sizes, 1), 2)
@@ -32,5 +37,4 @@ def by_stretch(single: StackedRuns, known: Setting, tried: int) -> Candidate | N
     cut = replace(single, left_out=np.stack([thirds == f for f in range(3)]), blocks=blocks, tolerance_K=0.0)
     fitted = fit(cut, [Term(effect, variant, tuple(f.start for f in variant.free))])
     verdict = judge(cut, 0, fit(cut, []), fitted, tried, 0)
-    candidate = Candidate(effect, variant, fitted, 0, verdict, by_stretch=True)
-    return candidate if verdict.accepted else None
+    return Candidate(effect, variant, fitted, 0, verdict, by_stretch=True)

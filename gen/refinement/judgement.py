@@ -23,8 +23,6 @@ TOO_LITTLE = f"lowers the error on left-out runs by less than {LEAST_GAIN:.0%}"
 WORSE_RUN = 1.05
 """No left-out run may get worse by more than this factor (beside a third of the noise)."""
 TIE_LEVEL = 0.05
-NO_SIZE = "nominal_V"
-"""What an effect is measured against, not how large it is: the first free parameter of `supply_voltage`."""
 SAME = 0.2
 """An effect's size must have one sign in every fold, and the smallest be at least this share of the largest."""
 
@@ -115,29 +113,28 @@ def _worse_run(problem: StackedRuns, c: int, null: HypothesisFit, found: Hypothe
 
 def _parameters(found: HypothesisFit, c: int, added: int) -> list[str]:
     reasons = []
+    sizes = (found.size(at) for at in range(len(found.terms)) if found.first_free(at) >= added)
+    size = next((place for place in sizes if place is not None), None)
     for i, free in enumerate(found.free[added:], start=added):
         value, spread = float(found.numbers[c, i]), float(found.spread[c, i])
-        first = i == added
         if free.low == free.high:
             continue
-        if first:
-            if free.name == NO_SIZE:
-                continue
+        if i == size:
             each = found.folds[c, :, i]
             steady = bool(np.all(each > 0.0) or np.all(each < 0.0)) and np.min(np.abs(each)) > SAME * np.max(
                 np.abs(each)
             )
-            entry = "[" in free.name
-            if not entry and np.any(np.abs(each - _starts(found)[i]) < 1e-9):
+            level = free.role == "level"
+            if not level and np.any(np.abs(each - _starts(found)[i]) < 1e-9):
                 reasons.append(ALONE)  # without that group the fit stayed where it began, which says nothing
-            elif not told_from_none(found, c, i) or not (steady or entry):
+            elif not told_from_none(found, c, i) or not (steady or level):
                 reasons.append(f"{free.name} cannot be told from no effect")
-        if first and not free.log and value >= free.high * 0.999:
+        if i == size and not free.log and value >= free.high * 0.999:
             reasons.append(f"{free.name} is at its physical limit")
         # A time constant of which the data say nothing, or that they push to its limit, is no part's: the hypothesis
         # lends its form to something else.
-        if free.name.endswith("tau_s") and free.log:
-            anywhere = 4.0 * spread > np.log(free.high / free.low)
+        if free.role == "time constant":
+            anywhere = 4.0 * (spread if free.log else spread / max(value, 1e-12)) > np.log(free.high / free.low)
             if anywhere or not 1.01 * free.low < value < free.high / 1.01:
                 reasons.append(f"{free.name} is not determined" if anywhere else f"{free.name} is at its limit")
     return reasons
@@ -151,15 +148,13 @@ def told_from_none(found: HypothesisFit, c: int, at: int) -> bool:
     found, c
         The fit and the component's index.
     at
-        Index of the size among the free parameters. Sizes by logarithm and those that stand for a level of a schedule
-        have no zero to be told from, and only have to be determined.
+        Index of the size among the free parameters. Sizes by logarithm and levels have no zero to be told from, and
+        only have to be determined.
     """
     free, spread = found.free[at], float(found.spread[c, at])
-    if free.name == NO_SIZE:
-        return True
     if not np.isfinite(spread):
         return False
-    return free.log or "[" in free.name or abs(float(found.numbers[c, at])) > 2.0 * spread
+    return free.log or free.role == "level" or abs(float(found.numbers[c, at])) > 2.0 * spread
 
 
 def _starts(found: HypothesisFit) -> list[float]:

@@ -138,17 +138,17 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     known = registry()[effect["name"]]
     intervals = effect["evidence"].get("intervals_95", {})
     rows = []
-    levels = effect["parameters"].get("pwm") if isinstance(effect["parameters"].get("pwm"), list) else None
+    levels = effect["parameters"].get(known.over_pwm) if known.over_pwm is not None else None
     for key, value in effect["parameters"].items():
         if levels is not None and isinstance(value, list):
-            if key != "pwm":
+            if key != known.over_pwm:
                 rows += _over_pwm(key, levels, value, intervals)
         elif isinstance(value, list):
             for i, entry in enumerate(value):
                 rows.append([f"{key}[{i}]", _number(entry), _interval(intervals.get(f"{key}[{i}]"))])
         elif value is not None:
             rows.append([key, _number(value), _interval(intervals.get(key))])
-        elif key == "tau_s":
+        elif key == known.tau:
             rows.append([key, "the component's own", ""])
     note = effect["evidence"].get("note", "")
     return {

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen.model.effects import Effect, Free, Variant
-from gen.model.effects.catalogue.sensor_offset import SensorOffset
 from gen.model.effects.integrate import Slot, readings
 from gen.refinement.stacked_runs import StackedRuns
 from gen.runs.run import FloatArray
@@ -76,6 +75,11 @@ class HypothesisFit:
         """Give the place of a term's first free parameter among all of them."""
         return sum(len(term.variant.free) for term in self.terms[:at])
 
+    def size(self, at: int) -> int | None:
+        """Give the place of the number that says how large a term is among all of them, None for a term without."""
+        place = self.terms[at].variant.size
+        return None if place is None else self.first_free(at) + place
+
     def values(self, component: int) -> list[dict[str, object]]:
         """Parameters of each term for a component."""
         made, at = [], 0
@@ -102,7 +106,7 @@ def fit(problem: StackedRuns, terms: Sequence[Term]) -> HypothesisFit:
     count = len(problem.components)
     low = np.array([_to(f, f.low) for f in free])
     high = np.array([_to(f, f.high) for f in free])
-    tolerance = 0.0 if any(isinstance(term.effect, SensorOffset) for term in terms) else problem.tolerance_K
+    tolerance = 0.0 if any(term.effect.tolerance_K is not None for term in terms) else problem.tolerance_K
     scale = np.array([1.0 if f.log else max(abs(s), 1e-9) for f, s in zip(free, start, strict=True)])
     u = np.broadcast_to(np.array([_to(f, s) for f, s in zip(free, start, strict=True)]), (count, lanes, len(free)))
     weights = _weights(problem)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from gen.coefficients import Coefficients
-from gen.model.effects.catalogue.sensor_offset import SensorOffset
+from gen.model.effects import tolerance_K
 from gen.model.effects.integrate import Track
 from gen.model.effects.response import Response, answer, response
 from gen.refinement.condense import Condensed
@@ -20,6 +20,9 @@ BLOCKS = 6
 """Blocks of each run for the test of an improvement."""
 LEAST_BLOCKS = 36
 """Blocks that there shall be at least: few runs are cut finer."""
+LEAST_NOISE_K = 1e-3
+WHOLE_RUNS = "whole runs"
+THIRDS = "thirds of the one run"
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,8 @@ class StackedRuns:
         Standard deviation of a sample by component, shape (C,).
     left_out
         True for bins that fold f leaves out, shape (F, K, R).
+    left_out_parts
+        What they are, in words: whole runs, or of a single run its thirds.
     blocks
         Number of the block of each bin, shape (K, R), -1 for padding.
     responses
@@ -52,9 +57,10 @@ class StackedRuns:
     weight: FloatArray
     noise_K: FloatArray
     left_out: np.ndarray
+    left_out_parts: str
     blocks: np.ndarray
     responses: dict[str, Response]
-    tolerance_K: float = SensorOffset.TOLERANCE_K
+    tolerance_K: float = field(default_factory=tolerance_K)
 
     def only(self, name: str) -> StackedRuns:
         """The same with one component."""
@@ -99,92 +105,110 @@ def stack_runs(coefficients: Coefficients, runs: Sequence[Condensed]) -> Stacked
     """
     model = coefficients.model
     names = tuple(c.name for c in model.components if any(c.name in run.traces for run in runs))
-    length = max(run.edges.size - 1 for run in runs)
-
-    def edges(values: Sequence[FloatArray]) -> FloatArray:
-        return np.stack([np.pad(v, (0, length + 1 - v.size), mode="edge") for v in values], axis=-1)
-
-    def bins(values: Sequence[FloatArray], fill: float = 0.0) -> FloatArray:
-        return np.stack([np.pad(v, (0, length - v.size), constant_values=fill) for v in values], axis=-1)
-
-    def lanes(array: FloatArray) -> FloatArray:
-        return array[:, None, None, :]
-
-    def by_component(key: str, ends: bool) -> FloatArray:
-        stacked = []
-        for name in names:
-            columns = [
-                getattr(run.traces[name], key) if name in run.traces else np.zeros(run.edges.size - (0 if ends else 1))
-                for run in runs
-            ]
-            stacked.append(edges(columns) if ends else bins(columns))
-        return np.stack(stacked, axis=1)[:, :, None, :]
-
-    residual = by_component("residual", ends=False)
-    weight = np.broadcast_to(lanes(bins([run.weight for run in runs])), residual.shape).copy()
-    for c, name in enumerate(names):
-        for r, run in enumerate(runs):
-            if name not in run.traces:
-                weight[:, c, :, r] = 0.0
-    weight[~np.isfinite(residual)] = 0.0
-    residual = np.where(weight > 0.0, residual, 0.0)
-    ambient = lanes(edges([run.ambient for run in runs]))
-    sensed = all(run.measured_ambient is not None for run in runs)
-    measured = [run.measured_ambient if sensed and run.measured_ambient is not None else run.ambient for run in runs]
-    base = by_component("base", ends=True)
-    pwm = bins([run.pwm for run in runs])
-    common = [key for key in runs[0].channels if all(key in run.channels for run in runs)]
-    start = np.array([[run.traces[n].start_rise if n in run.traces else 0.0 for run in runs] for n in names])
-    noise = [
-        np.sqrt(np.mean([max(t.noise_K, t.resolution_K / np.sqrt(12.0)) ** 2 for t in _traces(runs, name)]))
-        for name in names
-    ]
-    track = Track(
-        step=lanes(bins([np.diff(run.edges) for run in runs])),
-        elapsed=lanes(edges([run.edges - run.edges[0] for run in runs])),
-        base=base,
-        fading=by_component("fading", ends=True),
-        ambient=ambient,
-        measured_ambient=lanes(edges(measured)),
-        rate=by_component("rate", ends=False),
-        heat=by_component("heat", ends=False),
-        pwm=lanes(pwm / model.full_scale),
-        count=lanes(pwm),
-        reverse=lanes(bins([run.reverse for run in runs])),
-        standstill=lanes(bins([run.standstill for run in runs])),
-        channels={key: lanes(bins([run.channels[key] for run in runs])) for key in common},
-        others={name: base[:, c : c + 1] for c, name in enumerate(names)},
-        measured_rise=start[:, None, :],
-    )
+    stack = _Stack(names, tuple(runs))
+    residual, weight = _residual(stack)
+    track = _track(stack, model.full_scale)
     sizes = [run.edges.size - 1 for run in runs]
+    left_out, left_out_parts = _folds(sizes, stack.length)
+    counts, step = np.rint(track.count[:, 0, 0, :]).astype(np.int64), track.step[:, 0, 0, :]
     return StackedRuns(
         components=names,
         track=track,
         residual=residual,
         weight=weight,
-        noise_K=np.maximum(np.asarray(noise), 1e-3),
-        left_out=_folds(sizes, length),
-        blocks=_blocks(sizes, length),
-        responses={
-            c.name: response(c, np.rint(pwm).astype(np.int64), track.step[:, 0, 0, :])
-            for c in model.components
-            if c.name in names and c.order > 1
-        },
+        noise_K=np.array([max(_noise_K(runs, name), LEAST_NOISE_K) for name in names]),
+        left_out=left_out,
+        left_out_parts=left_out_parts,
+        blocks=_blocks(sizes, stack.length),
+        responses={c.name: response(c, counts, step) for c in model.components if c.name in names and c.order > 1},
     )
 
 
-def _traces(runs: Sequence[Condensed], name: str) -> list:  # type: ignore[type-arg]
-    return [run.traces[name] for run in runs if name in run.traces]
+@dataclass(frozen=True)
+class _Stack:
+    """Runs of different length side by side: K bins of the longest, R runs."""
+
+    names: tuple[str, ...]
+    runs: tuple[Condensed, ...]
+
+    @property
+    def length(self) -> int:
+        return max(run.edges.size - 1 for run in self.runs)
+
+    def ends(self, values: Iterable[FloatArray]) -> FloatArray:
+        """Values at the bins' ends, the last one held: shape (K + 1, 1, 1, R)."""
+        padded = [np.pad(v, (0, self.length + 1 - v.size), mode="edge") for v in values]
+        return np.stack(padded, axis=-1)[:, None, None, :]
+
+    def means(self, values: Iterable[FloatArray]) -> FloatArray:
+        """Means of the bins, zeros after the last one: shape (K, 1, 1, R)."""
+        padded = [np.pad(v, (0, self.length - v.size)) for v in values]
+        return np.stack(padded, axis=-1)[:, None, None, :]
+
+    def ends_of(self, key: str) -> FloatArray:
+        """A component's values at the bins' ends, zeros where it was not measured: shape (K + 1, C, 1, R)."""
+        return np.concatenate([self.ends(self._of(name, key, 0)) for name in self.names], axis=1)
+
+    def means_of(self, key: str) -> FloatArray:
+        """A component's means of the bins, zeros where it was not measured: shape (K, C, 1, R)."""
+        return np.concatenate([self.means(self._of(name, key, 1)) for name in self.names], axis=1)
+
+    def _of(self, name: str, key: str, fewer: int) -> Iterator[FloatArray]:
+        for run in self.runs:
+            yield getattr(run.traces[name], key) if name in run.traces else np.zeros(run.edges.size - fewer)
 
 
-def _folds(sizes: Sequence[int], length: int) -> np.ndarray:
-    """Whole runs, dealt to at most FOLDS folds; a single run is cut into three stretches instead."""
+def _residual(stack: _Stack) -> tuple[FloatArray, FloatArray]:
+    """The residual, K, and the number of samples behind it, 0 where a component was not measured; (K, C, 1, R)."""
+    residual = stack.means_of("residual")
+    measured = np.array([[name in run.traces for run in stack.runs] for name in stack.names])
+    weight = np.where(measured[:, None, :], stack.means(run.weight for run in stack.runs), 0.0)
+    weight[~np.isfinite(residual)] = 0.0
+    return np.where(weight > 0.0, residual, 0.0), weight
+
+
+def _track(stack: _Stack, full_scale: int) -> Track:
+    """What drives the components' effects."""
+    runs = stack.runs
+    ambient = [run.ambient for run in runs]
+    sensed = [run.measured_ambient for run in runs if run.measured_ambient is not None]
+    base = stack.ends_of("base")
+    count = stack.means(run.pwm for run in runs)
+    common = [key for key in runs[0].channels if all(key in run.channels for run in runs)]
+    start = [[run.traces[n].start_rise if n in run.traces else 0.0 for run in runs] for n in stack.names]
+    return Track(
+        step=stack.means(np.diff(run.edges) for run in runs),
+        elapsed=stack.ends(run.edges - run.edges[0] for run in runs),
+        base=base,
+        fading=stack.ends_of("fading"),
+        ambient=stack.ends(ambient),
+        measured_ambient=stack.ends(sensed if len(sensed) == len(runs) else ambient),
+        rate=stack.means_of("rate"),
+        heat=stack.means_of("heat"),
+        pwm=count / full_scale,
+        count=count,
+        reverse=stack.means(run.reverse for run in runs),
+        standstill=stack.means(run.standstill for run in runs),
+        channels={key: stack.means(run.channels[key] for run in runs) for key in common},
+        others={name: base[:, c : c + 1] for c, name in enumerate(stack.names)},
+        measured_rise=np.array(start)[:, None, :],
+    )
+
+
+def _noise_K(runs: Sequence[Condensed], name: str) -> float:
+    """Standard deviation of a component's samples in all runs, at least that of its readings' steps, K."""
+    traces = [run.traces[name] for run in runs if name in run.traces]
+    return float(np.sqrt(np.mean([max(t.noise_K, t.resolution_K / np.sqrt(12.0)) ** 2 for t in traces])))
+
+
+def _folds(sizes: Sequence[int], length: int) -> tuple[np.ndarray, str]:
+    """Whole runs, dealt to at most FOLDS folds; a single run is cut into thirds instead. Second: which of the two."""
     if len(sizes) == 1:
         parts = np.arange(length) * 3 // max(sizes[0], 1)
-        return np.stack([(parts == f)[:, None] for f in range(3)])
+        return np.stack([(parts == f)[:, None] for f in range(3)]), THIRDS
     many = min(len(sizes), FOLDS)
     owner = np.arange(len(sizes)) % many
-    return np.stack([np.broadcast_to(owner == f, (length, len(sizes))) for f in range(many)])
+    return np.stack([np.broadcast_to(owner == f, (length, len(sizes))) for f in range(many)]), WHOLE_RUNS
 
 
 def _blocks(sizes: Sequence[int], length: int) -> np.ndarray:

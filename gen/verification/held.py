@@ -46,7 +46,7 @@ class HeldSolution:
         baseline_K: Mapping[str, Array] | None = None,
     ) -> None:
         self._model = model
-        fixed = any(applied.effect.name == "ambient" for applied in effects)
+        fixed = any(applied.effect.replaces_ambient for applied in effects)
         self._fixed = model.ambient_fixed if fixed else None
         self._parts = [
             _Part(model, component, [a for a in effects if a.component == component.name])
@@ -122,6 +122,16 @@ class HeldSolution:
         return result
 
 
+def _at_rest() -> Moment:
+    """What drives a cold component at standstill: to ask whether an effect has an inner state."""
+    m: Any = Moment()
+    for name in ("pwm", "count", "reverse", "rate", "heat"):
+        setattr(m, name, np.zeros(1))
+    m.standstill = np.ones(1)
+    moment: Moment = m
+    return moment
+
+
 class _Part:
     """One component: baseline (T, T', ..), E (E, E', ..), then own states, inner states and lags, shape (.., L)."""
 
@@ -132,10 +142,8 @@ class _Part:
         self.heat = self.rate * component.steady_rise(x)
         self._a = component.denominator(x)
         self._drive = component.effective_gain(x) * x
-        self._timed = [a for a in own if a.effect.heats and a.values.get("tau_s") is not None]
-        nothing: Any = Moment()
-        nothing.pwm = nothing.rate = np.zeros(1)
-        self._inner = [a for a in own if a.effect.heats and a.effect.inner(a.values, nothing) is not None]
+        self._timed = [a for a in own if a.effect.heats and a.effect.own_tau(a.values) is not None]
+        self._inner = [a for a in own if a.effect.heats and a.effect.inner(a.values, _at_rest()) is not None]
         self._lags = [a for a in own if a.effect.lag(a.values) is not None]
 
     def start(self, seen: Array, ambient: Array, measured: Array) -> Array:
@@ -187,7 +195,7 @@ class _Part:
                 out[place] = (found[0] - y[place]) / found[1]
             if applied in self._timed:
                 place = 2 * n + self._timed.index(applied)
-                out[place] = effect.heat(p, m) - y[place] / p["tau_s"]
+                out[place] = effect.heat(p, m) - y[place] / effect.own_tau(p)
             else:
                 q = q + effect.heat(p, m) + effect.per_rise(p, m) * m.rise
         for first, drive in ((0, self._drive[count]), (n, a[:, n - 1] * q)):

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 BINS, RUNS, BLOCKS = 60, 6, 6
 EFFECT = registry()["direction"]
 GAIN = Free("reverse_heating", 0.1, -5.0, 5.0)
-TAU = Free("node_tau_s", 600.0, 10.0, 40_000.0, log=True)
+TAU = Free("node_tau_s", 600.0, 10.0, 40_000.0, log=True, role="time constant")
 
 
 def problem(noise_K: float = 1.0) -> StackedRuns:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from gen.lowering.effects.program import Channel
 from gen.model import ThermalModel
-from gen.model.effects import Applied
+from gen.model.effects import Applied, Input
 
 #: The board's ambient may lie so far outside of the declared domain.
 _AMBIENT_MARGIN_K = 10.0
@@ -21,10 +21,7 @@ def columns(model: ThermalModel, effects: Sequence[Applied]) -> list[str]:
     """Extra columns that the effects need, each once."""
     names: dict[str, None] = {}
     for applied in effects:
-        for key in ("channel", "source"):
-            value = applied.values.get(key)
-            if value is not None and value not in model.component_names and applied.effect.name != "ambient":
-                names[str(value)] = None
+        names |= dict.fromkeys(applied.columns(model.component_names))
     return list(names)
 
 
@@ -44,21 +41,23 @@ def channels(
     fixed = model.ambient_fixed if model.ambient_fixed is not None else _AMBIENT_DEGC
     found = [_channel("ambient_degC", (low - _AMBIENT_MARGIN_K, high + _AMBIENT_MARGIN_K), fixed)]
     for column in columns(model, effects):
-        unit = next((r for end, r in _RANGES.items() if column.lower().endswith(end)), _OTHER)
-        neutral = fixed if column.lower().endswith("_degc") else _neutral(column, effects)
-        lowest, highest = declared.get(column, (min(unit[0], neutral), max(unit[1], 2.0 * neutral)))
-        found.append(_channel(column, (lowest, highest), neutral))
+        read = [(a, source) for a in effects for source, name in a.effect.reads(a.values) if name == column]
+        neutral = next((value for a, source in read if (value := _neutral(a, source)) is not None), None)
+        if neutral is None:
+            neutral = fixed if column.lower().endswith("_degc") else 0.0
+        low, high = next((source.limits for _, source in read if source.limits is not None), _by_unit(column))
+        found.append(_channel(column, declared.get(column, (min(low, neutral), max(high, 2.0 * neutral))), neutral))
     return tuple(found)
 
 
-def _neutral(column: str, effects: Sequence[Applied]) -> float:
-    """The value at which an effect does nothing."""
-    for applied in effects:
-        if applied.values.get("channel") == column:
-            for key in ("nominal_V", "reference_A"):
-                if key in applied.values:
-                    return float(applied.values[key])
-    return 0.0
+def _neutral(applied: Applied, source: Input) -> float | None:
+    """The value at which an effect does nothing, None where it states none."""
+    value = applied.values.get(source.neutral) if isinstance(source.neutral, str) else source.neutral
+    return None if value is None else float(value)
+
+
+def _by_unit(column: str) -> tuple[float, float]:
+    return next((limits for end, limits in _RANGES.items() if column.lower().endswith(end)), _OTHER)
 
 
 def _channel(column: str, limits: tuple[float, float], neutral: float) -> Channel:

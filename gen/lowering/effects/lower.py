@@ -36,8 +36,8 @@ from gen.model import Component, ThermalModel
 from gen.model.effects import Applied, Moment
 from gen.model.extended import own_rate
 
-#: The clock of a drift stops where it has grown by so much, or after so many samples.
-_MOST_DRIFT_K = 500.0
+#: The clock of a reading that grows with time stops where it has grown by so much, or after so many samples.
+_MOST_GROWTH_K = 500.0
 _MOST_SAMPLES = 2**28
 #: From this rate times Ts on a rise's mean within a sample takes another term (see `EffectComponent.sixth`).
 _FAST = 7e-4
@@ -94,17 +94,17 @@ class _Builder:
         self.rows = domain_rows(self.model)
         self.step = self.model.sample_time
         self.limits = [_rise_limits(component) for component in self.components]
-        self.drift = max((abs(float(a.values.get("drift_K_per_h", 0.0))) for a in self.effects), default=0.0)
+        self.growth = max((_growth_K_per_h(applied) for applied in self.effects), default=0.0)
         #: The model counts from its fixed ambient where the measured one acts through an effect.
-        fixed = any(applied.effect.name == "ambient" for applied in self.effects)
+        fixed = any(applied.effect.replaces_ambient for applied in self.effects)
         self.fixed_ambient = self.model.ambient_fixed if fixed else None
 
     @property
     def elapsed_limit(self) -> int:
-        """Samples after which a drift's clock stops; 0 without a drift."""
-        if not self.drift:
+        """Samples after which the clock stops; 0 where no reading grows with time."""
+        if not self.growth:
             return 0
-        return min(_MOST_SAMPLES, int(_MOST_DRIFT_K / self.drift * 3600.0 / self.step))
+        return min(_MOST_SAMPLES, int(_MOST_GROWTH_K / self.growth * 3600.0 / self.step))
 
     def program(self) -> EffectsProgram:
         made = []
@@ -176,11 +176,13 @@ class _Builder:
             at_start.pass_on(applied)
             if not effect.heats:
                 continue
-            tau = p.get("tau_s")
+            tau = effect.own_tau(p)
             found = effect.inner(p, m)
             if found is not None:
                 target, inner_tau = found
                 begin = graph.node(effect.inner_start(p, at_start.seen))
+                if isinstance(target, Node) or isinstance(inner_tau, Node):
+                    raise CheckFailed(f'the inner state of the effect "{effect.name}" depends on more than |PWM|')
                 inners.append(
                     self._inner(applied, np.asarray(target) + 0.0 * rate, inner_tau, begin, tau, component, rate)
                 )
@@ -197,7 +199,7 @@ class _Builder:
                 followers.append(self._follower(f"{effect.name}, E in K", tau))
                 targets.append(graph.node(effect.heat(p, m)) * tau)
                 at_start.followers.append(at_start.begin(applied))
-        passes = any(a.effect.heats and a.values.get("tau_s") is None for a in own)
+        passes = any(a.effect.heats and a.effect.own_tau(a.values) is None for a in own)
         drive = passing * (1.0 / rate)
         outputs = [drive, *targets] if passes else targets
         readings, lags = self._readings(graph, index, own)
@@ -297,6 +299,12 @@ def _rise_limits(component: Lowered) -> tuple[int, int]:
     wider = _WIDER * max(abs(low), abs(high))
     scale = 2**KELVIN_BITS
     return round(max(low - wider, -KELVIN_LIMIT) * scale), round(min(high + wider, KELVIN_LIMIT) * scale)
+
+
+def _growth_K_per_h(applied: Applied) -> float:
+    """What the clock alone adds to a reading in the first hour."""
+    late, soon = (applied.effect.reading(applied.values, 0.0, 0.0, 0.0, elapsed) for elapsed in (3600.0, 0.0))
+    return abs(float(late - soon))
 
 
 def _weight(step: float, inner_tau: float, rate: float | None) -> float:

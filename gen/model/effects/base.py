@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,55 @@ Tau = Annotated[
 ]
 """Time constant of an effect's own state."""
 
+Role = Literal["size", "level", "time constant", "reference", "shape"]
+"""What a fitted number says of an effect, and what is asked of it before the effect is accepted.
+
+=============  ===========================================================================================
+size           how large it is: one sign and like values in every fold, told from none, not at its limit
+level          how large it is at one |PWM|, as a factor: has no zero to be told from, only to be determined
+time constant  how slow it is: determined by the data, not at its limits
+reference      what it is measured against: nothing
+shape          where or how it acts: nothing
+=============  ===========================================================================================
+"""
+
+Kind = Literal["channel", "component", "ambient"]
+
+
+@dataclass(frozen=True)
+class Input:
+    """Something measured or modelled that an effect reads; a parameter names it.
+
+    Parameters
+    ----------
+    parameter
+        The parameter that holds the name.
+    of
+        ``channel``: an extra column of run files, a channel of the board. ``component``: another component, whose rise
+        is read, or such a column. ``ambient``: the measured ambient, which the board has anyway.
+    units
+        Ends of the columns' names, such as ``("_bar",)``. A component's name that is misspelt must not pass for a
+        column: a column instead of a component has to end in one of them; the name of a plain channel is free.
+    quantity
+        What it is, such as "current": the report says that no run holds it.
+    neutral
+        The value at which the effect does nothing, or the parameter that holds that value: the board's before it is
+        told one. None: the ambient for a temperature, else 0.
+    limits
+        Range on the board where the file's wiring says nothing. None: by the unit.
+    """
+
+    parameter: str
+    of: Kind = "channel"
+    units: tuple[str, ...] = ()
+    quantity: str = ""
+    neutral: str | float | None = None
+    limits: tuple[float, float] | None = None
+
+    def fits(self, column: str) -> bool:
+        """Whether a column's name ends in one of the units, in small letters or capitals."""
+        return column.lower().endswith(tuple(unit.lower() for unit in self.units))
+
 
 @dataclass(frozen=True)
 class Free:
@@ -48,6 +97,8 @@ class Free:
         Physical limits.
     log
         The fit works on the logarithm (time constants).
+    role
+        What it says of the effect.
     """
 
     name: str
@@ -55,6 +106,7 @@ class Free:
     low: float
     high: float
     log: bool = False
+    role: Role = "size"
 
 
 @dataclass(frozen=True)
@@ -74,6 +126,18 @@ class Variant:
     fixed: Mapping[str, Any] = field(default_factory=dict)
     free: tuple[Free, ...] = ()
     also: tuple[tuple[float, ...], ...] = ()
+
+    @property
+    def size(self) -> int | None:
+        """Place of the free parameter that says how large the effect is: its first size or level.
+
+        A hypothesis without one is known by its time constant; None where it has none either.
+        """
+        for roles in (("size", "level"), ("time constant",)):
+            for place, free in enumerate(self.free):
+                if free.role in roles:
+                    return place
+        return None
 
     def values(self, numbers: Lanes) -> dict[str, Any]:
         """Put fixed and free together; `numbers` holds one number or array for each free parameter, in order."""
@@ -192,7 +256,8 @@ class Effect(ABC):
     equation: ClassVar[str]
     parameters: ClassVar[type[Parameters]]
     signature: ClassVar[str]
-    needs: ClassVar[str] = ""
+    inputs: ClassVar[tuple[Input, ...]] = ()
+    """What it reads beside the PWM and its component's own temperature."""
     lookalikes: ClassVar[Mapping[str, str]] = {}
     """Name of another effect -> the experiment that tells this one from it."""
     nonlinear: ClassVar[bool] = False
@@ -201,10 +266,41 @@ class Effect(ABC):
     """Where it acts on one component it acts on all (the room's temperature)."""
     heats: ClassVar[bool] = True
     """It has a state E; else it only stands between temperature and reading, or changes nothing but the start."""
+    tau: ClassVar[str | None] = None
+    """The parameter with E's own time constant in s; where it is None, and without one, E decays with the component."""
+    over_pwm: ClassVar[str | None] = None
+    """The parameter with the |PWM| that the entries of list parameters belong to."""
+    replaces_ambient: ClassVar[bool] = False
+    """It brings the measured ambient to a model that counts from its fixed one."""
+    of_single_speeds: ClassVar[bool] = False
+    """Where each speed was run once, no left-out run can tell of it: then :meth:`local` is judged on stretches."""
+    tolerance_K: ClassVar[float | None] = None
+    """An error of the reading up to this is every sensor's nature: fitted as a constant beside hypotheses of all other
+    effects, and written down as this one by :meth:`calibrated`. One effect of the catalogue has it."""
 
     def variants(self, setting: Setting) -> list[Variant]:
         """Hypotheses worth a fit for these data; none where a channel is missing."""
         raise NotImplementedError
+
+    def local(self, setting: Setting) -> Variant | None:
+        """The hypothesis that says nothing of speeds that were not run; None where there is none."""
+        return None
+
+    def calibrated(self, error_K: float) -> dict[str, float]:
+        """Parameters that stand for a constant error within the tolerance."""
+        raise NotImplementedError
+
+    def own_tau(self, p: Values) -> Lanes:
+        """E's own time constant in s, None where E decays with the component."""
+        return None if self.tau is None else p.get(self.tau)
+
+    def reads(self, p: Values, *kinds: Kind) -> list[tuple[Input, str]]:
+        """Inputs of some kinds (all where none is given) that these parameters name, each with the name."""
+        return [
+            (source, str(p[source.parameter]))
+            for source in self.inputs
+            if p.get(source.parameter) is not None and (not kinds or source.of in kinds)
+        ]
 
     def heat(self, p: Values, m: Moment) -> Lanes:
         """Heating in K/s, but for the part that is proportional to the component's own rise."""
@@ -260,3 +356,12 @@ class Applied:
     effect: Effect
     component: str
     values: Values
+
+    def columns(self, components: Collection[str]) -> list[str]:
+        """Extra columns that it reads, in a model of these components."""
+        named = self.effect.reads(self.values, "channel", "component")
+        return [name for source, name in named if source.of == "channel" or name not in components]
+
+    def sources(self, components: Collection[str]) -> list[str]:
+        """Those of these components whose rise it reads."""
+        return [name for _, name in self.effect.reads(self.values, "component") if name in components]

@@ -127,13 +127,14 @@ def _states(slots: Sequence[Slot], track: Track, base: Array) -> Array:
     for effect, p in slots:
         inner = _inner(effect, p, m, track)
         begin = effect.begin(p, track.ambient[0], track.measured_ambient[0])
-        if p.get("tau_s") is None:
+        tau = effect.own_tau(p)
+        if tau is None:
             own.append((effect, p, inner))
             start = start + begin
         else:
             if inner is not None:
                 m.inner = _middle(inner)
-            rate = 1.0 / p["tau_s"]
+            rate = 1.0 / tau
             phi = _phi(rate, track.step)
             apart = apart + _recur(1.0 - phi * rate, phi * effect.heat(p, m), begin)
     if not own:

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Values, Variant
+from gen.model.effects.base import Effect, Free, Input, Lanes, Moment, Parameters, Setting, Values, Variant
 
 WORDS = ("fan", "air", "flow", "wind", "cool", "blow")
 
@@ -26,7 +26,7 @@ class Airflow(Effect):
     title = "cooling by moved air"
     equation = "E' = -k v T_rise - rate E"
     parameters = AirflowParameters
-    needs = "a channel with the fan's contact or the air's speed"
+    inputs = (Input("channel"),)
     signature = "the temperature falls faster while the channel is on, the more the warmer the part is"
     lookalikes: ClassVar[Mapping[str, str]] = {
         "standstill_cooling": "switch the fan while the motor runs",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Tau, Values, Variant
+from gen.model.effects.base import Effect, Free, Input, Lanes, Moment, Parameters, Setting, Tau, Values, Variant
 
 if TYPE_CHECKING:
     from gen.model.dynamics import ThermalModel
@@ -31,9 +31,11 @@ class Ambient(Effect):
     title = "an ambient that moves"
     equation = "T = T_ambient measured + rise;  delayed: E' = rate (T_ambient - T_fixed) - rate E"
     parameters = AmbientParameters
-    needs = "a measured ambient"
+    inputs = (Input("channel", of="ambient"),)
     signature = "all components are off by the same, also with the motor at rest, and follow the ambient sensor"
     everywhere = True
+    tau = "tau_s"
+    replaces_ambient = True
     lookalikes: ClassVar[Mapping[str, str]] = {
         "drift": "log the ambient at rest for 2 h: only the ambient comes back",
         "sensor_offset": "log a night at rest with the ambient sensor beside the others",
@@ -43,7 +45,7 @@ class Ambient(Effect):
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         if setting.ambient_fixed is None or not setting.ambient_measured:
             return []
-        tau = Free("tau_s", 1.0 / setting.rate, 30.0, 40000.0, log=True)
+        tau = Free("tau_s", 1.0 / setting.rate, 30.0, 40000.0, log=True, role="time constant")
         return [
             Variant({"delayed": False, "tau_s": None}),
             Variant({"delayed": True, "tau_s": None}),

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Tau, Values, Variant
+from gen.model.effects.base import Effect, Free, Input, Lanes, Moment, Parameters, Setting, Tau, Values, Variant
 
 
 class CouplingParameters(Parameters):
@@ -30,7 +30,8 @@ class Coupling(Effect):
     title = "heat exchanged with another part"
     equation = "E' = k (T_source - T) - rate E,  or k source - rate E"
     parameters = CouplingParameters
-    needs = "another component, or a channel in degC, percent or W"
+    inputs = (Input("source", of="component", units=("_degC", "_percent", "_pct", "_W")),)
+    tau = "tau_s"
     signature = "the residual follows another part's temperature with the delay of the own thermal mass"
     lookalikes: ClassVar[Mapping[str, str]] = {
         "hidden_node": "heat the two parts apart from each other: log a run in which only the other part is warm",

@@ -40,11 +40,12 @@ class HiddenNode(Effect):
         "coupling": "log a run in which only the other part is warm",
         "initial_state": "start a run from cold",
     }
+    tau = "tau_s"
 
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         g = Free("heating_K_per_s", 5.0 * setting.rate, 0.0, 10.0)
-        node = Free("node_tau_s", 0.5 / setting.rate, 30.0, 30000.0, log=True)
-        tau = Free("tau_s", 1.0 / setting.rate, 30.0, 30000.0, log=True)
+        node = Free("node_tau_s", 0.5 / setting.rate, 30.0, 30000.0, log=True, role="time constant")
+        tau = Free("tau_s", 1.0 / setting.rate, 30.0, 30000.0, log=True, role="time constant")
         return [
             Variant({"exponent": 1, "exchange": False, "tau_s": None}, (g, node)),
             Variant({"exponent": 2, "exchange": False, "tau_s": None}, (g, node)),

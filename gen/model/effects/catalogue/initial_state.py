@@ -40,7 +40,8 @@ class InitialState(Effect):
         if not setting.warm:
             return []
         k = Free("soak_per_s", 0.2 * setting.rate, -0.05, 0.05)
-        return [Variant({}, (k, Free("soak_tau_s", 0.3 / setting.rate, 5.0, 40000.0, log=True)))]
+        tau = Free("soak_tau_s", 0.3 / setting.rate, 5.0, 40000.0, log=True, role="time constant")
+        return [Variant({}, (k, tau))]
 
     def inner(self, p: Values, m: Moment) -> tuple[Lanes, Lanes] | None:  # noqa: D102
         return 0.0 * m.rate, p["soak_tau_s"]

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Tau, Values, Variant
+from gen.model.effects.base import Effect, Free, Input, Lanes, Moment, Parameters, Setting, Tau, Values, Variant
 
 
 class LoadHeatingParameters(Parameters):
@@ -28,7 +28,8 @@ class LoadHeating(Effect):
     title = "heating by the load current (I^2 R)"
     equation = "E' = r (I^2 - I0^2) - rate E"
     parameters = LoadHeatingParameters
-    needs = "a channel in A"
+    inputs = (Input("channel", units=("_A",), quantity="current", neutral="reference_A"),)
+    tau = "tau_s"
     signature = "the residual follows the current squared, at one and the same PWM"
     lookalikes: ClassVar[Mapping[str, str]] = {
         "supply_voltage": "vary the load at constant supply voltage, and log both",
@@ -42,9 +43,9 @@ class LoadHeating(Effect):
             scale = max(setting.channels[channel] ** 2, 1e-6)
             free = Free("heating_K_per_s_A2", min(5.0 * setting.rate / scale, 0.5), 0.0, 1.0)
             made.append(Variant({"channel": channel, "tau_s": None}, (free,)))
-            reference = Free("reference_A", 0.5 * scale**0.5, 0.0, 2.0 * scale**0.5)
+            reference = Free("reference_A", 0.5 * scale**0.5, 0.0, 2.0 * scale**0.5, role="reference")
             made.append(Variant({"channel": channel, "tau_s": None}, (free, reference)))
-            tau = Free("tau_s", 1.0 / setting.rate, 20.0, 40000.0, log=True)
+            tau = Free("tau_s", 1.0 / setting.rate, 20.0, 40000.0, log=True, role="time constant")
             made.append(Variant({"channel": channel}, (free, tau)))
         return made
 

@@ -62,18 +62,20 @@ class ScheduleError(Effect):
         "hidden_node": "log a cut-off from hot",
         "direction": "run the same speed for 2 h in each direction",
     }
+    over_pwm = "pwm"
+    of_single_speeds = True
 
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         levels = tuple(level for level in setting.levels if level > 0)
         if not levels:
             return []
-        gains = tuple(Free(f"gain_factor[{i}]", 1.0, 0.02, 20.0, log=True) for i in range(len(levels)))
-        rate = Free("rate_factor", 1.02, 0.1, 10.0, log=True)
+        gains = tuple(Free(f"gain_factor[{i}]", 1.0, 0.02, 20.0, log=True, role="level") for i in range(len(levels)))
+        rate = Free("rate_factor", 1.02, 0.1, 10.0, log=True, role="shape")
         one = Variant({"pwm": (levels[0],)}, (gains[0], rate))
         bump = (
             Free("peak_factor", 1.0, 0.02, 20.0, log=True),
-            Free("middle_pwm", 130.0, float(levels[0]), float(levels[-1])),
-            Free("width_pwm", 35.0, 10.0, 90.0, log=True),
+            Free("middle_pwm", 130.0, float(levels[0]), float(levels[-1]), role="shape"),
+            Free("width_pwm", 35.0, 10.0, 90.0, log=True, role="shape"),
         )
         flat = {"pwm": (levels[0],), "gain_factor": (1.0,), "rate_factor": 1.0}
         made = [one, Variant({"pwm": levels, "rate_factor": 1.0}, gains), Variant({"pwm": levels}, (*gains, rate))]
@@ -97,7 +99,7 @@ class ScheduleError(Effect):
                     pwm.append(count)
                     known.append(own)
         free = tuple(
-            Free(f"gain_factor[{i}]", 1.0, 0.02 if own else 1.0, 20.0 if own else 1.0, log=True)
+            Free(f"gain_factor[{i}]", 1.0, 0.02 if own else 1.0, 20.0 if own else 1.0, log=True, role="level")
             for i, own in enumerate(known)
         )
         return Variant({"pwm": tuple(pwm), "rate_factor": 1.0}, free)

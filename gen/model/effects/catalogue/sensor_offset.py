@@ -30,11 +30,13 @@ class SensorOffset(Effect):
         "drift": "repeat the run on another day",
     }
     heats = False
-    TOLERANCE_K: ClassVar[float] = 1.1
-    """MAX6675 with type K as in the study, +/-1.1 degC: within it an offset is the sensor's nature, not an effect."""
+    tolerance_K = 1.1  # MAX6675 with type K as in the study, +/-1.1 degC
 
     def variants(self, setting: Setting) -> list[Variant]:  # noqa: D102
         return [Variant({}, (Free("offset_K", 0.5, -30.0, 30.0),))]
+
+    def calibrated(self, error_K: float) -> dict[str, float]:  # noqa: D102
+        return {"offset_K": error_K}
 
     def start(self, p: Values, rise: Lanes, ambient: Lanes, measured_ambient: Lanes) -> Lanes:  # noqa: D102
         return -p["offset_K"]

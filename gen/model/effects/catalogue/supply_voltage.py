@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Values, Variant
+from gen.model.effects.base import Effect, Free, Input, Lanes, Moment, Parameters, Setting, Values, Variant
 
 
 class SupplyVoltageParameters(Parameters):
@@ -27,7 +27,7 @@ class SupplyVoltage(Effect):
     title = "dependence on the supply voltage"
     equation = "E' = s ((V/V0)^2 - 1) rate K/A(0) |PWM| - rate E"
     parameters = SupplyVoltageParameters
-    needs = "a channel in V"
+    inputs = (Input("channel", units=("_V",), quantity="supply voltage", neutral="nominal_V"),)
     signature = "the error follows the supply's voltage, at one and the same PWM"
     lookalikes: ClassVar[Mapping[str, str]] = {
         "load_heating": "vary the load at constant supply voltage, and log both",
@@ -39,7 +39,7 @@ class SupplyVoltage(Effect):
         for channel in setting.ending("_V"):
             mean = setting.channels[channel]
             if mean > 0.5:
-                nominal = Free("nominal_V", mean, 0.6 * mean, 1.6 * mean, log=True)
+                nominal = Free("nominal_V", mean, 0.6 * mean, 1.6 * mean, log=True, role="reference")
                 made.append(Variant({"channel": channel}, (Free("sensitivity", 0.7, -3.0, 3.0), nominal)))
         return made
 
