@@ -108,6 +108,7 @@ def refine(
 
 def _say(found: Refinement) -> None:
     click.echo(f"verdict: {found.verdict}")
+    click.echo(f"  judged on what was left out in turn: {found.judged_on}")
     for effect in found.effects:
         numbers = ", ".join(
             f"{key} = {_short(value)}" for key, value in effect["parameters"].items() if value is not None

@@ -67,7 +67,9 @@ def entry(found: Found, tracing: Tracing) -> dict[str, Any]:
             "left_out_rmse_K": {"before": judgement.before_K, "after": judgement.after_K},
             "p_value": judgement.p_value,
             "level": tracing.level,
-            "judged_on": "stretches of runs, as each speed was run once" if candidate.by_stretch else "whole runs",
+            "judged_on": "stretches of runs, as each speed was run once"
+            if candidate.by_stretch
+            else tracing.problem.left_out_parts,
             "intervals_95": intervals,
             "lookalikes": [
                 {

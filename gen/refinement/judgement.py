@@ -18,7 +18,7 @@ from gen.refinement.stacked_runs import StackedRuns
 LEVEL = 0.05
 LEAST_GAIN = 0.05
 """An effect must lower the left-out RMSE, the sensor's noise included, by this share: less is not worth its cost."""
-ALONE = "what drives it is in one left-out group of runs alone, so that no other can confirm it"
+ALONE = "what drives it is in one left-out part alone, so that no other can confirm it"
 TOO_LITTLE = f"lowers the error on left-out runs by less than {LEAST_GAIN:.0%}"
 WORSE_RUN = 1.05
 """No left-out run may get worse by more than this factor (beside a third of the noise)."""
@@ -97,7 +97,7 @@ def judge(problem: StackedRuns, c: int, null: HypothesisFit, found: HypothesisFi
         reasons.append("not more than chance")
     worse = _worse_run(problem, c, null, found, variance)
     if worse:
-        reasons.append("makes a left-out run worse")
+        reasons.append("makes a run worse where it was left out")
     reasons += _parameters(found, c, added)
     return Judgement(p, before, after, tuple(reasons))
 

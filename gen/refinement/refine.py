@@ -15,6 +15,7 @@ from gen.refinement.condense import Condensed, check_measured, condense
 from gen.refinement.effect_entries import calibrations, entry, extended_text
 from gen.refinement.excitation import Excitation, excitation
 from gen.refinement.leftover import Remains, leftover
+from gen.refinement.offered import each_speed_once
 from gen.refinement.run_errors import Curve, Score, run_errors, total
 from gen.refinement.trace import trace
 
@@ -22,6 +23,7 @@ EXPLAINED = 1.3
 """Explained: the RMSE on left-out runs is at most this many noise floors."""
 NOTHING = 1.5
 """Nothing missing: without any effect it is at most this many."""
+SCHEDULE_BY_STRETCH = "a wrong schedule on thirds of each run, as each speed was run once"
 Verdict = str
 
 
@@ -73,6 +75,12 @@ class Refinement:
     remains: dict[str, Remains]
     warnings: list[str]
 
+    @property
+    def judged_on(self) -> str:
+        """What was left out of the fits, in turn, to judge hypotheses and to reach the verdict."""
+        parts = self.tracing.problem.left_out_parts
+        return f"{parts}; {SCHEDULE_BY_STRETCH}" if each_speed_once(self.runs) else parts
+
     def summary(self) -> dict[str, Any]:
         """The JSON summary."""
         return {
@@ -80,6 +88,7 @@ class Refinement:
             "after": self.after.summary(),
             "effects": self.effects,
             "verdict": self.verdict,
+            "judged_on": self.judged_on,
             "noise_floor_K": {
                 name: float(value)
                 for name, value in zip(self.tracing.problem.components, self.tracing.problem.noise_K, strict=True)
@@ -113,50 +122,88 @@ def refine(
     InputError
         For files that are no runs, before anything is fitted; or for no admitted run to fit.
     """
+    _check_test_runs(baseline, fit_paths, test_paths, progress)
+    runs, warnings = _runs_to_fit(baseline, fit_paths, progress)
+    tracing = trace(baseline, runs, progress)
+    verdict = judge_verdict(tracing)
+    effects = _entries(tracing, verdict)
+    text = extended_text(raw, effects)
+    kept = {run.name for run in runs}
+    paths = [path for path in fit_paths if str(path) in kept], test_paths
+    before = _errors(baseline, baseline, *paths, lambda path: progress(f"judging {path}"))
+    after = before
+    if effects:
+        refined = parse(text.encode())
+        after = _errors(baseline, refined, *paths, lambda path: progress(f"judging {path} with what was found"))
+    return Refinement(
+        text=text,
+        before=before,
+        after=after,
+        effects=effects,
+        verdict=verdict,
+        tracing=tracing,
+        runs=runs,
+        excitation=excitation(baseline, runs),
+        remains={name: leftover(tracing, runs, name) for name in tracing.problem.components},
+        warnings=[*warnings, *_thinned(test_paths, before)],
+    )
+
+
+def _check_test_runs(
+    baseline: Coefficients, fit_paths: Sequence[Path], test_paths: Sequence[Path], progress: Callable[[str], None]
+) -> None:
     both = {path.resolve() for path in fit_paths} & {path.resolve() for path in test_paths}
     if both:
         raise InputError("is given as --fit and as --test; test runs must take no part", file=str(sorted(both)[0]))
     for path in test_paths:
         progress(f"checking {path}")
         check_measured(baseline, path)  # only whether it can be judged: its values stay unopened until the end
-    runs = []
-    for path in fit_paths:
+
+
+def _runs_to_fit(
+    baseline: Coefficients, paths: Sequence[Path], progress: Callable[[str], None]
+) -> tuple[list[Condensed], list[str]]:
+    """The admitted runs, and what the user must know of them."""
+    read = []
+    for path in paths:
         progress(f"reading {path}")
-        runs.append(condense(baseline, path))
-    long = [f"{run.name}: {run.thinned}" for run in runs if run.thinned]
-    runs, warnings = admitted(baseline, runs)
-    warnings += long
-    tracing = trace(baseline, runs, progress)
-    effects = [entry(f, tracing) for f in tracing.found]
-    effects += calibrations(tracing)
-    verdict = judge_verdict(tracing)
+        read.append(condense(baseline, path))
+    runs, warnings = admitted(baseline, read)
+    return runs, warnings + [f"{run.name}: {run.thinned}" for run in read if run.thinned]
+
+
+def _entries(tracing: Tracing, verdict: Verdict) -> list[dict[str, Any]]:
+    """What was found, as the coefficient file has it; a name is confident where all is explained by it alone."""
+    effects = [*(entry(found, tracing) for found in tracing.found), *calibrations(tracing)]
     for effect in effects:
         effect["evidence"]["confident"] = verdict == "explained" and not effect["evidence"]["lookalikes"]
-    text = extended_text(raw, effects)
-    refined = parse(text.encode()) if effects else baseline
-    before, after = Errors(), Errors()
-    kept = {run.name for run in runs}
-    for paths, key in ((fit_paths, "fit"), (test_paths, "test")):
+    return effects
+
+
+def _thinned(paths: Sequence[Path], errors: Errors) -> list[str]:
+    """A warning for each long run of which not every row was used."""
+    left_out = {path: errors.curves[str(path)].left_out for path in paths}
+    return [f"{path}: {said}" for path, said in left_out.items() if said]
+
+
+def _errors(
+    baseline: Coefficients,
+    model: Coefficients,
+    fit_paths: Sequence[Path],
+    test_paths: Sequence[Path],
+    say: Callable[[Path], None],
+) -> Errors:
+    """Simulate a model along all runs and compare."""
+    errors = Errors()
+    for paths, scores in ((fit_paths, errors.fit), (test_paths, errors.test)):
         for path in paths:
-            if key == "fit" and str(path) not in kept:
-                continue
-            progress(f"judging {path}")
-            for errors, model in ((before, baseline), (after, refined)):
-                if model is baseline and errors is after:
-                    scores, curve = getattr(before, key)[str(path)], before.curves[str(path)]
-                else:
-                    scores, curve = run_errors(baseline, model, path)
-                getattr(errors, key)[str(path)] = scores
-                errors.curves[str(path)] = curve
-    warnings += [
-        f"{path}: {before.curves[str(path)].left_out}" for path in test_paths if before.curves[str(path)].left_out
-    ]
-    left = {name: leftover(tracing, runs, name) for name in tracing.problem.components}
-    return Refinement(text, before, after, effects, verdict, tracing, runs, excitation(baseline, runs), left, warnings)
+            say(path)
+            scores[str(path)], errors.curves[str(path)] = run_errors(baseline, model, path)
+    return errors
 
 
 def judge_verdict(tracing: Tracing) -> Verdict:
-    """The verdict from left-out runs alone."""
+    """The verdict from what was left out of the fits alone: runs, or thirds of a single one."""
     null, final = tracing.ratio(tracing.null), tracing.ratio(tracing.final)
     worst = max(tracing.own_ratio(name, tracing.final) for name in tracing.problem.components)
     if not tracing.found:

@@ -145,6 +145,10 @@ class _Stack:
         padded = [np.pad(v, (0, self.length - v.size)) for v in values]
         return np.stack(padded, axis=-1)[:, None, None, :]
 
+    def means_of_runs(self, key: str) -> FloatArray:
+        """A run's means of the bins, zeros after the last one: shape (K, 1, 1, R)."""
+        return self.means(getattr(run, key) for run in self.runs)
+
     def ends_of(self, key: str) -> FloatArray:
         """A component's values at the bins' ends, zeros where it was not measured: shape (K + 1, C, 1, R)."""
         return np.concatenate([self.ends(self._of(name, key, 0)) for name in self.names], axis=1)
@@ -162,37 +166,49 @@ def _residual(stack: _Stack) -> tuple[FloatArray, FloatArray]:
     """The residual, K, and the number of samples behind it, 0 where a component was not measured; (K, C, 1, R)."""
     residual = stack.means_of("residual")
     measured = np.array([[name in run.traces for run in stack.runs] for name in stack.names])
-    weight = np.where(measured[:, None, :], stack.means(run.weight for run in stack.runs), 0.0)
+    weight = np.where(measured[:, None, :], stack.means_of_runs("weight"), 0.0)
     weight[~np.isfinite(residual)] = 0.0
     return np.where(weight > 0.0, residual, 0.0), weight
 
 
 def _track(stack: _Stack, full_scale: int) -> Track:
     """What drives the components' effects."""
-    runs = stack.runs
-    ambient = [run.ambient for run in runs]
-    sensed = [run.measured_ambient for run in runs if run.measured_ambient is not None]
     base = stack.ends_of("base")
-    count = stack.means(run.pwm for run in runs)
-    common = [key for key in runs[0].channels if all(key in run.channels for run in runs)]
-    start = [[run.traces[n].start_rise if n in run.traces else 0.0 for run in runs] for n in stack.names]
+    count = stack.means_of_runs("pwm")
     return Track(
-        step=stack.means(np.diff(run.edges) for run in runs),
-        elapsed=stack.ends(run.edges - run.edges[0] for run in runs),
+        step=stack.means(np.diff(run.edges) for run in stack.runs),
+        elapsed=stack.ends(run.edges - run.edges[0] for run in stack.runs),
         base=base,
         fading=stack.ends_of("fading"),
-        ambient=stack.ends(ambient),
-        measured_ambient=stack.ends(sensed if len(sensed) == len(runs) else ambient),
+        ambient=stack.ends(run.ambient for run in stack.runs),
+        measured_ambient=stack.ends(_measured_ambient(stack.runs)),
         rate=stack.means_of("rate"),
         heat=stack.means_of("heat"),
         pwm=count / full_scale,
         count=count,
-        reverse=stack.means(run.reverse for run in runs),
-        standstill=stack.means(run.standstill for run in runs),
-        channels={key: stack.means(run.channels[key] for run in runs) for key in common},
+        reverse=stack.means_of_runs("reverse"),
+        standstill=stack.means_of_runs("standstill"),
+        channels=_channels(stack),
         others={name: base[:, c : c + 1] for c, name in enumerate(stack.names)},
-        measured_rise=np.array(start)[:, None, :],
+        measured_rise=_start_rise(stack)[:, None, :],
     )
+
+
+def _measured_ambient(runs: Sequence[Condensed]) -> list[FloatArray]:
+    """The measured ambient where every run has it, else the one that the model counts from, degC."""
+    measured = [run.measured_ambient for run in runs if run.measured_ambient is not None]
+    return measured if len(measured) == len(runs) else [run.ambient for run in runs]
+
+
+def _channels(stack: _Stack) -> dict[str, FloatArray]:
+    """Extra channels that every run has."""
+    common = [key for key in stack.runs[0].channels if all(key in run.channels for run in stack.runs)]
+    return {key: stack.means(run.channels[key] for run in stack.runs) for key in common}
+
+
+def _start_rise(stack: _Stack) -> FloatArray:
+    """Measured rise at the start, 0 where a component was not measured, K, shape (C, R)."""
+    return np.array([[run.traces[n].start_rise if n in run.traces else 0.0 for run in stack.runs] for n in stack.names])
 
 
 def _noise_K(runs: Sequence[Condensed], name: str) -> float:

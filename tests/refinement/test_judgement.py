@@ -120,7 +120,7 @@ def test_a_run_that_gets_worse_refuses_what_helps_all_others() -> None:
     null = residual(5)
     better = 0.5 * null
     better[:, 2] = 1.3 * null[:, 2]
-    assert "makes a left-out run worse" in judge(problem(), 0, fitted(null), fitted(better), 1, 0).reasons
+    assert "makes a run worse where it was left out" in judge(problem(), 0, fitted(null), fitted(better), 1, 0).reasons
     better[:, 2] = null[:, 2]
     assert judge(problem(), 0, fitted(null), fitted(better), 1, 0).accepted
 
@@ -162,7 +162,7 @@ def test_a_size_at_its_physical_limit_stands_for_something_else() -> None:
 def tracing(before: tuple[float, ...], after: tuple[float, ...], *found: Found) -> Tracing:
     """Components that are off by so many noise floors without effects, and with those found."""
     names = tuple(f"part{i}" for i in range(len(before)))
-    made = SimpleNamespace(components=names, noise_K=np.full(len(names), 0.5))
+    made = SimpleNamespace(components=names, noise_K=np.full(len(names), 0.5), left_out_parts="whole runs")
 
     def fits(ratios: tuple[float, ...]) -> dict[str, HypothesisFit]:
         return {

@@ -11,11 +11,12 @@ from importlib.metadata import entry_points
 from types import MappingProxyType
 
 from gen.errors import InputError
-from gen.model.effects import catalogue
 from gen.model.effects.base import Effect
 
 GROUP = "gen.effects"
 """Entry points of this group in a package's metadata name subclasses of :class:`Effect`."""
+
+_CATALOGUE = "gen.model.effects.catalogue"
 
 _registered: dict[str, Effect] = {}
 _catalogue_only: list[bool] = []
@@ -74,8 +75,9 @@ def catalogue_only() -> Iterator[None]:
 @cache
 def _catalogue() -> dict[str, Effect]:
     known: dict[str, Effect] = {}
-    for module in sorted(info.name for info in pkgutil.iter_modules(catalogue.__path__)):
-        found = importlib.import_module(f"{catalogue.__name__}.{module}")
+    folder = importlib.import_module(_CATALOGUE).__path__
+    for module in sorted(info.name for info in pkgutil.iter_modules(folder)):
+        found = importlib.import_module(f"{_CATALOGUE}.{module}")
         for entry in vars(found).values():
             if isinstance(entry, type) and issubclass(entry, Effect) and entry.__module__ == found.__name__:
                 _added(known, entry, known)
