@@ -1,12 +1,13 @@
 """Real machines: identify on some runs, predict a run that took no part, free-running from its first sample.
 
-Run:  python -m benchmarks.identify_measured [FIGURE.svg]
+Run:  python -m benchmarks.identify_measured
+
+``python -m docs.figures`` draws the curves.
 """
 
 from __future__ import annotations
 
 import os
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -94,38 +95,14 @@ def predict(case: str) -> tuple[list[Prediction], list[str]]:
 
 
 def main() -> None:
-    """Print the table; draw the curves when a file is named."""
+    """Print the table."""
     print("case                               component  order  moved (K)  rms error (K)  largest (K)")
-    predictions = []
     for case in CASES:
         found, left_out = predict(case)
-        predictions += found
         for p in found:
             print(f"{case:<34} {p.component:<10} {p.order:<6} {p.moved_K:9.1f} {p.rms_K:14.2f} {p.largest_K:12.2f}")
         for warning in left_out:
             print(f"{'':<34} {warning}")
-    if len(sys.argv) > 1:
-        draw(predictions, Path(sys.argv[1]))
-
-
-def draw(predictions: list[Prediction], path: Path) -> None:
-    """Draw measured and predicted temperatures of the runs that were not used."""
-    import matplotlib as mpl
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(3.6 * len(predictions), 3.0), layout="constrained")
-    FigureCanvasSVG(figure)
-    for axes, p in zip(np.atleast_1d(figure.subplots(1, len(predictions))), predictions, strict=True):
-        axes.plot(p.time, p.measured, ".", markersize=2, color="#c4520a", label="measured, not used")
-        axes.plot(p.time, p.model, color="#0b62a8", linewidth=1.4, label="free run of the model")
-        axes.set_title(f"{p.case}: {p.component}", fontsize=8)
-        axes.set_xlabel("time (s)")
-        axes.set_ylabel("temperature (°C)")
-        axes.grid(True, color="#d5d9dd", linewidth=0.6)
-        axes.legend(fontsize=7, frameon=False)
-    with mpl.rc_context({"svg.hashsalt": "gen"}):
-        figure.savefig(path, metadata={"Date": None})
 
 
 if __name__ == "__main__":

@@ -102,7 +102,7 @@ def steady(found: Refinement) -> None:
     for name in ORDER:
         cells = []
         for i, run in enumerate(found.before.test):
-            ends = [float(e.curves[run].model[name][-1]) - table[name][i] for e in (found.before, found.after)]
+            ends = [float(e.curves[run].model[name].values[-1]) - table[name][i] for e in (found.before, found.after)]
             cells.append(f"{ends[0]:+6.1f} -> {ends[1]:+5.1f}")
         print(f"    {name:8s} " + " | ".join(cells))
 

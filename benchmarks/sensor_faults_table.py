@@ -265,7 +265,7 @@ def write_time(bench: Bench, from_s: float) -> float:
         board.begin_step()
         while board.seconds < board.steps_end_s - 1e-6:
             board.mega.run_seconds(0.002)  # a byte takes 3.4 ms
-            if board.mega.eeprom_busy:
+            if board.mega.eeprom.busy:
                 found = board.seconds
                 board.close()
                 return found
@@ -305,10 +305,10 @@ def board_lines(bench: Bench) -> dict[str, Callable[[], Line]]:
             board, _ = bench.board()
             bench.run(board, 1.5 * INTERVAL_S)
             if damaged:
-                image = bytearray(board.mega.eeprom)
+                image = bytearray(board.mega.eeprom.image)
                 written = [place for place, byte in enumerate(image[:-8]) if byte != 0xFF]
                 image[written[len(written) // 2]] ^= 0x10
-                board.mega.eeprom = bytes(image)
+                board.mega.eeprom.image = bytes(image)
             session, results = bench.run(board, 1.5 * INTERVAL_S + 20.0, [Event(board.seconds + 1.0, "power_cut", 1.0)])
             told += starts(session)
         extra = f"intact: {told[0]}; one bit turned: {told[1]}"

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
+import os
+import re
 import subprocess
 import tempfile
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from gen import toolchain
 from gen.errors import CheckFailed
@@ -78,6 +81,64 @@ _SIGNATURES: dict[str, tuple[object, list[object]]] = {
 
 class EmulationFailed(CheckFailed):
     """The firmware crashed, ended early, ran past its cycle limit or broke the mailbox protocol."""
+
+
+class Handle:
+    """One emulator of the shim's, open until `close`.
+
+    Parameters
+    ----------
+    elf
+        The firmware.
+    cache_folder
+        The folder that keeps the compiled shim between runs.
+
+    Raises
+    ------
+    ToolMissing
+        When gcc or libsimavr are not installed.
+    EmulationFailed
+        When the shim does not compile, or the ELF file cannot be loaded.
+    """
+
+    def __init__(self, elf: Path, cache_folder: Path) -> None:
+        self._pointer: int | None = None
+        if not elf.is_file():
+            raise EmulationFailed(f"{elf}: no such firmware")
+        self._library = load_shim(cache_folder)
+        self._pointer = self._library.gen_mega_open(os.fsencode(elf))
+        if not self._pointer:
+            raise EmulationFailed(f"{elf}: out of memory")
+        message = self.message()
+        if message:
+            self.close()
+            raise EmulationFailed(f"{elf}: {message}")
+
+    def __del__(self) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free the emulator; it cannot be used afterwards. Closing twice does no harm."""
+        if self._pointer:
+            self._library.gen_mega_close(self._pointer)
+            self._pointer = None
+
+    def call(self, name: str, *arguments: object) -> Any:  # noqa: ANN401
+        """Call ``gen_mega_<name>`` with this handle first; the C file's header says what it gives.
+
+        Raises
+        ------
+        ValueError
+            When the emulator is closed.
+        """
+        if not self._pointer:
+            raise ValueError("the emulator is closed")
+        return getattr(self._library, f"gen_mega_{name}")(self._pointer, *arguments)
+
+    def message(self) -> str:
+        """Give what the shim said last, empty when it had nothing to say."""
+        text = bytes(self.call("message")).decode("utf-8", "replace")
+        return re.sub(r"\x1b\[[0-9;]*m", "", text).strip()
 
 
 @cache

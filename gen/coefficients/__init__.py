@@ -1,6 +1,7 @@
-"""The coefficient file: the only place that knows its format."""
+"""The coefficient file: the only place that knows its format, for reading and for writing."""
 
 from gen.coefficients.document import Document
 from gen.coefficients.reader import Coefficients, check_form, load, parse
+from gen.coefficients.writer import as_json, dump, with_effects, with_rules
 
-__all__ = ["Coefficients", "Document", "check_form", "load", "parse"]
+__all__ = ["Coefficients", "Document", "as_json", "check_form", "dump", "load", "parse", "with_effects", "with_rules"]

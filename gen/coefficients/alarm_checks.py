@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import Literal
 
 from gen.coefficients.alarms import AlarmRule, Cusum, Deviation, OverTemperature, window_counts
-from gen.coefficients.document import Document, ErrorBand
+from gen.coefficients.document import Document
+from gen.coefficients.provenance import ErrorBand
 
 Quantity = Literal["above", "below", "measured"]
 """Measured minus model, model minus measured, or the measured temperature itself."""

@@ -15,6 +15,7 @@ Positive = Annotated[float, Field(allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0)]
 Celsius = Annotated[float, Field(allow_inf_nan=False, ge=-273.15, le=5000)]
 Counts = Annotated[int, Field(ge=0, le=255)]
+CountRange = tuple[Counts, Counts]
 
 
 def fault(message: str, *at: str | int) -> PydanticCustomError:

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-import re
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from gen.coefficients.alarms import MOST_RULES, MOST_SAMPLES, AlarmRule, OverTemperature, window_counts
-from gen.coefficients.base import Celsius, Counts, Name, Number, Part, Positive, fault, listed, ordered
+from gen.coefficients.alarms import MOST_RULES, AlarmRule
+from gen.coefficients.base import Celsius, CountRange, Name, Part, Positive, fault, ordered
 from gen.coefficients.effects import EffectEntry, check_effects
+from gen.coefficients.provenance import Provenance
+from gen.coefficients.references import (
+    check_alarm_references,
+    check_component_names,
+    check_provenance,
+    check_wiring_references,
+    within,
+)
 from gen.coefficients.schedule import ScheduleEntry
 from gen.coefficients.wiring import Wiring
 
@@ -17,8 +24,6 @@ SKETCH_FILES = frozenset(["board", "commands", "config", "console", "crc32", "de
 SKETCH_FILES |= {"channels", "indicator", "memory", "observer", "output", "selftest", "thermocouples"}
 """Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
 
-CountRange = tuple[Counts, Counts]
-_EXTRA_COLUMN = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,25}_degC")
 CelsiusRange = tuple[Celsius, Celsius]
 ColumnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 
@@ -102,33 +107,6 @@ class ComponentEntry(Part):
         return self
 
 
-class ErrorBand(Part):
-    """What the model is known to be off by, in a range of PWM."""
-
-    component: str
-    pwm: CountRange
-    model_minus_measured_K: Annotated[tuple[Number, Number], Field(description="[lowest, highest]")]
-    note: str = ""
-
-    @model_validator(mode="after")
-    def _check(self) -> ErrorBand:
-        ordered(*self.pwm, "pwm")
-        ordered(*self.model_minus_measured_K, "model_minus_measured_K")
-        return self
-
-
-class Provenance(Part):
-    """Where the numbers come from, and how good they are."""
-
-    source: str
-    method: str = ""
-    data: tuple[str, ...] = ()
-    fit: Annotated[
-        dict[str, dict[str, Number]], Field(description="By component: figures of the fit, unit in the name.")
-    ] = Field(default_factory=dict)
-    error: tuple[ErrorBand, ...] = ()
-
-
 class Document(Part):
     """A coefficient file."""
 
@@ -155,10 +133,7 @@ class Document(Part):
         if self.name.lower() in SKETCH_FILES:
             raise fault(f'"{self.name}" is the name of a file of the sketch; expected another name', "name")
         self._check_ranges()
-        names = [component.name for component in self.components]
-        _unique(names, "components")
-        _unique([alarm.name for alarm in self.alarms], "alarms")
-        self._check_references(names)
+        self._check_references()
         return self
 
     def _check_ranges(self) -> None:
@@ -166,76 +141,22 @@ class Document(Part):
         ordered(*self.validity.pwm, "validity", "pwm")
         ordered(*self.domain.ambient_degC, "domain", "ambient_degC")
         ordered(*self.domain.temperature_degC, "domain", "temperature_degC")
-        _within(self.domain.pwm, (0, self.input.full_scale), "the input's full scale", "domain", "pwm")
-        _within(self.validity.pwm, self.domain.pwm, "the domain", "validity", "pwm")
+        within(self.domain.pwm, (0, self.input.full_scale), "the input's full scale", "domain", "pwm")
+        within(self.validity.pwm, self.domain.pwm, "the domain", "validity", "pwm")
         fixed = self.ambient.fixed_degC
         if fixed is not None:
-            _within((fixed, fixed), self.domain.ambient_degC, "the domain", "ambient", "fixed_degC")
+            within((fixed, fixed), self.domain.ambient_degC, "the domain", "ambient", "fixed_degC")
 
-    def _check_references(self, names: list[str]) -> None:
-        for i, band in enumerate(self.provenance.error if self.provenance else ()):
-            _known(band.component, names, "provenance", "error", i, "component")
-            _within(
-                band.pwm,
-                (0, self.input.full_scale),
-                "the input's full scale",
-                "provenance",
-                "error",
-                i,
-                "pwm",
-            )
-        for name in self.provenance.fit if self.provenance else ():
-            _known(name, names, "provenance", "fit", name)
+    def _check_references(self) -> None:
+        names = [component.name for component in self.components]
+        full_scale = self.input.full_scale
+        check_component_names(names)
+        if self.provenance is not None:
+            check_provenance(self.provenance, names, full_scale)
         check_effects(self.effects, names)
-        self._check_thermocouples(names)
-        self._check_columns(names)
-        profile = self.wiring.drive.profile if self.wiring and self.wiring.drive else None
-        for i, step in enumerate(profile.steps if profile else ()):
-            full = self.input.full_scale
-            place = ("wiring", "drive", "profile", "steps", i, "pwm")
-            _within((step.pwm, step.pwm), (-full, full), "the input's full scale", *place)
-        for i, alarm in enumerate(self.alarms):
-            _known(alarm.component, names, "alarms", i, "component")
-            self._check_window(alarm, "alarms", i)
-            earlier = [rule.name for rule in self.alarms[:i]]
-            for key in ("requires", "unless"):
-                named = getattr(alarm, key)
-                if named is not None and named not in earlier:
-                    expected = listed(earlier) if earlier else "none, as this is the first rule"
-                    raise fault(f'found "{named}", expected the name of an earlier rule ({expected})', "alarms", i, key)
-            if not isinstance(alarm, OverTemperature) and alarm.relative_to is not None:
-                others = [name for name in names if name != alarm.component]
-                if alarm.relative_to not in others:
-                    raise fault(
-                        f'found "{alarm.relative_to}", expected the name of another component: {listed(others)}',
-                        "alarms",
-                        i,
-                        "relative_to",
-                    )
-                if alarm.beyond == "error_band":
-                    raise fault(
-                        "error bands are of one component each; expected no relative_to beside them",
-                        "alarms",
-                        i,
-                        "beyond",
-                    )
-
-    def _check_thermocouples(self, names: list[str]) -> None:
-        wiring = self.wiring or Wiring()
-        channels: set[str] = set()
-        taken = {f"{name}{end}".lower() for name in (*names, "ambient") for end in ("_degC", "_model_degC")}
-        taken |= {channel.column.lower() for channel in wiring.channels}
-        taken |= {self.ambient.channel.lower()} if self.ambient.channel is not None else set()
-        for i, thermocouple in enumerate(wiring.thermocouples):
-            at = ("wiring", "thermocouples", i, "channel")
-            channel = thermocouple.channel
-            if channel not in names and not _EXTRA_COLUMN.fullmatch(channel):
-                _known(channel, [*names, "ambient"], *at)
-            if channel.lower() in channels:
-                raise fault(f'"{channel}" has a thermocouple already; expected one each', *at)
-            if channel not in names and channel.lower() in taken:
-                raise fault(f'the column "{channel}" is taken already; expected another', *at)
-            channels.add(channel.lower())
+        if self.wiring is not None:
+            check_wiring_references(self.wiring, names, self.ambient.channel, full_scale)
+        check_alarm_references(self.alarms, names, full_scale, self.sample_time_s)
 
     @property
     def thermocouple_columns(self) -> tuple[str, ...]:
@@ -243,53 +164,3 @@ class Document(Part):
         known = {"ambient", *(component.name for component in self.components)}
         wired = self.wiring.thermocouples if self.wiring is not None else ()
         return tuple(thermocouple.channel for thermocouple in wired if thermocouple.channel not in known)
-
-    def _check_columns(self, names: list[str]) -> None:
-        """No column of the board's rows has another one's name."""
-        wiring = self.wiring
-        if wiring is None:
-            return
-        printed = wiring.printed_columns(names)
-        if any(chip.channel == "ambient" for chip in wiring.thermocouples):
-            ambient = self.ambient.channel or "ambient_degC"
-            if ambient in printed:
-                raise fault(f'"{ambient}" is another column of the board\'s rows', "ambient", "channel")
-            printed.add(ambient)
-        for i, channel in enumerate(wiring.channels):
-            if channel.column in printed:
-                at = ("wiring", "channels", i, "column")
-                raise fault(f'"{channel.column}" is a column of the board\'s rows already; expected another name', *at)
-
-    def _check_window(self, alarm: AlarmRule, *at: str | int) -> None:
-        ordered(*alarm.speed_percent, *at, "speed_percent")
-        if not window_counts(alarm, self.input.full_scale):
-            low, high = alarm.speed_percent
-            raise fault(f"found [{low:g}, {high:g}], which no whole PWM count lies in", *at, "speed_percent")
-        for key in ("persistence_s", "settle_s"):
-            longest = MOST_SAMPLES * self.sample_time_s
-            if getattr(alarm, key) > longest:
-                raise fault(f"found {getattr(alarm, key):g}, expected at most {longest:g}", *at, key)
-
-
-def _unique(names: list[str], key: str) -> None:
-    seen: dict[str, int] = {}
-    for i, name in enumerate(names):
-        first = seen.setdefault(name.lower(), i)
-        if first != i:
-            raise fault(
-                f'"{name}" is taken by {key}[{first}] ("{names[first]}"); expected names that differ in more than case',
-                key,
-                i,
-                "name",
-            )
-
-
-def _known(name: str, names: list[str], *at: str | int) -> None:
-    if name not in names:
-        raise fault(f'found "{name}", expected the name of a component: {listed(names)}', *at)
-
-
-def _within(inner: tuple[float, float], outer: tuple[float, float], of: str, *at: str | int) -> None:
-    if inner[0] < outer[0] or inner[1] > outer[1]:
-        found = f"{inner[0]:g}" if inner[0] == inner[1] else f"[{inner[0]:g}, {inner[1]:g}]"
-        raise fault(f"found {found}, expected it within {outer[0]:g}..{outer[1]:g}, {of}", *at)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from pydantic import ValidationError
@@ -50,6 +51,24 @@ def first_fault(error: ValidationError) -> InputError:
     """
     message, path = explained(error)
     return InputError(message, place=json_path(path))
+
+
+@contextmanager
+def building() -> Iterator[None]:
+    """Say of a document that is built in Python what is wrong with it, as reading it would.
+
+    Raises
+    ------
+    InputError
+        Its place begins with the part that was being built ("ErrorBand.pwm"), or is the JSON path of the whole.
+    """
+    try:
+        yield
+    except ValidationError as error:
+        fault = first_fault(error)
+        place = (fault.place or "$").removeprefix("$")
+        root = "$" if error.title == "Document" else error.title
+        raise InputError(fault.message, place=root + place) from error
 
 
 def explained(error: ValidationError) -> tuple[str, Path]:

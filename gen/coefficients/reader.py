@@ -14,6 +14,7 @@ from gen.coefficients.checks import check_model
 from gen.coefficients.convert import to_model
 from gen.coefficients.document import Accuracy, Document
 from gen.coefficients.messages import described, first_fault
+from gen.coefficients.versions import Tree, migrated
 from gen.coefficients.wiring_checks import check_wiring
 from gen.errors import InputError
 from gen.model.dynamics import ThermalModel
@@ -119,6 +120,26 @@ def parse_document(raw: bytes) -> Document:
     InputError
         Without a file name.
     """
+    tree = read_tree(raw)
+    newest = migrated(tree)
+    try:
+        return Document.model_validate(newest)
+    except ValidationError as error:
+        fault = first_fault(error)
+        if newest is tree:
+            raise fault from error
+        brought = f"(the place is that of version {newest['version']}, to which this file was brought)"
+        raise InputError(f"{fault.message} {brought}", place=fault.place) from error
+
+
+def read_tree(raw: bytes) -> Tree:
+    """Read the bytes of a file as strict JSON, of whatever version and not yet checked.
+
+    Raises
+    ------
+    InputError
+        Without a file name.
+    """
     try:
         text = raw.decode("utf-8")
     except UnicodeDecodeError as error:
@@ -131,23 +152,7 @@ def parse_document(raw: bytes) -> Document:
     tree = jsontext.parse(text)
     if not isinstance(tree, dict):
         raise InputError(f"found {described(tree)}, expected an object {{...}}", place="$")
-    _check_format(tree)
-    try:
-        return Document.model_validate(tree)
-    except ValidationError as error:
-        raise first_fault(error) from error
-
-
-def _check_format(tree: dict[str, object]) -> None:
-    """Say first that this is another format or version: every other message would mislead."""
-    if tree.get("format", "gen-coefficients") != "gen-coefficients":
-        raise InputError(f'found {described(tree["format"])}, expected "gen-coefficients"', place="$.format")
-    version = tree.get("version", 1)
-    if version != 1 or isinstance(version, bool):
-        raise InputError(
-            f"found {described(version)}, expected 1, the only version that this tool reads",
-            place="$.version",
-        )
+    return tree
 
 
 def _read(path: Path) -> bytes:

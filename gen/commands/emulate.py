@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+import sys
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from gen.coefficients import Coefficients
     from gen.coefficients.wiring import Wiring
     from gen.emulate.board import Board
+    from gen.emulate.results import Results
     from gen.emulate.rig import RigPlant
     from gen.emulate.session import Event, Session
     from gen.record.profile import Profile
@@ -90,39 +91,60 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
 
     The firmware of the coefficient file is built as for the board and executed instruction by instruction; its
     thermocouples, encoder, drive, button, LED and serial line lead to a simulated motor. The run file holds what it
-    printed. Time-lapse changes how fast one can watch, nothing else.
+    printed. Time-lapse changes how fast one can watch, nothing else. Ctrl-C ends a run with what was simulated until
+    then; exit status 130.
     """
     from gen.coefficients import load
-    from gen.files import check_outputs, write_bytes, write_text
+    from gen.emulate.results import results_of, summary
+    from gen.files import check_outputs, write_bytes
+    from gen.interruption import EXIT_STATUS
 
     check_outputs((out, json_file, plot, options["eeprom"]), (coefficients,))
     loaded = load(coefficients)
     wanted = _wanted(loaded, coefficients, options)
 
     # Slow to import: what is wrong with the file and the options was told before.
-    from gen.emulate.plot import plot_svg
-    from gen.emulate.results import results_of, summary
-    from gen.record.port import write_parts
 
     with ExitStack() as stack:
         board = _board(loaded, coefficients, wanted, stack, options)
         session = _run(board, wanted, stack, options)
+        if session.interrupted and not session.recorder.rows:
+            raise KeyboardInterrupt
         results = results_of(loaded.document, board, session)
         found = summary(results, board, session, _settings(loaded, options))
         found["true_at_end_degC"] = {name: round(value, 3) for name, value in wanted.plant.temperatures.items()}
-        picture = plot_svg(results, _title(loaded, options)) if plot is not None and session.recorder.rows else None
         if options["eeprom"] is not None:
-            write_bytes(options["eeprom"], board.mega.eeprom)
-    if not session.recorder.rows:
-        raise CheckFailed("the firmware printed no row of a run file")
+            write_bytes(options["eeprom"], board.mega.eeprom.image)
+        if not session.recorder.rows:
+            raise CheckFailed("the firmware printed no row of a run file")
+        _write(session, results, found, _title(loaded, options), (out, json_file, plot), options)
+    _tell(found)
+    if session.interrupted:
+        click.echo(f"interrupted: {session.seconds:.0f} of {options['duration']:.0f} s are kept in {out}", err=True)
+        sys.exit(EXIT_STATUS)
+
+
+def _write(
+    session: Session,
+    results: Results,
+    found: dict[str, Any],
+    title: str,
+    files: tuple[Path, Path | None, Path | None],
+    options: dict[str, Any],
+) -> None:
+    """Write run file, summary and picture; the run file first, which is what took the time."""
+    from gen.emulate.plot import plot_svg
+    from gen.files import write_text
+    from gen.record.port import write_parts
+
+    out, json_file, plot = files
     session.recorder.parts[0].comments += _comments(found, options)
     for path in write_parts(session.recorder, out):
         click.echo(f"{path}: {session.recorder.rows} rows")
     if json_file is not None:
         write_text(json_file, json.dumps(found, indent=1) + "\n")
-    if plot is not None and picture is not None:
-        write_text(plot, picture)
-    _tell(found)
+    if plot is not None:
+        write_text(plot, plot_svg(results, title))
 
 
 @dataclass(frozen=True)
@@ -193,15 +215,17 @@ def _board(
     board = Board(elf, cache, wanted.wiring, wanted.plant, encoder=options["encoder"])
     stack.callback(board.close)
     if wanted.image is not None:
-        board.mega.eeprom = wanted.image
+        board.mega.eeprom.image = wanted.image
     if options["clock"] is not None:
         board.mega.start_clock_at(options["clock"])
     return board
 
 
 def _run(board: Board, wanted: _Wanted, stack: ExitStack, options: dict[str, Any]) -> Session:
+    from gen.emulate.progress import run_progress
     from gen.emulate.session import run_session
     from gen.emulate.terminal import PseudoTerminal
+    from gen.interruption import interruption
 
     pace: float | None = options["time_lapse"]
     terminal = None
@@ -210,7 +234,9 @@ def _run(board: Board, wanted: _Wanted, stack: ExitStack, options: dict[str, Any
         pace = pace or 1.0
         click.echo(f"{options['pty']}: waiting until it is opened (it leads to {terminal.name})", err=True)
         terminal.wait()
-    with _progress(options["duration"]) as progress:
+    # Held until everything is written: a second Ctrl-C must not lose what the first one kept.
+    interrupted = stack.enter_context(interruption()).is_set
+    with run_progress(options["duration"]) as progress:
         session = run_session(
             board,
             options["duration"],
@@ -219,9 +245,10 @@ def _run(board: Board, wanted: _Wanted, stack: ExitStack, options: dict[str, Any
             terminal=terminal,
             pace=pace,
             progress=progress,
+            interrupted=interrupted,
         )
     if terminal is not None:
-        terminal.drain()
+        terminal.drain(given_up=interrupted)
     return session
 
 
@@ -256,7 +283,9 @@ def _title(loaded: Coefficients, options: dict[str, Any]) -> str:
 
 def _comments(found: dict[str, Any], options: dict[str, Any]) -> list[str]:
     fault = f"{options['fault']} from {options['fault_start']:g} s" if options["fault"] else "none"
+    ended = f"after {found['seconds']:.2f} of {options['duration']:.12g} s"
     return [
+        *([f"# interrupted: {ended}"] if found["interrupted"] else []),
         f"# emulated: {found['tool']}, encoder {options['encoder']}, seed {options['seed']}",
         f"# motor_fault: {fault}",
         f"# power_on: {-found['time_zero_s']:.2f} s",
@@ -283,19 +312,3 @@ def _tell(found: dict[str, Any]) -> None:
         click.echo(
             f"  {item['channel']} not believed ({why}, code {item['code']}) from {item['from_s']:.1f} s to {end}"
         )
-
-
-@contextmanager
-def _progress(duration_s: float) -> Iterator[Callable[[Session], None]]:
-    """A bar with the simulated time, on a terminal only."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda _: None
-        return
-    columns = (TextColumn("{task.completed:.0f} of {task.total:.0f} s"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("", total=duration_s)
-        yield lambda session: bar.update(task, completed=session.seconds)

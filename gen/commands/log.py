@@ -26,7 +26,7 @@ def log(port: str, out: Path, baud: int, duration: float | None, profile: str | 
 
     Rows are kept as printed; comment lines move to the front; garbled lines become comments and are counted. When the
     board restarts, the recording goes on in the same file. The file is written at the end, or on Ctrl-C with what came
-    until then.
+    until then; so it is when an emulated board (gen emulate --pty) has come to its end.
     """
     from gen.files import check_writable
     from gen.record.port import record_port, write_parts
@@ -44,6 +44,8 @@ def log(port: str, out: Path, baud: int, duration: float | None, profile: str | 
     for path, part in zip(write_parts(recorder, out), recorder.parts, strict=True):
         click.echo(f"{path}: {len(part.rows)} rows")
     click.echo(f"  {recorder.garbled} garbled lines, {restarts} restarts, {recorder.unheaded} lines before the header")
+    if recording.closed:
+        click.echo(f"  the line was closed after {recording.seconds:.0f} s")
     if recording.lost:
         raise CheckFailed(f"{port}: the port was lost after {recording.seconds:.0f} s: {recording.lost}")
 

@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import Literal
 
 from gen.coefficients.wiring import Wiring
-from gen.emulate.devices import DeviceMega, Edges
+from gen.emulate.devices import DeviceMega
+from gen.emulate.levels import Edges
+from gen.emulate.max6675 import Max6675
 from gen.emulate.plant import STEP_S, Plant, Reading
 
 EncoderMode = Literal["true", "batched"]
@@ -32,7 +34,7 @@ class Board:
         The motor and its sensors. It runs for one step before the board gets power, so that the converters have
         something to convert.
     encoder
-        ``true``: every edge of the encoder comes at its own time. ``batched``: see `DeviceMega.attach_encoder`. Pulses
+        ``true``: every edge of the encoder comes at its own time. ``batched``: see `EncoderPulses.attach`. Pulses
         that Timer 5 counts are exact either way and cost nothing.
     """
 
@@ -40,10 +42,12 @@ class Board:
         self.mega = DeviceMega(elf, cache)
         self.wiring = wiring
         self._plant = plant
-        self._chips = {chip.channel: self.mega.add_max6675(chip.cs, chip.so, chip.sck) for chip in wiring.thermocouples}
+        self.thermocouples: dict[str, Max6675] = {
+            chip.channel: self.mega.add_max6675(chip.cs, chip.so, chip.sck) for chip in wiring.thermocouples
+        }
         if wiring.encoder is not None:
-            self.mega.attach_encoder(wiring.encoder.pin, batch_s=BATCH_S if encoder == "batched" else 0.0)
-        self._led = self.mega.add_probe(wiring.led_pin) if wiring.led_pin is not None else None
+            self.mega.encoder.attach(wiring.encoder.pin, batch_s=BATCH_S if encoder == "batched" else 0.0)
+        self._led = self.mega.pins.watch(wiring.led_pin) if wiring.led_pin is not None else None
         self._steps = 0
         self.commanded = 0
         self._observe(0)
@@ -65,19 +69,14 @@ class Board:
         if drive is None:
             return self.commanded
         if drive.pwm_pin is not None and drive.direction_pin is not None:
-            return self.mega.pin_signed_pwm(drive.pwm_pin, drive.direction_pin, forward_level=drive.forward_is_high)
+            return self.mega.pins.signed_pwm(drive.pwm_pin, drive.direction_pin, forward_level=drive.forward_is_high)
         assert drive.forward_pin is not None and drive.reverse_pin is not None
-        return self.mega.pin_pwm(drive.forward_pin, drive.reverse_pin)
+        return self.mega.pins.pwm(drive.forward_pin, drive.reverse_pin)
 
     @property
     def led(self) -> Edges | None:
         """Every change of the LED, None without one."""
-        return self.mega.probe(self._led) if self._led is not None else None
-
-    @property
-    def chip_numbers(self) -> dict[str, int]:
-        """Number of each channel's MAX6675, for `DeviceMega.chip_counts`."""
-        return dict(self._chips)
+        return self._led.edges() if self._led is not None else None
 
     def command(self, pwm: int) -> None:
         """Command a PWM: over the serial line, or, where the firmware only observes, as the other controller."""
@@ -85,19 +84,19 @@ class Board:
         if self.wiring.observe is not None:
             self._observe(pwm)
         else:
-            self.mega.uart_send(b"%d\n" % pwm)
+            self.mega.uart.send(b"%d\n" % pwm)
 
     def press(self, down: bool) -> None:
         """Press the button, or let it go."""
         if self.wiring.button_pin is not None:
-            self.mega.drive_pin(self.wiring.button_pin, False if down else None)
+            self.mega.pins.drive(self.wiring.button_pin, False if down else None)
 
     def begin_step(self) -> None:
         """Let the plant run for the `STEP_S` that come, with the PWM that acts now; its pulses come meanwhile."""
         self._steps += 1
         reading = self._plant.step(self.pwm, STEP_S)
         if self.wiring.encoder is not None:
-            self.mega.send_pulses(reading.pulses, STEP_S)
+            self.mega.encoder.send(reading.pulses, STEP_S)
         self._next = reading
 
     def end_step(self) -> None:
@@ -116,19 +115,19 @@ class Board:
 
     def _show(self, reading: Reading) -> None:
         self._next = reading
-        for channel, number in self._chips.items():
-            self.mega.set_word(number, reading.words.get(channel, 0))
+        for channel, chip in self.thermocouples.items():
+            chip.set_word(reading.words.get(channel, 0))
         for wired in self.wiring.channels:
             value = reading.channels.get(wired.column, 0.0)
             if wired.analog_pin is not None:
-                self.mega.drive_analog(wired.analog_pin, wired.zero_V + value / wired.per_V)
+                self.mega.pins.drive_analog(wired.analog_pin, wired.zero_V + value / wired.per_V)
             elif wired.contact_pin is not None:
-                self.mega.drive_pin(wired.contact_pin, False if value >= 0.5 else None)
+                self.mega.pins.drive(wired.contact_pin, False if value >= 0.5 else None)
 
     def _observe(self, pwm: int) -> None:
         observe = self.wiring.observe
         if observe is None:
             return
-        self.mega.drive_wave(observe.forward_pin, max(pwm, 0) / _FULL)
+        self.mega.pins.drive_wave(observe.forward_pin, max(pwm, 0) / _FULL)
         if observe.reverse_pin is not None:
-            self.mega.drive_wave(observe.reverse_pin, max(-pwm, 0) / _FULL)
+            self.mega.pins.drive_wave(observe.reverse_pin, max(-pwm, 0) / _FULL)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.emulate.devices import Edges
+from gen.emulate.levels import Edges
 
 _BLINK_S = 0.16  # a blink is on for 0.256 s, a flash or a flicker for 0.064 s
 _GROUP_S = 0.6  # between the blinks of one number it is dark for 0.256 s

@@ -103,6 +103,7 @@ def summary(results: Results, board: Board, session: Session, settings: dict[str
     return settings | {
         "seconds": session.seconds,
         "wall_s": round(session.wall_s, 3),
+        "interrupted": session.interrupted,
         "rows": session.recorder.rows,
         "garbled_lines": session.recorder.garbled,
         "time_zero_s": session.time_zero_s,
@@ -115,9 +116,9 @@ def summary(results: Results, board: Board, session: Session, settings: dict[str
         "board": {
             "awake_share": round(1.0 - mega.asleep / mega.cycle, 6),
             "stack_bytes": deepest_stack(mega),
-            "pulses": mega.pulses_sent,
-            "thermocouples": {name: asdict(mega.chip_counts(n)) for name, n in board.chip_numbers.items()},
-            "eeprom": asdict(mega.eeprom_counts),
+            "pulses": mega.encoder.sent,
+            "thermocouples": {name: asdict(chip.counts) for name, chip in board.thermocouples.items()},
+            "eeprom": asdict(mega.eeprom.counts),
         },
     }
 
@@ -125,10 +126,10 @@ def summary(results: Results, board: Board, session: Session, settings: dict[str
 def deepest_stack(mega: EmulatedMega) -> int:
     """Give the deepest stack since the start, in bytes, of a firmware that fills its free RAM with one byte at start.
 
-    What `EmulatedMega.stack_use` painted is gone then. A frame that is reserved and never written to is not seen.
+    What `Stack.use` looks for is gone then. A frame that is reserved and never written to is not seen.
     """
-    floor = mega.sram_address("_end")
-    memory = np.frombuffer(mega.peek(floor, _RAM_END + 1 - floor), dtype=np.uint8)
+    floor = mega.memory.address("_end")
+    memory = np.frombuffer(mega.memory.peek(floor, _RAM_END + 1 - floor), dtype=np.uint8)
     used = np.flatnonzero(memory != memory[0])
     return int(memory.size - used[0]) if used.size else 0
 

@@ -18,6 +18,7 @@ EventKind = Literal["press", "release", "reset", "power_cut", "brown_out", "send
 
 _FLOOD = b"\xa5no command at all, only noise on the line\n"
 _SLOWEST_PACE = 1e-3
+_NAP_S = 0.1  # so soon an interruption is seen
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,8 @@ class Session:
         Simulated time.
     wall_s
         Time that it took here.
+    interrupted
+        Whether it ended before its time.
     """
 
     recorder: Recorder = field(default_factory=Recorder)
@@ -70,6 +73,7 @@ class Session:
     restarts_s: list[float] = field(default_factory=list)
     seconds: float = 0.0
     wall_s: float = 0.0
+    interrupted: bool = False
 
 
 def run_session(
@@ -81,6 +85,7 @@ def run_session(
     terminal: PseudoTerminal | None = None,
     pace: float | None = None,
     progress: Callable[[Session], None] = lambda _: None,
+    interrupted: Callable[[], bool] = lambda: False,
 ) -> Session:
     """Run a board for a time.
 
@@ -105,6 +110,8 @@ def run_session(
         the same at every pace.
     progress
         Called after every step.
+    interrupted
+        Asked before every step; True ends the run with what came until then.
 
     Raises
     ------
@@ -112,10 +119,13 @@ def run_session(
         When the firmware crashed or ended.
     """
     session = Session()
-    runner = _Runner(board, session, profile, terminal)
+    runner = _Runner(board, session, profile, terminal, interrupted)
     waiting = sorted(events, key=lambda event: event.time_s)
     begin = time.monotonic()
     while board.steps_end_s < duration_s - STEP_S / 2:
+        if interrupted():
+            session.interrupted = True
+            break
         board.begin_step()
         end_s = board.steps_end_s
         while waiting and waiting[0].time_s < end_s:
@@ -131,19 +141,32 @@ def run_session(
         session.wall_s = time.monotonic() - begin
         progress(session)
         if pace is not None:
-            time.sleep(max(0.0, session.seconds / max(pace, _SLOWEST_PACE) - session.wall_s))
+            _sleep_until(begin + session.seconds / max(pace, _SLOWEST_PACE), interrupted)
     session.recorder.finish()
     return session
+
+
+def _sleep_until(end_s: float, interrupted: Callable[[], bool]) -> None:
+    while (left_s := end_s - time.monotonic()) > 0.0 and not interrupted():
+        time.sleep(min(left_s, _NAP_S))
 
 
 class _Runner:
     """The serial line's two ends, and the events."""
 
-    def __init__(self, board: Board, session: Session, profile: Profile, terminal: PseudoTerminal | None) -> None:
+    def __init__(
+        self,
+        board: Board,
+        session: Session,
+        profile: Profile,
+        terminal: PseudoTerminal | None,
+        interrupted: Callable[[], bool] = lambda: False,
+    ) -> None:
         self._board = board
         self._session = session
         self._profile = profile
         self._terminal = terminal
+        self._interrupted = interrupted
         self._given = 0  # steps of the profile
         self._headers = 0
         self._resets = board.mega.resets
@@ -161,7 +184,7 @@ class _Runner:
         if self._terminal is not None:
             typed = self._terminal.read()
             if typed:
-                self._board.mega.uart_send(typed)
+                self._board.mega.uart.send(typed)
         if session.recorder.headers != self._headers:
             self._headers = session.recorder.headers
             self._given = max(self._given - 1, 0)
@@ -185,11 +208,11 @@ class _Runner:
             cause = ResetCause.POWER_ON if event.kind == "power_cut" else ResetCause.BROWN_OUT
             mega.cut_power(event.duration_s, cause=cause, seed=1 + round(event.time_s * 1000.0))
         elif event.kind == "send":
-            mega.uart_send(event.data)
+            mega.uart.send(event.data)
         elif event.kind == "flood":
             bits_per_byte = 10
             count = round(event.duration_s * self._board.wiring.serial_baud / bits_per_byte)
-            mega.uart_send((_FLOOD * (count // len(_FLOOD) + 1))[:count])
+            mega.uart.send((_FLOOD * (count // len(_FLOOD) + 1))[:count])
         elif event.kind == "held_up":
             mega.hold_up(round(event.duration_s * 1000.0))
         else:
@@ -197,7 +220,7 @@ class _Runner:
 
     def _take(self) -> None:
         board, session = self._board, self._session
-        sent = board.mega.uart_take()
+        sent = board.mega.uart.take()
         if board.mega.resets != self._resets:
             self._resets = board.mega.resets
             session.restarts_s.append(board.seconds)
@@ -209,4 +232,4 @@ class _Runner:
             first = session.recorder.parts[0].rows[0]
             session.time_zero_s = round(board.seconds - float(first.split(",")[0]), 2)
         if self._terminal is not None:
-            self._terminal.write(sent)
+            self._terminal.write(sent, given_up=self._interrupted)

@@ -8,6 +8,7 @@ import pty
 import select
 import time
 import tty
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -76,18 +77,18 @@ class PseudoTerminal:
             time.sleep(_POLL_S)
         time.sleep(0.3)
 
-    def write(self, data: bytes) -> None:
-        """Send; waits while the other end is open and its buffer full."""
-        while data and self.is_open:
+    def write(self, data: bytes, *, given_up: Callable[[], bool] = lambda: False) -> None:
+        """Send; waits while the other end is open and its buffer full, until `given_up`."""
+        while data and self.is_open and not given_up():
             try:
                 data = data[os.write(self._master, data) :]
             except BlockingIOError:
                 time.sleep(_POLL_S)
 
-    def drain(self) -> None:
-        """Wait until the other end has read everything, or is closed."""
+    def drain(self, *, given_up: Callable[[], bool] = lambda: False) -> None:
+        """Wait until the other end has read everything, or is closed, or until `given_up`."""
         time.sleep(_POLL_S)
-        while self.is_open and select.select([], [self._master], [], 0.0)[1] == []:
+        while self.is_open and not given_up() and select.select([], [self._master], [], 0.0)[1] == []:
             time.sleep(_POLL_S)
 
     def read(self) -> bytes:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.emulate.plant import AMBIENT, Plant, Reading
-from gen.lowering.alarms import lower_alarms
+from gen.lowering.alarms import COLD_mK, lower_alarms
 from gen.lowering.effects.program import Channel
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
@@ -26,7 +26,6 @@ from gen.rig import Profile
 Integers = NDArray[np.int64]
 
 _COUNT_MC = 250
-_COLD_MK = 2000  # as the emitted config.h has it: a start within so much of ambient is a cold motor's
 
 
 def alarm_times(
@@ -79,7 +78,7 @@ def alarm_times(
     measured, ambient = _read([reading.words for reading in readings], names)
     starts = {name: (measured[i] - ambient).tolist() for i, name in enumerate(names)}
     model = ReferenceModel(program, starts, _told(program, ambient, readings))
-    cold = np.all(np.abs(measured - ambient) <= _COLD_MK, axis=0)
+    cold = np.all(np.abs(measured - ambient) <= COLD_mK, axis=0)
     alarms = ReferenceAlarms(rules, cold)
     first = np.full((len(plants), len(rules)), np.nan)
     bits = 1 << np.arange(len(rules))

@@ -14,6 +14,7 @@ from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.context import Context
 from gen.firmware.effects_cpp import channel_names
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
+from gen.lowering.alarms import COLD_mK
 from gen.lowering.program import Program
 from gen.lowering.sensors import (
     CONFIRMATIONS,
@@ -135,6 +136,7 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         "measured": [chip for chip in chips if chip["channel"] in names],
         "column_chips": [chip for chip in chips if chip["column"]],
         "ambient_chip": next((chip for chip in chips if chip["channel"] == "ambient"), None),
+        "cold_mK": COLD_mK,
         "read_samples": read_samples,
         "reading_ms": read_samples * sample_ms,
         "conversion_ms": CONVERSION_MS,

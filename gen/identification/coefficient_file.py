@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.coefficients import Coefficients, parse
+from gen.coefficients import Coefficients, Document, dump, parse
+from gen.coefficients.document import Accuracy, Ambient, Domain, Input, Validity
+from gen.coefficients.messages import building
+from gen.coefficients.provenance import ErrorBand, Provenance
+from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.bands import Band
 from gen.identification.data import Data
@@ -52,9 +54,10 @@ def coefficient_text(data: Data, found: Mapping[str, Identified], settings: Sett
     InputError
         When the settings contradict the runs.
     """
-    tree = _tree(data, found, settings)
-    text = json.dumps(tree, indent=1) + "\n"
+    measured = _measured_range(data, found, settings)
     try:
+        with building():
+            text = dump(_document(data, found, settings, measured))
         return text, parse(text.encode())
     except InputError as error:
         raise CheckFailed(f"the identified model is not one that can be built: {error}") from error
@@ -95,46 +98,44 @@ def usable(data: Data, found: Mapping[str, Identified], settings: Settings) -> t
     return replace(data, warnings=(*data.warnings, *reasons)), kept
 
 
-def _tree(data: Data, found: Mapping[str, Identified], settings: Settings) -> dict[str, Any]:
+def _measured_range(data: Data, found: Mapping[str, Identified], settings: Settings) -> tuple[int, int]:
     low = min(item.range[0] for item in found.values())
     high = max(item.range[1] for item in found.values())
     if high > settings.full_scale:
         fastest = max(data.sources, key=lambda source: int(np.abs(source.run.pwm).max()))
         message = f"found |PWM| {high}, over the full scale of {settings.full_scale}; expected another --full-scale"
         raise InputError(message, file=str(fastest.path), place="column pwm")
+    return low, high
+
+
+def _document(data: Data, found: Mapping[str, Identified], settings: Settings, measured: tuple[int, int]) -> Document:
     still = any(item.standstill for item in found.values())
     # With cooling known, the schedules go on to PWM 0; above the fastest speed a table holds its end by itself.
-    written = (0, settings.full_scale) if still else (low, high)
-    ambient: dict[str, Any] = {}
-    if data.ambient_fixed is not None:
-        ambient["fixed_degC"] = data.ambient_fixed
-    if data.ambient_measured:
-        ambient["channel"] = "ambient_degC"
-    return {
-        "format": "gen-coefficients",
-        "version": 1,
-        "name": settings.name,
-        "description": f"Identified from {len(data.sources)} run(s): {_speeds_text(found)}.",
-        "sample_time_s": settings.sample_time_s,
-        "input": {
-            "name": "pwm",
-            "full_scale": settings.full_scale,
-            "nominal_speed_rpm": settings.nominal_speed_rpm,
-        },
-        "ambient": ambient,
-        "validity": {"pwm": [low, high], "outside": "extrapolate" if still else "hold"},
-        "domain": _domain(data, found, settings),
-        "accuracy": {"fixed_limit_K": FIXED_LIMIT_K, "float_limit_K": FLOAT_LIMIT_K},
-        "components": [component_entry(name, item.model, *written) for name, item in found.items()],
-        "provenance": {
-            "source": "gen identify",
-            "method": "Output-error fit of transfer functions without zeros at each speed; order by the error on "
+    written = (0, settings.full_scale) if still else measured
+    return Document(
+        format=FORMAT,
+        version=VERSION,
+        name=settings.name,
+        description=f"Identified from {len(data.sources)} run(s): {_speeds_text(found)}.",
+        sample_time_s=settings.sample_time_s,
+        input=Input(name="pwm", full_scale=settings.full_scale, nominal_speed_rpm=settings.nominal_speed_rpm),
+        ambient=Ambient(
+            fixed_degC=data.ambient_fixed,
+            channel="ambient_degC" if data.ambient_measured else None,
+        ),
+        validity=Validity(pwm=measured, outside="extrapolate" if still else "hold"),
+        domain=_domain(data, found, settings),
+        accuracy=Accuracy(fixed_limit_K=FIXED_LIMIT_K, float_limit_K=FLOAT_LIMIT_K),
+        components=tuple(component_entry(name, item.model, *written) for name, item in found.items()),
+        provenance=Provenance(
+            source="gen identify",
+            method="Output-error fit of transfer functions without zeros at each speed; order by the error on "
             "held-out data; schedules by leave-one-speed-out error in K; all parameters refined on the runs",
-            "data": [source.path.rsplit("/", 1)[-1] for source in data.sources],
-            "fit": {name: _figures(item) for name, item in found.items()},
-            "error": [entry for name, item in found.items() for entry in _errors(name, item)],
-        },
-    }
+            data=tuple(source.path.rsplit("/", 1)[-1] for source in data.sources),
+            fit={name: _figures(item) for name, item in found.items()},
+            error=tuple(band for name, item in found.items() for band in error_bands(name, item)),
+        ),
+    )
 
 
 def _speeds_text(found: Mapping[str, Identified]) -> str:
@@ -143,18 +144,18 @@ def _speeds_text(found: Mapping[str, Identified]) -> str:
     return f"PWM {', '.join(map(str, speeds))}{' and cooling at standstill' if still else ''}"
 
 
-def _domain(data: Data, found: Mapping[str, Identified], settings: Settings) -> dict[str, Any]:
+def _domain(data: Data, found: Mapping[str, Identified], settings: Settings) -> Domain:
     ambients = [a for s in data.sources if s.run.ambient is not None for a in s.run.ambient[np.isfinite(s.run.ambient)]]
     ambients += [data.ambient_fixed] if data.ambient_fixed is not None else []
     cold, warm = min([-10.0, *ambients]), max([50.0, *ambients])
     hottest = max(float(np.max(r.raw_rise)) for item in found.values() for r in item.problem.records) + warm
     steady = max(float(np.max(item.band.steady)) for item in found.values()) + warm
     top = min(10.0 * math.ceil(max(150.0, 1.1 * hottest, 1.1 * steady) / 10.0), 5000.0)
-    return {
-        "pwm": [0, settings.full_scale],
-        "ambient_degC": [math.floor(cold), math.ceil(warm)],
-        "temperature_degC": [math.floor(cold), top],
-    }
+    return Domain(
+        pwm=(0, settings.full_scale),
+        ambient_degC=(math.floor(cold), math.ceil(warm)),
+        temperature_degC=(math.floor(cold), top),
+    )
 
 
 def _figures(item: Identified) -> dict[str, float]:
@@ -178,20 +179,20 @@ def _steady_sd(item: Identified, pwm: int) -> float:
     return float(item.spread.deviation[layout.thetas + item.speeds.index(pwm)])
 
 
-def _errors(name: str, item: Identified) -> list[dict[str, Any]]:
-    """One entry a speed: what was measured there, widened to the neighbours' middle by what is not known in between."""
+def error_bands(name: str, item: Identified) -> list[ErrorBand]:
+    """One band a speed: what was measured there, widened to the neighbours' middle by what is not known in between."""
     speeds = item.speeds
     edges = [item.range[0], *((a + b) // 2 for a, b in pairwise(speeds)), item.range[1] + 1]
-    entries = []
+    bands = []
     if item.standstill:
-        entries.append(_entry(name, item, 0, (0, 0), 0.0))
+        bands.append(_band(name, item, 0, (0, 0), 0.0))
     for i, pwm in enumerate(speeds):
         first, last = edges[i], max(edges[i + 1] - 1, edges[i])
-        entries.append(_entry(name, item, pwm, (first, last), _between(item, first, last)))
-    return entries
+        bands.append(_band(name, item, pwm, (first, last), _between(item, first, last)))
+    return bands
 
 
-def _entry(name: str, item: Identified, pwm: int, span: tuple[int, int], unknown: float) -> dict[str, Any]:
+def _band(name: str, item: Identified, pwm: int, span: tuple[int, int], unknown: float) -> ErrorBand:
     low, high = measured_error(item, pwm)
     note = f"at PWM {pwm}: {low:+.2f}..{high:+.2f} K in the runs"
     left = item.general.chosen.left_out
@@ -199,12 +200,12 @@ def _entry(name: str, item: Identified, pwm: int, span: tuple[int, int], unknown
         note += f"; {left.rms_K[item.speeds.index(pwm)]:.2f} K rms when this speed is left out"
     if unknown >= 0.005:
         note += f"; widened by {unknown:.2f} K for the speeds around it"
-    return {
-        "component": name,
-        "pwm": list(span),
-        "model_minus_measured_K": [_round(low - unknown), _round(high + unknown)],
-        "note": note,
-    }
+    return ErrorBand(
+        component=name,
+        pwm=span,
+        model_minus_measured_K=(_round(low - unknown), _round(high + unknown)),
+        note=note,
+    )
 
 
 def _between(item: Identified, first: int, last: int) -> float:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import NDArray
 
+from gen.coefficients.document import ComponentEntry, PoleEntry
+from gen.coefficients.schedule import Exp1, Points, Poly, ScheduleEntry, Tabulated
 from gen.identification.joint import Model
 from gen.identification.structure import FloatArray
 from gen.model import Table
@@ -16,8 +17,8 @@ CLOSE = 2e-4
 """A table's interpolation may differ from the curve by this share of it."""
 
 
-def component_entry(name: str, model: Model, low: int, high: int) -> dict[str, Any]:
-    """Write one component of the coefficient file.
+def component_entry(name: str, model: Model, low: int, high: int) -> ComponentEntry:
+    """Give one component of the coefficient file.
 
     Parameters
     ----------
@@ -32,16 +33,18 @@ def component_entry(name: str, model: Model, low: int, high: int) -> dict[str, A
     theta, steady = model.evaluate(np.maximum(pwm, 1e-3))
     poles = np.asarray(model.shape.structure.poles(theta), dtype=np.complex128)
     gain = steady / np.maximum(pwm, 1e-3) * np.abs(np.prod(poles, axis=1))
-    entries = []
-    for k in range(poles.shape[1]):
-        entry = {"real": schedule_entry(pwm, poles[:, k].real)}
-        if np.any(np.abs(poles[:, k].imag) > 1e-12):
-            entry["imag"] = schedule_entry(pwm, poles[:, k].imag)
-        entries.append(entry)
-    return {"name": name, "order": poles.shape[1], "gain": schedule_entry(pwm, gain), "poles": entries}
+    entries = [_pole(pwm, pole) for pole in poles.T]
+    return ComponentEntry(name=name, order=len(entries), gain=schedule_entry(pwm, gain), poles=tuple(entries))
 
 
-def schedule_entry(pwm: FloatArray, value: FloatArray) -> dict[str, Any]:
+def _pole(pwm: FloatArray, pole: NDArray[np.complex128]) -> PoleEntry:
+    real = schedule_entry(pwm, pole.real)
+    if np.any(np.abs(pole.imag) > 1e-12):
+        return PoleEntry(real=real, imag=schedule_entry(pwm, pole.imag))
+    return PoleEntry(real=real)
+
+
+def schedule_entry(pwm: FloatArray, value: FloatArray) -> ScheduleEntry:
     """Find the simplest schedule for a curve that is given at every |PWM|.
 
     Parameters
@@ -53,31 +56,31 @@ def schedule_entry(pwm: FloatArray, value: FloatArray) -> dict[str, Any]:
 
     Returns
     -------
-    dict
+    ScheduleEntry
         A polynomial up to degree 3, one exponential, or a table that pchip interpolates.
     """
     scale = float(np.max(np.abs(value))) or 1.0
     if len(pwm) == 1:
-        return {"poly": [_short(value[0])]}
+        return Poly(poly=(_short(value[0]),))
     for degree in range(4):
         if degree >= len(pwm):
             break
         coefficients = np.polyfit(pwm / 255.0, value / scale, degree)
         if np.max(np.abs(np.polyval(coefficients, pwm / 255.0) - value / scale)) < SAME:
             powers = 255.0 ** np.arange(degree, -1, -1)
-            return {"poly": [_short(c) for c in coefficients * scale / powers]}
+            return Poly(poly=tuple(_short(c) for c in coefficients * scale / powers))
     if np.all(value * value[0] > 0.0):
         slope, log = np.polyfit(pwm, np.log(np.abs(value)), 1)
         if np.max(np.abs(np.exp(log + slope * pwm) / np.abs(value) - 1.0)) < SAME:
-            return {"exp1": [_short(np.copysign(np.exp(log), value[0])), _short(slope)]}
+            return Exp1(exp1=(_short(np.copysign(np.exp(log), value[0])), _short(slope)))
     nodes = _nodes(pwm, value, scale)
-    return {
-        "table": {
-            "pwm": [int(x) for x in pwm[nodes]],
-            "value": [_short(v) for v in value[nodes]],
-            "interpolation": "pchip",
-        }
-    }
+    return Tabulated(
+        table=Points(
+            pwm=tuple(int(x) for x in pwm[nodes]),
+            value=tuple(_short(v) for v in value[nodes]),
+            interpolation="pchip",
+        )
+    )
 
 
 def _nodes(pwm: FloatArray, value: FloatArray, scale: float) -> list[int]:

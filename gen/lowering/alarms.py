@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 
 #: A start from measured temperatures alone knows no slopes: rules wait until what that can do has fallen below this.
 START_MARGIN_K = 0.5
+#: A part that is within so much of ambient at the start is cold, in thousandths of a kelvin.
+COLD_mK = 2000
 _START_STEP_S = 30.0
 _START_LEVELS = 9
 _START_TIMES = 12

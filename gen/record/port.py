@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,12 +12,14 @@ import serial
 
 from gen.errors import InputError
 from gen.files import write_text
+from gen.interruption import interruption
 from gen.record.lines import Recorder
 from gen.record.profile import Profile
 
 _READ_S = 0.1
 _ASK_AFTER_S = 3.0
 _ASK_EVERY_S = 2.0
+_PSEUDO_TERMINALS = ("/dev/pts/", "/dev/ttys")  # Linux, macOS
 ASK_HEADER = b"?\n"
 
 
@@ -33,12 +33,15 @@ class Recording:
         What came.
     seconds
         How long it took, s, by this computer's clock.
+    closed
+        Whether the other end of a pseudo-terminal closed it: the emulator has come to its end.
     lost
         Why the port was lost before the end, or empty.
     """
 
     recorder: Recorder = field(default_factory=Recorder)
     seconds: float = 0.0
+    closed: bool = False
     lost: str = ""
 
 
@@ -51,6 +54,8 @@ def record_port(
     progress: Callable[[Recording], None] = lambda _: None,
 ) -> Recording:
     """Record until the time is over, the port is gone, or the user interrupts (which is a normal end).
+
+    So is that the other end of a pseudo-terminal closes it.
 
     A board that does not print its header by itself is asked for it.
 
@@ -73,16 +78,21 @@ def record_port(
     InputError
         When the port cannot be opened.
     """
+    emulated = _is_pseudo_terminal(port)  # asked now: its link is gone when it has been closed
     try:
         line = serial.Serial(port, baud, timeout=_READ_S, write_timeout=1.0)
     except (serial.SerialException, ValueError, OSError) as error:
         raise InputError(f"cannot be opened: {_reason(error)}", file=port) from error
     recording = Recording()
     try:
-        with line, _interruption() as interrupted:
+        with line, interruption() as interrupted:
             _listen(line, recording, duration_s, profile, progress, interrupted)
     except (serial.SerialException, OSError) as error:
-        recording.lost = _reason(error)
+        # The read fails alike when somebody pulls a board's plug, and that is no ordinary end.
+        if emulated:
+            recording.closed = True
+        else:
+            recording.lost = _reason(error)
     recording.recorder.finish()
     return recording
 
@@ -120,22 +130,6 @@ def _listen(
         progress(recording)
 
 
-@contextmanager
-def _interruption() -> Iterator[threading.Event]:
-    """An event that Ctrl-C or SIGTERM sets, so that neither can cut a row in two."""
-    event = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield event
-        return
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(number, lambda *_: event.set()) for number in numbers]
-    try:
-        yield event
-    finally:
-        for number, handler in zip(numbers, before, strict=True):
-            signal.signal(number, handler)
-
-
 class Commander:
     """Turns a profile into the board's commands."""
 
@@ -170,6 +164,10 @@ def write_parts(recorder: Recorder, out: Path) -> list[Path]:
         write_text(path, part.text())
         written.append(path)
     return written
+
+
+def _is_pseudo_terminal(port: str) -> bool:
+    return str(Path(port).resolve()).startswith(_PSEUDO_TERMINALS)
 
 
 def _reason(error: Exception) -> str:

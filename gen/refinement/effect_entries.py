@@ -1,18 +1,41 @@
-"""Found effects as entries of the coefficient file and of the JSON summary."""
+"""Found effects as entries of the coefficient file, with what speaks for them."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
-from typing import Any
-
 import numpy as np
 
+from gen.coefficients.effects import EffectEntry
+from gen.coefficients.messages import building
 from gen.model.effects import calibration
 from gen.refinement.candidates import Found, Tracing
 
 
-def calibrations(tracing: Tracing) -> list[dict[str, Any]]:
+def effect_entries(tracing: Tracing, *, explained: bool) -> list[EffectEntry]:
+    """All that tracing found, most important first; parameters are those of the last joint fit.
+
+    Parameters
+    ----------
+    tracing
+        What was found.
+    explained
+        Whether the effects explain the residual: only then is the name of one without look-alikes certain.
+
+    Raises
+    ------
+    InputError
+        When a parameter is none that the format allows.
+    """
+    with building():
+        entries = [*(entry(found, tracing) for found in tracing.found), *_calibrations(tracing)]
+    return [_with_confidence(made, explained) for made in entries]
+
+
+def _with_confidence(made: EffectEntry, explained: bool) -> EffectEntry:
+    confident = explained and not made.evidence["lookalikes"]
+    return made.model_copy(update={"evidence": {**made.evidence, "confident": confident}})
+
+
+def _calibrations(tracing: Tracing) -> list[EffectEntry]:
     """Offsets within the sensors' tolerance that were fitted beside accepted effects.
 
     They are no finding of their own (so none is written for a component without an effect), but the effects' parameters
@@ -27,22 +50,22 @@ def calibrations(tracing: Tracing) -> list[dict[str, Any]]:
         if any(term.effect is effect for term in final.terms) or abs(offset) < 0.5 * noise:
             continue
         made.append(
-            {
-                "name": effect.name,
-                "component": name,
-                "parameters": effect.calibrated(offset),
-                "evidence": {
+            EffectEntry(
+                name=effect.name,
+                component=name,
+                parameters=effect.calibrated(offset),
+                evidence={
                     "within_tolerance": True,
                     "note": f"within the sensor's tolerance of {effect.tolerance_K:g} K; fitted with the others",
                     "lookalikes": [],
                 },
-            }
+            )
         )
     return made
 
 
-def entry(found: Found, tracing: Tracing) -> dict[str, Any]:
-    """An effect as the coefficient file and the JSON summary have it, parameters from the last joint fit."""
+def entry(found: Found, tracing: Tracing) -> EffectEntry:
+    """One effect, with what the data say of it."""
     name, candidate = found.component, found.candidate
     final = tracing.final[name]
     at = next(i for i, term in enumerate(final.terms) if term.effect.name == candidate.effect.name)
@@ -59,11 +82,11 @@ def entry(found: Found, tracing: Tracing) -> dict[str, Any]:
         intervals[free.name] = [max(ends[0], free.low), min(ends[1], free.high)]
     experiments = candidate.effect.lookalikes
     judgement = candidate.judgement
-    return {
-        "name": candidate.effect.name,
-        "component": name,
-        "parameters": {key: _plain(value) for key, value in values.items()},
-        "evidence": {
+    return EffectEntry(
+        name=candidate.effect.name,
+        component=name,
+        parameters=values,
+        evidence={
             "left_out_rmse_K": {"before": judgement.before_K, "after": judgement.after_K},
             "p_value": judgement.p_value,
             "level": tracing.level,
@@ -83,18 +106,4 @@ def entry(found: Found, tracing: Tracing) -> dict[str, Any]:
                 for other in found.lookalikes
             ],
         },
-    }
-
-
-def _plain(value: Any) -> Any:  # noqa: ANN401
-    if isinstance(value, (list, tuple)):
-        return [_plain(v) for v in value]
-    return value
-
-
-def extended_text(raw: str, effects: Sequence[dict[str, Any]]) -> str:
-    """The coefficient file with effects added to those that it has."""
-    document = json.loads(raw)
-    if effects:
-        document["effects"] = [*document.get("effects", []), *effects]
-    return json.dumps(document, indent=1, ensure_ascii=False) + "\n"
+    )

@@ -10,19 +10,21 @@ import numpy as np
 
 from gen.coefficients import Coefficients
 from gen.model.effects import registry
-from gen.pages.charts import Chart, Series
 from gen.pages.environment import page_environment
+from gen.pages.panels import panels_svg
 from gen.refinement.candidates import Candidate
-from gen.refinement.condense import Condensed
 from gen.refinement.judgement import ALONE, TOO_LITTLE
 from gen.refinement.refine import Refinement
+from gen.refinement.residual_charts import error_courses, left_chart, residual_charts
+from gen.refinement.run_charts import run_pictures
+from gen.refinement.stacked_runs import THIRDS
 
 _SENTENCES = {
-    "explained": "With the effects below, what is left on runs that were left out is near the sensors' noise.",
-    "partly explained": "The effects below lower the error on left-out runs by more than chance, but something is "
-    "left: the names are the nearest in the library, not certain.",
+    "explained": "With the effects below, what is left on {left_out} is near the sensors' noise.",
+    "partly explained": "The effects below lower the error on {left_out} by more than chance, but something is left: "
+    "the names are the nearest in the library, not certain.",
     "nothing missing": "The residual is near the sensors' noise; no effect is added.",
-    "unexplained": "Something is missing, and no effect of the library explains it on left-out runs.",
+    "unexplained": "Something is missing, and no effect of the library explains it on {left_out}.",
 }
 _MOST_COURSES = 12
 
@@ -37,7 +39,8 @@ def page(found: Refinement, baseline: Coefficients) -> str:
     baseline
         The coefficient file that it began with.
     """
-    return page_environment().get_template("refine.html.j2").render(_context(found, baseline))
+    environment = page_environment(panels=panels_svg)
+    return environment.get_template("refine.html.j2").render(_context(found, baseline))
 
 
 def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
@@ -46,6 +49,7 @@ def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
     before, after = found.before.summary(), found.after.summary()
     totals = [[key, *_four(before[key], after[key])] for key in ("fit", "test")]
     short = _short_names([*found.before.fit, *found.before.test])
+    pictures, not_drawn = run_pictures(found, short)
     errors = {
         kind: [
             [short[run] if first else "", name, *_four(before["per_run"][run][name], after["per_run"][run][name])]
@@ -57,7 +61,11 @@ def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
     return {
         "name": baseline.name,
         "verdict": found.verdict,
-        "sentence": _SENTENCES[found.verdict],
+        "sentence": _SENTENCES[found.verdict].format(left_out=_left_out(found)),
+        "judged_on": found.judged_on,
+        "left_out": _left_out(found),
+        "pictures": pictures,
+        "not_drawn": not_drawn,
         "warnings": found.warnings,
         "facts": found.excitation.facts,
         "missing": found.excitation.missing,
@@ -69,10 +77,19 @@ def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
         "totals": totals,
         "errors": errors,
         "runs": [(short[run.name], number % 8) for number, run in enumerate(found.runs)],
-        "courses": list(islice(_courses(found, short), _MOST_COURSES)),
-        "left": [_over("left", "what is left over time", found.runs, name, *_left(found, name)) for name in names],
+        "courses": list(islice(error_courses(found, short), _MOST_COURSES)),
+        "left": [left_chart(found, name) for name in names],
         "next": _next(found),
     }
+
+
+def _one_run(found: Refinement) -> bool:
+    return found.tracing.problem.left_out_parts == THIRDS
+
+
+def _left_out(found: Refinement) -> str:
+    """What the judgement looked at."""
+    return "left-out thirds of the run" if _one_run(found) else "left-out runs"
 
 
 def _four(before: dict[str, float], after: dict[str, float]) -> list[str]:
@@ -85,7 +102,7 @@ def _component(found: Refinement, name: str) -> dict[str, Any]:
     left = found.remains[name]
     considered = _distinct(tracing.considered.get(name, []))
     most = ", ".join(f"{key} {share:.0%}" for key, share in islice(left.shares.items(), 4))
-    remains = f"{left.rms_K:.2f} K (bins' means, left-out runs) beside a sensor noise of {left.noise_K:.2f} K."
+    remains = f"{left.rms_K:.2f} K (bins' means, {_left_out(found)}) beside a sensor noise of {left.noise_K:.2f} K."
     if left.rms_K > left.noise_K:
         remains += f" Share of its variance between classes of: {most}."
     return {
@@ -96,13 +113,7 @@ def _component(found: Refinement, name: str) -> dict[str, Any]:
         "together": _together(found, name),
         "no_help": ", ".join(c.label for c in considered if TOO_LITTLE in c.judgement.reasons),
         "remains": remains,
-        "residual": [
-            _over("time", "over time", found.runs, name, *_residual(found.runs, name, "time")),
-            _over("speed", "over speed", found.runs, name, *_residual(found.runs, name, "speed")),
-            _over(
-                "temp", "over the model's temperature", found.runs, name, *_residual(found.runs, name, "temperature")
-            ),
-        ],
+        "residual": residual_charts(found.runs, name),
     }
 
 
@@ -182,71 +193,6 @@ def _interval(ends: list[float] | None) -> str:
     return "" if ends is None else f"{ends[0]:.4g} .. {ends[1]:.4g}"
 
 
-Points = tuple[str, list[Series]]
-
-
-def _time_unit(runs: list[Condensed]) -> tuple[str, float]:
-    """Hours, or minutes where runs are short: label and s."""
-    longest = max(float(run.edges[-1] - run.edges[0]) for run in runs)
-    return ("h", 3600.0) if longest > 5400.0 else ("min", 60.0)
-
-
-def _residual(runs: list[Condensed], name: str, over: str) -> Points:
-    series = []
-    unit = _time_unit(runs)
-    for r, run in enumerate(runs):
-        own = run.traces.get(name)
-        if own is None:
-            continue
-        good = np.isfinite(own.residual)
-        middle = 0.5 * (run.edges[1:] + run.edges[:-1]) / unit[1]
-        x = {"time": middle, "speed": run.pwm, "temperature": 0.5 * (own.base[1:] + own.base[:-1])}[over]
-        series.append(Series("", x[good].tolist(), own.residual[good].tolist(), r % 8, dots=over != "time"))
-    label = {"time": f"time ({unit[0]})", "speed": "|PWM| (counts)", "temperature": "modelled rise (K)"}[over]
-    return label, series
-
-
-def _left(found: Refinement, name: str) -> Points:
-    series = []
-    unit = _time_unit(found.runs)
-    fitted = found.tracing.final[name]
-    for r, run in enumerate(found.runs):
-        size = run.edges.size - 1
-        good = found.tracing.problem.weight[:size, found.tracing.problem.components.index(name), 0, r] > 0
-        middle = 0.5 * (run.edges[1:] + run.edges[:-1]) / unit[1]
-        if good.any():
-            series.append(Series("", middle[good].tolist(), fitted.left_out[:size, 0, r][good].tolist(), r % 8))
-    return f"time ({unit[0]})", series
-
-
-def _over(kind: str, title: str, runs: list[Condensed], name: str, label: str, series: list[Series]) -> Chart:
-    ends = [value for one in series for value in one.y]
-    text = f"Residual of {name} {title} in {len(runs)} runs, from {min(ends):.2f} to {max(ends):.2f} K."
-    return Chart(f"{kind}-{name}", f"{name}: {title}", text, label, "measured − model", "K", tuple(series))
-
-
-def _courses(found: Refinement, short: dict[str, str]) -> Iterable[Chart]:
-    """What is left before and after, for the components with an effect, in the test runs first."""
-    changed = list(dict.fromkeys(effect["component"] for effect in found.effects))
-    unit = _time_unit(found.runs)
-    for number, run in enumerate([*found.before.test, *found.before.fit]):
-        old, new = found.before.curves[run], found.after.curves[run]
-        elapsed = (old.time_s - old.time_s[0]) / unit[1]
-        for name in changed:
-            if name not in old.measured:
-                continue
-            good = np.isfinite(old.measured[name])
-            x = elapsed[good].tolist()
-            series = (
-                Series("before", x, (old.measured[name] - old.model[name])[good].tolist(), 1),
-                Series("after", x, (new.measured[name] - new.model[name])[good].tolist(), 0),
-            )
-            kind = "test" if run in found.before.test else "fit"
-            title = f"{name}, {kind} run {short[run]}"
-            text = f"Measured minus model before and after, {title}."
-            yield Chart(f"course-{number}-{name}", title, text, f"time ({unit[0]})", "measured − model", "K", series)
-
-
 def _short_names(paths: list[str]) -> dict[str, str]:
     """File names where they tell the runs apart, else the paths as they were given."""
     names = [path.rsplit("/", 1)[-1] for path in paths]
@@ -266,8 +212,15 @@ def _next(found: Refinement) -> list[str]:
                 asked.append(
                     f"{name}: what is left goes with {key} ({share:.0%} of its variance); vary it alone, the rest held"
                 )
+    return list(dict.fromkeys([*asked, *_excited_once(found), *found.excitation.missing]))
+
+
+def _excited_once(found: Refinement) -> list[str]:
+    """What would fit, but that nothing left out can confirm."""
+    what = "a third of the run" if _one_run(found) else "one run"
+    asked = []
     for name, considered in found.tracing.considered.items():
         if not found.tracing.final[name].terms:
             alone = [c.label for c in _distinct(considered) if ALONE in c.judgement.reasons]
-            asked += [f"{name}: {label} would fit, but one run alone excites it: run that again" for label in alone[:2]]
-    return list(dict.fromkeys([*asked, *found.excitation.missing]))
+            asked += [f"{name}: {label} would fit, but {what} alone excites it: run that again" for label in alone[:2]]
+    return asked

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from gen.coefficients import Coefficients, parse
+from gen.coefficients import Coefficients, as_json, parse, with_effects
 from gen.errors import InputError
 from gen.refinement.admission import admitted
 from gen.refinement.candidates import Tracing
 from gen.refinement.condense import Condensed, check_measured, condense
-from gen.refinement.effect_entries import calibrations, entry, extended_text
+from gen.refinement.effect_entries import effect_entries
 from gen.refinement.excitation import Excitation, excitation
 from gen.refinement.leftover import Remains, leftover
 from gen.refinement.offered import each_speed_once
@@ -57,7 +57,7 @@ class Refinement:
     before, after
         Errors of the baseline and of the refined model.
     effects
-        As in the coefficient file.
+        As the JSON summary has them, which is as in the coefficient file.
     verdict
         "explained", "partly explained", "nothing missing" or "unexplained".
     tracing, runs, excitation, remains, warnings
@@ -126,20 +126,20 @@ def refine(
     runs, warnings = _runs_to_fit(baseline, fit_paths, progress)
     tracing = trace(baseline, runs, progress)
     verdict = judge_verdict(tracing)
-    effects = _entries(tracing, verdict)
-    text = extended_text(raw, effects)
+    entries = effect_entries(tracing, explained=verdict == "explained")
+    text = with_effects(raw, entries)
     kept = {run.name for run in runs}
     paths = [path for path in fit_paths if str(path) in kept], test_paths
     before = _errors(baseline, baseline, *paths, lambda path: progress(f"judging {path}"))
     after = before
-    if effects:
+    if entries:
         refined = parse(text.encode())
         after = _errors(baseline, refined, *paths, lambda path: progress(f"judging {path} with what was found"))
     return Refinement(
         text=text,
         before=before,
         after=after,
-        effects=effects,
+        effects=[as_json(entry) for entry in entries],
         verdict=verdict,
         tracing=tracing,
         runs=runs,
@@ -170,14 +170,6 @@ def _runs_to_fit(
         read.append(condense(baseline, path))
     runs, warnings = admitted(baseline, read)
     return runs, warnings + [f"{run.name}: {run.thinned}" for run in read if run.thinned]
-
-
-def _entries(tracing: Tracing, verdict: Verdict) -> list[dict[str, Any]]:
-    """What was found, as the coefficient file has it; a name is confident where all is explained by it alone."""
-    effects = [*(entry(found, tracing) for found in tracing.found), *calibrations(tracing)]
-    for effect in effects:
-        effect["evidence"]["confident"] = verdict == "explained" and not effect["evidence"]["lookalikes"]
-    return effects
 
 
 def _thinned(paths: Sequence[Path], errors: Errors) -> list[str]:

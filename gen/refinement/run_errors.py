@@ -13,7 +13,7 @@ import numpy as np
 
 from gen.coefficients import Coefficients
 from gen.refinement.condense import free_run
-from gen.runs.run import FloatArray
+from gen.refinement.thinning import Samples, held, measured
 
 
 @dataclass(frozen=True)
@@ -52,12 +52,28 @@ def total(scores: Iterable[Score]) -> Score:
 
 @dataclass(frozen=True)
 class Curve:
-    """Thinned time series for the report, and what was left out of the run's file before, as a sentence."""
+    """A run as the report draws it.
 
-    time_s: FloatArray
-    pwm: FloatArray
-    measured: dict[str, FloatArray] = field(default_factory=dict)
-    model: dict[str, FloatArray] = field(default_factory=dict)
+    Parameters
+    ----------
+    start_s, span_s
+        Time of the first row, and from there to the last one.
+    pwm
+        In counts, signed, held until the next sample.
+    measured, model
+        Temperatures by component, degC.
+    error
+        Measured minus model, K, at rows spread evenly.
+    left_out
+        What was left out of the run's file before, as a sentence.
+    """
+
+    start_s: float
+    span_s: float
+    pwm: Samples
+    measured: dict[str, Samples] = field(default_factory=dict)
+    model: dict[str, Samples] = field(default_factory=dict)
+    error: dict[str, Samples] = field(default_factory=dict)
     left_out: str = ""
 
 
@@ -75,16 +91,20 @@ def run_errors(
     path
         The run file.
     most_points
-        Of the curve that is given back.
+        Of each series of the curve that is given back.
     """
     run, shown = free_run(baseline, model, path)
+    time_s = run.time_s
+    pwm = held(time_s, run.pwm.astype(np.float64)).thinned(most_points)
+    curve = Curve(float(time_s[0]), float(time_s[-1] - time_s[0]), pwm, left_out=run.thinned)
     scores = {}
-    thin = np.unique(np.linspace(0, run.time_s.size - 1, most_points).astype(int))
-    curve = Curve(run.time_s[thin], run.pwm[thin].astype(np.float64), left_out=run.thinned)
     for name, values in shown.items():
         error = run.temps[name] - values
-        error = error[np.isfinite(error)]
+        curve.measured[name] = measured(time_s, run.temps[name]).thinned(most_points)
+        curve.model[name] = measured(time_s, values).thinned(most_points)
+        known = np.flatnonzero(np.isfinite(error))
+        rows = known[np.unique(np.linspace(0, known.size - 1, most_points).astype(int))]
+        curve.error[name] = Samples(time_s[rows], error[rows])
+        error = error[known]
         scores[name] = Score(float(np.sum(error**2)), error.size, float(np.max(np.abs(error), initial=0.0)))
-        curve.measured[name] = run.temps[name][thin]
-        curve.model[name] = values[thin]
     return scores, curve

@@ -10,11 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from gen.coefficients.document import Document, ErrorBand
+from gen.coefficients.document import Document
+from gen.coefficients.provenance import ErrorBand
+from gen.coefficients.rules import RuleDraft
 from gen.errors import InputError
 from gen.thresholds.healthy import MEAN_S, SETTLE_S, HealthyRun, differences
 
@@ -86,37 +87,37 @@ def _extremes(run: HealthyRun, component: str, span: tuple[int, int]) -> tuple[f
     return (float(mine.min()), float(mine.max())) if mine.size else None
 
 
-def error_bands(document: Document, runs: Sequence[HealthyRun]) -> list[dict[str, Any]]:
-    """The file's bands, with what the healthy runs show in their place, as entries of ``provenance.error``.
+def error_bands(document: Document, runs: Sequence[HealthyRun]) -> list[ErrorBand]:
+    """The file's bands, with what the healthy runs show in their place.
 
     A band between speeds without a healthy run spans those of its two neighbours that have one. A file without bands
     gets one over its validity range; a component of which the runs say nothing keeps what the file declares.
     """
-    entries: list[dict[str, Any]] = []
+    entries: list[ErrorBand] = []
     for component in document.components:
         declared = _declared(document, component.name)
         spans = [band.pwm for band in declared] or [document.validity.pwm]
         found = [_range(runs, component.name, span) for span in spans]
         known = [i for i, item in enumerate(found) if item is not None]
         if not known:
-            entries += [band.model_dump(mode="json") for band in declared]
+            entries += declared
             continue
         for i, span in enumerate(spans):
             if span[1] == 0:  # at rest no rule needs it, and no run is healthy or faulty
-                entries += [band.model_dump(mode="json") for band in declared if band.pwm == span]
+                entries += [band for band in declared if band.pwm == span]
                 continue
             near = [i] if i in known else [*[k for k in known if k < i][-1:], *[k for k in known if k > i][:1]]
             ends = [item for k in near if (item := found[k]) is not None]
             low, high = min(item[0] for item in ends), max(item[1] for item in ends)
             where = "" if near == [i] else " at the speeds beside it"
             entries.append(
-                {
-                    "component": component.name,
-                    "pwm": list(span),
-                    "model_minus_measured_K": [round(-high, 3), round(-low, 3)],
-                    "note": f"{max(item[2] for item in ends)} healthy runs{where}, means over {MEAN_S:g} s "
+                ErrorBand(
+                    component=component.name,
+                    pwm=span,
+                    model_minus_measured_K=(round(-high, 3), round(-low, 3)),
+                    note=f"{max(item[2] for item in ends)} healthy runs{where}, means over {MEAN_S:g} s "
                     f"from {SETTLE_S:g} s after a change of PWM",
-                }
+                )
             )
     return entries
 
@@ -133,58 +134,74 @@ def _range(runs: Sequence[HealthyRun], component: str, span: tuple[int, int]) ->
     return min(ends[0] for ends in found), max(ends[1] for ends in found), len(found)
 
 
-def complete(rule: dict[str, Any], document: Document, runs: Sequence[HealthyRun]) -> dict[str, Any]:
+def complete(rule: RuleDraft, document: Document, runs: Sequence[HealthyRun]) -> RuleDraft:
     """Give a rule with its missing numbers, and a note that says where they come from.
 
     Parameters
     ----------
     rule
-        As in the rules file. Missing may be ``threshold_K``, ``hysteresis_K``, ``slack_K``, ``threshold_K_s`` and
-        ``limit_degC``; a rule whose threshold is missing counts from the error band unless it is relative.
+        As in the rules file. A rule whose threshold is missing counts from the error band unless it is relative.
     document, runs
         The model and its healthy runs.
+
+    Raises
+    ------
+    InputError
+        When the runs do not say enough.
     """
-    made = dict(rule)
-    kind, component = rule.get("kind"), str(rule.get("component"))
-    if kind == "over_temperature":
-        return _limit(made, component, document, runs) if "limit_degC" not in rule else made
-    if kind not in ("above_model", "below_model", "cusum") or "threshold_K" in rule or "threshold_K_s" in rule:
-        return made
-    spans = [band.pwm for band in _declared(document, component) if band.pwm[1] > 0] or [document.validity.pwm]
-    other = rule.get("relative_to")
-    if other is not None:
-        both = differences(runs, component, str(other))
-        if not both:
-            raise InputError(f"no healthy run has both {component} and {other}")
-        seen = spread(both, component, spans)
-        end = -seen.low_K if kind == "below_model" else seen.high_K
-        made["threshold_K"] = max(0.0, round(end + seen.margin_K, 3))
-        of = f"{component} minus {other}: {seen.low_K:+.2f}..{seen.high_K:+.2f} K in {seen.runs} healthy runs"
-        made.setdefault("hysteresis_K", round(seen.margin_K / 2.0, 3))
-        return _noted(made, f"{of}, and the margin beyond. {_margin_text(seen)}")
-    seen = spread(runs, component, spans)
-    made.setdefault("beyond", "error_band")
+    if not rule.lacks_threshold:
+        return rule
+    if rule.kind == "over_temperature":
+        return _with_limit(rule, document, runs)
+    bands = [band.pwm for band in _declared(document, rule.component) if band.pwm[1] > 0]
+    spans = bands or [document.validity.pwm]
+    if rule.relative_to is not None:
+        return _with_difference(rule, rule.relative_to, spans, runs)
+    seen = spread(runs, rule.component, spans)
     of = f"Counted from the range of {seen.runs} healthy runs at the present speed (provenance.error)"
-    if kind == "cusum":
-        made.setdefault("slack_K", 0.0)
-        made["threshold_K_s"] = round(seen.margin_K * HALF_HOUR_S, 1)
-        return _noted(made, f"{of}; the sum is the margin for half an hour. {_margin_text(seen)}")
-    made["threshold_K"] = seen.margin_K
-    made.setdefault("hysteresis_K", round(seen.margin_K / 2.0, 3))
-    return _noted(made, f"{of}; the threshold is the margin beyond. {_margin_text(seen)}")
+    if rule.kind == "cusum":
+        return rule.completed(
+            beyond="error_band",
+            slack_K=0.0,
+            threshold_K_s=round(seen.margin_K * HALF_HOUR_S, 1),
+            note=f"{of}; the sum is the margin for half an hour. {_margin_text(seen)}",
+        )
+    return rule.completed(
+        beyond="error_band",
+        threshold_K=seen.margin_K,
+        hysteresis_K=round(seen.margin_K / 2.0, 3),
+        note=f"{of}; the threshold is the margin beyond. {_margin_text(seen)}",
+    )
 
 
-def _limit(made: dict[str, Any], component: str, document: Document, runs: Sequence[HealthyRun]) -> dict[str, Any]:
-    rises = [run.hottest_rise_K[component] for run in runs if component in run.hottest_rise_K]
+def _with_difference(
+    rule: RuleDraft, other: str, spans: Sequence[tuple[int, int]], runs: Sequence[HealthyRun]
+) -> RuleDraft:
+    both = differences(runs, rule.component, other)
+    if not both:
+        raise InputError(f"no healthy run has both {rule.component} and {other}")
+    seen = spread(both, rule.component, spans)
+    end = -seen.low_K if rule.kind == "below_model" else seen.high_K
+    of = f"{rule.component} minus {other}: {seen.low_K:+.2f}..{seen.high_K:+.2f} K in {seen.runs} healthy runs"
+    return rule.completed(
+        threshold_K=max(0.0, round(end + seen.margin_K, 3)),
+        hysteresis_K=round(seen.margin_K / 2.0, 3),
+        note=f"{of}, and the margin beyond. {_margin_text(seen)}",
+    )
+
+
+def _with_limit(rule: RuleDraft, document: Document, runs: Sequence[HealthyRun]) -> RuleDraft:
+    name = rule.component
+    rises = [run.hottest_rise_K[name] for run in runs if name in run.hottest_rise_K]
     if not rises:
-        raise InputError(f"the healthy runs say nothing about {component}")
+        raise InputError(f"the healthy runs say nothing about {name}")
     warmest = document.domain.ambient_degC[1]
-    made["limit_degC"] = math.ceil((max(rises) + warmest + HEADROOM_K) / _LIMIT_STEP_DEGC) * _LIMIT_STEP_DEGC
-    made.setdefault("hysteresis_K", 5.0)
-    return _noted(
-        made,
-        f"{max(rises):.1f} K over ambient was the most in {len(rises)} healthy runs; at the warmest declared ambient "
-        f"of {warmest:g} degC and with {HEADROOM_K:g} K to spare. A limit of the material, where known, goes before.",
+    return rule.completed(
+        limit_degC=math.ceil((max(rises) + warmest + HEADROOM_K) / _LIMIT_STEP_DEGC) * _LIMIT_STEP_DEGC,
+        hysteresis_K=5.0,
+        note=f"{max(rises):.1f} K over ambient was the most in {len(rises)} healthy runs; at the warmest declared "
+        f"ambient of {warmest:g} degC and with {HEADROOM_K:g} K to spare. A limit of the material, where known, goes "
+        "before.",
     )
 
 
@@ -193,8 +210,3 @@ def _margin_text(seen: Spread) -> str:
         f"Margin {seen.margin_K:g} K: the larger of {LEAST_MARGIN_K:g} K (two counts of the converter) and the "
         f"standard deviation of the runs' extremes, {seen.scatter_K:.2f} K."
     )
-
-
-def _noted(made: dict[str, Any], note: str) -> dict[str, Any]:
-    made.setdefault("note", note)
-    return made

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
-from gen.lowering.alarms import start_wait
+from gen.lowering.alarms import COLD_mK, start_wait
 from gen.reference.simulate import simulate_run
 from gen.runs import Run
 
@@ -19,8 +19,8 @@ MEAN_S = 60.0
 """Deviations are means over so long: the converter's noise is no deviation, and rules have a persistence."""
 SETTLE_S = 600.0
 """What lies so soon after a change of PWM is left out, as by a rule with this ``settle_s``."""
-COLD_K = 2.0
-"""A run that starts within so much of ambient starts cold (as in the emitted ``config.h``)."""
+COLD_K = COLD_mK / 1000.0
+"""A run that starts within so much of ambient starts cold, as on the board."""
 
 
 @dataclass(frozen=True, eq=False)

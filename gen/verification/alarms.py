@@ -262,9 +262,9 @@ class AvrAlarms:
         with EmulatedMega(self._elf, self._cache) as mega:
             output, _ = mega.run_records(
                 flat,
-                mega.sram_address("gen_input"),
+                mega.memory.address("gen_input"),
                 inputs.dtype.itemsize,
-                mega.sram_address("gen_output"),
+                mega.memory.address("gen_output"),
                 self._type.itemsize,
                 len(flat),
                 len(flat) * _CYCLES_PER_RECORD,

@@ -158,19 +158,19 @@ class AvrRunner:
         records = profile.records()
         layout = record_type(self._library.program)
         with EmulatedMega(self._elf, self._cache) as mega:
-            model = mega.symbol(self._model)
+            model = mega.memory.symbol(self._model)
             if model.size != layout.itemsize:
                 raise CheckFailed(f"the board's structure has {model.size} bytes, the reference's {layout.itemsize}")
             output, cycles = mega.run_records(
                 records,
-                mega.sram_address("gen_input"),
+                mega.memory.address("gen_input"),
                 records.dtype.itemsize,
-                mega.sram_address(self._model),
+                mega.memory.address(self._model),
                 layout.itemsize,
                 len(records),
                 len(records) * _CYCLES_PER_RECORD,
             )
-            self.stack_bytes = mega.stack_use().deepest
+            self.stack_bytes = mega.stack.use().deepest
         lanes, length = profile.pwm.shape
         self.cycles = cycles.astype(np.int64).reshape(lanes, length + 1)[:, 1:] - MARKER_OVERHEAD
         frame = np.ascontiguousarray(output).view(layout).reshape(lanes, length + 1)

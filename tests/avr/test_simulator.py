@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from gen.avr import simulator
 from gen.avr.compile import ArduinoCore
-from gen.avr.shim import SHIM_FOLDER
 from gen.avr.simulator import MARKER_OVERHEAD, EmulatedMega, EmulationFailed, Stop
 
 from .conftest import Emulate
@@ -46,9 +45,9 @@ def records(
     """Run one record for each element of ``inputs`` (a structured or plain array)."""
     return mega.run_records(
         inputs,
-        mega.sram_address("gen_input"),
+        mega.memory.address("gen_input"),
         inputs.dtype.itemsize,
-        mega.sram_address("gen_output"),
+        mega.memory.address("gen_output"),
         out_size,
         len(inputs),
         max_cycles,
@@ -122,7 +121,7 @@ def test_records_make_the_round_trip_and_calls_continue(emulate: Emulate) -> Non
         first, cycles = records(mega, inputs[:400], 4)
         nothing, _ = records(mega, inputs[:0], 4)
         second, _ = records(mega, inputs[400:], 4)
-        assert mega.peek(mega.sram_address("gen_output"), 4) == second[-1].tobytes()
+        assert mega.memory.peek(mega.memory.address("gen_output"), 4) == second[-1].tobytes()
     assert nothing.shape == (0, 4)
     assert cycles.dtype == np.uint32
     assert cycles.shape == (400,)
@@ -176,11 +175,11 @@ def test_early_end_is_an_error(emulate: Emulate) -> None:
 def test_stack_watermark_equals_a_known_recursion(emulate: Emulate, levels: int) -> None:
     with emulate("recursion.cpp") as mega:
         records(mega, np.array([200], dtype=np.uint8), 1)
-        mega.paint_stack()
-        base = 0x21FF - mega.stack_pointer
+        mega.stack.paint()
+        base = 0x21FF - mega.stack.pointer
         records(mega, np.array([levels], dtype=np.uint8), 1)
-        use = mega.stack_use()
-        static_end = mega.sram_address("_end")
+        use = mega.stack.use()
+        static_end = mega.memory.address("_end")
     assert use.below_paint == pytest.approx(4 * levels, abs=2)
     assert use.deepest - use.below_paint == base
     assert use.deepest + use.free == 0x2200 - static_end
@@ -188,24 +187,24 @@ def test_stack_watermark_equals_a_known_recursion(emulate: Emulate, levels: int)
 
 def test_stack_is_painted_when_the_emulator_opens(emulate: Emulate) -> None:
     with emulate("recursion.cpp") as mega:
-        assert mega.stack_use().deepest == 0
+        assert mega.stack.use().deepest == 0
         records(mega, np.array([50], dtype=np.uint8), 1)
-        assert mega.stack_use().deepest == pytest.approx(3 + 4 * 50, abs=2)  # 3 for the call of main
+        assert mega.stack.use().deepest == pytest.approx(3 + 4 * 50, abs=2)  # 3 for the call of main
 
 
 def test_uart_echo_through_the_arduino_core(emulate: Emulate, core: ArduinoCore) -> None:
     message = bytes(range(200))
     with emulate("echo.ino", core=core) as mega:
         assert mega.run_until_bytes(b"ready\r\n", 16_000_000) == b"ready\r\n"
-        mega.uart_send(message[:120])
-        mega.uart_send(message[120:])
+        mega.uart.send(message[:120])
+        mega.uart.send(message[120:])
         echoed = mega.run_until_bytes(bytes([200]), 16_000_000)
         assert echoed == bytes(byte + 1 for byte in message)
         with pytest.raises(EmulationFailed, match="without sending b'never'; it sent b'Y'"):
-            mega.uart_send(b"X")
+            mega.uart.send(b"X")
             mega.run_until_bytes(b"never", 1_000_000)
         mega.run_seconds(0.001)
-        assert mega.uart_take() == b""
+        assert mega.uart.take() == b""
 
 
 def test_millis_advance_in_idle_sleep_without_host_time(emulate: Emulate, core: ArduinoCore) -> None:
@@ -217,7 +216,7 @@ def test_millis_advance_in_idle_sleep_without_host_time(emulate: Emulate, core: 
         mega.run_to_end(40 * 16_000_000)
         executed = (mega.cycle - begun) - (mega.asleep - slept)
         assert executed < 0.02 * (mega.cycle - begun)  # the rest was counted, not waited for
-        sent = mega.uart_take()
+        sent = mega.uart.take()
         assert mega.seconds == pytest.approx(60.0, abs=0.01)
         assert mega.run_cycles(1000) is Stop.ENDED
     assert int(sent) == pytest.approx(60_000, abs=2)
@@ -299,19 +298,19 @@ def test_watchdog_reset_is_counted_and_the_limit_survives_it(emulate: Emulate) -
 
 def test_memory_can_be_read_and_written(emulate: Emulate) -> None:
     with emulate("accumulate.cpp") as mega:
-        address = mega.sram_address("gen_input")
-        mega.poke(address, b"\x01\x02\x03")
-        assert mega.peek(address, 3) == b"\x01\x02\x03"
-        assert mega.peek(address, 0) == b""
+        address = mega.memory.address("gen_input")
+        mega.memory.poke(address, b"\x01\x02\x03")
+        assert mega.memory.peek(address, 3) == b"\x01\x02\x03"
+        assert mega.memory.peek(address, 0) == b""
         for place, size in ((0x21FF, 2), (-1, 1), (0, -1), (0xFFFFFF, 1)):
             with pytest.raises(ValueError, match="outside the data memory"):
-                mega.peek(place, size)
+                mega.memory.peek(place, size)
         with pytest.raises(ValueError, match="outside the data memory"):
-            mega.poke(0x21FF, b"\0\0")
+            mega.memory.poke(0x21FF, b"\0\0")
         with pytest.raises(KeyError, match="no symbol absent"):
-            mega.sram_address("absent")
+            mega.memory.address("absent")
         with pytest.raises(KeyError, match="does not lie in SRAM"):
-            mega.sram_address("main")
+            mega.memory.address("main")
 
 
 def test_closed_emulator_refuses_work(emulate: Emulate) -> None:
@@ -325,13 +324,6 @@ def test_closed_emulator_refuses_work(emulate: Emulate) -> None:
 def test_unreadable_firmware_is_an_error(cache: Path, tmp_path: Path) -> None:
     with pytest.raises(EmulationFailed, match="no such firmware"):
         EmulatedMega(tmp_path / "absent.elf", cache)
-
-
-def test_shim_compiles_without_warnings(tmp_path: Path) -> None:
-    sources = map(str, SHIM_FOLDER.glob("*.c"))
-    command = ["gcc", "-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", *sources, "-lsimavr"]
-    done = subprocess.run([*command, "-o", str(tmp_path / "shim.so")], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_sleep_and_the_longest_stretch_awake(emulate: Emulate, core: ArduinoCore) -> None:

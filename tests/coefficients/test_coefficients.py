@@ -205,6 +205,16 @@ def test_reserved_names_hold_every_macro_of_the_headers(tmp_path: Path) -> None:
     assert missing == set()
 
 
+def test_a_rule_relative_to_another_component_where_there_is_none() -> None:
+    tree = changed()
+    tree["components"] = [{**tree["components"][1], "name": "only"}]
+    rule = {"name": "odd", "kind": "above_model", "component": "only", "threshold_K": 1, "relative_to": "other"}
+    tree |= {"alarms": [rule], "wiring": None, "provenance": None}
+    with pytest.raises(InputError, match=r'found "other", expected none') as caught:
+        parse(json.dumps(tree).encode())
+    assert caught.value.place == "$.alarms[0].relative_to"
+
+
 def test_document_built_in_python_is_checked_too() -> None:
     """What identifies a model builds documents without a file."""
     tree: dict[str, Any] = changed((("components", 0, "name"), "SP"))

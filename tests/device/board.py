@@ -49,15 +49,15 @@ class Board(DeviceMega):
         self._columns: list[str] = []
 
     def set_celsius(self, channel: str, celsius: float) -> None:
-        self.set_word(self.chips[channel], word(celsius))
+        self.chips[channel].set_word(word(celsius))
 
     def send(self, line: str) -> None:
-        self.uart_send(line.encode() + b"\n")
+        self.uart.send(line.encode() + b"\n")
 
     def hear(self, seconds: float = 0.0) -> Said:
         """Run on, and take apart what was said since the last time; a line under way is kept for the next."""
         self.run_seconds(seconds)
-        self._text += self.uart_take().decode("ascii")
+        self._text += self.uart.take().decode("ascii")
         *lines, self._text = self._text.split("\r\n")
         said = Said(self._columns)
         for line in lines:
@@ -101,17 +101,17 @@ class Board(DeviceMega):
     def variable(self, name: str) -> tuple[int, int]:
         """Address and size of a variable by the name it has in the source."""
         mangled = f"{len(name)}{name}"
-        names = [n for n in self._symbols if n == name or n.endswith((mangled, f"{mangled}E"))]
+        names = [n for n in self.memory.symbols if n == name or n.endswith((mangled, f"{mangled}E"))]
         assert len(names) == 1, names
-        symbol = self.symbol(names[0])
+        symbol = self.memory.symbol(names[0])
         return symbol.address - 0x800000, symbol.size
 
     def read(self, name: str) -> int:
-        return int.from_bytes(self.peek(*self.variable(name)), "little")
+        return int.from_bytes(self.memory.peek(*self.variable(name)), "little")
 
     def write(self, name: str, value: int) -> None:
         address, size = self.variable(name)
-        self.poke(address, (value % (1 << 8 * size)).to_bytes(size, "little"))
+        self.memory.poke(address, (value % (1 << 8 * size)).to_bytes(size, "little"))
 
 
 def warm(board: Board) -> Board:

@@ -19,7 +19,7 @@ def seen(board: Board, pwm: int, direction: int, function: str, cycles: int = 20
     states = []
     for _ in range(cycles):
         board.run_cycles(1)
-        states.append((board.pin_duty(pwm), board.pin_level(direction)))
+        states.append((board.pins.duty(pwm), board.pins.level(direction)))
     return states
 
 
@@ -35,11 +35,11 @@ def test_a_signed_command_is_a_duty_and_a_level(
         assert board.hear(1.3).rows[-1]["pwm"] == str(command)
         level = forward if command > 0 else not forward if command < 0 else level  # at 0 it stays
         # Timer 0 keeps its pin high for OCR + 1 counts of 256.
-        assert board.pin_duty(pwm) == pytest.approx(abs(command) / 255, abs=1.01 / 256)
-        assert board.pin_duty(pwm) > 0 or command == 0
-        assert board.pin_is_output(direction)
-        assert board.pin_level(direction) == level
-        assert board.pin_signed_pwm(pwm, direction, forward_level=forward) == pytest.approx(command, abs=1)
+        assert board.pins.duty(pwm) == pytest.approx(abs(command) / 255, abs=1.01 / 256)
+        assert board.pins.duty(pwm) > 0 or command == 0
+        assert board.pins.is_output(direction)
+        assert board.pins.level(direction) == level
+        assert board.pins.signed_pwm(pwm, direction, forward_level=forward) == pytest.approx(command, abs=1)
 
 
 @pytest.mark.parametrize(("name", "pwm", "direction", "forward"), DRIVERS)
@@ -51,7 +51,7 @@ def test_the_direction_changes_only_while_the_pwm_is_off(
     board.started()
     board.send(str(before))
     board.hear(0.6)
-    old_duty, old_level = board.pin_duty(pwm), board.pin_level(direction)
+    old_duty, old_level = board.pins.duty(pwm), board.pins.level(direction)
     assert old_level == (forward if before > 0 else not forward)
     board.send(str(after))
     for _ in range(3):  # the command is taken at one of the next samples
@@ -76,28 +76,28 @@ def test_after_a_reset_the_pwm_is_low_and_the_direction_comes_without_an_edge(
     board.started()
     board.send("-200")
     board.hear(0.6)
-    assert board.pin_signed_pwm(pwm, direction, forward_level=forward) == pytest.approx(-200, abs=1)
+    assert board.pins.signed_pwm(pwm, direction, forward_level=forward) == pytest.approx(-200, abs=1)
     board.press_reset()
-    assert not board.pin_is_output(pwm)
+    assert not board.pins.is_output(pwm)
     board.run_to("_ZN5drive5beginEv", 16_000_000)
-    assert not board.pin_is_output(pwm)
+    assert not board.pins.is_output(pwm)
     outputs = set()
     for _ in range(2000):
         board.run_cycles(1)
-        outputs.add((board.pin_is_output(pwm), board.pin_is_output(direction)))
-        assert board.pin_duty(pwm) == 0
-        assert not board.pin_level(pwm)
-        assert board.pin_level(direction) == forward or not board.pin_is_output(direction)
+        outputs.add((board.pins.is_output(pwm), board.pins.is_output(direction)))
+        assert board.pins.duty(pwm) == 0
+        assert not board.pins.level(pwm)
+        assert board.pins.level(direction) == forward or not board.pins.is_output(direction)
     assert (True, True) in outputs
     assert (True, False) not in outputs
-    probe = board.add_probe(pwm)
+    probe = board.pins.watch(pwm)
     assert board.started().rows[-1]["pwm"] == "0"
     board.hear(5.0)
-    assert not board.probe(probe).levels.any()
-    assert board.pin_is_output(pwm)
+    assert not probe.edges().levels.any()
+    assert board.pins.is_output(pwm)
     board.send("255")
     board.hear(0.6)
-    assert board.probe(probe).levels.any()
+    assert probe.edges().levels.any()
 
 
 def test_a_hung_board_lets_go_of_the_motor(power_up: Open) -> None:
@@ -108,7 +108,7 @@ def test_a_hung_board_lets_go_of_the_motor(power_up: Open) -> None:
     board.write("tick_due", board.read("tick_due") + 1_000_000)  # no sample for 1000 s
     board.hear(2.4)
     assert board.resets == 1
-    assert board.pin_duty(9) == 0
+    assert board.pins.duty(9) == 0
 
 
 def test_a_profile_has_both_directions(power_up: Open) -> None:
@@ -118,6 +118,6 @@ def test_a_profile_has_both_directions(power_up: Open) -> None:
     acted = []
     for _ in range(20):
         board.hear(0.25)
-        acted.append(board.pin_signed_pwm(4, 13, forward_level=False))
+        acted.append(board.pins.signed_pwm(4, 13, forward_level=False))
     assert {101, -51, 0} <= set(acted)  # Timer 0: one count more
     assert [n for i, n in enumerate(acted) if i == 0 or n != acted[i - 1]][-3:] == [101, -51, 0]

@@ -25,8 +25,8 @@ def test_the_two_pins_are_never_on_together(power_up: Open, before: int, after: 
     board.run_to("analogWrite", TICK_CYCLES)
     for _ in range(WATCHED_CYCLES // SLICE):
         board.run_cycles(SLICE)
-        assert min(board.pin_duty(FORWARD), board.pin_duty(REVERSE)) == 0.0
-    assert board.pin_pwm(FORWARD, REVERSE) == pytest.approx(after, abs=1)
+        assert min(board.pins.duty(FORWARD), board.pins.duty(REVERSE)) == 0.0
+    assert board.pins.pwm(FORWARD, REVERSE) == pytest.approx(after, abs=1)
 
 
 def changes(board: Board, seconds: float) -> list[tuple[float, int]]:

@@ -30,10 +30,10 @@ RECORD = 60
 def test_a_noisy_encoder_line_does_not_stop_the_clock(power_up: Open) -> None:
     """Interrupts without a gap leave no turn to Timer 0's, which has less priority: millis() would fall behind."""
     board = power_up()
-    board.attach_encoder(2)
+    board.encoder.attach(2)
     board.started()
     board.send("rows 1")
-    board.send_pulses(5 * 360_000, 5.0)
+    board.encoder.send(5 * 360_000, 5.0)
     board.hear(1.0)
     began = board.seconds
     rows = board.hear(3.0).rows
@@ -45,11 +45,11 @@ def test_a_noisy_encoder_line_does_not_stop_the_clock(power_up: Open) -> None:
 def test_a_few_pulses_close_together_cost_no_speed(power_up: Open) -> None:
     """A switch that bounces once is no flood: the samples after it have a speed."""
     board = power_up()
-    board.attach_encoder(2)
+    board.encoder.attach(2)
     board.started()
     board.send("rows 1")
     board.hear(1.0)
-    board.send_pulses(40, 40 / 400_000)
+    board.encoder.send(40, 40 / 400_000)
     rows = board.hear(1.0).rows
     assert not any(int(row["flags"]) & NOISY for row in rows)
     assert all(row["speed_rpm"] for row in rows)
@@ -58,11 +58,11 @@ def test_a_few_pulses_close_together_cost_no_speed(power_up: Open) -> None:
 def test_samples_that_catch_up_have_no_wild_speed(power_up: Open) -> None:
     """One pulse in a revolution: in the milliseconds from a late sample to the next one it would mean 10 000 rpm."""
     board = power_up("one_pulse")
-    board.attach_encoder(2)
+    board.encoder.attach(2)
     board.started()
     board.send("rows 1")
     board.hear(0.5)
-    board.send_pulses(44 * 20, 20.0)  # 2640 rpm
+    board.encoder.send(44 * 20, 20.0)  # 2640 rpm
     board.hear(2.0)
     late = 0
     for _ in range(15):
@@ -79,14 +79,14 @@ def test_the_converter_is_off_while_nothing_is_converted(power_up: Open) -> None
     Its interrupt would add a number behind the last sum. The emulator does not do so.
     """
     board = power_up("voltages")
-    board.drive_analog(54, 2.5)
-    board.drive_analog(55, 1.0)
+    board.pins.drive_analog(54, 2.5)
+    board.pins.drive_analog(55, 1.0)
     board.started()
     board.hear(1.0)
     on = 0
     for _ in range(250):
         board.run_seconds(0.001)
-        control = board.peek(ADCSRA, 1)[0]
+        control = board.memory.peek(ADCSRA, 1)[0]
         if control & ADEN:
             assert control & ADIE
             on += 1
@@ -115,12 +115,12 @@ def test_a_copy_that_failed_does_not_hide_the_next_one(power_up: Open) -> None:
     """A cell of slot 1 is worn out: the copy there has the right identity and number, and a wrong CRC."""
     board = warm(power_up("often_copied"))
     board.started()
-    begun = board.eeprom_counts.writes
-    while board.eeprom_counts.writes < begun + 40 or board.eeprom_busy:
+    begun = board.eeprom.counts.writes
+    while board.eeprom.counts.writes < begun + 40 or board.eeprom.busy:
         board.run_seconds(0.002)
-    worn = bytearray(board.eeprom)
+    worn = bytearray(board.eeprom.image)
     worn[RECORD + 30] ^= 0x10
-    board.eeprom = bytes(worn)
+    board.eeprom.image = bytes(worn)
     said = board.hear(15.0)
     assert any(int(row["flags"]) & 0x800 for row in said.rows)
     board.hear(65.0)
@@ -164,7 +164,7 @@ def test_a_reset_by_the_watchdog_is_told_though_the_boot_loader_cleared_its_caus
     while board.resets == resets:
         board.run_seconds(0.01)
     assert board.started().comments["reset"] == "watchdog"
-    board._library.gen_mega_reset(board._open(), 0, 0, 0, 0)
+    board.press_reset(cause=ResetCause(0))
     assert board.started().comments["reset"] == "watchdog"
 
 
@@ -194,12 +194,12 @@ def test_a_reading_never_comes_before_the_longest_conversion_has_ended(power_up:
     board = power_up()
     board.started()
     read = next(iter(board.chips.values()))
-    before = board.chip_counts(read).reads
+    before = read.counts.reads
     for later in [220, 221, 222, 223] * 12:
         at = board.read("read_at")
         while board.read("read_at") == at:  # until the next reading
             board.run_seconds(0.0005)
         board.write("tick_due", board.read("read_at") + later)
-    counts = [board.chip_counts(number) for number in board.chips.values()]
+    counts = [chip.counts for chip in board.chips.values()]
     assert all(count.early == 0 for count in counts)
     assert counts[0].reads - before >= 24

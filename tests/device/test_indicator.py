@@ -15,9 +15,9 @@ LED, BUTTON = 13, 22
 
 def lit(board: Board, seconds: float) -> list[tuple[float, float]]:
     """Begin and end of each time alight, in s."""
-    probe = board.add_probe(LED)
+    probe = board.pins.watch(LED)
     board.run_seconds(seconds)
-    edges = board.probe(probe)
+    edges = probe.edges()
     assert edges.levels[:-1].tolist() != edges.levels[1:].tolist()
     return [(float(a), float(b)) for (a, on), (b, _) in pairwise(zip(edges.seconds, edges.levels, strict=True)) if on]
 
@@ -41,7 +41,7 @@ def test_a_healthy_board_flashes_every_two_seconds(power_up: Open) -> None:
 def test_a_sensor_that_is_not_believed_flickers(power_up: Open) -> None:
     board = power_up()
     board.started()
-    board.set_word(board.chips["casing"], OPEN)
+    board.chips["casing"].set_word(OPEN)
     board.hear(1.0)
     times = lit(board, 4.0)
     assert len(times) > 4 * 5
@@ -54,10 +54,10 @@ def test_an_alarm_s_first_number_is_right_already(power_up: Open) -> None:
     """Whoever looks when it comes on must not read another rule's number."""
     board = power_up(test_alarms=True)
     board.started()
-    probe = board.add_probe(LED)
+    probe = board.pins.watch(LED)
     board.write("test_alarms", 1 << 3)
     board.run_seconds(6.0)
-    edges = board.probe(probe)
+    edges = probe.edges()
     lengths = [b - a for (a, on), (b, _) in pairwise(zip(edges.seconds, edges.levels, strict=True)) if on]
     on = [float(t) for t, level in zip(edges.seconds, edges.levels, strict=True) if level]
     blinks = [t for t, length in zip(on, lengths, strict=False) if length > 0.16]
@@ -84,7 +84,7 @@ def test_several_alarms_take_turns_and_a_faulty_sensor_flickers_between(power_up
     board.hear(2.0)
     counted = groups(lit(board, 40.0))
     assert set(pairwise(counted)) == {(1, 4), (4, 1)}
-    board.set_word(board.chips["casing"], OPEN)
+    board.chips["casing"].set_word(OPEN)
     board.hear(2.0)
     lengths = [b - a for a, b in lit(board, 20.0)]
     assert {round(length, 1) for length in lengths} == {0.1, 0.3}  # flicker 0.064 s, blinks 0.256 s
@@ -96,12 +96,12 @@ def test_the_button_resets_alarms_once_it_has_stopped_bouncing(power_up: Open) -
     board.write("test_alarms", 0b10)
     board.hear(1.0)
     for level in (False, True, False, True) * 3:  # a touch of 12 ms
-        board.drive_pin(BUTTON, level)
+        board.pins.drive(BUTTON, level)
         board.run_seconds(0.001)
-    board.drive_pin(BUTTON, None)
+    board.pins.drive(BUTTON, None)
     board.hear(1.0)
     assert board.read("test_alarms") == 0b10
-    board.drive_pin(BUTTON, False)
+    board.pins.drive(BUTTON, False)
     said = board.hear(0.5)
     assert board.read("test_alarms") == 0
     assert any("alarms reset by the button" in event for event in said.events)
@@ -116,9 +116,9 @@ def test_touches_shorter_than_a_press_reset_nothing_whenever_they_come(power_up:
     board.write("test_alarms", 0b10)
     board.hear(1.0)
     for _ in range(16):  # the button is read every 32 ms: some of these meet a reading
-        board.drive_pin(BUTTON, False)
+        board.pins.drive(BUTTON, False)
         board.run_seconds(0.012)
-        board.drive_pin(BUTTON, None)
+        board.pins.drive(BUTTON, None)
         board.run_seconds(0.093)
     assert board.read("test_alarms") == 0b10
 
@@ -129,7 +129,7 @@ def test_a_button_that_is_held_through_a_reset_acknowledges_nothing(power_up: Op
     board.started()
     board.write("test_alarms", 0b10)
     board.hear(5.0)  # kept in EEPROM
-    board.drive_pin(BUTTON, False)
+    board.pins.drive(BUTTON, False)
     board.press_reset()
     board.started()
     board.hear(1.0)
@@ -142,8 +142,8 @@ def test_the_button_confirms_a_sensor_s_new_level_as_reset_does(power_up: Open) 
     board.hear(2.0)
     board.set_celsius("casing", 20.0 + TEMPERATURES["casing"])
     assert board.hear(10.0).rows[-1]["sensors"] == "00050"
-    board.drive_pin(BUTTON, False)
+    board.pins.drive(BUTTON, False)
     board.hear(0.5)
-    board.drive_pin(BUTTON, None)
+    board.pins.drive(BUTTON, None)
     row = board.hear(3.0).rows[-1]
     assert (row["casing_degC"], row["sensors"]) == ("70.75", "00000")

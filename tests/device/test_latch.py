@@ -74,7 +74,7 @@ def test_alarms_that_were_reset_stay_reset(power_up: Open) -> None:
     board = raised(power_up, 3)
     board.send("reset")
     board.hear(WRITTEN_S)
-    assert [alarms for _, alarms in records(board.eeprom)] == [3, 0]
+    assert [alarms for _, alarms in records(board.eeprom.image)] == [3, 0]
     board.press_reset()
     said = board.started()
     assert not any("kept" in event for event in said.events)
@@ -84,23 +84,23 @@ def test_alarms_that_were_reset_stay_reset(power_up: Open) -> None:
 @pytest.mark.parametrize("written", range(0, RECORD, 3))
 def test_a_power_cut_in_mid_write_leaves_the_record_before(power_up: Open, written: int) -> None:
     board = raised(power_up, 1)
-    begun = board.eeprom_counts.writes
+    begun = board.eeprom.counts.writes
     board.write("test_alarms", 3)
-    while board.eeprom_counts.writes <= begun + min(written, 8):  # identity, CRC and number differ in 9 bytes or more
+    while board.eeprom.counts.writes <= begun + min(written, 8):  # identity, CRC and number differ in 9 bytes or more
         board.run_seconds(0.0005)
-    assert board.eeprom_busy
+    assert board.eeprom.busy
     board.cut_power(1.0, seed=written)
     board.started()
     assert shown(board) in (1, 3)
     board.write("test_alarms", 7)
     board.hear(WRITTEN_S)
-    assert records(board.eeprom)[-1][1] == 7
+    assert records(board.eeprom.image)[-1][1] == 7
 
 
 def test_any_single_bit_that_turns_is_seen(power_up: Open) -> None:
     board = raised(power_up, 9)
     at, _ = place()
-    contents = board.eeprom
+    contents = board.eeprom.image
     (sound,) = [i for i in range(place()[1]) if contents[at + i * RECORD] != 0xFF]
     choose = random.Random(2)
     for _ in range(4):
@@ -108,7 +108,7 @@ def test_any_single_bit_that_turns_is_seen(power_up: Open) -> None:
         damaged = bytearray(contents)
         damaged[at + sound * RECORD + bit // 8] ^= 1 << bit % 8
         other = power_up("often_copied", test_alarms=True)
-        other.eeprom = bytes(damaged)
+        other.eeprom.image = bytes(damaged)
         other.started()
         assert shown(other) == 0
 
@@ -118,22 +118,22 @@ def test_slots_take_turns_and_only_changes_are_written(power_up: Open) -> None:
     for alarms in (3, 7, 15, 31, 63):
         board.write("test_alarms", alarms)
         board.hear(WRITTEN_S)
-    assert records(board.eeprom) == [(3, 7), (4, 15), (5, 31), (6, 63)]
-    before = board.eeprom_counts.writes
+    assert records(board.eeprom.image) == [(3, 7), (4, 15), (5, 31), (6, 63)]
+    before = board.eeprom.counts.writes
     board.hear(20.0)
-    assert board.eeprom_counts.writes == before
+    assert board.eeprom.counts.writes == before
 
 
 def test_alarms_come_before_a_copy_that_is_being_written(power_up: Open) -> None:
     board = power_up("often_copied", test_alarms=True)
     board.started()
     board.hear(61.0)  # 60 bytes of a copy from 60 s on, one a sample
-    begun = board.eeprom_counts.writes
+    begun = board.eeprom.counts.writes
     board.write("test_alarms", 1)
     board.hear(WRITTEN_S)
-    assert records(board.eeprom) == [(1, 1)]
+    assert records(board.eeprom.image) == [(1, 1)]
     board.hear(20.0)
-    assert board.eeprom_counts.writes >= begun + RECORD + 40
+    assert board.eeprom.counts.writes >= begun + RECORD + 40
     board.press_reset()
     assert board.started().events[-1].endswith("start from memory")
 
@@ -142,15 +142,15 @@ def test_a_worn_out_byte_is_flagged_and_the_alarm_goes_to_the_next_slot(power_up
     """What was written is read again: an alarm that is not kept must not look as if it were."""
     board = raised(power_up, 1)
     board.write("test_alarms", 3)
-    board.run_until(lambda: records(board.eeprom)[-1] == (2, 3) and not board.eeprom_busy, WRITTEN_S)
-    contents = bytearray(board.eeprom)
+    board.run_until(lambda: records(board.eeprom.image)[-1] == (2, 3) and not board.eeprom.busy, WRITTEN_S)
+    contents = bytearray(board.eeprom.image)
     place_of_it = next(at for at in range(place()[0], 4096) if contents[at + 4 : at + 10] == b"\2\0\0\0\3\0")
     contents[place_of_it + 8] ^= 0x04
-    board.eeprom = bytes(contents)
+    board.eeprom.image = bytes(contents)
     said = board.hear(1.5)
     assert any(int(row["flags"]) & MEMORY for row in said.rows)
     board.hear(WRITTEN_S)
-    assert records(board.eeprom)[-1] == (3, 3)
+    assert records(board.eeprom.image)[-1] == (3, 3)
     assert not int(board.hear(2.5).rows[-1]["flags"]) & MEMORY
     board.press_reset()
     board.started()

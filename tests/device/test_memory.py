@@ -38,14 +38,14 @@ def image(power_up: Open, kept: dict[str, bytes], copies: int) -> bytes:
         board.started()
         board.send("180")
         board.hear(COPIED_S + 60 * (copies - 1))
-        assert board.eeprom_counts.refused == 0
-        kept[key] = board.eeprom
+        assert board.eeprom.counts.refused == 0
+        kept[key] = board.eeprom.image
     return kept[key]
 
 
 def start(power_up: Open, contents: bytes, higher: float = 0.0, name: str = "often_copied") -> tuple[str, Board]:
     board = warm(power_up(name), higher)
-    board.eeprom = contents
+    board.eeprom.image = contents
     event = board.started().events[-1]
     return event.removeprefix("0.000 start from "), board
 
@@ -124,20 +124,20 @@ def test_a_power_cut_in_mid_write_leaves_the_copy_before(power_up: Open, kept: d
     contents = image(power_up, kept, 1)
     kind, board = start(power_up, contents)
     assert kind == "memory"
-    begun = board.eeprom_counts.writes
+    begun = board.eeprom.counts.writes
     board.hear(58.0)
-    while board.eeprom_counts.writes <= begun + written:
+    while board.eeprom.counts.writes <= begun + written:
         board.run_seconds(0.0005)
-    assert board.eeprom_busy
+    assert board.eeprom.busy
     board.cut_power(1.0, seed=written)
-    assert written == 0 or board.eeprom != contents
+    assert written == 0 or board.eeprom.image != contents
     said = board.started()
     assert said.comments["reset"] == "power"
     assert said.events[-1].endswith("start from memory")
     board.hear(COPIED_S)  # and the next copy is sound again
     numbers = [
         int.from_bytes(slot[4:8], "little")
-        for slot in slots(board.eeprom)
+        for slot in slots(board.eeprom.image)
         if zlib.crc32(slot[:-4]) == int.from_bytes(slot[-4:], "little")
     ]
     assert sorted(numbers) == [1, 2]
@@ -148,12 +148,14 @@ def test_the_firmwares_crc_is_written_once(power_up: Open) -> None:
     said = board.started()
     assert any("firmware is new" in event for event in said.events)
     board.hear(5.0)
-    assert board.eeprom_counts.writes == 8
+    assert board.eeprom.counts.writes == 8
     crc = int(said.comments["firmware"].split()[1], 16)
-    assert board.eeprom[-8:-4] == crc.to_bytes(4, "little")
+    assert board.eeprom.image[-8:-4] == crc.to_bytes(4, "little")
     board.press_reset()
     assert not any("firmware is new" in event for event in board.started().events)
-    board.eeprom = board.eeprom[:-1] + bytes([board.eeprom[-1] ^ 0x10])  # half written, or worn out: it says nothing
+    board.eeprom.image = board.eeprom.image[:-1] + bytes(
+        [board.eeprom.image[-1] ^ 0x10]
+    )  # half written, or worn out: it says nothing
     board.press_reset()
     assert any("firmware is new" in event for event in board.started().events)
 
@@ -164,14 +166,16 @@ def test_a_copy_that_cannot_be_read_again_is_flagged_until_the_next_is_right(pow
     board.hear(60.0)
 
     def sound() -> list[int]:
-        found = [slot for slot in slots(board.eeprom) if zlib.crc32(slot[:-4]) == int.from_bytes(slot[-4:], "little")]
+        found = [
+            slot for slot in slots(board.eeprom.image) if zlib.crc32(slot[:-4]) == int.from_bytes(slot[-4:], "little")
+        ]
         return sorted(int.from_bytes(slot[4:8], "little") for slot in found)
 
-    board.run_until(lambda: sound() == [1] and not board.eeprom_busy, COPIED_S - 60.0)
-    contents = bytearray(board.eeprom)
-    newest = next(i for i, slot in enumerate(slots(board.eeprom)) if slot[4:8] == b"\1\0\0\0")
+    board.run_until(lambda: sound() == [1] and not board.eeprom.busy, COPIED_S - 60.0)
+    contents = bytearray(board.eeprom.image)
+    newest = next(i for i, slot in enumerate(slots(board.eeprom.image)) if slot[4:8] == b"\1\0\0\0")
     contents[newest * RECORD + 20] ^= 1
-    board.eeprom = bytes(contents)
+    board.eeprom.image = bytes(contents)
     assert int(board.hear(2.5).rows[-1]["flags"]) & MEMORY
     board.send("test")
     findings = [event.split(" ", 1)[1] for event in board.hear(5.0).events]
@@ -188,6 +192,6 @@ def test_a_copy_is_not_used_when_no_sensor_can_confirm_it(power_up: Open, kept: 
     """The motor may have cooled for hours: a copy that nothing speaks for is no start."""
     board = warm(power_up("often_copied"))
     for chip in board.chips.values():
-        board.set_word(chip, OPEN)
-    board.eeprom = image(power_up, kept, 1)
+        chip.set_word(OPEN)
+    board.eeprom.image = image(power_up, kept, 1)
     assert board.started().events[-1].endswith("start from ambient")

@@ -140,7 +140,7 @@ class Cpp:
         sources = [self._folder / "avr.cpp", self._folder / "my1016_sensors.cpp"]
         elf = build_elf(sources, [MAILBOX_FOLDER, self._folder], self._folder / "avr.elf", optimisation="-Os")
         with EmulatedMega(elf, self._folder) as mega:
-            places = [mega.sram_address(name) for name in ("gen_input", "gen_output")]
+            places = [mega.memory.address(name) for name in ("gen_input", "gen_output")]
             output, cycles = mega.run_records(
                 records, places[0], RECORD.itemsize, places[1], 5, len(records), len(records) * 20_000
             )

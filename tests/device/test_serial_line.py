@@ -65,7 +65,7 @@ def test_a_flood_on_the_serial_line_changes_nothing(power_up: Open) -> None:
     lines = [line for line in letters.split(b"\n") if not line.lstrip(b"-").isdigit() and line != b"?"]
     # with no gap between the bytes, and far faster than the line: most are lost
     for byte_cycles in (1389, 160):
-        board.uart_send(b"\n".join(lines)[:20_000] + b"\n", byte_cycles=byte_cycles)
+        board.uart.send(b"\n".join(lines)[:20_000] + b"\n", byte_cycles=byte_cycles)
         said = board.hear(20_000 * byte_cycles / 16e6 + 2.0)
         assert not any(int(row["flags"]) & LATE for row in said.rows)
         assert {row["sensors"] for row in said.rows} == {"00000"}
@@ -79,7 +79,7 @@ def test_rows_come_before_answers(power_up: Open, line: str) -> None:
     board = warm(power_up())
     board.started()
     board.hear(1.0)
-    board.uart_send((line + "\n").encode() * 3000, byte_cycles=1389)  # at the line's own speed
+    board.uart.send((line + "\n").encode() * 3000, byte_cycles=1389)  # at the line's own speed
     said = board.hear(3000 * (len(line) + 1) * 1389 / 16e6)
     times = [float(row["time_s"]) for row in said.rows]
     assert np.diff(times).max(initial=0.0) <= 1.0
@@ -91,6 +91,6 @@ def test_a_number_that_lost_a_digit_is_not_obeyed(power_up: Open) -> None:
     board = power_up()
     board.started()
     numbers = ("2" * 3 + "\n") * 4000
-    board.uart_send(numbers.encode(), byte_cycles=100)  # the buffer overflows: digits are missing here and there
+    board.uart.send(numbers.encode(), byte_cycles=100)  # the buffer overflows: digits are missing here and there
     said = board.hear(2.0)
     assert {row["pwm"] for row in said.rows} <= {"0", "222"}

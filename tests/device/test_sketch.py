@@ -87,7 +87,7 @@ def test_a_bad_sample_is_flagged_at_once_and_used_nowhere(power_up: Open, bad: i
     board = warm(power_up())
     board.started()
     board.hear(3.0)
-    board.set_word(board.chips["bearing"], bad)
+    board.chips["bearing"].set_word(bad)
     bad_s = board.hear(0.5).rows
     board.set_celsius("bearing", TEMPERATURES["bearing"])
     rows = bad_s + board.hear(4.0).rows
@@ -118,7 +118,7 @@ def test_a_frozen_sensor_is_flagged_once_the_model_moves(power_up: Open) -> None
 def test_without_the_ambient_the_last_one_goes_on(power_up: Open) -> None:
     board = warm(power_up())
     board.started()
-    board.set_word(board.chips["ambient"], OPEN)
+    board.chips["ambient"].set_word(OPEN)
     rows = board.hear(5.0).rows
     assert rows[-1]["ambient_degC"] == ""
     assert int(rows[-1]["flags"]) & AMBIENT
@@ -139,8 +139,8 @@ def test_pwm_goes_to_one_pin_or_the_other(power_up: Open) -> None:
     for pwm in (100, -255, 1, 0, -64):
         board.send(str(pwm))
         board.hear(0.6)
-        assert board.pin_pwm(4, 5) == pytest.approx(pwm, abs=1)
-        assert min(board.pin_duty(4), board.pin_duty(5)) == 0
+        assert board.pins.pwm(4, 5) == pytest.approx(pwm, abs=1)
+        assert min(board.pins.duty(4), board.pins.duty(5)) == 0
 
 
 def test_the_watchdog_resets_a_board_that_hangs(power_up: Open) -> None:
@@ -154,7 +154,7 @@ def test_the_watchdog_resets_a_board_that_hangs(power_up: Open) -> None:
     said = board.hear(0.7)
     assert board.resets == 1
     assert said.comments["reset"] == "watchdog"
-    assert board.pin_pwm(4, 5) == 0
+    assert board.pins.pwm(4, 5) == 0
     assert board.started().rows[-1]["pwm"] == "0"
     board.hear(10.0)
     assert board.resets == 1
@@ -178,7 +178,7 @@ def test_late_samples_are_counted_and_read_no_chip_early(power_up: Open) -> None
     assert {row["sensors"] for row in late[1:]} == {"77777"}  # the first is late, but its conversion is finished
     assert all(row["brush_degC"] == "" for row in late[1:])
     assert said.rows[-1]["sensors"] == "00000"
-    assert all(board.chip_counts(chip).early == 0 for chip in board.chips.values())
+    assert all(chip.counts.early == 0 for chip in board.chips.values())
     board.send("?")
     assert any(re.search(r"late [45] dropped 0", event) for event in board.hear(1.0).events)
 
@@ -187,7 +187,7 @@ def test_the_clock_may_roll_over(power_up: Open) -> None:
     board = warm(power_up())
     board.start_clock_at(2**32 - 8000)
     rows = board.started().rows + board.hear(20.0).rows
-    assert int.from_bytes(board.peek(*board.variable("timer0_millis")), "little") < 20_000
+    assert int.from_bytes(board.memory.peek(*board.variable("timer0_millis")), "little") < 20_000
     assert not any(int(row["flags"]) & LATE for row in rows)
     times = [float(row["time_s"]) for row in rows if float(row["time_s"]) % 1 == 0]
     assert times == [float(i) for i in range(len(times))]
@@ -197,10 +197,10 @@ def test_the_clock_may_roll_over(power_up: Open) -> None:
 @pytest.mark.parametrize(("name", "pin"), [("my1016", 2), ("counted", 47)])
 def test_speed_comes_from_the_pulses_and_a_stall_is_flagged(power_up: Open, name: str, pin: int) -> None:
     board = power_up(name)
-    board.attach_encoder(pin)
+    board.encoder.attach(pin)
     board.started()
     board.send("200")
-    board.send_pulses(5 * 22_000, 5.0)
+    board.encoder.send(5 * 22_000, 5.0)
     rows = board.hear(5.0).rows
     assert float(rows[len(rows) // 2]["speed_rpm"]) == pytest.approx(2640, rel=0.005)
     assert not any(int(row["flags"]) & STALL for row in rows)
@@ -216,10 +216,10 @@ def test_speed_comes_from_the_pulses_and_a_stall_is_flagged(power_up: Open, name
 def test_a_late_sample_does_not_make_the_motor_faster(power_up: Open) -> None:
     """Pulses are divided by the time in which they came, not by the time in which they should have come."""
     board = power_up()
-    board.attach_encoder(2)
+    board.encoder.attach(2)
     board.started()
     board.send("rows 1")
-    board.send_pulses(5 * 11_000, 5.0)
+    board.encoder.send(5 * 11_000, 5.0)
     board.hear(2.1)
     board.write("tick_due", board.read("tick_due") + 125)  # half a sample later
     rows = board.hear(1.5).rows
@@ -231,10 +231,10 @@ def test_a_late_sample_does_not_make_the_motor_faster(power_up: Open) -> None:
 def test_a_noisy_encoder_line_is_flagged_and_costs_no_sample(power_up: Open, name: str, pin: int) -> None:
     """360 000 edges a second leave 44 cycles for an interrupt of some 50: the board would do nothing else."""
     board = power_up(name)
-    board.attach_encoder(pin)
+    board.encoder.attach(pin)
     board.started()
     board.send("rows 1")
-    board.send_pulses(5 * 360_000, 5.0)
+    board.encoder.send(5 * 360_000, 5.0)
     board.hear(1.0)
     rows = board.hear(3.5).rows
     assert all(int(row["flags"]) & NOISY for row in rows)
@@ -244,7 +244,7 @@ def test_a_noisy_encoder_line_is_flagged_and_costs_no_sample(power_up: Open, nam
     assert np.diff(times) == pytest.approx(step, abs=1e-6)
     assert board.resets == 0
     board.hear(2.0)
-    board.send_pulses(3 * 22_000, 3.0)  # and it is heard again
+    board.encoder.send(3 * 22_000, 3.0)  # and it is heard again
     row = board.hear(2.5).rows[-1]
     assert float(row["speed_rpm"]) == pytest.approx(2640, rel=0.005)
     assert not int(row["flags"]) & NOISY
@@ -252,11 +252,11 @@ def test_a_noisy_encoder_line_is_flagged_and_costs_no_sample(power_up: Open, nam
 
 def test_no_pulse_is_lost_at_full_speed(power_up: Open) -> None:
     board = power_up()
-    board.attach_encoder(2)
+    board.encoder.attach(2)
     board.started()
     board.send("rows 1")
     board.hear(0.5)
-    board.send_pulses(66_000, 3.0)
+    board.encoder.send(66_000, 3.0)
     rows = board.hear(3.6).rows
     turned = sum(int(row["speed_rpm"]) for row in rows) / 60.0 * 0.25  # whole rpm in each sample
     assert turned * 500 == pytest.approx(66_000, abs=len(rows) * 500 / 60.0 * 0.25)
@@ -265,15 +265,15 @@ def test_no_pulse_is_lost_at_full_speed(power_up: Open) -> None:
 @pytest.mark.parametrize("pwm", [0, 30, 128, 254, 255, -90])
 def test_anothers_pwm_is_measured(power_up: Open, pwm: int) -> None:
     board = power_up("observed")
-    board.drive_wave(4, max(pwm, 0) / 255)
-    board.drive_wave(5, max(-pwm, 0) / 255)
+    board.pins.drive_wave(4, max(pwm, 0) / 255)
+    board.pins.drive_wave(5, max(-pwm, 0) / 255)
     board.started()
     rows = board.hear(5.0).rows
     assert all(abs(int(row["pwm"]) - pwm) <= 2 for row in rows)
     board.send("10")
     assert any("rejected" in event for event in board.hear(1.0).events)
     if 0 < pwm < 240:  # a small change is one, too
-        board.drive_wave(4, (pwm + 10) / 255)
+        board.pins.drive_wave(4, (pwm + 10) / 255)
         assert abs(int(board.hear(2.0).rows[-1]["pwm"]) - pwm - 10) <= 2
 
 
@@ -363,10 +363,10 @@ def test_the_self_test_knows_the_flash(power_up: Open, tmp_path: Path) -> None:
     board = warm(power_up())
     said = board.started()
     image = tmp_path / "image.bin"
-    copy = [str(toolchain.program("avr-objcopy")), "-O", "binary", str(board._elf), str(image)]
+    copy = [str(toolchain.program("avr-objcopy")), "-O", "binary", str(board.elf), str(image)]
     subprocess.run(copy, check=True)
     crc = f"{zlib.crc32(image.read_bytes()):08X}"
-    assert said.comments["firmware"] == f"crc32 {crc} of {sizes(board._elf).flash} bytes"
+    assert said.comments["firmware"] == f"crc32 {crc} of {sizes(board.elf).flash} bytes"
     board.send("test")
     said = board.hear(5.0)
     findings = [event.split(" ", 1)[1] for event in said.events]
@@ -374,7 +374,7 @@ def test_the_self_test_knows_the_flash(power_up: Open, tmp_path: Path) -> None:
     assert "test sensors ok 00000" in findings
     assert "test passed" in findings
     assert not any(int(row["flags"]) & LATE for row in said.rows)
-    board.set_word(board.chips["magnet"], OPEN)
+    board.chips["magnet"].set_word(OPEN)
     board.write("at_start", 0)
     board.send("test")
     findings = [event.split(" ", 1)[1] for event in board.hear(5.0).events]
@@ -387,7 +387,7 @@ def test_the_self_test_knows_the_flash(power_up: Open, tmp_path: Path) -> None:
 def test_the_self_test_sees_that_the_stack_came_near_the_variables(power_up: Open) -> None:
     board = power_up()
     board.started()
-    board.poke(board.symbol("__heap_start").address - 0x800000 + 40, b"\0")  # the stack was down to here
+    board.memory.poke(board.memory.symbol("__heap_start").address - 0x800000 + 40, b"\0")  # the stack was down to here
     board.send("test")
     findings = [event.split(" ", 1)[1] for event in board.hear(5.0).events]
     assert "test ram FAILED 40 bytes untouched" in findings

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ast
 import re
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-BESIDE = {"errors", "files", "progress", "templating", "toolchain", "version"}
+BESIDE = {"errors", "files", "interruption", "progress", "templating", "toolchain", "version"}
 """Modules beside the rooms that every room may import."""
 
 
@@ -56,6 +57,24 @@ def test_a_room_imports_what_the_table_allows_and_nothing_else(room: str) -> Non
 def test_no_arrow_leads_to_a_later_row() -> None:
     order = list(ROOMS)
     assert not [(room, to) for room in order for to in ROOMS[room] if order.index(to) >= order.index(room)]
+
+
+def test_no_file_imports_itself_in_a_circle() -> None:
+    """Imports inside functions and for types count as well; a package's face counts as a file of its own."""
+    modules = {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in (ROOT / "gen").rglob("*.py")
+    }
+    arrows: dict[str, set[str]] = {}
+    for module, path in modules.items():
+        arrows[module] = set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                arrows[module] |= {entry.name for entry in node.names if entry.name in modules}
+            elif isinstance(node, ast.ImportFrom) and node.module in modules:
+                full = {f"{node.module}.{entry.name}" for entry in node.names}
+                arrows[module] |= {name if name in modules else node.module for name in full} - {module}
+    list(TopologicalSorter(arrows).static_order())  # a CycleError names the files
 
 
 def test_modules_beside_the_rooms_import_none_of_them() -> None:

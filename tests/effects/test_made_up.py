@@ -14,9 +14,20 @@ from click.testing import CliRunner
 from gen.cli import cli
 from gen.coefficients import load, parse
 from gen.coefficients.schema import STORED, json_schema, schema_text
-from gen.errors import InputError
+from gen.errors import CheckFailed, InputError
 from gen.lowering.lower import lower
-from gen.model.effects import Effect, catalogue_only, register, registry, unregister
+from gen.model.effects import (
+    Effect,
+    Input,
+    Lanes,
+    Moment,
+    Parameters,
+    Values,
+    catalogue_only,
+    register,
+    registry,
+    unregister,
+)
 from gen.model.effects import registry as effects_registry
 from tests.effects.cases import effect
 from tests.effects.made_up import (
@@ -29,6 +40,7 @@ from tests.effects.made_up import (
     document,
     write_runs,
 )
+from tests.examples import ROOT
 
 NAME = "oil_churning"
 
@@ -112,6 +124,75 @@ def test_a_file_is_checked_by_what_the_effect_declares(churning: None) -> None:
         with pytest.raises(InputError) as caught:
             parse(changed(**wrong))
         assert caught.value.place == f"$.effects[0].parameters.{place}"
+
+
+def test_an_inner_state_that_the_board_cannot_compute_is_refused_by_name(churning: None) -> None:
+    class Drawn(Churning):
+        name = "drawn"
+
+        def inner(self, p: Values, m: Moment) -> tuple[Lanes, Lanes] | None:
+            return m.pwm * m.channels[p["gauge"]], p["film_s"]
+
+    register(Drawn)
+    try:
+        entry = effect("drawn", PART, churning_K_per_s_bar=1e-3, resting_bar=3.0, film_s=900.0)
+        loaded = parse(json.dumps(document() | {"effects": [entry]}).encode())
+        with pytest.raises(CheckFailed, match=r'inner state of the effect "drawn" depends on more than \|PWM\|'):
+            lower(loaded, "fixed", "table")
+    finally:
+        unregister("drawn")
+
+
+class BesideParameters(Parameters):
+    neighbour: str
+    exchange_per_s: float
+
+
+class Beside(Effect):
+    name = "beside"
+    title = "a part beside it"
+    equation = "E' = k T_other - rate E"
+    parameters = BesideParameters
+    inputs = (Input("neighbour", of="component", units=("_degC",)),)
+    signature = "it follows the other part"
+
+    def heat(self, p: Values, m: Moment) -> Lanes:
+        return p["exchange_per_s"] * (m.others.get(p["neighbour"], 0.0) + m.channels.get(p["neighbour"], 0.0))
+
+
+@pytest.fixture
+def beside() -> Iterator[None]:
+    register(Beside)
+    yield
+    unregister("beside")
+
+
+@pytest.mark.parametrize(
+    ("neighbour", "columns", "sources"), [("bearing", [], ["bearing"]), ("gearbox_degC", ["gearbox_degC"], [])]
+)
+def test_another_component_or_a_column_is_read_by_whatever_name_the_parameter_has(
+    beside: None, neighbour: str, columns: list[str], sources: list[str]
+) -> None:
+    whole = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
+    loaded = parse(json.dumps(whole | {"effects": [_beside(neighbour)]}).encode())
+    names = loaded.model.component_names
+    assert (loaded.effects[0].columns(names), loaded.effects[0].sources(names)) == (columns, sources)
+    program = lower(loaded, "fixed", "table").effects
+    assert program is not None
+    assert [channel.column for channel in program.channels[1:]] == columns
+    assert [names[index] for index in program.felt] == sources
+
+
+@pytest.mark.parametrize("neighbour", ["casing", "bearin"])
+def test_a_component_that_is_not_there_is_refused_at_its_parameter(beside: None, neighbour: str) -> None:
+    whole = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
+    with pytest.raises(InputError, match="expected the name of another component") as caught:
+        parse(json.dumps(whole | {"effects": [_beside(neighbour)]}).encode())
+    assert caught.value.place == "$.effects[0].parameters.neighbour"
+
+
+def _beside(neighbour: str) -> dict[str, Any]:
+    return effect("beside", PART, neighbour=neighbour, exchange_per_s=1e-4)
 
 
 def test_the_schema_is_of_all_effects_and_the_stored_one_of_the_catalogue(churning: None) -> None:

@@ -82,8 +82,8 @@ def board(refined: Coefficients, elf: Path, cache: Path) -> Board:
 
 
 def _drive(board: Board, amperes: float, *, fan: bool) -> None:
-    board.drive_analog(CURRENT, ZERO_V + amperes / PER_V)
-    board.drive_pin(FAN, False if fan else None)
+    board.pins.drive_analog(CURRENT, ZERO_V + amperes / PER_V)
+    board.pins.drive(FAN, False if fan else None)
 
 
 def test_channels_are_logged_and_act_as_in_the_reference(board: Board, program: Program) -> None:
@@ -129,7 +129,7 @@ def test_a_channel_out_of_range_is_not_used_and_flagged(board: Board, volts: flo
     _drive(board, 5.0, fan=False)
     board.started()
     assert float(board.hear(4.0).rows[-1]["current_A"]) == pytest.approx(5.0, abs=COUNTS)
-    board.drive_analog(CURRENT, volts)
+    board.pins.drive_analog(CURRENT, volts)
     row = board.hear(4.0).rows[-1]
     assert row["current_A"] == ""
     assert int(row["flags"]) & CHANNEL
@@ -176,7 +176,7 @@ def test_a_thermocouple_of_its_own_is_a_channel(coupled: Coefficients, tmp_path:
     rows += board.hear(1.0).rows
     assert rows[-1][GEARBOX] == "70.00"
     assert not any(int(row["flags"]) & CHANNEL for row in rows)
-    board.set_word(board.chips[GEARBOX], OPEN)
+    board.chips[GEARBOX].set_word(OPEN)
     lost = board.hear(10.0).rows
     kept = [row for row in lost if row[GEARBOX] == ""]
     assert len(kept) > 35

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from gen.cli import main
+from gen.emulate.progress import Milestones
 from gen.runs import read_run
 from tests.examples import ROOT
 
@@ -55,7 +56,7 @@ def test_a_run_with_faults_gives_run_file_summary_and_picture(home: dict[str, st
         *("--fault", "bearing", "--fault-start", "20", "--sensor-fault", "brush:open:35:45", "--seed", "3"),
         *("--eeprom", image, "--out", run, "--json", found, "--plot", plot),
     )
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, told(done.stderr)) == (0, [])
     assert "brush not believed (open, code 1)" in done.stdout
     measured = read_run(run, ["brush", "bearing", "magnet", "casing"])
     assert 56 <= len(measured.time_s) <= 70
@@ -109,12 +110,67 @@ def test_an_eeprom_image_of_another_size_is_refused(refuse: Refuse, tmp_path: Pa
     assert image.read_bytes() == b"short"
 
 
-def test_an_interruption_leaves_nothing(home: dict[str, str], tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "gen", "emulate", str(COEFFICIENTS), "--out", str(tmp_path / "run.csv")]
+def told(stderr: str) -> list[str]:
+    """What was said beside the plain lines that tell how far the run is."""
+    return [line for line in stderr.splitlines() if not re.fullmatch(r"\d+ of \d+ s after \d+ s", line)]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_keeps_what_was_simulated(home: dict[str, str], tmp_path: Path, number: signal.Signals) -> None:
+    run, found, plot = (tmp_path / name for name in ("run.csv", "run.json", "run.svg"))
+    command = [sys.executable, "-m", "gen", "emulate", str(COEFFICIENTS), "--out", str(run)]
+    command += ["--duration", "1000000", "--json", str(found), "--plot", str(plot)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=home) as running:
-        time.sleep(6.0)
-        running.send_signal(signal.SIGINT)
-        _, stderr = running.communicate(timeout=30.0)
+        assert running.stderr is not None
+        line = running.stderr.readline()  # the first plain line: the run is under way
+        running.send_signal(number)
+        running.send_signal(number)  # impatience does no harm
+        _, stderr = running.communicate(timeout=60.0)
+    passed = re.fullmatch(r"(\d+) of 1000000 s after \d+ s\n", line)
+    assert passed
     assert running.returncode == 130
-    assert "interrupted" in stderr
+    (message,) = told(stderr)
+    kept = re.fullmatch(rf"interrupted: (\d+) of 1000000 s are kept in {re.escape(str(run))}", message)
+    assert kept and int(kept[1]) >= int(passed[1])
+    measured = read_run(run, ["brush"])
+    assert float(measured.time_s[-1]) == pytest.approx(int(kept[1]), abs=5.0)
+    comment = re.fullmatch(r"after (\d+\.\d\d) of 1000000 s", measured.comments["interrupted"])
+    assert comment and round(float(comment[1])) == int(kept[1])
+    assert json.loads(found.read_text())["interrupted"] is True
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.csv", "run.json", "run.svg"]
+
+
+def test_an_interruption_before_the_first_row_leaves_nothing(home: dict[str, str], tmp_path: Path) -> None:
+    port = tmp_path / "port"
+    command = [sys.executable, "-m", "gen", "emulate", str(COEFFICIENTS), "--out", str(tmp_path / "run.csv")]
+    command += ["--pty", str(port)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=home) as running:
+        assert running.stderr is not None
+        assert "waiting until it is opened" in running.stderr.readline()
+        running.send_signal(signal.SIGINT)
+        _, stderr = running.communicate(timeout=60.0)
+    assert running.returncode == 130
+    assert stderr.strip() == "interrupted"
     assert not list(tmp_path.iterdir())
+
+
+def test_the_line_s_end_ends_a_recording_in_order(home: dict[str, str], tmp_path: Path) -> None:
+    """What `gen log` says when the emulator that it records has come to its end."""
+    port = tmp_path / "port"
+    command = [sys.executable, "-m", "gen", "emulate", str(COEFFICIENTS), "--out", str(tmp_path / "run.csv")]
+    command += ["--pty", str(port), "--duration", "20", "--time-lapse", "20"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=home) as running:
+        assert running.stderr is not None
+        running.stderr.readline()
+        log = [sys.executable, "-m", "gen", "log", str(port), "--out", str(tmp_path / "log.csv")]
+        done = subprocess.run(log, capture_output=True, text=True, check=False, timeout=120.0)
+        running.communicate(timeout=60.0)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert re.search(r"^  the line was closed after \d+ s$", done.stdout, re.MULTILINE)
+    assert len(read_run(tmp_path / "log.csv").time_s) == len(read_run(tmp_path / "run.csv").time_s)
+
+
+def test_plain_lines_come_soon_then_now_and_then() -> None:
+    milestones = Milestones()
+    told = [second for second in range(201) if milestones.due(second / 1000.0, float(second))]
+    assert told == [5, 35, 65, 95, 100, 130, 160, 190, 200]  # 100 and 200: another tenth is done

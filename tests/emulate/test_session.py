@@ -192,7 +192,7 @@ def test_the_same_seed_gives_the_same_bytes(make_board: MakeBoard) -> None:
 def test_a_recorder_that_comes_late_can_ask_for_the_header(make_board: MakeBoard) -> None:
     board = make_board()
     board.mega.run_seconds(5.0)
-    assert b"time_s,pwm" in board.mega.uart_take()
+    assert b"time_s,pwm" in board.mega.uart.take()
     session = run_session(board, 10.0, events=[Event(6.0, "send", data=b"?\n")])
     assert session.recorder.headers == 1
     assert session.recorder.garbled == 0
@@ -222,7 +222,7 @@ def test_noise_on_the_line_lasts_as_long_as_it_says(baud: int) -> None:
     """A byte takes ten bits: start, eight, stop."""
     sent = bytearray()
     board = SimpleNamespace(
-        mega=SimpleNamespace(uart_send=sent.extend, resets=0), wiring=SimpleNamespace(serial_baud=baud)
+        mega=SimpleNamespace(uart=SimpleNamespace(send=sent.extend), resets=0), wiring=SimpleNamespace(serial_baud=baud)
     )
     runner = _Runner(cast(Board, board), Session(), (), None)
     runner.happen(Event(0.0, "flood", 4.0))
@@ -247,8 +247,9 @@ def test_channels_of_the_plant_reach_their_pins() -> None:
     volts: dict[int, float] = {}
     levels: dict[int, bool | None] = {}
     board: Any = Board.__new__(Board)
-    board.mega = SimpleNamespace(drive_analog=volts.__setitem__, drive_pin=levels.__setitem__)
-    board.wiring, board._chips = Wiring(channels=inputs), {}
+    pins = SimpleNamespace(drive_analog=volts.__setitem__, drive=levels.__setitem__)
+    board.mega = SimpleNamespace(pins=pins)
+    board.wiring, board.thermocouples = Wiring(channels=inputs), {}
     board._show(Reading({}, 0, {"current_A": 5.0, "fan": 1.0}))
     assert volts[54] == pytest.approx(3.0)
     assert levels[62] is False

@@ -90,9 +90,9 @@ def board(
     with EmulatedMega(elf, folder / "cache") as mega:
         out, cycles = mega.run_records(
             records,
-            mega.sram_address("input"),
+            mega.memory.address("input"),
             RECORD.itemsize,
-            mega.sram_address(f"{name}_model"),
+            mega.memory.address(f"{name}_model"),
             words * WORD.itemsize,
             len(records),
             10**9,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gen.identification.bands import Band
-from gen.identification.coefficient_file import _errors, measured_error
+from gen.identification.coefficient_file import error_bands, measured_error
 from gen.identification.identify import Identified
 from gen.identification.records import condense
 
@@ -43,8 +43,8 @@ def test_a_part_that_reads_over_the_model_has_a_model_under_it(pwm: int, error_K
 def test_bands_meet_in_the_middle_and_are_wider_by_what_nobody_measured() -> None:
     """Two standard deviations of what is unknown around each speed, to both sides."""
     for unknown_K in (0.0, 0.3):
-        entries = _errors("part", identified(unknown_K))
-        assert [entry["pwm"] for entry in entries] == [[60, 129], [130, 200]]
-        for entry, error_K in zip(entries, (-0.5, 1.0), strict=True):
+        bands = error_bands("part", identified(unknown_K))
+        assert [band.pwm for band in bands] == [(60, 129), (130, 200)]
+        for band, error_K in zip(bands, (-0.5, 1.0), strict=True):
             wanted = [error_K - 2.0 * unknown_K, error_K + 2.0 * unknown_K]
-            assert entry["model_minus_measured_K"] == pytest.approx(wanted, abs=1e-3)
+            assert band.model_minus_measured_K == pytest.approx(wanted, abs=1e-3)

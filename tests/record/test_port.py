@@ -168,19 +168,49 @@ def test_the_profile_is_commanded_and_repeated_after_a_restart(
     assert recording.recorder.rows == 2
 
 
-def test_a_lost_port_ends_the_recording(tmp_path: Path) -> None:
+def test_the_other_end_of_a_pseudo_terminal_ends_the_recording_in_order(tmp_path: Path) -> None:
     master, slave = pty.openpty()
     port = os.ttyname(slave)
     os.close(slave)
+    link = tmp_path / "port"
+    link.symlink_to(port)
     out = tmp_path / "run.csv"
-    done = log(port, out)
+    done = log(str(link), out)
     wait_until_asked(master)
     write_all(master, HEAD + row(1) + row(2))
     wait_until_read(port)
+    link.unlink()
     os.close(master)
-    _, stderr = done.communicate(timeout=HANGS_S)
-    assert done.returncode == 1
-    assert "lost" in stderr
+    stdout, stderr = done.communicate(timeout=HANGS_S)
+    assert (done.returncode, stderr) == (0, "")
+    assert "  the line was closed after " in stdout.splitlines()[-1]
+    assert len(read_run(out).time_s) == 2
+
+
+def test_a_lost_board_ends_the_recording_as_a_failure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A board whose plug is pulled: the read fails as a closed pseudo-terminal's does."""
+    master, slave = pty.openpty()
+    port = os.ttyname(slave)
+    os.close(slave)
+    monkeypatch.setattr("gen.record.port._PSEUDO_TERMINALS", ("/dev/none/",))
+    out = tmp_path / "run.csv"
+
+    def board() -> None:
+        wait_until_asked(master)
+        write_all(master, HEAD + row(1) + row(2))
+        wait_until_read(port)
+        os.close(master)
+
+    thread = threading.Thread(target=board)
+    thread.start()
+    monkeypatch.setattr("sys.argv", ["gen", "log", port, "--out", str(out)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    thread.join()
+    assert ended.value.code == 1
+    assert "the port was lost" in capsys.readouterr().err
     assert len(read_run(out).time_s) == 2
 
 

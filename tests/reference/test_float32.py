@@ -102,7 +102,7 @@ def test_the_addition_is_the_reference_s_on_host_and_board(tmp_path: Path) -> No
     assert np.array_equal(sums(np.frombuffer(done.stdout, INPUT)), expected)
     elf = build_elf(sources(tmp_path), [tmp_path, MAILBOX_FOLDER], tmp_path / "board.elf")
     with EmulatedMega(elf, tmp_path) as mega:
-        place = mega.sram_address("gen_input")
+        place = mega.memory.address("gen_input")
         size = INPUT.itemsize
         out, cycles = mega.run_records(records, place, size, place, size, len(records), len(records) * 2_000)
     assert np.array_equal(sums(np.ascontiguousarray(out).reshape(len(records), -1).view(INPUT)[:, 0]), expected)

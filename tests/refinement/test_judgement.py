@@ -15,7 +15,7 @@ from gen.model.effects import Free, Variant, registry
 from gen.refinement.admission import admitted
 from gen.refinement.candidates import Candidate, Found, Tracing
 from gen.refinement.condense import Condensed
-from gen.refinement.effect_entries import entry, extended_text
+from gen.refinement.effect_entries import entry
 from gen.refinement.judgement import ALONE, TOO_LITTLE, Judgement, judge, p_better
 from gen.refinement.refine import judge_verdict
 from gen.refinement.simulation_fit import HypothesisFit, Term
@@ -199,10 +199,10 @@ def test_a_verdict_is_about_what_is_left_on_left_out_runs(
 def test_an_interval_has_two_standard_errors_to_each_side_within_what_is_possible() -> None:
     traced = tracing((3.0,), (1.1,), effect())
     found = Found("part0", effect().candidate, [])
-    traced.final["part0"] = fitted(residual(9), value=2.0, spread=0.25)
-    assert entry(found, traced)["evidence"]["intervals_95"]["reverse_heating"] == pytest.approx([1.5, 2.5])
-    traced.final["part0"] = fitted(residual(9), value=4.8, spread=0.25)
-    assert entry(found, traced)["evidence"]["intervals_95"]["reverse_heating"] == pytest.approx([4.3, 5.0])
+    traced.final["part0"] = fitted(residual(9), value=1.9, spread=0.25)
+    assert entry(found, traced).evidence["intervals_95"]["reverse_heating"] == pytest.approx([1.4, 2.4])
+    traced.final["part0"] = fitted(residual(9), value=1.9, spread=1.6)
+    assert entry(found, traced).evidence["intervals_95"]["reverse_heating"] == pytest.approx([-1.3, 5.0])
 
 
 def logged(name: str, residual_K: float = 0.0, comments: dict[str, str] | None = None) -> Condensed:
@@ -246,10 +246,3 @@ def test_what_looks_like_a_fault_that_a_rule_watches_for_is_pointed_at(kind: str
     kept, warnings = admitted(coefficients, [logged("good.csv"), logged("odd.csv", off_K)])
     assert len(kept) == 2
     assert bool([text for text in warnings if '"watch"' in text and "odd.csv" in text]) == warned
-
-
-def test_effects_that_the_file_has_already_stay() -> None:
-    first, second = {"name": "drift"}, {"name": "airflow"}
-    text = extended_text(json.dumps({"name": "motor", "effects": [first]}), [second])
-    assert json.loads(text) == {"name": "motor", "effects": [first, second]}
-    assert json.loads(extended_text(text, []))["effects"] == [first, second]

@@ -322,7 +322,8 @@ def test_command_writes_all_that_users_rely_on(tmp_path: Path) -> None:
     assert [e.name for e in refined.document.effects] == [e["name"] for e in summary["effects"]]
     _check_by_simulation(tmp_path, test[0].name, summary)
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    story = ["What was measured", "The residual", "What was considered", "What was added", "Error before and after"]
+    first = ["Measured and modelled", "What was measured", "The residual"]
+    story = [*first, "What was considered", "What was added", "Error before and after"]
     places = [text.index(f"<h2>{title}</h2>") for title in (*story, "What remains", "What to measure next")]
     assert places == sorted(places)
     assert "sensor_gain" in text

@@ -2,10 +2,11 @@
  * (one of them), EEPE stays set so long, and the firmware can neither read nor write meanwhile. simavr alone writes at
  * once. When the power goes in mid-write the byte stays half done.
  */
-#include "mega.h"
+#include "eeprom.h"
 
 #include <simavr/avr_eeprom.h>
 
+#include <stdlib.h>
 #include <string.h>
 
 #define EECR 0x3f /* data address */
@@ -19,11 +20,22 @@
 #define ERASE_AND_WRITE 54400u /* cycles: 3.4 ms */
 #define ONE_OF_BOTH 28800u     /* 1.8 ms */
 
+struct eeprom {
+	avr_io_write_t write; /* simavr's own handler of EECR */
+	void *write_parameter;
+	uint8_t *bytes;
+	uint16_t size, address;
+	uint8_t old, wanted;
+	int busy;
+	avr_cycle_count_t started, duration;
+	uint32_t writes, refused;
+};
+
 static avr_cycle_count_t finished(avr_t *avr, avr_cycle_count_t when, void *parameter)
 {
 	(void)when;
 	struct gen_mega *mega = parameter;
-	mega->eeprom.busy = 0;
+	mega->eeprom->busy = 0;
 	avr->data[EECR] &= (uint8_t)~EEPE;
 	return 0;
 }
@@ -31,7 +43,7 @@ static avr_cycle_count_t finished(avr_t *avr, avr_cycle_count_t when, void *para
 static void control_written(avr_t *avr, avr_io_addr_t address, uint8_t value, void *parameter)
 {
 	struct gen_mega *mega = parameter;
-	struct eeprom *eeprom = &mega->eeprom;
+	struct eeprom *eeprom = mega->eeprom;
 	int armed = avr->data[EECR] & EEMPE;
 	if (eeprom->busy) {
 		if (value & EERE || (armed && value & EEPE))
@@ -59,22 +71,26 @@ static void control_written(avr_t *avr, avr_io_addr_t address, uint8_t value, vo
 	avr_cycle_timer_register(avr, eeprom->duration, finished, mega);
 }
 
-void mega_eeprom_attach(struct gen_mega *mega)
+static int attach(struct gen_mega *mega)
 {
+	mega->eeprom = calloc(1, sizeof *mega->eeprom);
+	if (!mega->eeprom)
+		return -1;
 	unsigned slot = AVR_DATA_TO_IO(EECR);
 	avr_eeprom_t *own = mega->avr->io[slot].w.param;
-	mega->eeprom.write = mega->avr->io[slot].w.c;
-	mega->eeprom.write_parameter = own;
-	mega->eeprom.bytes = own->eeprom;
-	mega->eeprom.size = own->size;
+	mega->eeprom->write = mega->avr->io[slot].w.c;
+	mega->eeprom->write_parameter = own;
+	mega->eeprom->bytes = own->eeprom;
+	mega->eeprom->size = own->size;
 	mega->avr->io[slot].w.c = control_written;
 	mega->avr->io[slot].w.param = mega;
+	return 0;
 }
 
 /* A reset that leaves the power on does not stop a write. */
-void mega_eeprom_rearm(struct gen_mega *mega)
+static void rearm(struct gen_mega *mega)
 {
-	struct eeprom *eeprom = &mega->eeprom;
+	struct eeprom *eeprom = mega->eeprom;
 	avr_cycle_count_t now = mega->avr->cycle, end = eeprom->started + eeprom->duration;
 	if (!eeprom->busy)
 		return;
@@ -83,40 +99,46 @@ void mega_eeprom_rearm(struct gen_mega *mega)
 }
 
 /* The power goes: of the byte in writing some bits are erased (first half) or some bits programmed (second half). */
-void mega_eeprom_cut(struct gen_mega *mega, uint32_t seed)
+static void cut(struct gen_mega *mega, uint32_t noise)
 {
-	struct eeprom *eeprom = &mega->eeprom;
+	struct eeprom *eeprom = mega->eeprom;
 	if (!eeprom->busy)
 		return;
-	uint8_t some = (uint8_t)seed;
+	uint8_t some = (uint8_t)noise;
 	int erasing = mega->avr->cycle - eeprom->started < eeprom->duration / 2;
 	eeprom->bytes[eeprom->address] = erasing ? eeprom->old | some : eeprom->wanted | some;
 	eeprom->busy = 0;
 }
 
+static void close_eeprom(struct gen_mega *mega)
+{
+	free(mega->eeprom);
+}
+
+const struct part mega_eeprom_part = {.attach = attach, .cut = cut, .rearm = rearm, .close = close_eeprom};
+
 uint16_t gen_mega_eeprom_size(const struct gen_mega *mega)
 {
-	return mega->eeprom.size;
+	return mega->eeprom->size;
 }
 
 void gen_mega_eeprom_load(struct gen_mega *mega, const uint8_t *bytes)
 {
-	memcpy(mega->eeprom.bytes, bytes, mega->eeprom.size);
+	memcpy(mega->eeprom->bytes, bytes, mega->eeprom->size);
 }
 
 void gen_mega_eeprom_save(const struct gen_mega *mega, uint8_t *bytes)
 {
-	memcpy(bytes, mega->eeprom.bytes, mega->eeprom.size);
+	memcpy(bytes, mega->eeprom->bytes, mega->eeprom->size);
 }
 
 int gen_mega_eeprom_busy(const struct gen_mega *mega)
 {
-	return mega->eeprom.busy;
+	return mega->eeprom->busy;
 }
 
-/* Writes begun, and accesses refused because a write was under way. */
 void gen_mega_eeprom_counts(const struct gen_mega *mega, uint32_t *writes, uint32_t *refused)
 {
-	*writes = mega->eeprom.writes;
-	*refused = mega->eeprom.refused;
+	*writes = mega->eeprom->writes;
+	*refused = mega->eeprom->refused;
 }

@@ -10,19 +10,34 @@
  * On the input of Timer 5 (PL2, Arduino pin 47) nothing happens at a pulse: counter.c works the count out when the
  * firmware reads it.
  */
-#include "mega.h"
+#include "encoder.h"
+
+#include "counter.h"
+#include "pins.h"
 
 #include <simavr/avr_extint.h>
+#include <simavr/avr_ioport.h>
 
+#include <stdlib.h>
 #include <string.h>
 
 #define EXTERNAL_INTERRUPTS 8
+
+struct encoder {
+	struct pin pin;
+	int attached, level, counted;
+	struct avr_int_vector_t *vector; /* of the pin's external interrupt; NULL when it has none */
+	const struct avr_regbit_t *sense; /* its ISC bits, both */
+	avr_cycle_count_t start, span, batch; /* batch = 0: every edge at its own time */
+	uint32_t count, edges;
+	uint64_t risen, owed; /* owed: interrupts of a batch that are still to be raised */
+};
 
 enum sense { LEVEL = 0, ANY_EDGE = 1, FALLING = 2, RISING = 3 };
 
 static enum sense sense_of(const struct gen_mega *mega)
 {
-	const struct avr_regbit_t *bits = mega->encoder.sense;
+	const struct avr_regbit_t *bits = mega->encoder->sense;
 	return bits ? (enum sense)(avr_regbit_get(mega->avr, bits[0]) | avr_regbit_get(mega->avr, bits[1]) << 1) : LEVEL;
 }
 
@@ -35,7 +50,7 @@ static avr_cycle_count_t edge_at(const struct encoder *encoder, uint32_t edge)
 
 static void edge(struct gen_mega *mega)
 {
-	struct encoder *encoder = &mega->encoder;
+	struct encoder *encoder = mega->encoder;
 	encoder->level = !encoder->level;
 	encoder->risen += (uint64_t)encoder->level;
 	encoder->edges++;
@@ -47,7 +62,7 @@ static avr_cycle_count_t next_edge(avr_t *avr, avr_cycle_count_t when, void *par
 	(void)avr;
 	(void)when;
 	struct gen_mega *mega = parameter;
-	struct encoder *encoder = &mega->encoder;
+	struct encoder *encoder = mega->encoder;
 	edge(mega);
 	if (encoder->level && sense_of(mega) >= FALLING)
 		edge(mega);
@@ -58,7 +73,7 @@ static avr_cycle_count_t next_edge(avr_t *avr, avr_cycle_count_t when, void *par
 
 static void raise_owed(struct gen_mega *mega)
 {
-	struct encoder *encoder = &mega->encoder;
+	struct encoder *encoder = mega->encoder;
 	if (!avr_regbit_get(mega->avr, encoder->vector->enable)) {
 		encoder->owed = 0; /* as on the chip, where its flag can only be set once */
 	} else if (encoder->owed && !encoder->vector->pending) {
@@ -71,7 +86,7 @@ static void interrupt_taken(avr_irq_t *irq, uint32_t value, void *parameter)
 {
 	(void)irq;
 	struct gen_mega *mega = parameter;
-	if (!value && mega->encoder.owed)
+	if (!value && mega->encoder->owed)
 		raise_owed(mega);
 }
 
@@ -91,7 +106,7 @@ static avr_cycle_count_t batch_end(const struct encoder *encoder, avr_cycle_coun
 static avr_cycle_count_t next_batch(avr_t *avr, avr_cycle_count_t when, void *parameter)
 {
 	struct gen_mega *mega = parameter;
-	struct encoder *encoder = &mega->encoder;
+	struct encoder *encoder = mega->encoder;
 	avr_cycle_count_t now = avr->cycle, passed = now - encoder->start, whole = passed - passed % encoder->batch;
 	uint64_t due = passed >= last_batch(encoder) ? encoder->count : whole * encoder->count / encoder->span;
 	uint64_t pulses = due - encoder->edges / 2;
@@ -112,7 +127,7 @@ static int in_batches(const struct encoder *encoder)
 
 static void encoder_arm(struct gen_mega *mega)
 {
-	struct encoder *encoder = &mega->encoder;
+	struct encoder *encoder = mega->encoder;
 	avr_cycle_count_t now = mega->avr->cycle;
 	if (!encoder->attached || encoder->counted || encoder->edges >= 2 * encoder->count)
 		return;
@@ -123,7 +138,7 @@ static void encoder_arm(struct gen_mega *mega)
 
 static void find_interrupt(struct gen_mega *mega)
 {
-	struct encoder *encoder = &mega->encoder;
+	struct encoder *encoder = mega->encoder;
 	for (avr_io_t *part = mega->avr->io_port; part; part = part->next) {
 		if (strcmp(part->kind, "extint") != 0)
 			continue;
@@ -139,16 +154,10 @@ static void find_interrupt(struct gen_mega *mega)
 	}
 }
 
-void mega_encoder_rearm(struct gen_mega *mega)
+/* In a counter's case none of the pulses was an event. */
+uint64_t gen_mega_encoder_risen(const struct gen_mega *mega)
 {
-	mega->encoder.owed = 0;
-	encoder_arm(mega);
-}
-
-/* Pulses risen until now; in a counter's case none of them was an event. */
-uint64_t mega_encoder_risen(const struct gen_mega *mega)
-{
-	const struct encoder *encoder = &mega->encoder;
+	const struct encoder *encoder = mega->encoder;
 	if (!encoder->counted || !encoder->count)
 		return encoder->risen;
 	uint64_t passed = mega->avr->cycle - encoder->start;
@@ -157,30 +166,28 @@ uint64_t mega_encoder_risen(const struct gen_mega *mega)
 	return encoder->risen + due;
 }
 
-/* batch: its length in cycles, or 0. */
 int gen_mega_encoder_attach(struct gen_mega *mega, char port, uint8_t bit, uint64_t batch)
 {
 	struct pin pin = {port, bit};
 	if (!mega_pin(mega, pin))
 		return -1;
-	mega->encoder = (struct encoder){.pin = pin, .attached = 1, .batch = batch};
-	mega->encoder.counted = mega_counter_attach(mega, pin);
+	*mega->encoder = (struct encoder){.pin = pin, .attached = 1, .batch = batch};
+	mega->encoder->counted = mega_counter_watch(mega, pin, gen_mega_encoder_risen);
 	find_interrupt(mega);
 	mega_drive(mega, pin, 0);
 	return 0;
 }
 
-/* Send count pulses within the next span cycles. Pulses of an earlier call that are still due are dropped. */
 int gen_mega_encoder_pulses(struct gen_mega *mega, uint32_t count, uint64_t span)
 {
-	struct encoder *encoder = &mega->encoder;
+	struct encoder *encoder = mega->encoder;
 	if (!encoder->attached || count > span / 4 || encoder->batch > span / 4)
 		return -1;
 	avr_cycle_timer_cancel(mega->avr, next_edge, mega);
 	avr_cycle_timer_cancel(mega->avr, next_batch, mega);
 	if (encoder->level)
 		mega_drive(mega, encoder->pin, encoder->level = 0);
-	encoder->risen = mega_encoder_risen(mega);
+	encoder->risen = gen_mega_encoder_risen(mega);
 	encoder->start = mega->avr->cycle;
 	encoder->span = span;
 	encoder->count = count;
@@ -189,9 +196,21 @@ int gen_mega_encoder_pulses(struct gen_mega *mega, uint32_t count, uint64_t span
 	return 0;
 }
 
-uint64_t gen_mega_encoder_risen(const struct gen_mega *mega) /* pulses sent so far */
+static int attach(struct gen_mega *mega)
 {
-	return mega_encoder_risen(mega);
+	mega->encoder = calloc(1, sizeof *mega->encoder);
+	return mega->encoder ? 0 : -1;
 }
 
-/* A PWM signal: high cycles of every period; high = 0 is low for good, high = period high for good. */
+static void rearm(struct gen_mega *mega)
+{
+	mega->encoder->owed = 0;
+	encoder_arm(mega);
+}
+
+static void close_encoder(struct gen_mega *mega)
+{
+	free(mega->encoder);
+}
+
+const struct part mega_encoder_part = {.attach = attach, .rearm = rearm, .close = close_encoder};

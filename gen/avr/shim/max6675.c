@@ -5,7 +5,29 @@
  * high SO floats, so that several chips can share SO and SCK. A read that comes before a conversion has finished gives
  * the word of the one before. Before its first conversion a chip gives zeros.
  */
-#include "mega.h"
+#include "max6675.h"
+
+#include "pins.h"
+
+#include <stdlib.h>
+
+#define CHIPS 32
+
+struct chip {
+	struct gen_mega *mega;
+	struct pin cs, so, sck;
+	int selected, clock;
+	uint16_t now, before;       /* what a conversion gives at present, and what it gave before the last change */
+	uint16_t held;              /* the last finished conversion */
+	uint16_t shifting;          /* what is left to clock out, most significant bit first */
+	avr_cycle_count_t changed, high_since, conversion;
+	uint32_t reads, early, clashes;
+};
+
+struct chips {
+	struct chip chip[CHIPS];
+	int count;
+};
 
 static int same(struct pin a, struct pin b)
 {
@@ -28,8 +50,8 @@ static void select_chip(struct chip *chip)
 	} else {
 		chip->early++;
 	}
-	for (int i = 0; i < mega->chip_count; i++)
-		if (mega->chips[i].selected && same(mega->chips[i].so, chip->so))
+	for (int i = 0; i < mega->chips->count; i++)
+		if (mega->chips->chip[i].selected && same(mega->chips->chip[i].so, chip->so))
 			chip->clashes++;
 	chip->selected = 1;
 	chip->shifting = chip->held;
@@ -40,8 +62,8 @@ static void deselect_chip(struct chip *chip)
 {
 	chip->selected = 0;
 	chip->high_since = chip->mega->avr->cycle;
-	for (int i = 0; i < chip->mega->chip_count; i++) {
-		struct chip *other = &chip->mega->chips[i];
+	for (int i = 0; i < chip->mega->chips->count; i++) {
+		struct chip *other = &chip->mega->chips->chip[i];
 		if (other->selected && same(other->so, chip->so)) {
 			put_out(other);
 			return;
@@ -74,10 +96,11 @@ static void sck_changed(avr_irq_t *irq, uint32_t value, void *parameter)
 }
 
 /* After a reset of the board its pins float, and the chips' own CS inputs are taken as high. */
-void mega_chips_reset(struct gen_mega *mega, int power_lost)
+static void float_lines(struct gen_mega *mega, int power_lost)
 {
-	for (int i = 0; i < mega->chip_count; i++) {
-		struct chip *chip = &mega->chips[i];
+	struct chips *chips = mega->chips;
+	for (int i = 0; i < chips->count; i++) {
+		struct chip *chip = &chips->chip[i];
 		if (chip->selected || power_lost)
 			deselect_chip(chip);
 		chip->clock = 0;
@@ -86,41 +109,62 @@ void mega_chips_reset(struct gen_mega *mega, int power_lost)
 	}
 }
 
+static int attach(struct gen_mega *mega)
+{
+	mega->chips = calloc(1, sizeof *mega->chips);
+	return mega->chips ? 0 : -1;
+}
+
+static void reset(struct gen_mega *mega)
+{
+	float_lines(mega, 0);
+}
+
+static void restored(struct gen_mega *mega)
+{
+	float_lines(mega, 1);
+}
+
+static void close_chips(struct gen_mega *mega)
+{
+	free(mega->chips);
+}
+
+const struct part mega_chips_part = {.attach = attach, .reset = reset, .restored = restored, .close = close_chips};
+
 int gen_mega_chip_add(struct gen_mega *mega, char cs_port, uint8_t cs_bit, char so_port, uint8_t so_bit,
-		      char sck_port, uint8_t sck_bit, uint64_t conversion) /* the chip's number, or -1 */
+		      char sck_port, uint8_t sck_bit, uint64_t conversion)
 {
 	struct pin cs = {cs_port, cs_bit}, so = {so_port, so_bit}, sck = {sck_port, sck_bit};
-	if (mega->chip_count == CHIPS || !conversion || !mega_pin(mega, cs) || !mega_pin(mega, so) ||
+	if (mega->chips->count == CHIPS || !conversion || !mega_pin(mega, cs) || !mega_pin(mega, so) ||
 	    !mega_pin(mega, sck))
 		return -1;
-	struct chip *chip = &mega->chips[mega->chip_count];
+	struct chip *chip = &mega->chips->chip[mega->chips->count];
 	*chip = (struct chip){.mega = mega, .cs = cs, .so = so, .sck = sck, .conversion = conversion,
 			      .high_since = mega->avr->cycle};
 	avr_irq_register_notify(mega_pin(mega, cs), cs_changed, chip);
 	avr_irq_register_notify(mega_pin(mega, sck), sck_changed, chip);
-	return mega->chip_count++;
+	return mega->chips->count++;
 }
 
-/* The word that a conversion gives from now on. 0 when it worked. */
 int gen_mega_chip_word(struct gen_mega *mega, uint32_t number, uint16_t word)
 {
-	if (number >= (uint32_t)mega->chip_count)
+	if (number >= (uint32_t)mega->chips->count)
 		return -1;
-	struct chip *chip = &mega->chips[number];
+	struct chip *chip = &mega->chips->chip[number];
 	chip->before = chip->now;
 	chip->now = word;
 	chip->changed = mega->avr->cycle;
 	return 0;
 }
 
-/* Reads begun; those before a conversion had finished; those while another chip drove the same SO. */
 int gen_mega_chip_counts(const struct gen_mega *mega, uint32_t number, uint32_t *reads, uint32_t *early,
 			 uint32_t *clashes)
 {
-	if (number >= (uint32_t)mega->chip_count)
+	if (number >= (uint32_t)mega->chips->count)
 		return -1;
-	*reads = mega->chips[number].reads;
-	*early = mega->chips[number].early;
-	*clashes = mega->chips[number].clashes;
+	*reads = mega->chips->chip[number].reads;
+	*early = mega->chips->chip[number].early;
+	*clashes = mega->chips->chip[number].clashes;
 	return 0;
 }

@@ -1,8 +1,16 @@
-/* The chip itself: opening, resetting, running, stopping, memory. */
 #include "mega.h"
 
+#include "counter.h"
+#include "eeprom.h"
+#include "encoder.h"
+#include "mailbox.h"
+#include "max6675.h"
+#include "pins.h"
+#include "run.h"
+#include "uart.h"
+#include "wave.h"
+
 #include <simavr/sim_elf.h>
-#include <simavr/avr_extint.h>
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -11,37 +19,22 @@
 
 #define MCUSR 0x54 /* data address */
 #define PORF 1u
-#define EXTERNAL_INTERRUPTS 8
 #define RAM_START 0x200
 #define DATA_SPACE 0x10000u    /* what a 16-bit address reaches */
 #define FLASH_SPACE 0x2000004u /* what EIND and RAMPZ reach: 2^24 words, and an opcode's second word */
 
-/* ---- stopping ------------------------------------------------------------------------------------------------- */
+/* In the order in which they are asked. */
+static const struct part *const parts[] = {
+	&mega_pins_part,    &mega_uart_part,    &mega_mailbox_part, &mega_chips_part, &mega_counter_part,
+	&mega_encoder_part, &mega_waves_part,   &mega_eeprom_part,  NULL,
+};
 
 static struct gen_mega *of(const avr_t *avr)
 {
 	return avr->custom.data;
 }
 
-void mega_stop(struct gen_mega *mega, int reason)
-{
-	if (mega->stopped)
-		return;
-	mega->stopped = 1;
-	mega->stop = reason;
-	if (mega->avr->state == cpu_Running || mega->avr->state == cpu_Sleeping) {
-		mega->resume = mega->avr->state;
-		mega->avr->state = cpu_Stopped; /* leaves avr_run_one's inner loop after this instruction */
-	}
-}
-
-void mega_note(struct gen_mega *mega, const char *format, ...)
-{
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(mega->message, sizeof mega->message, format, arguments);
-	va_end(arguments);
-}
+/* ---- what simavr tells ---------------------------------------------------------------------------------------- */
 
 /* simavr reports an illegal opcode through its log only, and goes on. */
 static void logger(avr_t *avr, const int level, const char *format, va_list arguments)
@@ -57,14 +50,6 @@ static void logger(avr_t *avr, const int level, const char *format, va_list argu
 	mega_stop(mega, STOP_CRASHED);
 }
 
-static avr_cycle_count_t at_limit(avr_t *avr, avr_cycle_count_t when, void *parameter)
-{
-	(void)avr;
-	(void)when;
-	mega_stop(parameter, STOP_LIMIT);
-	return 0;
-}
-
 /* Idle time passes in the cycle counter alone. simavr asks for it piece by piece, and again at every event. */
 static void count_sleep(avr_t *avr, avr_cycle_count_t cycles)
 {
@@ -76,8 +61,6 @@ static void count_sleep(avr_t *avr, avr_cycle_count_t cycles)
 	mega->woke = avr->cycle + cycles;
 }
 
-/* ---- opening, resetting, closing ------------------------------------------------------------------------------ */
-
 static void on_reset(avr_t *avr) /* simavr has dropped its timers, and goes on to reset its peripherals */
 {
 	struct gen_mega *mega = of(avr);
@@ -85,18 +68,12 @@ static void on_reset(avr_t *avr) /* simavr has dropped its timers, and goes on t
 		mega->core_reset(avr);
 	mega->resets++;
 	mega->timers_lost = 1;
-	mega->records.stepping = 0;
-	mega->uart.full = 0;
-	mega_chips_reset(mega, 0);
-	mega_counter_reset(mega);
+	for (const struct part *const *part = parts; *part; part++)
+		if ((*part)->reset)
+			(*part)->reset(mega);
 }
 
-/* simavr polls a low pin at every cycle once the pin has fallen in level mode, the mode after a reset. */
-static void stop_polling_levels(struct gen_mega *mega)
-{
-	for (uint8_t i = 0; i < EXTERNAL_INTERRUPTS; i++)
-		avr_extint_set_strict_lvl_trig(mega->avr, i, 0);
-}
+/* ---- opening, closing, resetting ------------------------------------------------------------------------------ */
 
 static void free_firmware(elf_firmware_t *firmware)
 {
@@ -123,8 +100,8 @@ void gen_mega_close(struct gen_mega *mega)
 		avr_terminate(mega->avr);
 		free(mega->avr);
 	}
-	mega_uart_close(mega);
-	mega_pins_close(mega);
+	for (const struct part *const *part = parts; *part; part++)
+		(*part)->close(mega);
 	free(mega);
 }
 
@@ -148,7 +125,43 @@ static int widen_memories(avr_t *avr)
 	       widen(&avr->flash, (size_t)avr->flashend + 3, FLASH_SPACE);
 }
 
-/* NULL only when memory is short; else a handle, whose message tells what went wrong, if anything did. */
+/* 0 when it worked; else the message tells why not. */
+static int load_firmware(struct gen_mega *mega, elf_firmware_t *firmware)
+{
+	mega->avr = avr_make_mcu_by_name("atmega2560");
+	if (!mega->avr) {
+		mega_note(mega, "this libsimavr has no atmega2560");
+		return -1;
+	}
+	avr_init(mega->avr);
+	if (widen_memories(mega->avr) != 0) {
+		mega_note(mega, "out of memory");
+		return -1;
+	}
+	mega->avr->log = LOG_ERROR;
+	mega->avr->custom.data = mega;
+	strcpy(firmware->mmcu, "atmega2560");
+	firmware->frequency = FREQUENCY_HZ;
+	avr_load_firmware(mega->avr, firmware);
+	mega->avr->frequency = FREQUENCY_HZ;
+	return 0;
+}
+
+static void attach_parts(struct gen_mega *mega)
+{
+	mega->parts = parts;
+	for (const struct part *const *part = parts; *part; part++)
+		if ((*part)->attach(mega) != 0) {
+			mega_note(mega, "out of memory");
+			return;
+		}
+	mega->avr->sleep = count_sleep;
+	mega->core_reset = mega->avr->reset;
+	mega->avr->reset = on_reset;
+	mega->avr->data[MCUSR] = PORF; /* the power has just come on */
+	mega->timers_lost = 1;
+}
+
 struct gen_mega *gen_mega_open(const char *elf)
 {
 	struct gen_mega *mega = calloc(1, sizeof *mega);
@@ -161,35 +174,10 @@ struct gen_mega *gen_mega_open(const char *elf)
 		mega_note(mega, "simavr cannot read the ELF file");
 		return mega;
 	}
-	mega->avr = avr_make_mcu_by_name("atmega2560");
-	if (!mega->avr) {
-		mega_note(mega, "this libsimavr has no atmega2560");
-		free_firmware(&firmware);
-		return mega;
-	}
-	avr_init(mega->avr);
-	if (widen_memories(mega->avr) != 0) {
-		mega_note(mega, "out of memory");
-		free_firmware(&firmware);
-		return mega;
-	}
-	mega->avr->log = LOG_ERROR;
-	mega->avr->custom.data = mega;
-	strcpy(firmware.mmcu, "atmega2560");
-	firmware.frequency = FREQUENCY_HZ;
-	avr_load_firmware(mega->avr, &firmware);
+	int failed = load_firmware(mega, &firmware);
 	free_firmware(&firmware);
-	mega->avr->frequency = FREQUENCY_HZ;
-	mega->avr->sleep = count_sleep;
-	mega->core_reset = mega->avr->reset;
-	mega->avr->reset = on_reset;
-	mega->avr->data[MCUSR] = PORF; /* the power has just come on */
-	mega->timers_lost = 1;
-	mega_uart_attach(mega);
-	mega_mailbox_attach(mega);
-	mega_pins_attach(mega);
-	mega_eeprom_attach(mega);
-	stop_polling_levels(mega);
+	if (!failed)
+		attach_parts(mega);
 	return mega;
 }
 
@@ -206,22 +194,29 @@ static uint32_t noise(uint32_t *state) /* xorshift32, G. Marsaglia 2003 */
 	return *state;
 }
 
-/* Reset the chip. MCUSR tells the firmware why: bit 0 power-on, 1 external, 2 brown-out, 3 watchdog. With power_lost
- * the SRAM holds noise afterwards, an EEPROM write under way is left half done, and off cycles pass before the reset.
- */
+static void fill_with_noise(avr_t *avr, uint32_t *state)
+{
+	for (uint32_t address = RAM_START; address <= avr->ramend; address++)
+		avr->data[address] = (uint8_t)(noise(state) >> 11);
+}
+
 void gen_mega_reset(struct gen_mega *mega, uint8_t mcusr, int power_lost, uint64_t off, uint32_t seed)
 {
 	avr_t *avr = mega->avr;
 	uint32_t state = seed ? seed : 1;
-	if (power_lost)
-		mega_eeprom_cut(mega, noise(&state));
+	if (power_lost) {
+		uint32_t some = noise(&state);
+		for (const struct part *const *part = parts; *part; part++)
+			if ((*part)->cut)
+				(*part)->cut(mega, some);
+	}
 	avr->cycle += off;
 	avr_reset(avr);
 	if (power_lost) {
-		for (uint32_t address = RAM_START; address <= avr->ramend; address++)
-			avr->data[address] = (uint8_t)(noise(&state) >> 11);
-		mega_chips_reset(mega, 1);
-		mega->uart.queue_head = mega->uart.queue_length;
+		fill_with_noise(avr, &state);
+		for (const struct part *const *part = parts; *part; part++)
+			if ((*part)->restored)
+				(*part)->restored(mega);
 	}
 	avr->data[MCUSR] = mcusr;
 	mega->resume = cpu_Running;
@@ -234,12 +229,11 @@ uint64_t gen_mega_cycle(const struct gen_mega *mega)
 	return mega->avr->cycle;
 }
 
-uint64_t gen_mega_asleep(const struct gen_mega *mega) /* cycles spent in a sleep mode */
+uint64_t gen_mega_asleep(const struct gen_mega *mega)
 {
 	return mega->asleep;
 }
 
-/* The longest stretch without sleep, in cycles, since it was asked for last. */
 uint64_t gen_mega_longest_awake(struct gen_mega *mega)
 {
 	avr_cycle_count_t longest = mega->longest_awake;
@@ -247,7 +241,7 @@ uint64_t gen_mega_longest_awake(struct gen_mega *mega)
 	return longest;
 }
 
-uint32_t gen_mega_pc(const struct gen_mega *mega) /* in bytes */
+uint32_t gen_mega_pc(const struct gen_mega *mega)
 {
 	return mega->avr->pc;
 }
@@ -267,7 +261,6 @@ uint32_t gen_mega_resets(const struct gen_mega *mega)
 	return mega->resets;
 }
 
-/* Peek and poke see memory as it lies, without the side effects of an I/O register. 0 when it worked. */
 int gen_mega_peek(const struct gen_mega *mega, uint32_t address, uint32_t count, uint8_t *to)
 {
 	if (address > mega->avr->ramend || count > mega->avr->ramend + 1u - address)
@@ -286,92 +279,16 @@ int gen_mega_poke(struct gen_mega *mega, uint32_t address, uint32_t count, const
 
 /* ---- running -------------------------------------------------------------------------------------------------- */
 
-static void rearm(struct gen_mega *mega) /* what a reset, or a first start, takes */
-{
-	mega->timers_lost = 0;
-	stop_polling_levels(mega);
-	mega_pins_reset(mega);
-	mega_encoder_rearm(mega);
-	mega_waves_rearm(mega);
-	mega_eeprom_rearm(mega);
-}
-
-static void arm(struct gen_mega *mega)
-{
-	avr_cycle_count_t now = mega->avr->cycle;
-	if (mega->timers_lost)
-		rearm(mega);
-	avr_cycle_timer_cancel(mega->avr, at_limit, mega);
-	avr_cycle_timer_register(mega->avr, mega->limit > now ? mega->limit - now : 1, at_limit, mega);
-	mega_uart_rearm(mega);
-}
-
-static int run(struct gen_mega *mega, uint64_t limit, int64_t place)
-{
-	avr_t *avr = mega->avr;
-	if (mega->crashed)
-		return STOP_CRASHED;
-	if (avr->state == cpu_Done)
-		return STOP_ENDED;
-	if (avr->cycle >= limit)
-		return STOP_LIMIT;
-	if (avr->state == cpu_Stopped) {
-		/* An interrupt that was raised in the moment of the stop found nobody asleep to wake. */
-		int woken = mega->resume == cpu_Sleeping && avr_has_pending_interrupts(avr);
-		avr->state = woken ? cpu_Running : mega->resume;
-	}
-	mega->limit = limit;
-	mega->stopped = 0;
-	arm(mega);
-	while (!mega->stopped) {
-		int state = avr_run(avr);
-		if (mega->stopped)
-			break;
-		if (state == cpu_Crashed) {
-			if (!mega->crashed)
-				mega_note(mega, "the firmware jumped to an address outside its flash");
-			mega->crashed = 1;
-			return STOP_CRASHED;
-		}
-		if (state == cpu_Done)
-			return STOP_ENDED;
-		if (mega->timers_lost)
-			arm(mega);
-		if (place >= 0 && avr->pc == (avr_flashaddr_t)place)
-			mega_stop(mega, STOP_PLACE);
-	}
-	avr_cycle_timer_cancel(avr, at_limit, mega);
-	return mega->stop;
-}
-
-int mega_run(struct gen_mega *mega, uint64_t limit)
-{
-	return run(mega, limit, -1);
-}
-
-/* Run until the cycle counter reaches limit, or until length bytes of pattern have left UART0 (none when 0).
- * Bytes sent before gen_mega_uart_forget() or up to the last match do not count. */
 int gen_mega_run(struct gen_mega *mega, uint64_t limit, const uint8_t *pattern, size_t length)
 {
-	if (length > PATTERN_SIZE) {
-		mega_note(mega, "the awaited pattern is longer than %d bytes", PATTERN_SIZE);
+	if (mega_uart_await(mega, pattern, length) != 0)
 		return STOP_PROTOCOL;
-	}
-	if (length)
-		memcpy(mega->uart.pattern, pattern, length);
-	mega->uart.pattern_length = length;
 	int reason = mega_run(mega, limit);
-	mega->uart.pattern_length = 0;
+	mega_uart_await(mega, NULL, 0);
 	return reason;
 }
 
-/* Run, instruction by instruction, until the program counter (in bytes) stands at a place. */
 int gen_mega_run_to(struct gen_mega *mega, uint64_t limit, uint32_t place)
 {
-	avr_cycle_count_t kept = mega->avr->run_cycle_limit;
-	mega->avr->run_cycle_limit = 1;
-	mega->avr->run_cycle_count = 1;
-	int reason = run(mega, limit, place);
-	mega->avr->run_cycle_limit = kept;
-	return reason;
+	return mega_run_to(mega, limit, place);
 }

@@ -1,191 +1,60 @@
-/* What the parts of the shim share: the one handle, and how a part stops a run or leaves a message.
+/* The chip as a whole: opening, closing, resets, running, memory.
  *
  * The shim is a small C face on libsimavr for shim.py: plain integers and buffers. No struct of simavr crosses that
  * border, so Python maps nothing of it. Nothing here prints or exits: a fault leaves a message in the handle and a
  * status that Python turns into an exception.
  *
- *   mega.c     opening, resetting, running, stopping, memory
+ *   core.c     the handle, stopping a run, messages
+ *   run.c      running until something stops it
+ *   pins.c     levels put on pins, levels seen on pins
  *   uart.c     UART0's outer side
  *   mailbox.c  records in and out of a harness (see ../mailbox.h)
- *   pins.c     levels put on pins, levels seen on pins
  *   max6675.c  thermocouple converters on bit-banged pins
+ *   counter.c  Timer 5 counting pulses
  *   encoder.c  an encoder's pulses
- *   counter.c  Timer 5 counting them
  *   wave.c     PWM signals from another controller
  *   eeprom.c   the EEPROM's contents, its write time, a write that is cut short
+ *   mega.c     on top: the only one that knows all of them
  *
- * Names: gen_mega_* is the face, mega_* is shared inside, the rest is file-local. A reset drops all of simavr's cycle
- * timers: a part that uses one arms it again in its mega_*_rearm(). New functions of the face raise GEN_MEGA_ABI.
+ * No file includes one that stands below it in this list, and none uses what it does not include. Names: gen_mega_* is
+ * the face, mega_* is shared inside, the rest is file-local. New functions of the face raise GEN_MEGA_ABI.
  */
 #ifndef GEN_MEGA_H
 #define GEN_MEGA_H
 
-#include <simavr/sim_avr.h>
-#include <simavr/avr_ioport.h>
-
-#include <stddef.h>
-#include <stdint.h>
+#include "core.h"
 
 #define GEN_MEGA_ABI 3
-#define FREQUENCY_HZ 16000000u
-#define MESSAGE_SIZE 256
-#define PATTERN_SIZE 256
-#define CHIPS 32
-#define PROBES 16
-#define WAVES 2
-#define PORTS 12 /* A..L without I */
 
-/* Why a run ended; simulator.py holds the same numbers. */
-enum gen_stop {
-	STOP_LIMIT = 0,   /* the cycle limit */
-	STOP_PATTERN = 1, /* the awaited bytes left UART0 */
-	STOP_ENDED = 2,   /* the firmware executed cli; sleep */
-	STOP_CRASHED = 3, /* illegal opcode, address or jump: see the message */
-	STOP_RECORDS = 4, /* every record is done */
-	STOP_PROTOCOL = 5, /* the firmware broke the mailbox protocol: see the message */
-	STOP_PLACE = 6    /* the program counter reached the awaited place */
-};
+uint32_t gen_mega_abi(void);
 
-struct records {
-	const uint8_t *in;
-	uint8_t *out;
-	uint32_t *cycles;
-	uint32_t in_size, out_size, count, next;
-	uint16_t in_address, out_address;
-	int active;   /* a run_records call is under way */
-	int stepping; /* between mark 1 and mark 2 */
-	avr_cycle_count_t start;
-};
+/* NULL only when memory is short; else a handle, whose message tells what went wrong, if anything did. */
+struct gen_mega *gen_mega_open(const char *elf);
+void gen_mega_close(struct gen_mega *mega);
+const char *gen_mega_message(const struct gen_mega *mega);
 
-struct uart {
-	avr_irq_t *input;
-	int full; /* simavr said XOFF */
-	uint8_t *captured;
-	size_t captured_length, captured_capacity, taken;
-	uint8_t *queue;
-	size_t queue_length, queue_head;
-	uint64_t byte_cycles; /* spacing of the bytes that go in */
-	uint8_t pattern[PATTERN_SIZE];
-	size_t pattern_length;
-	size_t seen_from; /* the pattern may not reach back before this place in captured */
-};
+/* Reset the chip. MCUSR tells the firmware why: bit 0 power-on, 1 external, 2 brown-out, 3 watchdog. With power_lost
+ * the SRAM holds noise afterwards, an EEPROM write under way is left half done, and off cycles pass before the reset.
+ */
+void gen_mega_reset(struct gen_mega *mega, uint8_t mcusr, int power_lost, uint64_t off, uint32_t seed);
 
-/* A pin of the chip: port 'A'..'L', bit 0..7. */
-struct pin {
-	char port;
-	uint8_t bit;
-};
+uint64_t gen_mega_cycle(const struct gen_mega *mega);
+uint64_t gen_mega_asleep(const struct gen_mega *mega); /* cycles spent in a sleep mode */
+uint64_t gen_mega_longest_awake(struct gen_mega *mega); /* in cycles, since it was asked for last */
+uint32_t gen_mega_pc(const struct gen_mega *mega); /* in bytes */
+uint16_t gen_mega_sp(const struct gen_mega *mega);
+uint16_t gen_mega_ramend(const struct gen_mega *mega);
+uint32_t gen_mega_resets(const struct gen_mega *mega);
 
+/* Peek and poke see memory as it lies, without the side effects of an I/O register. 0 when it worked. */
+int gen_mega_peek(const struct gen_mega *mega, uint32_t address, uint32_t count, uint8_t *to);
+int gen_mega_poke(struct gen_mega *mega, uint32_t address, uint32_t count, const uint8_t *from);
 
-struct probe {
-	struct gen_mega *mega;
-	avr_cycle_count_t *cycles;
-	uint8_t *levels;
-	size_t length, capacity;
-};
+/* Run until the cycle counter reaches limit, or until length bytes of pattern have left UART0 (none when 0).
+ * Bytes sent before gen_mega_uart_forget() or up to the last match do not count. */
+int gen_mega_run(struct gen_mega *mega, uint64_t limit, const uint8_t *pattern, size_t length);
 
-/* A MAX6675: see max6675.c. */
-struct chip {
-	struct gen_mega *mega;
-	struct pin cs, so, sck;
-	int selected, clock;
-	uint16_t now, before;       /* what a conversion gives at present, and what it gave before the last change */
-	uint16_t held;              /* the last finished conversion */
-	uint16_t shifting;          /* what is left to clock out, most significant bit first */
-	avr_cycle_count_t changed, high_since, conversion;
-	uint32_t reads, early, clashes;
-};
-
-/* An encoder: see encoder.c. */
-struct encoder {
-	struct pin pin;
-	int attached, level, counted;
-	struct avr_int_vector_t *vector; /* of the pin's external interrupt; NULL when it has none */
-	const struct avr_regbit_t *sense; /* its ISC bits, both */
-	avr_cycle_count_t start, span, batch; /* batch = 0: every edge at its own time */
-	uint32_t count, edges;
-	uint64_t risen, owed; /* owed: interrupts of a batch that are still to be raised */
-};
-
-/* Timer 5 on its external clock: see counter.c. */
-struct counter {
-	avr_io_read_t read; /* simavr's own handlers */
-	avr_io_write_t count_write, clock_write;
-	void *read_parameter, *count_parameter, *clock_parameter;
-	uint16_t value;  /* the count when risen pulses stood at since */
-	uint64_t since;
-};
-
-struct wave {
-	struct gen_mega *mega;
-	struct pin pin;
-	int level;
-	uint32_t period, high; /* cycles */
-};
-
-struct eeprom {
-	avr_io_write_t write; /* simavr's own handler of EECR */
-	void *write_parameter;
-	uint8_t *bytes;
-	uint16_t size, address;
-	uint8_t old, wanted;
-	int busy;
-	avr_cycle_count_t started, duration;
-	uint32_t writes, refused;
-};
-
-struct gen_mega {
-	avr_t *avr;
-	char message[MESSAGE_SIZE];
-	int stop;        /* an enum gen_stop, valid when stopped is set */
-	int stopped;     /* a hook asked the run to end */
-	int crashed;     /* for good */
-	int resume;      /* simavr's state before the stop */
-	uint32_t resets; /* since the first one */
-	int timers_lost; /* a reset dropped the cycle timers */
-	avr_cycle_count_t limit;
-	avr_cycle_count_t asleep; /* cycles slept */
-	avr_cycle_count_t woke, longest_awake;
-	void (*core_reset)(avr_t *);
-	struct records records;
-	struct uart uart;
-	avr_ioport_t *ports[PORTS]; /* simavr's own, by letter; NULL where there is none */
-	struct probe probes[PROBES];
-	struct chip chips[CHIPS];
-	int probe_count, chip_count;
-	struct encoder encoder;
-	struct counter counter;
-	struct wave waves[WAVES];
-	int wave_count;
-	struct eeprom eeprom;
-};
-
-void mega_stop(struct gen_mega *mega, int reason);
-void mega_note(struct gen_mega *mega, const char *format, ...) __attribute__((format(printf, 2, 3)));
-int mega_run(struct gen_mega *mega, uint64_t limit);
-
-void mega_uart_attach(struct gen_mega *mega);
-void mega_uart_rearm(struct gen_mega *mega);
-void mega_uart_close(struct gen_mega *mega);
-
-void mega_mailbox_attach(struct gen_mega *mega);
-
-avr_irq_t *mega_pin(const struct gen_mega *mega, struct pin pin); /* NULL when there is no such pin */
-void mega_drive(struct gen_mega *mega, struct pin pin, int level); /* level 0 or 1; -1 lets go */
-void mega_pins_attach(struct gen_mega *mega);
-void mega_pins_reset(struct gen_mega *mega);
-void mega_pins_close(struct gen_mega *mega);
-
-void mega_chips_reset(struct gen_mega *mega, int power_lost);
-
-void mega_encoder_rearm(struct gen_mega *mega);
-uint64_t mega_encoder_risen(const struct gen_mega *mega);
-int mega_counter_attach(struct gen_mega *mega, struct pin pin);
-void mega_counter_reset(struct gen_mega *mega);
-void mega_waves_rearm(struct gen_mega *mega);
-
-void mega_eeprom_attach(struct gen_mega *mega);
-void mega_eeprom_rearm(struct gen_mega *mega);
-void mega_eeprom_cut(struct gen_mega *mega, uint32_t seed);
+/* Run, instruction by instruction, until the program counter (in bytes) stands at a place. */
+int gen_mega_run_to(struct gen_mega *mega, uint64_t limit, uint32_t place);
 
 #endif

@@ -3,27 +3,37 @@
  * What the world drives is kept in simavr's own place for it, external.pull_mask and pull_value of the port: without it
  * simavr would put an input with pull-up to 1 again whenever the firmware writes any pin of that port.
  */
-#include "mega.h"
+#include "pins.h"
 
 #include <simavr/avr_adc.h>
+#include <simavr/avr_extint.h>
+#include <simavr/avr_ioport.h>
 
 #include <stdlib.h>
 #include <string.h>
+
+#define PORTS 12 /* A..L without I */
+#define PROBES 16
+#define EXTERNAL_INTERRUPTS 8
+
+struct probe {
+	struct gen_mega *mega;
+	avr_cycle_count_t *cycles;
+	uint8_t *levels;
+	size_t length, capacity;
+};
+
+struct pins {
+	avr_ioport_t *ports[PORTS]; /* simavr's own, by letter; NULL where there is none */
+	struct probe probes[PROBES];
+	int probe_count;
+};
 
 static avr_ioport_t *port_of(const struct gen_mega *mega, struct pin pin) /* NULL when there is no such pin */
 {
 	if (pin.port < 'A' || pin.port >= 'A' + PORTS || pin.bit > 7)
 		return NULL;
-	return mega->ports[pin.port - 'A'];
-}
-
-void mega_pins_attach(struct gen_mega *mega)
-{
-	for (avr_io_t *part = mega->avr->io_port; part; part = part->next)
-		if (!strcmp(part->kind, "port")) {
-			avr_ioport_t *port = (avr_ioport_t *)part;
-			mega->ports[port->name - 'A'] = port;
-		}
+	return mega->pins->ports[pin.port - 'A'];
 }
 
 avr_irq_t *mega_pin(const struct gen_mega *mega, struct pin pin)
@@ -52,23 +62,6 @@ void mega_drive(struct gen_mega *mega, struct pin pin, int level)
 	avr_raise_irq(port->io.irq + pin.bit, (uint32_t)level);
 }
 
-/* A reset of the chip zeroes its PIN registers without an event: what drives them from outside is still there. */
-void mega_pins_reset(struct gen_mega *mega)
-{
-	for (int i = 0; i < PORTS; i++) {
-		avr_ioport_t *port = mega->ports[i];
-		for (uint8_t bit = 0; port && bit < 8; bit++) {
-			if (port->external.pull_mask >> bit & 1) {
-				uint32_t level = port->external.pull_value >> bit & 1;
-				port->io.irq[bit].value = !level; /* else simavr sees no change */
-				avr_raise_irq(port->io.irq + bit, level);
-			} else {
-				port->io.irq[bit].value = 0; /* as PIN says: a pull-up set again is a change */
-			}
-		}
-	}
-}
-
 int gen_mega_pin_drive(struct gen_mega *mega, char port, uint8_t bit, int level)
 {
 	struct pin pin = {port, bit};
@@ -78,7 +71,6 @@ int gen_mega_pin_drive(struct gen_mega *mega, char port, uint8_t bit, int level)
 	return 0;
 }
 
-/* A voltage at an input of the converter, 0..15, whose reference is the supply of 5 V. */
 int gen_mega_adc(struct gen_mega *mega, uint8_t input, uint32_t millivolts)
 {
 	avr_t *avr = mega->avr;
@@ -89,7 +81,6 @@ int gen_mega_adc(struct gen_mega *mega, uint8_t input, uint32_t millivolts)
 	return 0;
 }
 
-/* Bit 0: the level, bit 1: the firmware drives it, bit 2: the firmware's port bit. -1 when there is no such pin. */
 int gen_mega_pin_read(const struct gen_mega *mega, char port, uint8_t bit)
 {
 	const avr_ioport_t *place = port_of(mega, (struct pin){port, bit});
@@ -128,36 +119,85 @@ static void seen(avr_irq_t *irq, uint32_t value, void *parameter)
 	probe->levels[probe->length++] = level;
 }
 
-int gen_mega_probe_add(struct gen_mega *mega, char port, uint8_t bit) /* the probe's number, or -1 */
+int gen_mega_probe_add(struct gen_mega *mega, char port, uint8_t bit)
 {
 	avr_irq_t *irq = mega_pin(mega, (struct pin){port, bit});
-	if (!irq || mega->probe_count == PROBES)
+	if (!irq || mega->pins->probe_count == PROBES)
 		return -1;
-	struct probe *probe = &mega->probes[mega->probe_count];
+	struct probe *probe = &mega->pins->probes[mega->pins->probe_count];
 	probe->mega = mega;
 	avr_irq_register_notify(irq, seen, probe);
-	return mega->probe_count++;
+	return mega->pins->probe_count++;
 }
 
 size_t gen_mega_probe_length(const struct gen_mega *mega, uint32_t probe)
 {
-	return probe < (uint32_t)mega->probe_count ? mega->probes[probe].length : 0;
+	return probe < (uint32_t)mega->pins->probe_count ? mega->pins->probes[probe].length : 0;
 }
 
 void gen_mega_probe_copy(const struct gen_mega *mega, uint32_t probe, size_t from, size_t count, uint64_t *cycles,
 			 uint8_t *levels)
 {
-	const struct probe *source = &mega->probes[probe];
+	const struct probe *source = &mega->pins->probes[probe];
 	for (size_t i = 0; i < count; i++) {
 		cycles[i] = source->cycles[from + i];
 		levels[i] = source->levels[from + i];
 	}
 }
 
-void mega_pins_close(struct gen_mega *mega)
+/* ---- the part ---- */
+
+/* simavr polls a low pin at every cycle once the pin has fallen in level mode, the mode after a reset. */
+static void stop_polling_levels(struct gen_mega *mega)
 {
-	for (int i = 0; i < mega->probe_count; i++) {
-		free(mega->probes[i].cycles);
-		free(mega->probes[i].levels);
+	for (uint8_t i = 0; i < EXTERNAL_INTERRUPTS; i++)
+		avr_extint_set_strict_lvl_trig(mega->avr, i, 0);
+}
+
+static int attach(struct gen_mega *mega)
+{
+	mega->pins = calloc(1, sizeof *mega->pins);
+	if (!mega->pins)
+		return -1;
+	for (avr_io_t *part = mega->avr->io_port; part; part = part->next)
+		if (!strcmp(part->kind, "port")) {
+			avr_ioport_t *port = (avr_ioport_t *)part;
+			mega->pins->ports[port->name - 'A'] = port;
+		}
+	stop_polling_levels(mega);
+	return 0;
+}
+
+/* A reset of the chip zeroes its PIN registers without an event: what drives them from outside is still there. */
+static void drive_again(struct gen_mega *mega)
+{
+	for (int i = 0; i < PORTS; i++) {
+		avr_ioport_t *port = mega->pins->ports[i];
+		for (uint8_t bit = 0; port && bit < 8; bit++) {
+			if (port->external.pull_mask >> bit & 1) {
+				uint32_t level = port->external.pull_value >> bit & 1;
+				port->io.irq[bit].value = !level; /* else simavr sees no change */
+				avr_raise_irq(port->io.irq + bit, level);
+			} else {
+				port->io.irq[bit].value = 0; /* as PIN says: a pull-up set again is a change */
+			}
+		}
 	}
 }
+
+static void rearm(struct gen_mega *mega)
+{
+	stop_polling_levels(mega);
+	drive_again(mega);
+}
+
+static void close_pins(struct gen_mega *mega)
+{
+	for (int i = 0; mega->pins && i < mega->pins->probe_count; i++) {
+		free(mega->pins->probes[i].cycles);
+		free(mega->pins->probes[i].levels);
+	}
+	free(mega->pins);
+}
+
+const struct part mega_pins_part = {.attach = attach, .rearm = rearm, .close = close_pins};

@@ -99,6 +99,11 @@ class Free:
         The fit works on the logarithm (time constants).
     role
         What it says of the effect.
+
+    Raises
+    ------
+    ValueError
+        If `low` is not positive in a logarithm or a time constant.
     """
 
     name: str
@@ -107,6 +112,10 @@ class Free:
     high: float
     log: bool = False
     role: Role = "size"
+
+    def __post_init__(self) -> None:
+        if (self.log or self.role == "time constant") and self.low <= 0.0:
+            raise ValueError(f"{self.name}: a lower limit of {self.low:g} has no logarithm")
 
 
 @dataclass(frozen=True)

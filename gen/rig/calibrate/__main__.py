@@ -1,4 +1,4 @@
-"""``python -m gen.rig.calibrate``: fit the motor, print how well it meets the study's numbers, plot it."""
+"""``python -m gen.rig.calibrate``: fit the motor, print how well it meets the study's numbers."""
 
 from __future__ import annotations
 
@@ -24,21 +24,20 @@ ABOUT = (
 
 @click.command()
 @click.option("--write", is_flag=True, help="Fit anew (2 to 3 minutes) and write gen/rig/my1016.json.")
-@click.option("--plot", type=click.Path(path_type=Path), help="Draw the comparison into this SVG.")
 @click.option("--doc", type=click.Path(path_type=Path), help="Renew the tables in this Markdown file.")
-def main(write: bool, plot: Path | None, doc: Path | None) -> None:
+def main(write: bool, doc: Path | None) -> None:
     """Compare the simulated motor with the study; fit it anew on request.
 
-    Example: python -m gen.rig.calibrate --plot docs/rig.svg --doc docs/rig.md
+    Example: python -m gen.rig.calibrate --doc docs/rig.md
     """
     try:
-        _run(write, plot, doc)
+        _run(write, doc)
     except InputError as error:
         click.echo(f"Error: {error}", err=True)
         raise SystemExit(2) from error
 
 
-def _run(write: bool, plot: Path | None, doc: Path | None) -> None:
+def _run(write: bool, doc: Path | None) -> None:
     targets = load()
     parameters = my1016()
     if write:
@@ -46,10 +45,6 @@ def _run(write: bool, plot: Path | None, doc: Path | None) -> None:
         path = Path(__file__).parents[1] / "my1016.json"
         write_text(path, json.dumps(parameters.model_dump(exclude_defaults=True), indent=2) + "\n")
     print_tables(parameters, targets)
-    if plot:
-        from gen.rig.calibrate.plot import draw  # matplotlib takes long to load
-
-        write_text(plot, draw(parameters, targets))
     if doc:
         fill(doc, parameters, targets)
 

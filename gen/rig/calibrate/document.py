@@ -99,6 +99,6 @@ def _worst(healthy: Comparison) -> str:
     brush = 100.0 * float(np.abs(healthy.time_63["brush"]).max())
     others = 100.0 * max(float(np.abs(healthy.time_63[name]).max()) for name in MEASURED if name != "brush")
     return (
-        f"Temperatures at 10 800 s: within {end:.2f} K of Table 4.1; settled: within {settled_K:.2f} K. "
+        f"Temperatures at 10 800 s: within {end:.2f} K of Table 4.1; settled: within {settled_K:.2f} K.\n"
         f"Time to 63 %: within {others:.0f} % for bearing, magnet and casing, within {brush:.0f} % for the brush."
     )

@@ -146,9 +146,9 @@ def mega_words(sources: Sources, cache_folder: Path) -> tuple[NDArray[np.uint32]
         inputs = PWM.astype(np.uint8)
         output, cycles = mega.run_records(
             inputs,
-            mega.sram_address("gen_input"),
+            mega.memory.address("gen_input"),
             1,
-            mega.sram_address("gen_output"),
+            mega.memory.address("gen_output"),
             4 * sources.count,
             256,
             100_000_000,

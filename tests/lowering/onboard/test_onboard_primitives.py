@@ -129,7 +129,7 @@ def test_primitives_on_the_mega_and_their_twins_equal_the_reference(
     )
     elf = build_elf([tmp_path / "avr.cpp"], [MAILBOX_FOLDER, tmp_path], tmp_path / "avr.elf")
     with EmulatedMega(elf, tmp_path) as mega:
-        addresses = mega.sram_address("gen_input"), mega.sram_address("gen_output")
+        addresses = mega.memory.address("gen_input"), mega.memory.address("gen_output")
         output, _ = mega.run_records(records, addresses[0], INPUT.itemsize, addresses[1], 16, len(records), 500_000_000)
     want = expected(records)
     np.testing.assert_array_equal(output.view("<i4"), want)

@@ -2,32 +2,26 @@
 
 from __future__ import annotations
 
-import io
-
 import matplotlib
-
-matplotlib.use("Agg")
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gen.rig.calibrate.fit import BROKEN, compare, settled
-from gen.rig.calibrate.targets import Targets
+from gen.rig.calibrate.targets import Targets, load
 from gen.rig.network import Floats
-from gen.rig.parameters import MEASURED, MotorParameters
+from gen.rig.parameters import MEASURED, MotorParameters, my1016
 
 _COLOURS = ("#4c78a8", "#54a24b", "#e45756", "#b279a2", "#f58518")
 _TITLES = {"brush": "Brush", "bearing": "Bearing", "magnet": "Magnet", "casing": "Casing"}
 
 
-def draw(parameters: MotorParameters, targets: Targets) -> str:
-    """Draw settled temperatures over speed, steps from cold, and both faults; returns SVG text."""
-    with matplotlib.rc_context(
-        {"svg.hashsalt": "rig", "svg.fonttype": "none", "font.size": 8, "axes.grid": True, "grid.alpha": 0.3}
-    ):
-        figure = Figure(figsize=(12, 9), layout="constrained")
-        axes = figure.subplots(3, 4)
+def figure() -> Figure:
+    """Settled temperatures over speed, steps from cold, and both faults."""
+    parameters, targets = my1016(), load()
+    with matplotlib.rc_context({"font.size": 8, "axes.grid": True, "grid.alpha": 0.3}):
+        drawn = Figure(figsize=(12, 9), layout="constrained")
+        axes = drawn.subplots(3, 4)
         healthy = compare(parameters, targets)
         fine = np.linspace(0.0, 1.0, 101)
         over_speed = settled(parameters, fine)
@@ -39,9 +33,7 @@ def draw(parameters: MotorParameters, targets: Targets) -> str:
         for column, kind in enumerate(BROKEN, start=1):
             _fault(axes[2, column], kind, parameters, well, targets)
         _errors(axes[2, 3], healthy.end_K, targets)
-        buffer = io.StringIO()
-        figure.savefig(buffer, format="svg", metadata={"Date": None})
-    return "\n".join(line.rstrip() for line in buffer.getvalue().splitlines()) + "\n"
+    return drawn
 
 
 def _settled(axes: Axes, name: str, fine: Floats, values: Floats, targets: Targets) -> None:

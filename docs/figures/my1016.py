@@ -1,14 +1,11 @@
-"""Draw the README's picture: `python docs/figures.py`, needs nothing but the installed package."""
+"""Three hours on the board: temperatures, and how far they are from the exact solution."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
-
-mpl.use("Agg")
-import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
 
 from gen.coefficients import load
 from gen.lowering.lower import lower
@@ -16,13 +13,13 @@ from gen.lowering.recursion.guarantee import rounded_up
 from gen.model.exact import ExactSolution
 from gen.reference.model import ReferenceModel
 
-ROOT = Path(__file__).parent.parent
+COEFFICIENTS = Path(__file__).parents[2] / "examples" / "my1016" / "coeffs.json"
 SAMPLES = 43_200
 
 
-def main() -> None:
-    """Three hours of a staircase: temperatures above, the board's error in microkelvin below."""
-    coefficients = load(ROOT / "examples" / "my1016" / "coeffs.json")
+def figure() -> Figure:
+    """A staircase of PWM: temperatures above, the board's error in microkelvin below."""
+    coefficients = load(COEFFICIENTS)
     program = lower(coefficients, "fixed", "table")
     pwm = np.repeat([102, 255, 0, 153, 204, 51], SAMPLES // 6)
     exact = ExactSolution(program.model).simulate(pwm)
@@ -33,7 +30,8 @@ def main() -> None:
         model.step(pwm[step : step + 1])
         board[:, step + 1] = model.rises[:, 0]
     time = np.arange(SAMPLES + 1) * program.model.sample_time / 3600.0
-    figure, (above, below) = plt.subplots(2, 1, figsize=(9, 6), sharex=True, height_ratios=(3, 2))
+    drawn = Figure(figsize=(9, 6), layout="constrained")
+    above, below = drawn.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     for index, name in enumerate(names):
         above.plot(time[::40], board[index, ::40] + 30.0, label=name)
         below.plot(time[::40], (board[index, ::40] - exact[name][::40]) * 1e6, linewidth=0.8)
@@ -45,8 +43,4 @@ def main() -> None:
     below.set_xlabel(f"time, h   (guaranteed for any PWM sequence: at most {rounded_up(max(bounds)) * 1e6:.1f} µK)")
     for axes in (above, below):
         axes.grid(alpha=0.3)
-    figure.savefig(ROOT / "docs" / "my1016.svg", bbox_inches="tight", metadata={"Date": None})
-
-
-if __name__ == "__main__":
-    main()
+    return drawn

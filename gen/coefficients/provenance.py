@@ -1,0 +1,36 @@
+"""Where a model's numbers come from, and how far off they are known to be."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from gen.coefficients.base import CountRange, Number, Part, ordered
+
+
+class ErrorBand(Part):
+    """What the model is known to be off by, in a range of PWM."""
+
+    component: str
+    pwm: CountRange
+    model_minus_measured_K: Annotated[tuple[Number, Number], Field(description="[lowest, highest]")]
+    note: str = ""
+
+    @model_validator(mode="after")
+    def _check(self) -> ErrorBand:
+        ordered(*self.pwm, "pwm")
+        ordered(*self.model_minus_measured_K, "model_minus_measured_K")
+        return self
+
+
+class Provenance(Part):
+    """Where the numbers come from, and how good they are."""
+
+    source: str
+    method: str = ""
+    data: tuple[str, ...] = ()
+    fit: Annotated[
+        dict[str, dict[str, Number]], Field(description="By component: figures of the fit, unit in the name.")
+    ] = Field(default_factory=dict)
+    error: tuple[ErrorBand, ...] = ()

@@ -1,0 +1,141 @@
+"""The rules file of `gen thresholds`: alarm rules as in the coefficient file, whose thresholds may be missing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from gen.coefficients import jsontext
+from gen.coefficients.base import listed
+from gen.errors import InputError
+
+_RULES = "alarms"
+_TAKEN_OVER = ("name", "description", "wiring")
+_THRESHOLDS = {
+    "above_model": ("threshold_K", "threshold_K_s"),
+    "below_model": ("threshold_K", "threshold_K_s"),
+    "cusum": ("threshold_K", "threshold_K_s"),
+    "over_temperature": ("limit_degC",),
+}
+"""By a rule's kind: what says that its author has chosen a threshold. A wrong one is refused with the finished file."""
+
+
+@dataclass(frozen=True)
+class RuleDraft:
+    """An alarm rule as its author wrote it; it is checked with the finished file.
+
+    Attributes
+    ----------
+    written
+        The rule's JSON.
+    """
+
+    written: Mapping[str, Any]
+
+    @property
+    def kind(self) -> object:
+        """The rule's kind, None if it has none."""
+        return self.written.get("kind")
+
+    @property
+    def component(self) -> str:
+        """The component that is watched."""
+        return str(self.written["component"])
+
+    @property
+    def relative_to(self) -> str | None:
+        """The component whose deviation is subtracted."""
+        other = self.written.get("relative_to")
+        return None if other is None else str(other)
+
+    @property
+    def lacks_threshold(self) -> bool:
+        """Whether the rule is of a known kind, and its author left the threshold open."""
+        chosen = _THRESHOLDS.get(str(self.kind))
+        return chosen is not None and not any(key in self.written for key in chosen)
+
+    def completed(
+        self,
+        *,
+        note: str,
+        beyond: Literal["model", "error_band"] | None = None,
+        slack_K: float | None = None,
+        threshold_K: float | None = None,
+        threshold_K_s: float | None = None,
+        limit_degC: float | None = None,
+        hysteresis_K: float | None = None,
+    ) -> RuleDraft:
+        """Give the rule with what its author left open; what is written stays, and None adds nothing."""
+        found = {
+            "beyond": beyond,
+            "slack_K": slack_K,
+            "threshold_K": threshold_K,
+            "threshold_K_s": threshold_K_s,
+            "limit_degC": limit_degC,
+            "hysteresis_K": hysteresis_K,
+            "note": note,
+        }
+        added = {key: value for key, value in found.items() if value is not None and key not in self.written}
+        return RuleDraft({**self.written, **added})
+
+
+@dataclass(frozen=True)
+class Rules:
+    """A rules file.
+
+    Attributes
+    ----------
+    alarms
+        Its rules.
+    taken_over
+        What else it has for the coefficient file, as JSON: name, description, wiring.
+    """
+
+    alarms: tuple[RuleDraft, ...]
+    taken_over: Mapping[str, Any]
+
+
+def read_rules(path: Path, components: Sequence[str]) -> Rules:
+    """Read a rules file as far as thresholds are derived from it; the rest is checked with the finished file.
+
+    Parameters
+    ----------
+    path
+        The JSON file.
+    components
+        Names of the model's components.
+
+    Raises
+    ------
+    InputError
+        With the file, the JSON path (or line and column), what was found and what was expected.
+    """
+    try:
+        tree = jsontext.parse(path.read_text(encoding="utf-8"))
+        return _checked(tree, components)
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
+        raise InputError(f"cannot be read: {reason}", file=str(path)) from error
+    except InputError as error:
+        raise InputError(error.message, file=str(path), place=error.place) from error
+
+
+def _checked(tree: object, components: Sequence[str]) -> Rules:
+    if not isinstance(tree, dict) or not isinstance(tree.get(_RULES), list):
+        raise InputError(f'expected an object with "{_RULES}", a list of rules', place="$")
+    for key in tree:
+        if key not in (_RULES, *_TAKEN_OVER):
+            raise InputError(f'unknown key "{key}"; expected {listed([_RULES, *_TAKEN_OVER])}', place="$")
+    if not all(isinstance(rule, dict) for rule in tree[_RULES]):
+        raise InputError("expected a list of objects", place=f"$.{_RULES}")
+    for number, rule in enumerate(tree[_RULES]):
+        for key in ("component", "relative_to"):
+            if (key == "component" or rule.get(key) is not None) and rule.get(key) not in components:
+                raise InputError(
+                    f"expected the name of a component: {listed(list(components))}",
+                    place=f"$.{_RULES}[{number}].{key}",
+                )
+    taken_over = {key: tree[key] for key in _TAKEN_OVER if key in tree}
+    return Rules(tuple(RuleDraft(rule) for rule in tree[_RULES]), taken_over)

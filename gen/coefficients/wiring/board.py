@@ -1,0 +1,100 @@
+"""All wiring of a board, and what must hold between its parts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from gen.coefficients.base import Part, Positive, fault
+from gen.coefficients.wiring.drive import DRIVE_PINS, Drive, Observe
+from gen.coefficients.wiring.pins import BOOT_LED_PIN, COUNTER_TIMER_PINS, PWM_PINS, Pin, Role, check_free, roles
+from gen.coefficients.wiring.sensors import ChannelInput, Encoder, Thermocouple
+
+
+class Memory(Part):
+    """The copy of the model's states in EEPROM."""
+
+    interval_s: Annotated[Positive, Field(ge=60, le=1e6, description="Time between two copies.")] = 600.0
+    tolerance_K: Annotated[
+        Positive,
+        Field(
+            le=100,
+            description="After a reset a copy is used if no measured temperature has moved by more than this since.",
+        ),
+    ] = 2.0
+
+
+class Wiring(Part):
+    """All pins; one pin has one role, except that clock and data lines may be shared."""
+
+    serial_baud: Literal[9600, 19200, 38400, 57600, 76800, 115200, 250000, 500000, 1000000] = 115200
+    row_every_s: Annotated[Positive, Field(le=3600, description="Time between two rows on the serial line.")] = 1.0
+    led_pin: Pin | None = None
+    button_pin: Annotated[Pin | None, Field(description="To ground; resets latched alarms.")] = None
+    thermocouples: Annotated[tuple[Thermocouple, ...], Field(max_length=17)] = ()
+    encoder: Encoder | None = None
+    channels: Annotated[
+        tuple[ChannelInput, ...], Field(max_length=16, description="Inputs beside the thermocouples.")
+    ] = ()
+    drive: Drive | None = None
+    observe: Observe | None = None
+    memory: Annotated[Memory | None, Field(description="null: no copies.")] = Memory()
+
+    @model_validator(mode="after")
+    def _check(self) -> Wiring:
+        if self.drive:
+            _check_pwm_pins(self.drive, self.encoder)
+        if self.drive and self.observe:
+            raise fault('found both "drive" and "observe"; expected one of them: who drives the motor?', "observe")
+        _check_columns_differ(self.channels)
+        check_free(_all_roles(self))
+        return self
+
+    def printed_columns(self, components: Sequence[str]) -> set[str]:
+        """Columns of the board's rows whose names are not of the file's choice, for a model with these components."""
+        measured = [f"{chip.channel}_degC" for chip in self.thermocouples if chip.channel in components]
+        speed = ["speed_rpm"] if self.encoder else []
+        models = [f"{name}_model_degC" for name in components]
+        return {"time_s", "pwm", *measured, *speed, *models, "flags", "sensors", "alarms"}
+
+
+def _check_pwm_pins(drive: Drive, encoder: Encoder | None) -> None:
+    """The motor's pins have PWM, leave the motor alone at a reset, and leave the encoder its timer."""
+    timer_5 = encoder is not None and encoder.counts_in_hardware
+    for key, pin in drive.pwm_pins.items():
+        if pin not in PWM_PINS:
+            raise fault(f"pin {pin} has no PWM; expected one of 2..13, 44, 45, 46", "drive", key)
+        if pin == BOOT_LED_PIN:
+            raise fault(
+                f"pin {BOOT_LED_PIN} is the boot loader's LED: the motor would run at every reset before the "
+                "firmware does; expected another pin",
+                "drive",
+                key,
+            )
+        if timer_5 and pin in COUNTER_TIMER_PINS:
+            raise fault(
+                f"the PWM of pin {pin} is Timer 5's, which counts the encoder's pulses; expected another pin",
+                "drive",
+                key,
+            )
+
+
+def _check_columns_differ(channels: Sequence[ChannelInput]) -> None:
+    taken: set[str] = set()
+    for i, channel in enumerate(channels):
+        if channel.column.lower() in taken:
+            raise fault(f'"{channel.column}" is taken already; expected one each', "channels", i, "column")
+        taken.add(channel.column.lower())
+
+
+def _all_roles(wiring: Wiring) -> Iterator[Role]:
+    yield from roles(wiring, ("led_pin", "button_pin"))
+    yield from roles(wiring.encoder, ("pin",), "encoder", name="encoder")
+    yield from roles(wiring.drive, DRIVE_PINS, "drive")
+    yield from roles(wiring.observe, DRIVE_PINS, "observe")
+    for i, channel in enumerate(wiring.channels):
+        yield from roles(channel, ("analog_pin", "contact_pin"), "channels", i, name=f"channel {channel.column}")
+    for i, thermocouple in enumerate(wiring.thermocouples):
+        yield from roles(thermocouple, ("cs", "so", "sck"), "thermocouples", i)

@@ -1,0 +1,108 @@
+"""Writing a coefficient file: a new one from a document, or a file that is there with parts added.
+
+The layout is one for all: a key a line, one space for each level, numbers as short as they read back the same. What
+was not said is not written. A file that is extended keeps what its author wrote: the order of keys and the form of
+numbers. What is written is of the newest version.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from gen.coefficients.base import Part
+from gen.coefficients.document import Document
+from gen.coefficients.effects import EffectEntry
+from gen.coefficients.provenance import ErrorBand
+from gen.coefficients.reader import read_tree
+from gen.coefficients.rules import RuleDraft, Rules
+from gen.coefficients.versions import Tree, migrated
+
+
+def dump(document: Document) -> str:
+    """Give the text of a document.
+
+    Parameters
+    ----------
+    document
+        What was set in it is written, also where it is what would hold without it; the rest is not.
+    """
+    return _text(as_json(document))
+
+
+def with_effects(text: str, effects: Sequence[EffectEntry]) -> str:
+    """Give the text of a file with effects added to those that it has.
+
+    Raises
+    ------
+    InputError
+        When the text is no coefficient file; what it says is not checked.
+    """
+    tree = _source(text)
+    if effects:
+        tree["effects"] = [*tree.get("effects", []), *(as_json(effect) for effect in effects)]
+    return _text(tree)
+
+
+def with_rules(text: str, rules: Rules, alarms: Sequence[RuleDraft], error: Sequence[ErrorBand], source: str) -> str:
+    """Give the text of a file with alarm rules, and the error bands that they count from, in the place of its own.
+
+    Parameters
+    ----------
+    text
+        The file.
+    rules
+        The rules file: its name, description and wiring, where it has them, take the place of the file's.
+    alarms
+        Its rules with all their numbers.
+    error
+        All bands.
+    source
+        What is named as the source of a file without provenance.
+
+    Raises
+    ------
+    InputError
+        When the text is no coefficient file; what it says is not checked.
+    """
+    tree = _source(text) | dict(rules.taken_over)
+    if tree.get("provenance") is None:
+        tree["provenance"] = {"source": source}
+    tree["provenance"]["error"] = [as_json(band) for band in error]
+    tree["alarms"] = [dict(rule.written) for rule in alarms]
+    return _text(tree)
+
+
+def as_json(part: Part) -> Tree:
+    """Give a part of a document as its JSON has it, keys in the format's order.
+
+    Parameters
+    ----------
+    part
+        What was not set in it is left out, and so is null where a missing key means the same.
+    """
+    made = {}
+    for key, field in type(part).model_fields.items():
+        value = getattr(part, key)
+        if key in part.model_fields_set and (value is not None or field.default is not None):
+            made[key] = _plain(value)
+    return made
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401
+    if isinstance(value, Part):
+        return as_json(value)
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    return value
+
+
+def _source(text: str) -> Tree:
+    return migrated(read_tree(text.encode()))
+
+
+def _text(tree: Tree) -> str:
+    return json.dumps(tree, indent=1, ensure_ascii=False) + "\n"

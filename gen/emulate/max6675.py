@@ -1,0 +1,72 @@
+"""The MAX6675s on the Mega's pins."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+
+from gen.avr.shim import Handle
+from gen.avr.simulator import FREQUENCY_HZ
+from gen.emulate.pins import port_pin
+
+CONVERSION_S = 0.22
+"""Longest conversion of a MAX6675 by its data sheet, s (0.17 s is typical): the hardest case for the firmware."""
+
+
+@dataclass(frozen=True)
+class ChipCounts:
+    """What a MAX6675 went through.
+
+    Parameters
+    ----------
+    reads
+        Falling edges of its CS.
+    early
+        Those before a conversion had finished: they gave the old word.
+    clashes
+        Those while another chip drove the same SO line.
+    """
+
+    reads: int
+    early: int
+    clashes: int
+
+
+class Max6675:
+    """One converter; SO and SCK may be shared with others.
+
+    Parameters
+    ----------
+    handle
+        The emulator that it is connected to.
+    cs, so, sck
+        The pins.
+    conversion_s
+        How long a conversion takes, s.
+
+    Raises
+    ------
+    ValueError
+        When the Mega has no such pin, or the emulator no converter left.
+    """
+
+    def __init__(self, handle: Handle, cs: int, so: int, sck: int, *, conversion_s: float = CONVERSION_S) -> None:
+        lines = [port_pin(pin) for pin in (cs, so, sck)]
+        places = [part for line in lines for part in (line.port.encode(), line.bit)]
+        self._handle = handle
+        self._number = int(handle.call("chip_add", *places, round(conversion_s * FREQUENCY_HZ)))
+        if self._number < 0:
+            raise ValueError("the emulator has no MAX6675 left")
+
+    def set_word(self, word: int) -> None:
+        """Let conversions give a 16-bit word from now on."""
+        if not 0 <= word <= 0xFFFF:
+            raise ValueError(f"word {word}: expected 0..65535")
+        self._handle.call("chip_word", self._number, word)
+
+    @property
+    def counts(self) -> ChipCounts:
+        """Its reads so far."""
+        counts = [ctypes.c_uint32() for _ in range(3)]
+        self._handle.call("chip_counts", self._number, *map(ctypes.byref, counts))
+        return ChipCounts(*(count.value for count in counts))

@@ -1,0 +1,124 @@
+"""Only `gen/coefficients/` knows the keys of the coefficient file, for reading and for writing."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from gen.coefficients.schema import json_schema
+from gen.model.effects import registry
+
+GEN = Path(__file__).parents[2] / "gen"
+
+SCHEMA = json_schema()
+OBJECTS = {"Document": SCHEMA} | {name: part for name, part in SCHEMA["$defs"].items() if "properties" in part}
+
+#: Words that are names elsewhere by right: a run file's columns, and what an effect calls its own parameters.
+ELSEWHERE = {"pwm", "ambient_degC"} | {key for effect in registry().values() for key in effect.parameters.model_fields}
+KEYS = {key for part in OBJECTS.values() for key in part["properties"]} - ELSEWHERE
+
+#: Other formats with words of the same name: module -> the words, by what they are keys of.
+OTHER_FORMATS = {
+    # the JSON summary of `gen refine` (and, of the Python interface, that of `gen identify`)
+    "commands/refine.py": {"name", "component", "parameters", "evidence"},
+    "interface/loop.py": {"name", "component", "parameters", "evidence", "components", "order", "value"},
+    "refinement/page.py": {"name", "component", "parameters", "evidence", "note"},
+    "refinement/residual_charts.py": {"component"},
+    # the JSON summary of `gen identify`: a measured error by speed, a fitted number with its interval
+    "identification/page.py": {"components"},
+    "identification/summary.py": {"components", "value", "model_minus_measured_K"},
+    # faults, channels and results of `gen emulate`
+    "commands/emulate.py": {"alarms", "profile", "ambient", "encoder"},
+    "emulate/results.py": {"alarms"},
+    # contexts of templates, and lists of names in them
+    "firmware/device.py": {"ambient", "channels", "encoder", "observe", "memory", "column"},
+    "firmware/effects_cpp.py": {"name"},
+    "firmware/effects_report.py": {"effects"},
+    "firmware/render.py": {"name", "effects"},
+    "firmware/wiring_svg.py": {"channels", "encoder", "drive", "column"},
+    # a frame's attributes, parameters of an optimiser, fields of the study's targets, columns of a verification
+    "interface/files.py": {"name"},
+    "identification/output_error.py": {"value"},
+    "rig/calibrate/targets.py": {"speed_percent", "duration_s"},
+    "verification/profiles.py": {"channels"},
+    "verification/runners.py": {"name"},
+}
+#: Where a dict with such keys is no object of the file: an effect's values, which may be a channel alone.
+OTHER_DICTS = {f"model/effects/catalogue/{name}.py" for name in ("airflow", "load_heating", "supply_voltage")}
+
+
+def keys_used(tree: ast.AST) -> Iterator[tuple[str, int]]:
+    """Keys of the file by which anything is looked up: ``x["key"]``, ``x.get("key")`` and the like, ``"key" in x``."""
+    for node in ast.walk(tree):
+        key: ast.expr | None = None
+        if isinstance(node, ast.Subscript):
+            key = node.slice
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
+            key = node.args[0] if node.func.attr in ("get", "pop", "setdefault") else None
+        elif isinstance(node, ast.Compare) and isinstance(node.ops[0], (ast.In, ast.NotIn)):
+            key = node.left
+        if isinstance(key, ast.Constant) and key.value in KEYS:
+            yield str(key.value), node.lineno  # type: ignore[attr-defined]
+
+
+def objects_built(tree: ast.AST) -> Iterator[tuple[str, int]]:
+    """Dict literals, and calls of dict(), with all keys that an object of the file must have, and no foreign one."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Dict):
+            keys = {key.value if isinstance(key, ast.Constant) else None for key in node.keys}
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "dict":
+            keys = {keyword.arg for keyword in node.keywords}
+        else:
+            continue
+        keys -= {None}  # ** of another dict
+        for name, part in OBJECTS.items():
+            if keys and set(part.get("required", ())) <= keys <= set(part["properties"]):
+                yield name, node.lineno
+
+
+def modules() -> list[Path]:
+    return [path for path in sorted(GEN.rglob("*.py")) if path.relative_to(GEN).parts[0] != "coefficients"]
+
+
+def test_no_other_room_looks_anything_up_by_a_key_of_the_file() -> None:
+    found = [
+        f"{name}:{line}: {key}"
+        for path in modules()
+        for name in [path.relative_to(GEN).as_posix()]
+        for key, line in keys_used(ast.parse(path.read_text(encoding="utf-8")))
+        if key not in OTHER_FORMATS.get(name, set())
+    ]
+    assert found == []
+
+
+def test_no_other_room_builds_an_object_of_the_file_from_keys() -> None:
+    found = [
+        f"{name}:{line}: {part}"
+        for path in modules()
+        for name in [path.relative_to(GEN).as_posix()]
+        for part, line in objects_built(ast.parse(path.read_text(encoding="utf-8")))
+        if name not in OTHER_DICTS
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    ("source", "looked_up", "built"),
+    [
+        ('tree["alarms"] = []', ["alarms"], []),
+        ('tree.setdefault("provenance", x)["error"] = y', ["error", "provenance"], []),
+        ('if "threshold_K" not in rule: pass', ["threshold_K"], []),
+        ('{"component": a, "pwm": b, "model_minus_measured_K": c, "note": d}', [], ["ErrorBand"]),
+        ("dict(component=a, pwm=b, model_minus_measured_K=c)", [], ["ErrorBand"]),
+        ('{"poly": c}', [], ["Poly"]),
+        ('{"real": r, **more}', [], ["PoleEntry"]),
+        ('columns["pwm"]; band.pwm; {"colour": 1}; x["colour"]', [], []),
+    ],
+)
+def test_the_rule_sees_what_it_is_for(source: str, looked_up: list[str], built: list[str]) -> None:
+    tree = ast.parse(source)
+    assert sorted(key for key, _ in keys_used(tree)) == looked_up
+    assert [name for name, _ in objects_built(tree)] == built

@@ -1,0 +1,223 @@
+"""A file of any version loads for ever; one of a version to come is refused, and says so."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import numpy as np
+import pytest
+from pydantic import Field
+
+from gen.coefficients import Document, dump, load, parse, reader, versions, with_effects
+from gen.coefficients.base import Part
+from gen.coefficients.document import ComponentEntry
+from gen.coefficients.effects import EffectEntry
+from gen.coefficients.schema import STORED
+from gen.coefficients.versions import VERSION, Tree, migrated
+from gen.errors import InputError
+from gen.model.effects import registry
+from gen.model.exact import ExactSolution
+from tests.coefficients.test_coefficients_errors import BASE
+
+VERSION_1 = Path(__file__).parent / "version1"
+
+#: Written once and never again: SHA-256, and each component's rise in K after an hour at PWM 140 from cold.
+FROZEN: dict[str, tuple[str, dict[str, float]]] = {
+    "every_key.json": (
+        "d3a019d460be072185eaa849fd3dab78d749d33186d3e05891bfec5fb416c82d",
+        {"rotor": 23.8372532446, "casing": 10.1591599987},
+    ),
+    "identified.json": (
+        "473d285125fe4d0ed366d7b3bf6ae9de751a365c9545489124fb53e1ea06e24d",
+        {"brush": 41.7250597389, "bearing": 31.9426145299, "magnet": 31.5529366176, "casing": 31.0592633565},
+    ),
+    "my1016.json": (
+        "9ef57c76389da99307b100ae5e00bf54ac82196c1fdc36e8b43851183adf39a8",
+        {"brush": 42.2786901325, "bearing": 29.1253276933, "magnet": 29.1359919371, "casing": 28.5570761177},
+    ),
+    "observed.json": (
+        "0d17be2e13f1bc4882d143bbe12bfa17fcd113a3666d0e2fe5ef54152fc98eb7",
+        {"rotor": 20.3183199974, "casing": 10.1591599987},
+    ),
+    "two_mass.json": (
+        "78aa7e12c3458ab34cdd9b2c43037d97f1a6b1e7bff7fe7dce9f7213bc2d2cc2",
+        {"winding": 74.8103680966, "housing": 27.9775616426},
+    ),
+    "two_mass_refined.json": (
+        "293be5eeb9cc5fd65d787cf2acd9afe59d31e8ffd8d64d689b8a1cdfc9fcbe6b",
+        {"winding": 74.8103680966, "housing": 27.9775616426},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", sorted(FROZEN))
+def test_a_file_of_version_1_loads_for_ever_and_means_what_it_meant(name: str) -> None:
+    path = VERSION_1 / name
+    sha256, rises = FROZEN[name]
+    assert hashlib.sha256(path.read_bytes()).hexdigest() == sha256, "this file is a witness; do not write it anew"
+    model = load(path).model
+    found = ExactSolution(model).simulate_times(np.array([0.0, 3600.0]), np.array([140, 140]), {})
+    assert {component: rise[-1] for component, rise in found.items()} == pytest.approx(rises, rel=1e-9)
+
+
+def test_the_frozen_files_are_all_there() -> None:
+    assert {path.name for path in VERSION_1.glob("*.json")} == set(FROZEN)
+
+
+def test_together_they_hold_every_key_and_every_effect_of_version_1() -> None:
+    """By the published schema of version 1, so that no key can be dropped unnoticed."""
+    said: set[tuple[str, str]] = set()
+    effects: set[tuple[str, str]] = set()
+
+    def walk(part: Part) -> None:
+        for key in part.model_fields_set:
+            said.add((type(part).__name__, key))
+            value = getattr(part, key)
+            for item in value if isinstance(value, tuple) else (value,):
+                if isinstance(item, Part):
+                    walk(item)
+
+    for path in VERSION_1.glob("*.json"):
+        document = load(path).document
+        walk(document)
+        effects |= {(effect.name, key) for effect in document.effects for key in effect.parameters}
+    schema = json.loads(STORED.read_text(encoding="utf-8"))
+    objects = {"Document": schema, **schema["$defs"]}
+    known = {(name, key) for name, part in objects.items() for key in part.get("properties", {})}
+    assert known - said == set()
+    parameters = {(name, key) for name, effect in registry().items() for key in effect.parameters.model_fields}
+    assert parameters - effects == set()
+
+
+def test_the_newest_version_is_the_one_that_is_written_and_published() -> None:
+    assert len(versions.MIGRATIONS) + 1 == VERSION
+    assert get_args(Document.model_fields["version"].annotation) == (VERSION,)
+    assert STORED.name == f"gen-coefficients-{VERSION}.schema.json"
+
+
+class Node(Part):
+    """A made-up part of a made-up version 2."""
+
+    name: str
+    capacity_J_per_K: float
+
+
+class Network(Part):
+    """Another made-up part."""
+
+    nodes: tuple[Node, ...]
+
+
+class Version2(Document):
+    """Either transfer functions, or a made-up network; what was called fast_limit_K is gone."""
+
+    version: Literal[2]  # type: ignore[assignment]
+    components: tuple[ComponentEntry, ...] = ()
+    network: Network | None = None
+    note: str = Field(default="")
+
+
+def to_version_2(tree: Tree) -> Tree:
+    """What a later version may do: drop a key, and give a new one what the old files meant."""
+    tree.get("accuracy", {}).pop("fast_limit_K", None)
+    return tree | {"note": f"was {tree['name']}"}
+
+
+@pytest.fixture
+def version_2(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(versions, "MIGRATIONS", (*versions.MIGRATIONS, to_version_2))
+    monkeypatch.setattr(reader, "Document", Version2)
+
+
+def as_bytes(tree: Any) -> bytes:  # noqa: ANN401
+    return json.dumps(tree).encode()
+
+
+@pytest.mark.usefixtures("version_2")
+@pytest.mark.parametrize("name", sorted(FROZEN))
+def test_a_file_of_version_1_loads_as_the_made_up_version_2(name: str) -> None:
+    loaded = load(VERSION_1 / name)
+    assert isinstance(loaded.document, Version2)
+    assert loaded.document.version == 2
+    assert loaded.document.note == f"was {loaded.name}"
+    found = ExactSolution(loaded.model).simulate_times(np.array([0.0, 3600.0]), np.array([140, 140]), {})
+    assert {component: rise[-1] for component, rise in found.items()} == pytest.approx(FROZEN[name][1], rel=1e-9)
+    assert loaded.sha256 == FROZEN[name][0]
+
+
+@pytest.mark.usefixtures("version_2")
+def test_a_file_of_the_made_up_version_2_loads_without_migration() -> None:
+    network = {"nodes": [{"name": "rotor", "capacity_J_per_K": 120.0}]}
+    tree = {key: BASE[key] for key in ("format", "name", "sample_time_s", "input", "ambient", "validity", "domain")}
+    tree |= {"version": 2, "network": network}
+    document = reader.parse_document(as_bytes(tree))
+    assert isinstance(document, Version2)
+    assert document.note == ""
+    assert document.network is not None
+    assert document.network.nodes[0].capacity_J_per_K == 120.0
+
+
+@pytest.mark.usefixtures("version_2")
+def test_a_fault_in_a_migrated_file_says_which_version_its_place_is_of() -> None:
+    with pytest.raises(InputError, match="expected a number") as caught:
+        parse(as_bytes(BASE | {"sample_time_s": "x"}))
+    assert caught.value.place == "$.sample_time_s"
+    assert "the place is that of version 2" in caught.value.message
+
+
+@pytest.mark.usefixtures("version_2")
+@pytest.mark.parametrize("fault", [{"accuracy": 3}, {"accuracy": None}])
+def test_a_file_that_no_migration_understands_is_refused_and_no_traceback(fault: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match="cannot be brought from version 1 to 2") as caught:
+        parse(as_bytes(BASE | fault))
+    assert caught.value.place == "$"
+
+
+@pytest.mark.usefixtures("version_2")
+def test_what_is_added_to_an_older_file_makes_it_one_of_the_newest_version() -> None:
+    entry = EffectEntry(name="drift", component="casing", parameters={"drift_K_per_h": 0.5})
+    made = json.loads(with_effects(json.dumps(BASE), [entry]))
+    assert (made["version"], made["note"]) == (2, "was my1016")
+    assert list(made)[:2] == ["format", "version"]
+    assert [effect.name for effect in parse(as_bytes(made)).document.effects] == ["drift"]
+
+
+def test_migrations_are_applied_in_order_and_leave_what_they_were_given_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(
+        versions,
+        "MIGRATIONS",
+        tuple((lambda tree, n=n: {**tree, "steps": [*tree.get("steps", []), n]}) for n in (2, 3, 4)),
+    )
+    for first, steps in ((1, [2, 3, 4]), (3, [4]), (4, None)):
+        tree: Tree = {"version": first}
+        after = migrated(tree)
+        assert after.get("steps") == steps
+        assert after["version"] == 4
+        assert tree == {"version": first}
+
+
+@pytest.mark.parametrize("version", [2, 17])
+def test_a_file_of_a_later_version_is_refused_in_one_line(tmp_path: Path, version: int) -> None:
+    path = tmp_path / "later.json"
+    path.write_bytes(as_bytes(BASE | {"version": version, "network": {}}))
+    with pytest.raises(InputError) as caught:
+        load(path)
+    assert str(caught.value) == (
+        f"{path}: $.version: found {version}, expected 1: a newer gen wrote this file; install a newer gen "
+        "(docs/format.md)"
+    )
+
+
+@pytest.mark.usefixtures("version_2")
+def test_the_range_of_versions_is_named() -> None:
+    with pytest.raises(InputError, match="found 3, expected 1 to 2"):
+        parse(as_bytes(BASE | {"version": 3}))
+
+
+def test_a_document_s_own_text_is_of_the_newest_version() -> None:
+    assert json.loads(dump(load(VERSION_1 / "two_mass.json").document))["version"] == VERSION
