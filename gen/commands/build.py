@@ -56,7 +56,7 @@ def build(
 
 def _guarantees(program: Program) -> list[str]:
     """A line for each component: what is proven of it."""
-    from gen.firmware.context import bound_text
+    from gen.firmware.contexts.components import bound_text
 
     changed = {part.name for part in program.effects.components} if program.effects is not None else set()
     lines = []

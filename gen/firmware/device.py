@@ -11,8 +11,18 @@ import numpy as np
 from gen.coefficients import Coefficients
 from gen.coefficients.wiring import SUPPLY_V, ChannelInput, Drive, Encoder, Observe, Thermocouple, Wiring
 from gen.firmware.alarm_text import alarm_texts
-from gen.firmware.context import Context
-from gen.firmware.effects_cpp import channel_names
+from gen.firmware.contexts.board import (
+    DeviceContext,
+    DriveContext,
+    EncoderContext,
+    InputContext,
+    MemoryContext,
+    ObserveContext,
+    Pin,
+    SensorsContext,
+    ThermocoupleContext,
+)
+from gen.firmware.contexts.effects import channel_names
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
 from gen.lowering.alarms import COLD_mK
 from gen.lowering.program import Program
@@ -65,7 +75,7 @@ _MARGIN = 1.25
 """The encoder's fastest pulse train over the nominal one."""
 
 
-def sketch_files(device: Context) -> dict[str, str]:
+def sketch_files(device: DeviceContext) -> dict[str, str]:
     """Emitted path -> template for the sources that this wiring needs.
 
     Parameters
@@ -92,8 +102,8 @@ def sketch_files(device: Context) -> dict[str, str]:
     return files
 
 
-def device_context(coefficients: Coefficients, program: Program) -> Context:
-    """Everything about the board that the templates need, under one key.
+def device_context(coefficients: Coefficients, program: Program) -> DeviceContext:
+    """Everything about the board that the templates of the sketch need.
 
     Parameters
     ----------
@@ -132,19 +142,11 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
         "start_s": f"{start_samples * sample_ms / 1000:g}",
         "led": wiring.led_pin,
         "button": wiring.button_pin,
-        "chips": chips,
+        **_sensors(chips, read_samples, sample_ms),
         "measured": [chip for chip in chips if chip["channel"] in names],
         "column_chips": [chip for chip in chips if chip["column"]],
         "ambient_chip": next((chip for chip in chips if chip["channel"] == "ambient"), None),
         "cold_mK": COLD_mK,
-        "read_samples": read_samples,
-        "reading_ms": read_samples * sample_ms,
-        "conversion_ms": CONVERSION_MS,
-        "conversion_millis": CONVERSION_MS + _MILLIS_STEP,
-        "confirmations": CONFIRMATIONS,
-        "noise_counts": NOISE_COUNTS,
-        "highest_count": HIGHEST_COUNT,
-        "count_mK": COUNT_mK,
         "encoder": pulses,
         "drive": _drive(wiring.drive, sample_ms) if wiring.drive else None,
         "observe": _observe(wiring.observe) if wiring.observe else None,
@@ -158,12 +160,26 @@ def device_context(coefficients: Coefficients, program: Program) -> Context:
     }
 
 
+def _sensors(chips: list[ThermocoupleContext], read_samples: int, sample_ms: int) -> SensorsContext:
+    return {
+        "chips": chips,
+        "read_samples": read_samples,
+        "reading_ms": read_samples * sample_ms,
+        "conversion_ms": CONVERSION_MS,
+        "conversion_millis": CONVERSION_MS + _MILLIS_STEP,
+        "confirmations": CONFIRMATIONS,
+        "noise_counts": NOISE_COUNTS,
+        "highest_count": HIGHEST_COUNT,
+        "count_mK": COUNT_mK,
+    }
+
+
 def _ambient_column(coefficients: Coefficients) -> str:
     return coefficients.model.ambient_channel or "ambient_degC"
 
 
 def _columns(
-    coefficients: Coefficients, chips: list[Context], encoder: bool, inputs: Sequence[ChannelInput]
+    coefficients: Coefficients, chips: list[ThermocoupleContext], encoder: bool, inputs: Sequence[ChannelInput]
 ) -> list[str]:
     """The run file's columns, in the order in which the console prints a row."""
     wired = {chip["channel"] for chip in chips}
@@ -186,15 +202,15 @@ def _row_bytes(columns: list[str]) -> int:
     return sum(longest.get(column, 12) + 1 for column in columns) + 1
 
 
-def _pin(pin: int, path: str) -> Context:
+def _pin(pin: int, path: str) -> Pin:
     letter, bit = port_bit(pin)
     return {"pin": pin, "label": label(pin), "letter": letter, "bit": bit, "path": path}
 
 
-def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program) -> list[Context]:
+def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program) -> list[ThermocoupleContext]:
     names = [component.name for component in coefficients.document.components]
     told = _told(program)
-    chips = []
+    chips: list[ThermocoupleContext] = []
     for number, (chip, limits) in enumerate(zip(wired, sensor_limits(coefficients), strict=True)):
         path = f"$.wiring.thermocouples[{number}]"
         chips.append(
@@ -242,13 +258,13 @@ def _conversions(voltages: int, sample_ms: int) -> int:
     return count
 
 
-def _channels(wired: Sequence[ChannelInput], program: Program, sample_ms: int) -> list[Context]:
+def _channels(wired: Sequence[ChannelInput], program: Program, sample_ms: int) -> list[InputContext]:
     """Inputs of the wiring; a voltage's value is zero + (sum of conversions times scale >> shift), in thousandths."""
     effects = program.effects
     told = {channel.column: channel for channel in effects.channels} if effects is not None else {}
     names = _told(program)
     conversions = _conversions(sum(channel.analog_pin is not None for channel in wired), sample_ms)
-    found = []
+    found: list[InputContext] = []
     for number, channel in enumerate(wired):
         path = f"$.wiring.channels[{number}]"
         low, high = (round(value * 1000.0) for value in channel.limits)
@@ -258,8 +274,8 @@ def _channels(wired: Sequence[ChannelInput], program: Program, sample_ms: int) -
         for_each = channel.per_V * SUPPLY_V * 1000.0 / (1024.0 * conversions)
         shift = max(0, min(30, _SCALE_BITS - 1 - math.floor(math.log2(abs(for_each)))))
         found.append(
-            _pin(pin, path)
-            | {
+            {
+                **_pin(pin, path),
                 "number": number,
                 "column": channel.column,
                 "analog": channel.analog_pin is not None,
@@ -276,13 +292,14 @@ def _channels(wired: Sequence[ChannelInput], program: Program, sample_ms: int) -
     return found
 
 
-def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> Context:
+def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> EncoderContext:
     fastest_rpm = nominal_rpm * _MARGIN
     fastest = fastest_rpm / 60.0 * encoder.pulses_per_revolution * sample_ms / 1000.0
     # pulses * factor must fit 32 bits; the clock of micros() has steps of 4 us
     shift = max(2, math.ceil(math.log2(fastest_rpm * _MARGIN * sample_ms * 1000.0)) - 32)
     factor = max(1, round(60e6 / 2**shift / encoder.pulses_per_revolution))
-    return _pin(encoder.pin, "$.wiring.encoder.pin") | {
+    return {
+        **_pin(encoder.pin, "$.wiring.encoder.pin"),
         "counter": encoder.counts_in_hardware,
         "interrupt": INTERRUPTS.get(encoder.pin),
         "pulses_per_revolution": encoder.pulses_per_revolution,
@@ -300,12 +317,16 @@ def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> Context:
     }
 
 
-def _drive(drive: Drive, sample_ms: int) -> Context:
+def _drive(drive: Drive, sample_ms: int) -> DriveContext:
     steps = drive.profile.steps if drive.profile else ()
     lines = {key: getattr(drive, f"{key}_pin") for key in ("forward", "reverse", "pwm", "direction")}
     pins = {key: None if pin is None else _pin(pin, f"$.wiring.drive.{key}_pin") for key, pin in lines.items()}
     of_timer = {key.removesuffix("_pin"): PWM_TIMERS[pin] for key, pin in drive.pwm_pins.items()}
-    return pins | {
+    return {
+        "forward": pins["forward"],
+        "reverse": pins["reverse"],
+        "pwm": pins["pwm"],
+        "direction": pins["direction"],
         "forward_high": drive.forward_is_high,
         "timers": [
             {
@@ -328,7 +349,7 @@ def _drive(drive: Drive, sample_ms: int) -> Context:
     }
 
 
-def _observe(observe: Observe) -> Context:
+def _observe(observe: Observe) -> ObserveContext:
     reverse = observe.reverse_pin
     return {
         "forward": _pin(observe.forward_pin, "$.wiring.observe.forward_pin"),
@@ -337,8 +358,8 @@ def _observe(observe: Observe) -> Context:
 
 
 def _memory(
-    wiring: Wiring, chips: list[Context], names: list[str], program: Program, sha256: str, sample_ms: int
-) -> Context | None:
+    wiring: Wiring, chips: list[ThermocoupleContext], names: list[str], program: Program, sha256: str, sample_ms: int
+) -> MemoryContext | None:
     """The copies in EEPROM; none without a measured component, because nothing could tell whether a copy is fresh."""
     if wiring.memory is None or not any(chip["channel"] in names for chip in chips):
         return None

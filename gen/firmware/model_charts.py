@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from decimal import Decimal
 from itertools import pairwise
 
 import numpy as np
 
+from gen.firmware.step_responses import Responses
 from gen.model import Component, ThermalModel
 from gen.pages.charts import SUPERSCRIPT, Chart, Series
+
+_DOTS = 15
+"""Dots on a step response."""
 
 
 def schedule_charts(model: ThermalModel, component: Component) -> list[Chart]:
@@ -53,22 +56,19 @@ def schedule_charts(model: ThermalModel, component: Component) -> list[Chart]:
     return charts
 
 
-def response_charts(
-    name: str, labels: Sequence[str], times: Sequence[float], exact: list[list[Decimal]], own: list[list[float]]
-) -> list[Chart]:
-    """Step responses, exact and as the board computes their first part, and the error of that part in µK."""
-    ran = times[: len(own[0])]
-    lines = [Series(label, times, [float(v) for v in exact[i]], i) for i, label in enumerate(labels)]
-    dots = [Series("", ran[::16], values[::16], i, dots=True) for i, values in enumerate(own)]
+def response_charts(name: str, labels: Sequence[str], found: Responses) -> list[Chart]:
+    """Step responses, exact and as far as the board's reference ran, and its error in µK."""
+    lines = [Series(label, found.times, [float(v) for v in found.exact[i]], i) for i, label in enumerate(labels)]
+    every = -(-(len(found.ran) - 1) // _DOTS)
+    dots = [Series("", found.ran[::every], values[::every], i, dots=True) for i, values in enumerate(found.own)]
     errors = [
-        Series(label, ran, [float((Decimal(b) - e) * 10**6) for b, e in zip(own[i], exact[i], strict=False)], i)
+        Series(label, found.ran, [float(error * 10**6) for error in found.errors[i]], i)
         for i, label in enumerate(labels)
     ]
     over = f"of {name} at {', '.join(labels)} PWM"
-    text = (
-        f"Rise {over}: the exact solution as lines, the board's reference as dots up to {ran[-1]:g} s. {_ends(lines)}"
-    )
-    wrong = f"The board's reference less the exact solution {over}. {_ends(errors)}"
+    ran = f"up to {found.ran[-1]:g} s"
+    text = f"Rise {over}: the exact solution as lines, the board's reference as dots {ran}. {_ends(lines)}"
+    wrong = f"The board's reference less the exact solution {over}, {ran}. {_ends(errors)}"
     return [
         Chart(f"step-{name}", "Step responses", text, "time (s)", "rise", "K", (*lines, *dots)),
         Chart(f"error-{name}", "Error of the board", wrong, "time (s)", "error", "µK", tuple(errors)),

@@ -15,6 +15,7 @@ import numpy as np
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.onboard.graph import INTEGERS
 from gen.lowering.onboard.tape import DIVIDE_SHIFT, OnboardComponent, Step
+from gen.model.dynamics import MAX_PWM
 from gen.templating import folder
 
 _OPERATORS = {"mul": "*", "div": "/", "add": "+", "sub": "-"}
@@ -80,7 +81,7 @@ class SchedulePrinter:
     def _body(self) -> list[str]:
         component = self._component
         for number, step in enumerate(component.steps):
-            if step.op == "input" and step.table == (0, 255):
+            if step.op == "input" and step.table == (0, MAX_PWM):
                 continue
             line = f"    const {self._type(number)} n{number} = {self._expression(number, step)};"
             self._lines.append(f"{line}  // {self._comment(step)}")
@@ -102,7 +103,7 @@ class SchedulePrinter:
 
     def _ref(self, number: int) -> str:
         step = self._component.steps[number]
-        return "x" if step.op == "input" and step.table == (0, 255) else f"n{number}"
+        return "x" if step.op == "input" and step.table == (0, MAX_PWM) else f"n{number}"
 
     def _as_unsigned(self, step: Step, place: int) -> str:
         number = step.args[place]
@@ -145,7 +146,7 @@ class SchedulePrinter:
             return f"(uint8_t)({_held(a[0], step)} - pgm_read_byte(&{starts}[{a[1]}]))"
         if step.op == "positive_outside":
             low, high = int(step.table[0]), int(step.table[1])
-            tests = ([f"{a[1]} < {low}"] if low > 0 else []) + ([f"{a[1]} > {high}"] if high < 255 else [])
+            tests = ([f"{a[1]} < {low}"] if low > 0 else []) + ([f"{a[1]} > {high}"] if high < MAX_PWM else [])
             below = f"{a[0]} < 0" if self._fixed else f"{self._name}_negative({a[0]})"
             return f"({below} && ({' || '.join(tests)})) ? 0 : {a[0]}"
         return self._fixed_expression(number, step, a) if self._fixed else self._float_expression(number, step, a)
@@ -174,18 +175,11 @@ class SchedulePrinter:
                 rest = f"{self._as_unsigned(step, 1)}, {step.shift - DIVIDE_SHIFT}, {str(step.round).lower()}"
                 return f"{name}_divide_signed({a[0]}, {rest})"
             case "add" | "sub" | "add_modulo" | "sub_modulo":
-                sign = "-" if step.op.startswith("sub") else "+"
-                mixed = step.unsigned or any(self._component.steps[i].unsigned for i in step.args)
-                if not mixed and not step.op.endswith("modulo"):
-                    return f"{a[0]} {sign} {a[1]}"
-                modulo = f"{self._as_unsigned(step, 0)} {sign} {self._as_unsigned(step, 1)}"
-                return modulo if step.unsigned else f"(int32_t)({modulo})"
+                return self._sum(step, a)
             case "neg":
                 return f"-{a[0]}"
             case "shr":
-                if self._component.steps[step.args[0]].unsigned:
-                    return f"(int32_t)((({a[0]} >> {s - 1}) + 1u) >> 1)"
-                return f"{name}_round_shift({a[0]}, {s - 1})"
+                return self._rounded_shift(step, a[0])
             case "floor":
                 return f"{a[0]} >> {s}"
             case "shl":
@@ -193,8 +187,22 @@ class SchedulePrinter:
                 return shifted if step.unsigned else f"(int32_t)({shifted})"
         raise ValueError(f"no step {step.op}")
 
+    def _sum(self, step: Step, a: list[str]) -> str:
+        """A sum or difference; where words are unsigned or may wrap, it is taken modulo 2^32."""
+        sign = "-" if step.op.startswith("sub") else "+"
+        mixed = step.unsigned or any(self._component.steps[i].unsigned for i in step.args)
+        if not mixed and not step.op.endswith("modulo"):
+            return f"{a[0]} {sign} {a[1]}"
+        modulo = f"{self._as_unsigned(step, 0)} {sign} {self._as_unsigned(step, 1)}"
+        return modulo if step.unsigned else f"(int32_t)({modulo})"
+
+    def _rounded_shift(self, step: Step, value: str) -> str:
+        if self._component.steps[step.args[0]].unsigned:
+            return f"(int32_t)((({value} >> {step.shift - 1}) + 1u) >> 1)"
+        return f"{self._name}_round_shift({value}, {step.shift - 1})"
+
     def _power_series(self, step: Step, table: str, terms: int, x: str) -> str:
-        u = f"(uint8_t)(255 - {x})" if step.shift else x
+        u = f"(uint8_t)({MAX_PWM} - {x})" if step.shift else x
         return f"{self._name}_power_series({table}, {terms}, {u})"
 
     def _float_expression(self, number: int, step: Step, a: list[str]) -> str:
@@ -221,7 +229,7 @@ class SchedulePrinter:
 def _held(x: str, step: Step) -> str:
     low, high = int(step.table[0]), int(step.table[-1])
     text = x
-    if high < 255:
+    if high < MAX_PWM:
         text = f"({x} > {high} ? {high} : {text})"
     if low > 0:
         text = f"({x} < {low} ? {low} : {text})"

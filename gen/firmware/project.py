@@ -13,20 +13,26 @@ from pydantic import BaseModel
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.firmware import render
-from gen.firmware.context import Context, project_context
+from gen.firmware.context import LibraryContext, Names, project_context
+from gen.firmware.contexts.board import DeviceContext
+from gen.firmware.contexts.identity import ROOM_degC
+from gen.firmware.contexts.tests import tests_context
 from gen.firmware.device import device_context, sketch_files
 from gen.firmware.report import report_html
-from gen.firmware.vectors import reference_vectors
 from gen.firmware.wiring_svg import parts, wiring_svg
 from gen.lowering.program import Program
 from gen.version import __version__
 
 PROJECT = {
-    "platformio.ini": "platformio.ini.j2",
-    "README.md": "README.md.j2",
     "lib/NAME/library.json": "lib/model/library.json.j2",
     "lib/NAME/library.properties": "lib/model/library.properties.j2",
     "lib/NAME/examples/Basic/Basic.ino": "lib/model/examples/Basic/Basic.ino.j2",
+}
+SKETCH = {
+    "platformio.ini": "platformio.ini.j2",
+    "README.md": "README.md.j2",
+}
+TESTS = {
     "test/test_model/test_main.cpp": "test/test_model/test_main.cpp.j2",
     "test/test_model/vectors.h": "test/test_model/vectors.h.j2",
 }
@@ -50,11 +56,13 @@ def project_files(
     verification
         What `gen verify` found for this coefficient file, or None.
     """
-    context = project_context(coefficients, program, source_name) | _sketch_context(coefficients, program)
-    device = context["device"]
-    device["parts"] = parts(device)
-    files = render.library(context) | render.render(PROJECT | sketch_files(device), context)
-    if device["parts"]:
+    library = project_context(coefficients, program, source_name)
+    device = device_context(coefficients, program)
+    files = render.library(library)
+    files |= render.render(PROJECT, library.of_model())
+    files |= render.render(TESTS, {**library.of_model(), **tests_context(program)})
+    files |= render.render(SKETCH | sketch_files(device), _of_sketch(coefficients, library, device))
+    if parts(device):
         files[WIRING] = wiring_svg(f"Wiring of {program.model.name}", device)
     if verification is not None:
         files[VERIFICATION] = json.dumps(verification, indent=1) + "\n"
@@ -97,17 +105,14 @@ def read_verification(path: Path, coefficients: Coefficients, *, strict: bool = 
     return record
 
 
-def _sketch_context(coefficients: Coefficients, program: Program) -> Context:
-    model = program.model
-    low, high = model.domain_temperature
-    rise = (low - model.domain_ambient[1], high - model.domain_ambient[0])
+def _of_sketch(coefficients: Coefficients, library: LibraryContext, device: DeviceContext) -> Names:
+    """For the sketch and its README: the board, beside what the model's own templates are told."""
+    ambient = coefficients.model.ambient_fixed
     return {
-        "device": device_context(coefficients, program),
-        "ambient_given": model.ambient_fixed is not None,
-        "ambient": f"{model.ambient_fixed if model.ambient_fixed is not None else 25.0:g}",
-        "vectors": reference_vectors(program),
-        "probe": min(model.domain_pwm[1], max(model.domain_pwm[0], model.full_scale // 2)),
-        "start_probe": int(min(max(20_250, rise[0] * 1000), rise[1] * 1000)) // 250 * 250,
+        **library.of_model(),
+        "device": {**device, "parts": parts(device)},
+        "ambient_given": ambient is not None,
+        "ambient": f"{ambient if ambient is not None else ROOM_degC:g}",
     }
 
 

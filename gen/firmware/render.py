@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from gen.firmware.context import Context
+from collections.abc import Mapping
+
+from gen.firmware.context import LibraryContext, Names
+from gen.lowering.kinds import Arithmetic
 from gen.templating import environment
 
-#: Emitted path -> template, for what the model's library consists of. NAME stands for the model's name.
-LIBRARY = {
+# Emitted path -> template, for what the model's library consists of. NAME stands for the model's name.
+_MODEL = {
     "lib/NAME/src/NAME.h": "lib/model/src/model.h.j2",
-    "lib/NAME/src/NAME.cpp": "lib/model/src/model.cpp.j2",
     "lib/NAME/src/NAME_model.h": "lib/model/src/model_state.h.j2",
     "lib/NAME/src/NAME_platform.h": "lib/model/src/platform.h.j2",
+}
+_ALARMS = {
     "lib/NAME/src/NAME_alarms.h": "lib/model/src/alarms.h.j2",
     "lib/NAME/src/NAME_alarms.cpp": "lib/model/src/alarms.cpp.j2",
     "lib/NAME/src/NAME_alarms_state.h": "lib/model/src/alarms_state.h.j2",
 }
-_BY_ARITHMETIC = {
+_BODY: Mapping[Arithmetic, Mapping[str, str]] = {
+    "fixed": {"lib/NAME/src/NAME.cpp": "lib/model/src/model_fixed.cpp.j2"},
+    "float": {"lib/NAME/src/NAME.cpp": "lib/model/src/model_float.cpp.j2"},
+}
+_RECURSION: Mapping[Arithmetic, Mapping[str, str]] = {
     "fixed": {
         "lib/NAME/src/NAME_word.h": "lib/model/src/word.h.j2",
         "lib/NAME/src/NAME_step.h": "lib/model/src/step_fixed.h.j2",
@@ -26,37 +34,41 @@ _BY_ARITHMETIC = {
         "lib/NAME/src/NAME_step.h": "lib/model/src/step_float.h.j2",
     },
 }
-_BY_SCHEDULE = {
-    "table": {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table.cpp.j2"},
-    "onboard": {
-        "lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_onboard.cpp.j2",
-        "lib/NAME/src/NAME_onboard_math.h": "lib/model/src/onboard_math.h.j2",
-    },
+_TABLE: Mapping[Arithmetic, Mapping[str, str]] = {
+    "fixed": {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table.cpp.j2"},
+    "float": {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table_float.cpp.j2"},
 }
-
-#: Templates that control every line break themselves, with {%- and -%}.
-_OWN_LINE_BREAKS = ("lib/model/src/onboard_math.h.j2",)
+_ONBOARD = {
+    "lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_onboard.cpp.j2",
+    "lib/NAME/src/NAME_onboard_math.h": "lib/model/src/onboard_math.h.j2",
+}
 _EFFECTS = {
     "lib/NAME/src/NAME_effects.h": "lib/model/src/effects.h.j2",
     "lib/NAME/src/NAME_effects.cpp": "lib/model/src/effects.cpp.j2",
 }
+#: Templates that control every line break themselves, with {%- and -%}.
+_OWN_LINE_BREAKS = ("lib/model/src/onboard_math.h.j2",)
 
 
-def render(templates: dict[str, str], context: Context) -> dict[str, str]:
-    """Render each template under its emitted path."""
+def render(templates: Mapping[str, str], names: Names) -> dict[str, str]:
+    """Render each template under its emitted path; a name that is not among `names` is an error."""
     return {
-        path.replace("NAME", context["name"]): environment("project", own_line_breaks=template in _OWN_LINE_BREAKS)
+        path.replace("NAME", str(names["name"])): environment("project", own_line_breaks=template in _OWN_LINE_BREAKS)
         .get_template(template)
-        .render(context)
+        .render(names)
         for path, template in templates.items()
     }
 
 
-def library(context: Context) -> dict[str, str]:
+def library(context: LibraryContext) -> dict[str, str]:
     """The model's library for the context's arithmetic and schedule."""
-    schedule = context["schedule"]
-    sources = _BY_SCHEDULE[schedule]
-    if (context["arithmetic"], schedule) == ("float", "table"):
-        sources = {"lib/NAME/src/NAME_schedule.cpp": "lib/model/src/schedule_table_float.cpp.j2"}
-    recursion = _BY_ARITHMETIC[context["arithmetic"]]
-    return render(LIBRARY | recursion | sources | (_EFFECTS if context["effects"] else {}), context)
+    arithmetic = context.identity["arithmetic"]
+    schedule = _ONBOARD if context.identity["schedule"] == "onboard" else _TABLE[arithmetic]
+    return (
+        render(_MODEL, context.of_model())
+        | render(_BODY[arithmetic], context.of_model())
+        | render(_ALARMS, context.of_alarms())
+        | render(_RECURSION[arithmetic], context.of_model())
+        | render(schedule, context.of_schedule())
+        | (render(_EFFECTS, context.of_effects()) if context.effects is not None else {})
+    )

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from decimal import Decimal, localcontext
 from functools import cache, singledispatch
-from math import ceil, floor, log2
+from math import floor, log2
 from typing import Any, Literal
 
 import numpy as np
@@ -16,25 +15,16 @@ from gen.coefficients import Coefficients
 from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.effects_report import effect_rows
 from gen.firmware.model_charts import course_chart, response_charts, schedule_charts
+from gen.firmware.step_responses import levels, responses
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import RESIDUE_BITS, WORD_BITS
 from gen.lowering.float32 import LOW_BITS, FloatComponent
 from gen.lowering.program import AnyComponent, Program
 from gen.lowering.recursion.dynamics import domain_rows
 from gen.lowering.recursion.guarantee import rounded_up
-from gen.model import Component
-from gen.model.schedules import EXACT
-from gen.pages.charts import Chart, plain, power, scientific
+from gen.pages.charts import plain, power, scientific
 from gen.pages.environment import page_environment
-from gen.reference.model import ReferenceModel
 from gen.version import __version__
-
-#: Length of the step responses, in s; the board's reference runs for their first part only (see ``_samples``).
-HORIZON_S = 10_800
-LEVELS = (20, 40, 60, 80, 100)
-_POINTS, _LATER_POINTS = 80, 60
-#: Products of order, substeps and samples that the reference may take: about a quarter of a second.
-_WORK = 19_200
 
 Cells = tuple[str, ...]
 
@@ -65,7 +55,9 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
     wanted = (program.arithmetic, program.schedule)
     own = next((c for c in combinations if (c["arithmetic"], c["schedule"]) == wanted), None)
     limit, limit_name = coefficients.accuracy.limit(program.arithmetic)
-    window, responses = _responses(replace(program, effects=None))  # of the baseline: effects have no such exact ones
+    whole_run = own.get("step_errors") if own is not None else None
+    steps = responses(replace(program, effects=None), whole_run)  # of the baseline: effects have no such exact ones
+    labels = [f"{pwm / program.model.full_scale:.0%}" for pwm in levels(program.model)]
     return (
         _environment()
         .get_template("report.html.j2")
@@ -76,15 +68,17 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
             verdict=verdict(own),
             own=own,
             combinations=combinations,
-            comparisons=[row for combination in combinations for row in comparisons(combination)],
+            comparisons=comparisons(combinations),
+            compared_words=count_words(combinations),
             targets=TARGETS,
             course=course_chart(*own["error_course"].values()) if own and "error_course" in own else None,
             limit_name=limit_name,
             limit=limit,
-            window=window,
+            horizon=round(steps[0].times[-1]),
+            window=steps[0].ran[-1],
             figures=[
-                (component, schedule_charts(program.model, component), charts)
-                for component, charts in zip(program.model.components, responses, strict=True)
+                (component, schedule_charts(program.model, component), response_charts(component.name, labels, step))
+                for component, step in zip(program.model.components, steps, strict=True)
             ],
             words=[row for component in program.components for row in words(component)],
             constants=constants(program),
@@ -158,23 +152,52 @@ def verdict(own: Mapping[str, Any] | None) -> Verdict:
 TARGETS = ("g++ -O2", "clang++ -O2", "g++ sanitized", "clang++ sanitized", "ATmega2560 (simavr)")
 
 
-def comparisons(combination: Mapping[str, Any]) -> list[tuple[str, str, list[tuple[str, bool]]]]:
-    """Rows of the table of comparisons: combination, what was compared, and for each target a text and its alarm."""
-    label = f"{combination['arithmetic']}/{combination['schedule']}"
-    found: dict[str, dict[str, Mapping[str, Any]]] = {}
-    for target in combination["targets"]:
-        name, _, what = target["target"].partition(", ")
-        found.setdefault(what or "states, random profiles", {})[name] = target
-    rows = []
-    for what, by_target in found.items():
-        cells = []
-        for name in TARGETS:
-            target = by_target.get(name)
-            differing = target["differing"] if target else 0
-            text = f"{_count(target['words'])}" if target else "–"
-            cells.append((f"{_count(differing)} of {text} differ" if differing else text, differing > 0))
-        rows.append((label, what, cells))
-    return rows
+@dataclass(frozen=True)
+class Comparison:
+    """A row of the table of comparisons.
+
+    Attributes
+    ----------
+    combinations
+        Which ones have these counts.
+    compared
+        What was compared.
+    cells
+        For each of `TARGETS` a text, and whether it is an alarm.
+    """
+
+    combinations: str
+    compared: str
+    cells: tuple[tuple[str, bool], ...]
+
+
+def comparisons(combinations: Sequence[Mapping[str, Any]]) -> list[Comparison]:
+    """Rows of the table of comparisons; combinations with the same counts share one."""
+    found: dict[tuple[str, tuple[tuple[str, bool], ...]], list[str]] = {}
+    for combination in combinations:
+        label = f"{combination['arithmetic']}/{combination['schedule']}"
+        by_kind: dict[str, dict[str, Mapping[str, Any]]] = {}
+        for target in combination["targets"]:
+            name, _, what = target["target"].partition(", ")
+            by_kind.setdefault(what or "states, random profiles", {})[name] = target
+        for what, by_target in by_kind.items():
+            cells = tuple(_compared(by_target.get(name)) for name in TARGETS)
+            found.setdefault((what, cells), []).append(label)
+    return [Comparison(", ".join(labels), what, cells) for (what, cells), labels in found.items()]
+
+
+def _compared(target: Mapping[str, Any] | None) -> tuple[str, bool]:
+    """How many words a target compared, and whether any of them differ."""
+    if target is None:
+        return "–", False
+    text = _count(target["words"])
+    return (f"{_count(target['differing'])} of {text} differ", True) if target["differing"] else (text, False)
+
+
+def count_words(combinations: Sequence[Mapping[str, Any]]) -> tuple[int, int]:
+    """How many words were compared in all combinations, and how many of them differ."""
+    targets = [target for combination in combinations for target in combination["targets"]]
+    return sum(target["words"] for target in targets), sum(target["differing"] for target in targets)
 
 
 @singledispatch
@@ -260,70 +283,3 @@ def _rows(program: Program) -> str:
     widths = [max(map(len, column)) for column in columns]
     lines = zip(*columns, strict=True)
     return "\n".join("  ".join(t.rjust(w) for t, w in zip(line, widths, strict=True)) for line in lines)
-
-
-def _responses(program: Program) -> tuple[float, list[list[Chart]]]:
-    """How long the board's reference ran, in s, and for each component the step responses and their errors."""
-    model = program.model
-    levels = sorted(
-        {min(max(round(model.full_scale * p / 100), model.domain_pwm[0]), model.domain_pwm[1]) for p in LEVELS}
-    )
-    work = sum(component.order * component.substeps for component in program.components)
-    stride = max(1, min(_WORK // work, round(HORIZON_S / model.sample_time)) // _POINTS)
-    # At rest at ambient, or as near to it as the domain allows.
-    starts = {c.name: min(max(0, c.start_range_mK[0]), c.start_range_mK[1]) for c in program.components}
-    board = ReferenceModel(program, {name: [start] * len(levels) for name, start in starts.items()})
-    rises = [board.rises]
-    for _ in range(_POINTS):
-        for _ in range(stride):
-            board.step(np.array(levels))
-        rises.append(board.rises)
-    interval = stride * model.sample_time
-    window = interval * _POINTS
-    later = max(0.0, HORIZON_S - window) / _LATER_POINTS
-    times = [interval * k for k in range(_POINTS + 1)] + [
-        window + later * (k + 1) for k in range(_LATER_POINTS) if later
-    ]
-    later_count = _LATER_POINTS if later else 0
-    charts = []
-    for number, component in enumerate(model.components):
-        start = Decimal(starts[component.name]) / 1000
-        exact = [exact_response(component, pwm, start, [(interval, _POINTS), (later, later_count)]) for pwm in levels]
-        own = [[float(point[number, lane]) for point in rises] for lane in range(len(levels))]
-        labels = [f"{pwm / model.full_scale:.0%}" for pwm in levels]
-        charts.append(response_charts(component.name, labels, times, exact, own))
-    return window, charts
-
-
-def exact_response(component: Component, pwm: int, start: Decimal, parts: list[tuple[float, int]]) -> list[Decimal]:
-    """The exact rise at constant PWM, in decimals (a float64 solution would differ in its last digits by machine).
-
-    Parameters
-    ----------
-    component, pwm, start
-        What runs, and from which rise at rest.
-    parts
-        Intervals in s, and how many points follow at each.
-    """
-    n = component.order
-    generator = np.full((n + 1, n + 1), Decimal(0))
-    generator[range(n - 1), range(1, n)] = Decimal(1)
-    generator[n - 1, :n] = [-Decimal(a) for a in component.denominator([pwm])[0, :0:-1].tolist()]
-    generator[n - 1, n] = Decimal(float(component.effective_gain([pwm])[0])) * pwm
-    state = np.array([start, *[Decimal(0)] * (n - 1), Decimal(1)])
-    result = [start]
-    with localcontext(EXACT):
-        for interval, count in parts:
-            scaled = generator * Decimal(interval)
-            halvings = max(0, ceil(log2(float(np.abs(scaled).sum(axis=1).max()) + 1e-9)) + 1)
-            scaled = scaled / Decimal(2**halvings)
-            step = term = np.array([[Decimal(int(i == j)) for j in range(n + 1)] for i in range(n + 1)])
-            for k in range(1, 25):
-                term = term @ scaled / Decimal(k)
-                step = step + term
-            for _ in range(halvings):
-                step = step @ step
-            for _ in range(count):
-                state = step @ state
-                result.append(state[0])
-    return result

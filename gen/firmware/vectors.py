@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -14,7 +14,23 @@ _SEGMENTS = 24
 _LONGEST = 90
 
 
-def reference_vectors(program: Program) -> dict[str, Any]:
+class Segment(TypedDict):
+    """A PWM that is held for so many samples, and the state words after them as literals."""
+
+    pwm: int
+    samples: int
+    words: list[str]
+
+
+class Vectors(TypedDict):
+    """A run from rest at `start_mK`; `words` is how many state words each segment has."""
+
+    start_mK: int
+    segments: list[Segment]
+    words: int
+
+
+def reference_vectors(program: Program) -> Vectors:
     """A short PWM sequence with every kind of change in it, and the state words after each of its segments.
 
     Parameters
@@ -32,7 +48,7 @@ def reference_vectors(program: Program) -> dict[str, Any]:
     model = ReferenceModel(program, [start])
     members = [program.components[member] for shape in program.shapes for member in shape.members]
     names = [name for component in members for name, _ in state_fields(component)]
-    segments = []
+    segments: list[Segment] = []
     for pwm, samples in zip(levels, lengths, strict=True):
         for _ in range(samples):
             model.step(np.array([pwm], dtype=np.int64))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
 
-from gen.firmware.context import Context
+from gen.firmware.contexts.board import DeviceContext, Pin
 from gen.firmware.pins import label
 
 _ROW = 20
@@ -15,7 +15,9 @@ _TOP = 56
 _BOARD_X, _BOARD_WIDTH = 24, 150
 _LANES_X, _LANE = 196, 13
 _DEVICE_WIDTH = 250
-_COLOURS = ("#1f6fb4", "#c2410c", "#15803d", "#7e22ce", "#b91c1c", "#0f766e", "#a16207", "#be185d")
+_COLOURS = ("#1f6fb4", "#c2410c", "#15803d", "#7e22ce", "#0f766e", "#a16207", "#be185d")
+_SUPPLY = {"5 V": "#dc2626", "GND": "#1b1f24"}
+"""Where a terminal goes that is on no numbered pin, and the colour of the wire."""
 _WAYS = {"forward": "forward", "reverse": "reverse"}
 _SIGNED = {"PWM": "pwm", "DIR": "direction"}
 """Terminals of the two kinds of motor driver, and the keys of their lines."""
@@ -41,7 +43,7 @@ class Part:
     terminals: tuple[Terminal, ...]
 
 
-def parts(device: Context) -> list[Part]:
+def parts(device: DeviceContext) -> list[Part]:
     """What is connected, from top to bottom.
 
     Parameters
@@ -62,14 +64,15 @@ def parts(device: Context) -> list[Part]:
     if device["encoder"]:
         pulses = Terminal("pulses", device["encoder"]["label"])
         found.append(Part("Encoder", (pulses, Terminal("VCC", "5 V"), Terminal("GND", "GND"))))
-    signed = device["drive"] and device["drive"]["pwm"]
-    for key, title, lines in (
-        ("drive", *(("Motor driver", _SIGNED) if signed else ("Motor driver: PWM in", _WAYS))),
-        ("observe", "Other controller: PWM", _WAYS),
-    ):
-        if device[key]:
-            ends = [Terminal(name, device[key][line]["label"]) for name, line in lines.items() if device[key][line]]
-            found.append(Part(title, (*ends, Terminal("GND", "GND"))))
+    drive, observe = device["drive"], device["observe"]
+    if drive:
+        title, keys = ("Motor driver", _SIGNED) if drive["pwm"] else ("Motor driver: PWM in", _WAYS)
+        pins = {"forward": drive["forward"], "reverse": drive["reverse"], "pwm": drive["pwm"]}
+        pins["direction"] = drive["direction"]
+        found.append(Part(title, _inputs(keys, pins)))
+    if observe:
+        pins = {"forward": observe["forward"], "reverse": observe["reverse"]}
+        found.append(Part("Other controller: PWM", _inputs(_WAYS, pins)))
     if device["led"] is not None:
         title = "LED" if device["led"] == 13 else "LED with 330 ohm"
         found.append(
@@ -80,8 +83,14 @@ def parts(device: Context) -> list[Part]:
     return found
 
 
-def wiring_svg(title: str, device: Context) -> str:
-    """Draw the diagram as SVG; pins that several devices share have one wire with a dot at each branch.
+def _inputs(keys: Mapping[str, str], pins: Mapping[str, Pin | None]) -> tuple[Terminal, ...]:
+    """Terminals of what is wired, by their names, and ground."""
+    wired = {name: pin for name, key in keys.items() if (pin := pins[key]) is not None}
+    return (*(Terminal(name, pin["label"]) for name, pin in wired.items()), Terminal("GND", "GND"))
+
+
+def wiring_svg(title: str, device: DeviceContext) -> str:
+    """Draw the diagram as SVG; pins that several devices share, 5 V and GND have one wire with a dot at each branch.
 
     Parameters
     ----------
@@ -91,10 +100,12 @@ def wiring_svg(title: str, device: Context) -> str:
         What :func:`gen.firmware.device.device_context` made.
     """
     devices = parts(device)
-    pins = list(dict.fromkeys(t.to for part in devices for t in part.terminals if _is_pin(t.to)))
-    device_x = _LANES_X + _LANE * (len(pins) + 2)
+    ends = dict.fromkeys(t.to for part in devices for t in part.terminals)
+    pins = [to for to in ends if _is_pin(to)]
+    wired = [*pins, *(to for to in _SUPPLY if to in ends)]
+    device_x = _LANES_X + _LANE * (len(wired) + 2)
     heights = _places(devices)
-    board_rows = {pin: _TOP + _ROW * (index + 2) for index, pin in enumerate([*pins, "5 V", "GND"])}
+    board_rows = {pin: _TOP + _ROW * (index + 2) for index, pin in enumerate([*pins, *_SUPPLY])}
     bottom = max([*board_rows.values(), *(y for y, _, _ in heights)]) + 2 * _ROW
     width = device_x + _DEVICE_WIDTH + 24
     lines = [
@@ -103,7 +114,7 @@ def wiring_svg(title: str, device: Context) -> str:
         f'<rect width="{width}" height="{bottom}" fill="white"/>',
         f'<text class="title" x="{_BOARD_X}" y="28">{escape(title)}</text>',
         *_board(board_rows),
-        *_wires(pins, board_rows, heights, device_x),
+        *_wires(wired, board_rows, heights, device_x),
         *_devices(devices, heights, device_x),
         "</svg>",
     ]
@@ -111,7 +122,7 @@ def wiring_svg(title: str, device: Context) -> str:
 
 
 def _is_pin(to: str) -> bool:
-    return to not in ("5 V", "GND")
+    return to not in _SUPPLY
 
 
 def _places(devices: list[Part]) -> list[tuple[int, Part, Terminal]]:
@@ -135,11 +146,11 @@ def _board(rows: dict[str, int]) -> Iterator[str]:
 
 
 def _wires(
-    pins: list[str], rows: dict[str, int], terminals: list[tuple[int, Part, Terminal]], device_x: int
+    wired: list[str], rows: dict[str, int], terminals: list[tuple[int, Part, Terminal]], device_x: int
 ) -> Iterator[str]:
     start = _BOARD_X + _BOARD_WIDTH
-    for index, pin in enumerate(pins):
-        lane, colour = _LANES_X + _LANE * (index + 1), _COLOURS[index % len(_COLOURS)]
+    for index, pin in enumerate(wired):
+        lane, colour = _LANES_X + _LANE * (index + 1), _SUPPLY.get(pin, _COLOURS[index % len(_COLOURS)])
         ends = [y for y, _, terminal in terminals if terminal.to == pin]
         heights = [rows[pin], *ends]
         path = f"M{start} {rows[pin]}H{lane}M{lane} {min(heights)}V{max(heights)}"

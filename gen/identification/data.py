@@ -97,15 +97,26 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
             count = len(source.run.time_s)
             raise InputError(f"found {count} row(s), expected at least {FEWEST} to identify from", file=source.path)
     ambients = [_ambient(source, ambient, warnings) for source in sources]
+    records = _records(sources, names, ambients, warnings)
+    warnings += _fahrenheit(records)
+    measured = all(s.run.ambient is not None and np.isfinite(s.run.ambient).any() for s in sources)
+    fixed = next((a for a in ambients if isinstance(a, float)), ambient)
+    return Data(tuple(sources), records, fixed, measured, tuple(dict.fromkeys(warnings)))
+
+
+def _records(
+    sources: Sequence[Source], names: Sequence[str], ambients: Sequence[FloatArray | float], warnings: list[str]
+) -> dict[str, tuple[Record, ...]]:
+    """The records of each component that can be identified; the warnings say which cannot."""
     stems = [source.name for source in sources]
     labels = stems if len(set(stems)) == len(stems) else [source.path for source in sources]
     records: dict[str, tuple[Record, ...]] = {}
     for name in names:
-        found = []
-        for label, source, around in zip(labels, sources, ambients, strict=True):
-            record = _record(label, source, name, around, warnings)
-            if record is not None:
-                found.append(record)
+        made = [
+            _record(label, source, name, around, warnings)
+            for label, source, around in zip(labels, sources, ambients, strict=True)
+        ]
+        found = [record for record in made if record is not None]
         reason = _useless(found)
         if reason:
             warnings.append(f"{name} is left out: {reason}")
@@ -114,10 +125,7 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     if not records:
         reasons = "; ".join(w for w in warnings if "left out" in w)
         raise InputError(f"nothing can be identified: {reasons}", file=sources[0].path)
-    warnings += _fahrenheit(records)
-    measured = all(s.run.ambient is not None and np.isfinite(s.run.ambient).any() for s in sources)
-    fixed = next((a for a in ambients if isinstance(a, float)), ambient)
-    return Data(tuple(sources), records, fixed, measured, tuple(dict.fromkeys(warnings)))
+    return records
 
 
 def _components(sources: Sequence[Source]) -> list[str]:

@@ -13,6 +13,7 @@ from gen.identification.forms import GAIN_FORMS, TIME_FORMS, Form
 from gen.identification.output_error import OutputErrorFit, OutputErrorProblem
 from gen.identification.structure import FloatArray
 from gen.identification.uncertainty import Uncertainty
+from gen.model.dynamics import PWM_LEVELS
 
 NEAR_K = 0.3
 """A form may miss the identified speeds themselves by this, or by three standard deviations, to be considered."""
@@ -243,7 +244,7 @@ def guard(shape: Shape, vector: FloatArray, fit: OutputErrorFit) -> str:
     str
         What is wrong, or nothing.
     """
-    pwm = np.append(1e-3, np.arange(1.0, 256.0))
+    pwm = np.append(1e-3, np.arange(1.0, float(PWM_LEVELS)))
     theta, steady = shape.evaluate(vector, pwm)
     if not (np.isfinite(theta).all() and np.isfinite(steady).all()):
         return "is not finite"

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 Outside = Literal["extrapolate", "hold"]
 MAX_PWM = 255
 """The largest count of an 8-bit PWM."""
+PWM_LEVELS = MAX_PWM + 1
+"""How many |PWM| there are: 0..255."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +130,7 @@ class Component:
 
     @cached_property
     def _gains(self) -> FloatArray:
-        return np.asarray([float(self.gain.exact(self._held(x))) for x in range(MAX_PWM + 1)])
+        return np.asarray([float(self.gain.exact(self._held(x))) for x in range(PWM_LEVELS)])
 
     @cached_property
     def _denominators(self) -> FloatArray:
@@ -141,9 +143,9 @@ class Component:
     @cached_property
     def _expanded(self) -> tuple[FloatArray, FloatArray]:
         """Both parts of poly(poles) at 0..255, expanded in decimal so that only one rounding is left."""
-        real = np.empty((MAX_PWM + 1, self.order + 1))
+        real = np.empty((PWM_LEVELS, self.order + 1))
         imag = np.empty_like(real)
-        for x in range(MAX_PWM + 1):
+        for x in range(PWM_LEVELS):
             held = self._held(x)
             with localcontext(EXACT):
                 poly = [(Decimal(1), Decimal(0))]

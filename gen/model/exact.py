@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gen.model.dynamics import Component, ThermalModel
+from gen.model.dynamics import MAX_PWM, PWM_LEVELS, Component, ThermalModel
 from gen.model.schedules import FloatArray
 
 _CHUNK = 1 << 15
@@ -42,8 +42,10 @@ class ExactSolution:
 
     def __init__(self, model: ThermalModel) -> None:
         self.model = model
-        self._known: list[NDArray[np.bool_]] = [np.zeros(256, dtype=np.bool_) for _ in model.components]
-        self._table = [_Steps(np.zeros((256, c.order, c.order)), np.zeros((256, c.order))) for c in model.components]
+        self._known: list[NDArray[np.bool_]] = [np.zeros(PWM_LEVELS, dtype=np.bool_) for _ in model.components]
+        self._table = [
+            _Steps(np.zeros((PWM_LEVELS, c.order, c.order)), np.zeros((PWM_LEVELS, c.order))) for c in model.components
+        ]
 
     def simulate(
         self, pwm_samples: ArrayLike, initial_rise: Mapping[str, ArrayLike] | None = None
@@ -163,8 +165,8 @@ def _magnitude(pwm: ArrayLike) -> NDArray[np.int64]:
     if array.dtype.kind not in "iu":
         raise TypeError(f"PWM is an integer, not {array.dtype}")
     counts = np.abs(array.astype(np.int64))
-    if counts.size and counts.max() > 255:
-        raise ValueError("PWM is -255..255")
+    if counts.size and counts.max() > MAX_PWM:
+        raise ValueError(f"PWM is -{MAX_PWM}..{MAX_PWM}")
     return counts
 
 

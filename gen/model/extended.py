@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.model.dynamics import Component, ThermalModel
+from gen.model.dynamics import PWM_LEVELS, Component, ThermalModel
 from gen.model.effects.base import Applied
 from gen.model.effects.integrate import Slot, Track, readings, start_shift
 from gen.model.effects.response import response
@@ -24,7 +24,7 @@ _SETTLED_K = 1e-10
 
 def own_rate(component: Component) -> FloatArray:
     """The rate at which heat leaves a component at |PWM| 0..255: A(0)/A'(0), 1/s; of order 1 its only pole."""
-    a = component.denominator(np.arange(256))
+    a = component.denominator(np.arange(PWM_LEVELS))
     return np.asarray(a[:, -1] / a[:, -2])
 
 
@@ -134,7 +134,7 @@ class ExtendedSolution:
         start_rise: Mapping[str, float],
     ) -> Track:
         rate = own_rate(component)
-        heat = rate * component.steady_rise(np.arange(256))
+        heat = rate * component.steady_rise(np.arange(PWM_LEVELS))
         own = None
         if component.order > 1:
             own = response(component, counts[:-1, None], shared.step[:, None])

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.alarms import LoweredRule
+from gen.model.dynamics import MAX_PWM
 
 Integers = NDArray[np.int64]
 Record = NDArray[np.void]
@@ -80,7 +81,7 @@ class ReferenceAlarms:
         valid
             Bit masks of the components whose measurement passed its checks, shape (L,).
         """
-        magnitude = np.minimum(np.abs(pwm), 255)
+        magnitude = np.minimum(np.abs(pwm), MAX_PWM)
         for number, rule in enumerate(self._rules):
             inside, trip, clear = _thresholds(rule, magnitude)
             awake = self._awake(number, rule, inside)

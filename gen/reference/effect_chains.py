@@ -111,7 +111,6 @@ class FloatChain:
     def __init__(self, component: FloatComponent, counter: Counter, lanes: int) -> None:
         self._component, self._counter = component, counter
         self._step = FloatStep(component)
-        self._seen: Integers = np.zeros(lanes, dtype=np.int64)
         self._rates = component.rate_words
         self.start(np.zeros(lanes, dtype=np.int64))
 

@@ -51,8 +51,6 @@ class Trace:
         The component's own rate (1/s) and the baseline's heating (K/s), mean of each bin.
     start_rise
         Measured rise at the start, K.
-    sum_squares, samples
-        Squared scatter of single samples about the bins' means, summed over the run, K^2, and their number.
     """
 
     residual: FloatArray
@@ -63,8 +61,6 @@ class Trace:
     rate: FloatArray
     heat: FloatArray
     start_rise: float
-    sum_squares: float
-    samples: int
 
 
 @dataclass(frozen=True)
@@ -220,7 +216,7 @@ def _condensed(coefficients: Coefficients, run: Run, name: str) -> Condensed:
         rate = own_rate(component)
         heat = rate * component.steady_rise(np.arange(256))
         residual = measured[component.name] - ambient - base[component.name]
-        means, noise, squares, samples = _binned(residual, time, index, count)
+        means, noise = _binned(residual, time, index, count)
         traces[component.name] = Trace(
             residual=means,
             noise_K=noise,
@@ -230,8 +226,6 @@ def _condensed(coefficients: Coefficients, run: Run, name: str) -> Condensed:
             rate=held(rate[counts]),
             heat=held(heat[counts]),
             start_rise=start_rise[component.name],
-            sum_squares=squares,
-            samples=samples,
         )
     return Condensed(
         name=name,
@@ -284,9 +278,7 @@ def _bins(time: FloatArray, pwm: NDArray[np.int64]) -> tuple[NDArray[np.int64], 
     return index, np.concatenate([time[starts], time[-1:]])
 
 
-def _binned(
-    residual: FloatArray, time: FloatArray, index: NDArray[np.int64], count: int
-) -> tuple[FloatArray, float, float, int]:
+def _binned(residual: FloatArray, time: FloatArray, index: NDArray[np.int64], count: int) -> tuple[FloatArray, float]:
     """Means, and the scatter about each bin's own straight line."""
     good = np.isfinite(residual)
     r, t, i = residual[good], time[good], index[good]
@@ -306,7 +298,7 @@ def _binned(
         noise = float(np.std(np.diff(r, 3)) / np.sqrt(20.0))
     else:
         noise = 0.0
-    return mean, noise, float(np.sum(dr * dr)), int(r.size)
+    return mean, noise
 
 
 def _resolution(values: FloatArray) -> float:

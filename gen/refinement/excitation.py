@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from gen.coefficients import Coefficients
 from gen.model.effects import registry
 from gen.refinement.condense import Condensed
+from gen.runs.run import FloatArray
 
 _HOUR = 3600.0
 
@@ -49,33 +50,40 @@ def excitation(coefficients: Coefficients, runs: Sequence[Condensed]) -> Excitat
         ("hours in reverse", f"{reverse:.1f}"),
         ("warm starts", str(len(warm))),
     ]
-    missing = []
-    if len(runs) < 3:
-        missing.append("with fewer than three runs a run can hardly be left out: log more")
-    if stops == 0:
-        missing.append(
-            "no cut-off from hot: a hidden hot part and the cooling at standstill cannot be seen; log one for 2 h"
-        )
-    if reverse == 0.0:
-        missing.append("one direction of rotation only: run the same speed in reverse for 2 h")
-    if held.size < 3:
-        missing.append(
-            "fewer than three speeds: a wrong schedule cannot be told from a sensor's gain; run others for 2 h"
-        )
-    if not warm:
-        missing.append("no warm start: log a run that begins warm")
-    common = set.intersection(*(set(run.channels) for run in runs))
-    for source in (source for effect in registry().values() for source in effect.inputs if source.quantity):
-        if not any(source.fits(name) for name in common):
-            missing.append(f"no {source.quantity} was logged: its effect cannot be seen")
-    for name in sorted(common):
-        values = np.concatenate([run.channels[name] for run in runs])
-        facts.append((name, f"{values.min():.4g} .. {values.max():.4g}"))
-        if float(np.std(values)) < 1e-9:
-            missing.append(f"{name} never changes: its effect cannot be seen")
-    if all(run.measured_ambient is None for run in runs):
-        missing.append("no ambient was logged: a room that warms looks like a drift")
-    return Excitation(facts, missing)
+    common = sorted(set.intersection(*(set(run.channels) for run in runs)))
+    values = {name: np.concatenate([run.channels[name] for run in runs]) for name in common}
+    facts += [(name, f"{column.min():.4g} .. {column.max():.4g}") for name, column in values.items()]
+    lacks = [
+        (len(runs) < 3, "with fewer than three runs a run can hardly be left out: log more"),
+        (
+            stops == 0,
+            "no cut-off from hot: a hidden hot part and the cooling at standstill cannot be seen; log one for 2 h",
+        ),
+        (reverse == 0.0, "one direction of rotation only: run the same speed in reverse for 2 h"),
+        (
+            held.size < 3,
+            "fewer than three speeds: a wrong schedule cannot be told from a sensor's gain; run others for 2 h",
+        ),
+        (not warm, "no warm start: log a run that begins warm"),
+        *((True, sentence) for sentence in _silent_channels(values)),
+        (
+            all(run.measured_ambient is None for run in runs),
+            "no ambient was logged: a room that warms looks like a drift",
+        ),
+    ]
+    return Excitation(facts, [sentence for lacking, sentence in lacks if lacking])
+
+
+def _silent_channels(values: Mapping[str, FloatArray]) -> list[str]:
+    """Quantities that effects read and nobody logged, and channels that never change."""
+    wanted = [source for effect in registry().values() for source in effect.inputs if source.quantity]
+    missing = [
+        f"no {source.quantity} was logged: its effect cannot be seen"
+        for source in wanted
+        if not any(source.fits(name) for name in values)
+    ]
+    still = [name for name, column in values.items() if float(np.std(column)) < 1e-9]
+    return missing + [f"{name} never changes: its effect cannot be seen" for name in still]
 
 
 def _hot_stops(run: Condensed) -> int:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
+from gen.model.effects import Free
 from gen.refinement.simulation_fit import HypothesisFit
 from gen.refinement.stacked_runs import StackedRuns
 
@@ -112,32 +113,45 @@ def _worse_run(problem: StackedRuns, c: int, null: HypothesisFit, found: Hypothe
 
 
 def _parameters(found: HypothesisFit, c: int, added: int) -> list[str]:
+    """What speaks against the parameters of the terms that were added, beginning with free parameter `added`."""
     reasons = []
     sizes = (found.size(at) for at in range(len(found.terms)) if found.first_free(at) >= added)
     size = next((place for place in sizes if place is not None), None)
     for i, free in enumerate(found.free[added:], start=added):
-        value, spread = float(found.numbers[c, i]), float(found.spread[c, i])
         if free.low == free.high:
             continue
         if i == size:
-            each = found.folds[c, :, i]
-            steady = bool(np.all(each > 0.0) or np.all(each < 0.0)) and np.min(np.abs(each)) > SAME * np.max(
-                np.abs(each)
-            )
-            level = free.role == "level"
-            if not level and np.any(np.abs(each - _starts(found)[i]) < 1e-9):
-                reasons.append(ALONE)  # without that group the fit stayed where it began, which says nothing
-            elif not told_from_none(found, c, i) or not (steady or level):
-                reasons.append(f"{free.name} cannot be told from no effect")
-        if i == size and not free.log and value >= free.high * 0.999:
-            reasons.append(f"{free.name} is at its physical limit")
-        # A time constant of which the data say nothing, or that they push to its limit, is no part's: the hypothesis
-        # lends its form to something else.
+            reasons += _size(found, c, i)
         if free.role == "time constant":
-            anywhere = 4.0 * (spread if free.log else spread / max(value, 1e-12)) > np.log(free.high / free.low)
-            if anywhere or not 1.01 * free.low < value < free.high / 1.01:
-                reasons.append(f"{free.name} is not determined" if anywhere else f"{free.name} is at its limit")
+            reasons += _time_constant(free, float(found.numbers[c, i]), float(found.spread[c, i]))
     return reasons
+
+
+def _size(found: HypothesisFit, c: int, i: int) -> list[str]:
+    """What speaks against an effect's size: no different from none, not the same in every fold, at its limit."""
+    free, each = found.free[i], found.folds[c, :, i]
+    level = free.role == "level"
+    one_sign = bool(np.all(each > 0.0) or np.all(each < 0.0))
+    steady = one_sign and np.min(np.abs(each)) > SAME * np.max(np.abs(each))
+    reasons = []
+    if not level and np.any(np.abs(each - _starts(found)[i]) < 1e-9):
+        reasons.append(ALONE)  # without that group the fit stayed where it began, which says nothing
+    elif not told_from_none(found, c, i) or not (steady or level):
+        reasons.append(f"{free.name} cannot be told from no effect")
+    if not free.log and float(found.numbers[c, i]) >= free.high * 0.999:
+        reasons.append(f"{free.name} is at its physical limit")
+    return reasons
+
+
+def _time_constant(free: Free, value: float, spread: float) -> list[str]:
+    """A time constant of which the data say nothing, or that they push to its limit, is no part's.
+
+    The hypothesis then lends its form to something else.
+    """
+    if 4.0 * (spread if free.log else spread / max(value, 1e-12)) > np.log(free.high / free.low):
+        return [f"{free.name} is not determined"]
+    inside = 1.01 * free.low < value < free.high / 1.01
+    return [] if inside else [f"{free.name} is at its limit"]
 
 
 def told_from_none(found: HypothesisFit, c: int, at: int) -> bool:

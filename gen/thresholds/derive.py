@@ -98,35 +98,42 @@ def error_bands(document: Document, runs: Sequence[HealthyRun]) -> list[ErrorBan
         declared = _declared(document, component.name)
         spans = [band.pwm for band in declared] or [document.validity.pwm]
         found = [_range(runs, component.name, span) for span in spans]
-        known = [i for i, item in enumerate(found) if item is not None]
-        if not known:
+        if not any(found):
             entries += declared
             continue
         for i, span in enumerate(spans):
             if span[1] == 0:  # at rest no rule needs it, and no run is healthy or faulty
                 entries += [band for band in declared if band.pwm == span]
-                continue
-            near = [i] if i in known else [*[k for k in known if k < i][-1:], *[k for k in known if k > i][:1]]
-            ends = [item for k in near if (item := found[k]) is not None]
-            low, high = min(item[0] for item in ends), max(item[1] for item in ends)
-            where = "" if near == [i] else " at the speeds beside it"
-            entries.append(
-                ErrorBand(
-                    component=component.name,
-                    pwm=span,
-                    model_minus_measured_K=(round(-high, 3), round(-low, 3)),
-                    note=f"{max(item[2] for item in ends)} healthy runs{where}, means over {MEAN_S:g} s "
-                    f"from {SETTLE_S:g} s after a change of PWM",
-                )
-            )
+            else:
+                entries.append(_band(component.name, span, i, found))
     return entries
+
+
+_Seen = tuple[float, float, int]
+"""Lowest and highest deviation in K, and how many runs showed it."""
+
+
+def _band(component: str, span: tuple[int, int], i: int, found: Sequence[_Seen | None]) -> ErrorBand:
+    """The band of the i-th span of speeds: what runs there show, or else those of the nearest spans on both sides."""
+    below, above = [item for item in found[:i] if item], [item for item in found[i + 1 :] if item]
+    own = found[i]
+    ends = [own] if own else [*below[-1:], *above[:1]]
+    low, high = min(item[0] for item in ends), max(item[1] for item in ends)
+    where = "" if own else " at the speeds beside it"
+    return ErrorBand(
+        component=component,
+        pwm=span,
+        model_minus_measured_K=(round(-high, 3), round(-low, 3)),
+        note=f"{max(item[2] for item in ends)} healthy runs{where}, means over {MEAN_S:g} s "
+        f"from {SETTLE_S:g} s after a change of PWM",
+    )
 
 
 def _declared(document: Document, component: str) -> list[ErrorBand]:
     return [band for band in (document.provenance.error if document.provenance else ()) if band.component == component]
 
 
-def _range(runs: Sequence[HealthyRun], component: str, span: tuple[int, int]) -> tuple[float, float, int] | None:
+def _range(runs: Sequence[HealthyRun], component: str, span: tuple[int, int]) -> _Seen | None:
     """Lowest and highest deviation of any run in a range of |PWM|, and how many runs were there."""
     found = [ends for run in runs if (ends := _extremes(run, component, span)) is not None]
     if not found:

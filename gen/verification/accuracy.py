@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gen.firmware.step_responses import HORIZON_S, board_course, levels, starts
 from gen.lowering.program import Program
 from gen.model.exact import ExactSolution
 from gen.reference.model import ReferenceModel
@@ -14,6 +15,9 @@ from gen.verification.profiles import Integers, campaign
 #: A run of 10 800 s at the sample time of 0.25 s.
 LENGTH = 43_200
 _POINTS = 60
+_STEP_POINTS = 30
+_STEP_DIGITS = 12
+"""Decimals of the errors in K that are kept."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,59 @@ def error_course(program: Program, lanes: int, length: int = LENGTH) -> ErrorCou
     return ErrorCourse(
         (ends * program.model.sample_time).tolist(),
         {name: worst[:, number].tolist() for number, name in enumerate(names)},
+    )
+
+
+@dataclass(frozen=True)
+class StepErrors:
+    """The board's step responses from rest less the exact ones, of the baseline.
+
+    Attributes
+    ----------
+    pwm
+        The levels, shape (V,).
+    time_s
+        Points of the run, equally far apart, the first at 0, s, shape (P,).
+    error_K
+        By component and level, K, shape (V, P).
+    """
+
+    pwm: list[int]
+    time_s: list[float]
+    error_K: dict[str, list[list[float]]]
+
+
+def step_errors(program: Program, length: int = LENGTH) -> StepErrors:
+    """Run the reference at the constant PWM that the build report shows.
+
+    Parameters
+    ----------
+    program
+        What the board holds; its effects are left out.
+    length
+        Most samples to run.
+    """
+    program = replace(program, effects=None)
+    model = program.model
+    stride = max(1, min(length, round(HORIZON_S / model.sample_time)) // _STEP_POINTS)
+    pwm = levels(model)
+    board = board_course(program, stride, _STEP_POINTS)
+    begin = {name: start / 1000.0 for name, start in zip(model.component_names, starts(program), strict=True)}
+    held = np.repeat(np.array(pwm)[:, None], stride * _STEP_POINTS, axis=1)
+    exact = ExactSolution(model).simulate(held, {name: np.full(len(pwm), rise) for name, rise in begin.items()})
+    return StepErrors(
+        pwm,
+        [k * board.interval_s for k in range(_STEP_POINTS + 1)],
+        {
+            name: [
+                [
+                    round(float(error), _STEP_DIGITS)
+                    for error in board.rises_K[:, number, lane] - exact[name][lane, ::stride]
+                ]
+                for lane in range(len(pwm))
+            ]
+            for number, name in enumerate(model.component_names)
+        },
     )
 
 

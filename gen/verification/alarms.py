@@ -308,5 +308,5 @@ def compare_alarms(
 
 def _write_harnesses(library: Library) -> None:
     for name in _HARNESSES:
-        text = environment("harness").get_template(f"{name}.j2").render(library.context)
+        text = environment("harness").get_template(f"{name}.j2").render(library.context.of_alarms())
         (library.folder / name).write_text(text)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.model import ThermalModel
-from gen.model.dynamics import Component
+from gen.model.dynamics import PWM_LEVELS, Component
 from gen.model.effects import Applied, Moment
 from gen.model.extended import own_rate
 
@@ -136,7 +136,7 @@ class _Part:
     """One component: baseline (T, T', ..), E (E, E', ..), then own states, inner states and lags, shape (.., L)."""
 
     def __init__(self, model: ThermalModel, component: Component, own: Sequence[Applied]) -> None:
-        x = np.arange(256)
+        x = np.arange(PWM_LEVELS)
         self.name, self.order, self._own = component.name, component.order, list(own)
         self.rate = own_rate(component)
         self.heat = self.rate * component.steady_rise(x)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from rich.console import Console
 from rich.table import Table
@@ -14,64 +14,60 @@ from gen.verification.verify import CombinationResult
 def print_results(results: Sequence[CombinationResult]) -> None:
     """Tables of equality, error and cost on standard output."""
     console = Console(width=110)
-    equality = Table("combination", "target", "samples", "words", "differing", title="Equality with the reference")
-    for result in results:
-        for target in result.targets:
-            equality.add_row(
-                result.label,
-                target.target,
-                str(target.samples),
-                str(target.words),
-                str(target.differing),
-            )
-    console.print(equality)
-    for result in results:
-        for target in result.targets:
-            if target.mismatch is not None and target.profile is not None:
-                pwm = target.profile["pwm"]
-                console.print(f"{result.label}, {target.target}: {target.mismatch}", markup=False)
-                console.print(f"  start {target.profile['start_mK']} mK, PWM {pwm}", markup=False)
-    error = Table("combination", "component", "measured K", "guaranteed K", title="Error against the exact solution")
-    for result in results:
-        for name, measured in result.error_K.items():
-            bound = result.bound_K[name]
-            error.add_row(
-                result.label,
-                name,
-                f"{rounded_up(measured):.1e}",
-                "none proven" if bound is None else f"{rounded_up(bound):.1e}",
-            )
-    console.print(error)
+    console.print(_equality(results))
+    for sentence in _mismatches(results):
+        console.print(sentence, markup=False)
+    console.print(_errors(results))
     for result in results:
         for sentence in result.exceeded:
             console.print(f"{result.label}, {sentence}", markup=False)
-    cost = Table(
-        "combination",
-        "cycles, PWM held",
-        "with a change",
-        "flash B",
-        "RAM B",
-        "stack B",
-        "helpers",
-        title="Cost on the Mega",
-    )
+    for table in (_costs(results), _effects(results)):
+        if table.row_count:
+            console.print(table)
+
+
+def _equality(results: Sequence[CombinationResult]) -> Table:
+    table = Table("combination", "target", "samples", "words", "differing", title="Equality with the reference")
     for result in results:
-        if result.cost is not None:
-            cost.add_row(
-                result.label,
-                str(result.cost.cycles_constant),
-                str(result.cost.cycles_change),
-                str(result.cost.flash_bytes),
-                str(result.cost.ram_bytes),
-                str(result.cost.stack_bytes),
-                ", ".join(result.helpers) or "none",
-            )
-    if cost.row_count:
-        console.print(cost)
-    parts = Table("combination", "effect", "component", "cycles", "flash B", "RAM B", title="Cost of each effect")
+        for target in result.targets:
+            table.add_row(result.label, target.target, *map(str, (target.samples, target.words, target.differing)))
+    return table
+
+
+def _mismatches(results: Sequence[CombinationResult]) -> Iterator[str]:
+    """What differs first, and the short profile that shows it."""
+    for result in results:
+        for target in result.targets:
+            if target.mismatch is not None and target.profile is not None:
+                yield f"{result.label}, {target.target}: {target.mismatch}"
+                yield f"  start {target.profile['start_mK']} mK, PWM {target.profile['pwm']}"
+
+
+def _errors(results: Sequence[CombinationResult]) -> Table:
+    table = Table("combination", "component", "measured K", "guaranteed K", title="Error against the exact solution")
+    for result in results:
+        for name, measured in result.error_K.items():
+            bound = result.bound_K[name]
+            guaranteed = "none proven" if bound is None else f"{rounded_up(bound):.1e}"
+            table.add_row(result.label, name, f"{rounded_up(measured):.1e}", guaranteed)
+    return table
+
+
+def _costs(results: Sequence[CombinationResult]) -> Table:
+    heads = ("combination", "cycles, PWM held", "with a change", "flash B", "RAM B", "stack B", "helpers")
+    table = Table(*heads, title="Cost on the Mega")
+    for result in results:
+        cost = result.cost
+        if cost is not None:
+            numbers = (cost.cycles_constant, cost.cycles_change, cost.flash_bytes, cost.ram_bytes, cost.stack_bytes)
+            table.add_row(result.label, *map(str, numbers), ", ".join(result.helpers) or "none")
+    return table
+
+
+def _effects(results: Sequence[CombinationResult]) -> Table:
+    table = Table("combination", "effect", "component", "cycles", "flash B", "RAM B", title="Cost of each effect")
     for result in results:
         for part in result.effects:
             numbers = (part.cycles, part.flash_bytes, part.ram_bytes)
-            parts.add_row(result.label, part.name, part.component, *map(str, numbers))
-    if parts.row_count:
-        console.print(parts)
+            table.add_row(result.label, part.name, part.component, *map(str, numbers))
+    return table

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from gen import toolchain
 from gen.avr.compile import CPP_FLAGS, MACHINE_FLAGS, Sizes, build_elf, compile_objects, sizes, undefined_symbols
 from gen.avr.simulator import MAILBOX_FOLDER, MARKER_OVERHEAD, EmulatedMega
 from gen.errors import CheckFailed
-from gen.firmware.context import Context
+from gen.firmware.context import LibraryContext
 from gen.lowering.program import Program
 from gen.reference.model import record_type
 from gen.templating import environment
@@ -41,17 +41,17 @@ class Library:
     """The emitted library's files, written to a folder, with what the harnesses need beside them."""
 
     program: Program
-    context: Context
+    context: LibraryContext
     folder: Path
     sources: tuple[Path, ...]
 
     @property
     def include(self) -> Path:
         """Folder of the library's headers."""
-        return self.folder / "lib" / str(self.context["name"]) / "src"
+        return self.folder / "lib" / self.context.name / "src"
 
 
-def write_library(program: Program, context: Context, files: Mapping[str, str], folder: Path) -> Library:
+def write_library(program: Program, context: LibraryContext, files: Mapping[str, str], folder: Path) -> Library:
     """Write the library's files and both harnesses below a folder."""
     sources = []
     for path, text in files.items():
@@ -61,7 +61,11 @@ def write_library(program: Program, context: Context, files: Mapping[str, str], 
         if target.suffix == ".cpp":
             sources.append(target)
     channels = len(program.effects.channels) if program.effects is not None else 0
-    harness = context | {"record_size": record_type(program).itemsize, "input_size": input_type(channels).itemsize}
+    harness = {
+        **context.of_model(),
+        "record_size": record_type(program).itemsize,
+        "input_size": input_type(channels).itemsize,
+    }
     for name in ("verify_host.cpp", "verify_avr.cpp"):
         text = environment("harness").get_template(f"{name}.j2").render(harness)
         (folder / name).write_text(text)
@@ -139,7 +143,7 @@ class AvrRunner:
     def __init__(self, library: Library, cache: Path, optimisation: str = "-O2") -> None:
         self._library = library
         self._cache = cache
-        name = library.context["name"]
+        name = library.context.name
         self._elf = build_elf(
             [library.folder / "verify_avr.cpp", *library.sources],
             [MAILBOX_FOLDER, library.include],
@@ -223,8 +227,3 @@ def _is_forbidden(name: str) -> bool:
     if name in ("__umulhisi3", "__mulhisi3", "__usmulhisi3", "__muluhisi3", "__mulshisi3"):
         return False
     return any(part in name for part in _FORBIDDEN)
-
-
-def all_host_runners(library: Library, names: Sequence[str]) -> list[HostRunner]:
-    """Build for several compilers."""
-    return [HostRunner(library, name) for name in names]

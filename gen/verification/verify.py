@@ -17,7 +17,7 @@ from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.verification import compare
-from gen.verification.accuracy import ErrorCourse, error_course
+from gen.verification.accuracy import LENGTH, ErrorCourse, StepErrors, error_course, step_errors
 from gen.verification.alarms import AlarmCampaign, compare_alarms
 from gen.verification.compare import Mismatch
 from gen.verification.effect_costs import EffectCost, effect_costs
@@ -63,6 +63,7 @@ class CombinationResult:
     bound_K: dict[str, float | None]
     error_K: dict[str, float]
     error_course: ErrorCourse
+    step_errors: StepErrors
     cost: Cost | None = None
     helpers: list[str] = field(default_factory=list)
     effects: list[EffectCost] = field(default_factory=list)
@@ -190,6 +191,7 @@ def _combination(
         bounds,
         errors,
         course,
+        step_errors(program, max(600, int(LENGTH * min(scale, 1.0)))),
         cost,
         helpers,
         effects,

@@ -21,6 +21,7 @@ WRITTEN_S = RECORD * 0.25 + 1.0
 @cache
 def place() -> tuple[int, int]:
     context = device_context(variant("often_copied"), lower(variant("often_copied"), "fixed", "table"))
+    assert context["latch"] is not None
     return context["latch"]["at"], context["latch"]["slots"]
 
 

@@ -63,6 +63,7 @@ def test_a_copy_is_sound_and_the_slots_take_turns(power_up: Open, kept: dict[str
         assert int.from_bytes(slot[8:10], "little") == 180
         assert np.frombuffer(slot[10:20], "<u2").tolist() == [round(4 * t) for t in MEASURED.values()]
     context = device_context(variant("often_copied"), lower(variant("often_copied"), "fixed", "table"))
+    assert context["memory"] is not None
     assert context["memory"]["record_bytes"] == RECORD
     assert context["memory"]["slots"] * RECORD <= 4096 - 8
 

@@ -108,11 +108,12 @@ class Cpp:
         coefficients = variant("my1016")
         program = lower(coefficients, "fixed", "table")
         context = project_context(coefficients, program, "coeffs.json")
-        context["device"] = device_context(coefficients, program)
-        for chip in context["device"]["chips"]:
+        device = device_context(coefficients, program)
+        for chip in device["chips"]:
             chip["stuck_samples"] = min(chip["stuck_samples"], LIMITS.stuck_samples)
+        told = {**context.of_model(), "device": device}
         names = ("platform.h", "sensors.h", "sensors.cpp")
-        files = render.render({f"NAME_{name}": f"lib/model/src/{name}.j2" for name in names}, context)
+        files = render.render({f"NAME_{name}": f"lib/model/src/{name}.j2" for name in names}, told)
         for path, text in files.items():
             (folder / path).write_text(text)
         (folder / "main.cpp").write_text(MAIN)
@@ -124,7 +125,7 @@ class Cpp:
         subprocess.run([str(toolchain.program("clang++")), *flags, *sources], check=True)
         self.limits = [
             SensorLimits(item.channel, item.lowest, item.highest, item.step, chip["stuck_samples"], item.stuck_mK)
-            for item, chip in zip(sensor_limits(coefficients), context["device"]["chips"], strict=True)
+            for item, chip in zip(sensor_limits(coefficients), device["chips"], strict=True)
         ]
 
     def run(self, steps: Sequence[Step]) -> list[tuple[int, int]]:

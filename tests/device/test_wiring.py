@@ -170,10 +170,9 @@ def test_the_drawing_has_a_wire_from_every_pin_to_its_terminal(name: str) -> Non
     wires = [path.attrib["d"] for path in drawn.iter(f"{space}path")]
     for part in parts(device):
         for terminal in part.terminals:
-            if terminal.to in ("5 V", "GND"):
-                continue
             pin_y = min(y for x, y, text in texts if text == terminal.to and x < 200) - 4
-            ends = [y - 4 for x, y, text in texts if text == f"to pin {terminal.to}"]
+            note = f"to {terminal.to}" if terminal.to in ("5 V", "GND") else f"to pin {terminal.to}"
+            ends = [y - 4 for x, y, text in texts if text == note]
             (wire,) = (d for d in wires if re.match(rf"M\d+ {pin_y:g}H", d))
             for y in ends:
                 assert re.search(rf"M\d+ {y:g}H", wire)

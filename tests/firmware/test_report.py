@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from gen.coefficients import Coefficients, parse
-from gen.firmware.report import constants, exact_response, report_html, words
+from gen.firmware.report import constants, report_html, words
+from gen.firmware.step_responses import exact_response
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
@@ -59,6 +60,11 @@ def verification(coefficients: Coefficients, differing: int = 0) -> dict[str, An
                 "bound_K": dict.fromkeys(names, 1e-6),
                 "error_K": dict.fromkeys(names, 2.31e-7),
                 "error_course": {"time_s": [5400.0, 10800.0], "error_K": {name: [2.31e-7, 1e-7] for name in names}},
+                "step_errors": {
+                    "pwm": [51, 102, 153, 204, 255],
+                    "time_s": [0.0, 3600.0, 7200.0, 10_800.0],
+                    "error_K": {name: [[0.0, 1e-7, -3e-7, 2.5e-7]] * 5 for name in names},
+                },
                 "cost": cost | {"flash_bytes": 15_162, "ram_bytes": 81, "stack_bytes": 69},
                 "helpers": [],
             }
@@ -84,7 +90,16 @@ def test_two_runs_give_the_same_bytes(name: str) -> None:
 @pytest.mark.parametrize(("name", "arithmetic"), [("my1016", "fixed"), ("my1016", "float"), ("two_mass", "fixed")])
 def test_it_stands_alone(name: str, arithmetic: Arithmetic) -> None:
     html = report(name, arithmetic)
-    assert not re.search(r"https?:|//[a-z]|@import|url\(|<script|<link|<img|<iframe|\b(src|href)=", html, re.IGNORECASE)
+    outside = r'https?:|//[a-z]|@import|url\(|<script|<link|<img|<iframe|\bsrc=|\bhref=(?!"#)'
+    assert not re.search(outside, html, re.IGNORECASE)
+
+
+@pytest.mark.parametrize("name", ["my1016", "two_mass"])
+def test_every_section_is_in_the_table_of_contents(name: str) -> None:
+    html = report(name)
+    listed = re.findall(r'<li><a href="#([^"]+)">([^<]+)</a></li>', html)
+    assert listed == re.findall(r'<h2 id="([^"]+)">([^<]+)</h2>', html)
+    assert html.count("<h2") == len(listed)
 
 
 def test_without_a_verification_it_says_so() -> None:
@@ -134,6 +149,39 @@ def test_the_error_over_whole_runs_is_drawn_where_it_was_measured() -> None:
     assert 'id="course-title"' not in report()
     html = report_html(example("my1016"), lowered(), verification(example("my1016")))
     assert "Largest error of every component over a run of 10800 s. brush: 0.231 to 0.1." in html
+
+
+def test_the_dots_of_step_responses_reach_as_far_as_the_board_was_run() -> None:
+    alone = text(report())
+    assert "run for the first 800 s only" in alone
+    assert "the board's reference as dots up to 800 s" in unescape(report())
+    html = unescape(report_html(example("my1016"), lowered(), verification(example("my1016"))))
+    assert "run for the first" not in html
+    assert "the board's reference as dots up to 10800 s" in html
+    chart = html[html.index('id="step-brush-title"') :].partition("</svg>")[0]
+    dots = re.search(r'class="dots d0" d="([^"]+)"', chart)
+    line = re.search(r'class="line s0" d="M[^"h]*L(\S+) (\S+)"', chart)
+    assert dots is not None and line is not None
+    assert dots[1].count("M") == 4
+    assert dots[1].endswith(f"M{line[1]} {line[2]}h0")  # both end where the exact solution does: the error is not seen
+    error = html[html.index('id="error-brush-title"') :].partition("</svg>")[0]
+    assert "20%: 0 to 0.25." in error
+
+
+def test_combinations_with_equal_counts_share_a_row() -> None:
+    record = verification(example("my1016"))
+    own = record["combinations"][0]
+    record["combinations"].append(own | {"schedule": "onboard"})
+    html = report_html(example("my1016"), lowered(), record)
+    assert "<details><summary>What was compared on which target" in html
+    assert html.count('<th scope="row">fixed/table, fixed/onboard</th>') == 2
+    counts = "2 773 968 words in 2 combinations of arithmetic and schedule, none of them differ"
+    assert counts in " ".join(text(html).split())
+    wrong = verification(example("my1016"), differing=3)
+    wrong["combinations"].append(own | {"schedule": "onboard"})
+    html = report_html(example("my1016"), lowered(), wrong)
+    assert "<details open><summary>What was compared on which target" in html
+    assert html.count('<th scope="row">fixed/table</th><td>states, random profiles</td>') == 1
 
 
 @pytest.mark.parametrize("name", ["my1016", "two_mass"])

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from gen.avr.compile import Sizes
 from gen.verification import runners
-from gen.verification.accuracy import ErrorCourse
+from gen.verification.accuracy import ErrorCourse, StepErrors
 from gen.verification.compare import first_mismatch
 from gen.verification.profiles import Profile
 from gen.verification.runners import AvrRunner
@@ -88,8 +88,9 @@ def test_a_rule_that_judges_otherwise_on_the_board_fails_the_verification() -> N
 
 def result(differing: int) -> CombinationResult:
     course = ErrorCourse([1.0], {"part": [0.0]})
+    steps = StepErrors([51], [0.0, 1.0], {"part": [[0.0, 0.0]]})
     targets = [TargetResult("one", 10, 20, 0), TargetResult("other", 10, 20, differing)]
-    return CombinationResult("fixed", "table", targets, {"part": 1e-5}, {"part": 0.0}, course)
+    return CombinationResult("fixed", "table", targets, {"part": 1e-5}, {"part": 0.0}, course, steps)
 
 
 def test_one_word_of_one_target_makes_the_whole_different() -> None:

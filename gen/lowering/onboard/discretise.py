@@ -23,6 +23,7 @@ from gen.lowering.recursion.dynamics import domain_rows
 from gen.lowering.recursion.increments import FEEDBACK_FROM_DELTA
 from gen.lowering.recursion.series import Monomial, delta_series, weight
 from gen.model import Component, ThermalModel
+from gen.model.dynamics import MAX_PWM
 from gen.model.schedules import EXACT
 
 #: Orders of Ts beyond the leading one that the series may use: poles are at most 0.1/Ts.
@@ -81,7 +82,7 @@ def discretise(
     """
     graph = Graph(domain_rows(model))
     name = component.name
-    held = component.validity if component.outside == "hold" else (0, 255)
+    held = component.validity if component.outside == "hold" else (0, MAX_PWM)
     x = graph.input(*held)
     raw = graph.input()
     place = f"components[{model.component_names.index(name)}]"

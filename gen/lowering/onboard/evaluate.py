@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.onboard.tape import GUARD_BITS, OnboardComponent, Step
+from gen.model.dynamics import MAX_PWM
 
 Integers = NDArray[np.int64]
 
@@ -135,7 +136,7 @@ def _fixed_step(step: Step, x: Integers, args: list[Integers]) -> Integers:
         case "row":
             result = table[args[0]]
         case "power_series":
-            result = power_series(step.table, 255 - args[0] if step.shift else args[0])
+            result = power_series(step.table, MAX_PWM - args[0] if step.shift else args[0])
         case "times":
             result = mul_byte(args[0], args[1], step.shift)
         case "mul" | "mul_modulo":
@@ -150,27 +151,33 @@ def _fixed_step(step: Step, x: Integers, args: list[Integers]) -> Integers:
             if step.op == "div" and np.any(args[0] < 0):
                 raise RangeError("div takes what is not negative")
             result = divide(args[0], args[1], step.shift, rounded=step.round)
-        case "add":
-            result = args[0] + args[1]
-        case "add_modulo" | "sub_modulo":
-            result = args[0] + args[1] if step.op == "add_modulo" else args[0] - args[1]
-            result = result & 0xFFFFFFFF if step.unsigned else wrapped(result)
-        case "sub":
-            result = args[0] - args[1]
+        case "add" | "sub" | "add_modulo" | "sub_modulo":
+            result = _sum(step, args[0], args[1])
         case "neg":
             result = -args[0]
-        case "shr":
-            result = ((args[0] >> (step.shift - 1)) + 1) >> 1
-        case "floor":
-            result = args[0] >> step.shift
-        case "shl":
-            result = args[0] << step.shift
+        case "shr" | "floor" | "shl":
+            result = _shifted(step, args[0])
         case "positive_outside":
             outside = (args[1] < table[0]) | (args[1] > table[1])
             result = np.where(outside & (args[0] < 0), 0, args[0])
         case _:
             raise ValueError(f"no step {step.op}")
     return result
+
+
+def _shifted(step: Step, a: Integers) -> Integers:
+    """To the right to nearest or rounded down, or to the left."""
+    if step.op == "shl":
+        return a << step.shift
+    return a >> step.shift if step.op == "floor" else ((a >> (step.shift - 1)) + 1) >> 1
+
+
+def _sum(step: Step, a: Integers, b: Integers) -> Integers:
+    """A sum or difference, modulo 2^32 where the step says so."""
+    result = a - b if step.op.startswith("sub") else a + b
+    if not step.op.endswith("modulo"):
+        return result
+    return result & 0xFFFFFFFF if step.unsigned else wrapped(result)
 
 
 def _float_step(step: Step, x: Integers, args: list[NDArray[Any]]) -> NDArray[Any]:

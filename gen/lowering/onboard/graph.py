@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.onboard.interpolate import PowerSeries
+from gen.model.dynamics import MAX_PWM
 from gen.model.schedules import EXACT
 
 Array = NDArray[np.float64]
@@ -98,9 +99,9 @@ class Graph:
         value = Decimal(value)
         return self._node(Node("constant", (), (value,)), np.full(len(self.rows), float(value)))
 
-    def input(self, lo: int = 0, hi: int = 255) -> int:
+    def input(self, lo: int = 0, hi: int = MAX_PWM) -> int:
         """|PWM|, held to lo..hi."""
-        lo, hi = max(lo, 0), min(hi, 255)
+        lo, hi = max(lo, 0), min(hi, MAX_PWM)
         return self._node(Node("input", (), (lo, hi)), np.clip(self.rows, lo, hi).astype(np.float64))
 
     def place(self, x: int, knots: tuple[int, ...]) -> tuple[int, int]:

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from math import cos, pi
 
+from gen.model.dynamics import MAX_PWM
 from gen.model.schedules import EXACT
 
 #: The board's argument is in units of 2^-8, so that it stays below 1.
 SCALE_BITS = 8
-_LAST = 255
+_LAST = MAX_PWM
 #: Error that is allowed anywhere, in parts of the largest value: half a unit of 32 bits.
 _RESOLUTION = Decimal(2) ** -33
 #: Places are fractions of a count, so that they are the same on every machine.

@@ -114,7 +114,6 @@ class SwitchedRecursion:
     """
 
     def __init__(self, matrices: Array) -> None:
-        self._matrices = matrices
         m, n, _ = matrices.shape
         step = matrices - np.eye(n)
         self._shape = _shape(step)  # y = shape @ (round coordinates)

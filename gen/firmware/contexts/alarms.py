@@ -3,16 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TypedDict
 
-from gen.lowering.alarms import LoweredRule
+from gen.lowering.alarms import LoweredRule, Segment
 from gen.model import ThermalModel
 
 _QUANTITIES = {"above": "ABOVE_MODEL", "below": "BELOW_MODEL", "measured": "MEASURED"}
 _SOURCES = {"above": ".threshold_K", "below": ".threshold_K", "measured": ".limit_degC"}
 
 
-def alarm_context(rules: Sequence[LoweredRule], model: ThermalModel) -> dict[str, Any]:
+class Rule(TypedDict):
+    """One rule; `first` is the place of its first segment in the table of all, times are in samples."""
+
+    name: str
+    description: str
+    quantity: str
+    component: str
+    relative_to: str | None
+    segments: Sequence[Segment]
+    first: int
+    requires: str
+    unless: str
+    settle: int
+    start_wait: int
+    persistence: int
+    sum_limit: int
+    threshold_source: str
+
+
+class AlarmsContext(TypedDict):
+    """The rules, and a mask of those that stop the motor."""
+
+    alarms: list[Rule]
+    alarm_stop_mask: int
+
+
+def alarms_context(rules: Sequence[LoweredRule], model: ThermalModel) -> AlarmsContext:
     """The rules as the templates print them.
 
     Parameters
@@ -22,7 +48,8 @@ def alarm_context(rules: Sequence[LoweredRule], model: ThermalModel) -> dict[str
     model
         Gives the components' names.
     """
-    entries, first = [], 0
+    entries: list[Rule] = []
+    first = 0
     for rule in rules:
         source = ".slack_K" if rule.sum_limit is not None else f"{_SOURCES[rule.quantity]}, .hysteresis_K"
         entries.append(

@@ -1,0 +1,181 @@
+"""What the templates of the sketch are told about the board: pins, limits in the board's units, JSON paths."""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+from gen.firmware.alarm_text import AlarmText
+
+
+class Pin(TypedDict):
+    """A pin: its Arduino number and label, its port's letter and bit, the JSON path of where it was given."""
+
+    pin: int
+    label: str
+    letter: str
+    bit: int
+    path: str
+
+
+class ThermocoupleContext(TypedDict):
+    """A MAX6675; limits are in counts of 0.25 degC, `component` is None for a channel that no component has."""
+
+    number: int
+    channel: str
+    component: int | None
+    column: bool
+    told: str | None
+    lines: dict[str, Pin]
+    lowest: int
+    highest: int
+    lowest_degC: str
+    highest_degC: str
+    step: int
+    max_rate: str
+    stuck_samples: int
+    stuck_mK: int
+    stuck_text: str
+
+
+class InputContext(Pin):
+    """A voltage or a contact: zero + (sum of conversions times scale >> shift), in thousandths."""
+
+    number: int
+    column: str
+    analog: bool
+    mux: int
+    zero: int
+    scale: int
+    shift: int
+    low: int
+    high: int
+    neutral: int
+    told: str | None
+
+
+class EncoderContext(Pin):
+    """Speed feedback; `factor` turns pulses in a time of `unit_us` into revolutions per minute."""
+
+    counter: bool
+    interrupt: int | None
+    pulses_per_revolution: int
+    shift: int
+    unit_us: int
+    factor: int
+    most: int
+    wide: bool
+    limit: int
+    fastest_rpm: int
+    shortest_us: int
+    stall_pwm: int
+    stall_samples: int
+    stall_s: str
+
+
+class Timer(TypedDict):
+    """A timer that makes PWM, what it runs with, and on which of the driver's lines."""
+
+    number: int
+    runs: str
+    lines: list[str]
+
+
+class ProfileStep(TypedDict):
+    """A step of the built-in profile."""
+
+    samples: int
+    pwm: int
+    s: str
+
+
+class DriveContext(TypedDict):
+    """The motor's driver: a PWM input for each direction, or one with a direction input."""
+
+    forward: Pin | None
+    reverse: Pin | None
+    pwm: Pin | None
+    direction: Pin | None
+    forward_high: bool
+    timers: list[Timer]
+    steps: list[ProfileStep]
+    repeat: bool
+    autostart: bool
+
+
+class ObserveContext(TypedDict):
+    """Pins on which another controller's PWM is measured."""
+
+    forward: Pin
+    reverse: Pin | None
+
+
+class MemoryContext(TypedDict):
+    """Copies of the states in EEPROM."""
+
+    cycles: str
+    identity: str
+    record_bytes: int
+    slots: int
+    firmware_at: int
+    interval_samples: int
+    interval_s: str
+    tolerance_counts: int
+    tolerance_K: str
+    years: str
+
+
+class LatchContext(TypedDict):
+    """Where the latched alarms lie in EEPROM."""
+
+    at: int
+    slots: int
+    bytes: int
+
+
+class SensorsContext(TypedDict):
+    """The checks of the thermocouples' samples."""
+
+    chips: list[ThermocoupleContext]
+    read_samples: int
+    reading_ms: int
+    conversion_ms: int
+    conversion_millis: int
+    confirmations: int
+    noise_counts: int
+    highest_count: int
+    count_mK: int
+
+
+class DeviceContext(SensorsContext):
+    """The whole sketch; a part that is not wired is empty or None."""
+
+    cold_mK: int
+    channels: list[InputContext]
+    analog: list[InputContext]
+    contacts: list[InputContext]
+    conversions: int
+    settling: int
+    didr: list[int]
+    baud: int
+    row_samples: int
+    row_every: str
+    columns: list[str]
+    row_bytes: int
+    ring_bytes: int
+    ambient_column: str
+    late_ms: int
+    start_samples: int
+    start_s: str
+    led: int | None
+    button: int | None
+    measured: list[ThermocoupleContext]
+    column_chips: list[ThermocoupleContext]
+    ambient_chip: ThermocoupleContext | None
+    encoder: EncoderContext | None
+    drive: DriveContext | None
+    observe: ObserveContext | None
+    memory: MemoryContext | None
+    latch: LatchContext | None
+    idle_timers: list[int]
+    alarms: list[str]
+    alarm_texts: tuple[AlarmText, ...]
