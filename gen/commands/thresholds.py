@@ -31,7 +31,7 @@ def thresholds(coefficients: Path, runs: tuple[Path, ...], rules: Path, out: Pat
     from gen.coefficients import load, parse, with_rules
     from gen.coefficients.rules import read_rules
     from gen.files import check_outputs, write_text
-    from gen.runs import check_run, read_run
+    from gen.runs import check_run
 
     check_outputs((out,), (*runs, rules))
     check_once(runs)
@@ -43,12 +43,13 @@ def thresholds(coefficients: Path, runs: tuple[Path, ...], rules: Path, out: Pat
             check_run(path)
 
     # Slow to import: what is wrong with a file was told before.
+    from gen.replay import read_for
     from gen.thresholds.derive import complete, error_bands
     from gen.thresholds.healthy import compare
 
     healthy = []
     for path in runs:
-        run = read_run(path, loaded.model.component_names, ambient=loaded.model.ambient_channel or "ambient_degC")
+        run = read_for(loaded, path)
         healthy.append(compare(loaded, run, str(path)))
     bands = error_bands(loaded.document, healthy)
     alarms = []

@@ -52,12 +52,11 @@ def simulate(
     >>> gen.simulate(motor, run)["casing_degC"].round(2).tolist()
     [30.0, 59.32, 63.67]
     """
-    from gen.runs import read_run
+    from gen.replay import read_for
 
     loaded = model.coefficients
     with run_files([run]) as (path,):
-        ambient = loaded.model.ambient_channel or "ambient_degC"
-        measured = read_run(path, loaded.model.component_names, ambient=ambient)
+        measured = read_for(loaded, path)
         from gen.reference.simulate import simulate_run  # slow to import: what is wrong with the file was told before
 
         columns = one_thread(simulate_run)(loaded, measured, arithmetic, start, str(path))

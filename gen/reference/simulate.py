@@ -16,8 +16,8 @@ from gen.model.exact import ExactSolution
 from gen.model.extended import ExtendedSolution
 from gen.reference.lanes import state_fields
 from gen.reference.model import ReferenceModel, record_type
+from gen.replay import Inputs, check_inputs, inputs_of
 from gen.runs import Run
-from gen.runs.gaps import held_over_gaps
 
 Array = NDArray[np.float64]
 Start = Literal["auto", "ambient", "measured"]
@@ -56,35 +56,39 @@ def simulate_run(
     Raises
     ------
     InputError
-        If no ambient is known, or `measured` is asked for where nothing was measured.
+        If no ambient is known, an effect's column is missing, or `measured` is asked for where nothing was measured.
     """
-    ambient = _ambient(coefficients, run, file)
-    rise = {name: _initial_rise(name, run, ambient, start, file) for name in coefficients.model.component_names}
+    inputs = inputs_of(coefficients, run, file, as_declared=False)
+    check_inputs(coefficients, inputs.channels, inputs.measured_ambient is not None, file)
+    rise = {name: _initial_rise(name, inputs, start, file) for name in coefficients.model.component_names}
     columns: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {"time_s": run.time_s}
     if arithmetic == "exact" and coefficients.effects:
-        shown = _extended(coefficients, run, ambient, rise, file)
+        shown = ExtendedSolution(coefficients.model, coefficients.effects).simulate_times(
+            run.time_s, run.pwm, inputs.ambient, _sensed(inputs), inputs.channels, rise
+        )
         return columns | {f"{name}_degC": values for name, values in shown.items()}
     if arithmetic == "exact":
         solved = ExactSolution(coefficients.model).simulate_times(run.time_s, run.pwm, rise)
         for name, values in solved.items():
-            columns[f"{name}_degC"] = values + ambient
+            columns[f"{name}_degC"] = values + inputs.ambient
         return columns
-    board, words = _on_board(coefficients, arithmetic, run, rise, file)
+    board, words = _on_board(coefficients, arithmetic, run, inputs, rise)
     for name, values in board.items():
-        columns[f"{name}_degC"] = values + ambient
+        columns[f"{name}_degC"] = values + inputs.ambient
     return columns | words
 
 
 def _on_board(
-    coefficients: Coefficients, arithmetic: Arithmetic, run: Run, rise: dict[str, float], file: str
+    coefficients: Coefficients, arithmetic: Arithmetic, run: Run, inputs: Inputs, rise: dict[str, float]
 ) -> tuple[dict[str, Array], dict[str, NDArray[np.int64]]]:
     program = lower(coefficients, arithmetic, "table")
     samples = (run.time_s - run.time_s[0]) / program.model.sample_time
     grid = np.floor(samples + _ON_GRID).astype(np.int64)
     length = int(grid[-1])
     acting = np.searchsorted(samples, np.arange(length) + _ON_GRID, side="right") - 1
-    ambient, told = _told(coefficients, run, program, file)
-    over = 0.0 if told is None else float(ambient[0] - told[0, 0] / 1000.0)  # rises count from what the board measures
+    told = _told(inputs, program)
+    # On the board rises count from what it measures.
+    over = 0.0 if told is None else float(inputs.ambient[0] - told[0, 0] / 1000.0)
     starts = {name: [round((value + over) * 1000.0)] for name, value in rise.items()}
     model = ReferenceModel(program, starts, None if told is None else told[:, :1])
     wanted = set(grid.tolist())
@@ -101,71 +105,26 @@ def _on_board(
     names = [name for component in program.components for name, _ in state_fields(component)]
     words = {name: records[name].astype(np.int64) for name in names}
     if told is not None:
-        rises = rises + (told[0] / 1000.0 - ambient)[:, None]
+        rises = rises + (told[0] / 1000.0 - inputs.ambient)[:, None]
     return {name: rises[:, i] for i, name in enumerate(program.model.component_names)}, words
 
 
-def _told(coefficients: Coefficients, run: Run, program: Program, file: str) -> tuple[Array, NDArray[np.int64] | None]:
-    """The ambient that rises count from, and what the effects on the board are told at every row, in thousandths."""
-    ambient = _ambient(coefficients, run, file)
+def _told(inputs: Inputs, program: Program) -> NDArray[np.int64] | None:
+    """What the effects on the board are told at every row, in thousandths; the measured ambient first."""
     if program.effects is None:
-        return ambient, None
-    measured, extras = _columns(coefficients, run, ambient, file)
-    columns = [measured, *(extras[channel.column] for channel in program.effects.channels[1:])]
-    return ambient, np.rint(np.array(columns) * 1000.0).astype(np.int64)
+        return None
+    columns = [_sensed(inputs), *(inputs.channels[channel.column] for channel in program.effects.channels[1:])]
+    return np.rint(np.array(columns) * 1000.0).astype(np.int64)
 
 
-def _ambient(coefficients: Coefficients, run: Run, file: str) -> Array:
-    """Ambient at every row, in degC: the measured one held over its gaps, else the file's fixed one."""
-    fixed = coefficients.model.ambient_fixed
-    if fixed is not None and any(applied.effect.replaces_ambient for applied in coefficients.effects):
-        return np.full(len(run.time_s), fixed)  # the measured one acts through the effect
-    if run.ambient is None or np.all(np.isnan(run.ambient)):
-        if fixed is None:
-            column = coefficients.model.ambient_channel or "ambient_degC"
-            raise InputError(
-                f"the column {column} is missing, and the coefficient file has no fixed ambient",
-                file=file,
-                place="header",
-            )
-        return np.full(len(run.time_s), fixed)
-    return held_over_gaps(run.ambient)
+def _sensed(inputs: Inputs) -> Array:
+    """The measured ambient; where there is none the one that rises count from."""
+    return inputs.ambient if inputs.measured_ambient is None else inputs.measured_ambient
 
 
-def _extended(
-    coefficients: Coefficients, run: Run, ambient: Array, rise: dict[str, float], file: str
-) -> dict[str, Array]:
-    """The model with its effects, what each sensor shows in degC."""
-    measured, channels = _columns(coefficients, run, ambient, file)
-    return ExtendedSolution(coefficients.model, coefficients.effects).simulate_times(
-        run.time_s, run.pwm, ambient, measured, channels, rise
-    )
-
-
-def _columns(coefficients: Coefficients, run: Run, ambient: Array, file: str) -> tuple[Array, dict[str, Array]]:
-    """The measured ambient, and the extra columns, of which the effects need some."""
-    measured = ambient if run.ambient is None or np.all(np.isnan(run.ambient)) else held_over_gaps(run.ambient)
-    channels = {name: held_over_gaps(column) for name, column in run.extras.items() if not np.all(np.isnan(column))}
-    for applied in coefficients.effects:
-        missing = [column for column in applied.columns(coefficients.model.component_names) if column not in channels]
-        if run.ambient is None:
-            missing += [column for _, column in applied.effect.reads(applied.values, "ambient")]
-        if missing:
-            raise InputError(
-                f'the effect "{applied.effect.name}" of {applied.component} needs the column {missing[0]}',
-                file=file,
-                place="header",
-            )
-    return measured, channels
-
-
-def _initial_rise(name: str, run: Run, ambient: Array, start: Start, file: str) -> float:
+def _initial_rise(name: str, inputs: Inputs, start: Start, file: str) -> float:
     if start == "ambient":
         return 0.0
-    measured = run.temps.get(name)
-    known = np.flatnonzero(~np.isnan(measured)) if measured is not None else np.zeros(0, dtype=np.int64)
-    if measured is None or not known.size:
-        if start == "measured":
-            raise InputError("holds no measured temperature to start from", file=file, place=f"column {name}_degC")
-        return 0.0
-    return float(measured[known[0]] - ambient[known[0]])
+    if start == "measured" and name not in inputs.first_rise:
+        raise InputError("holds no measured temperature to start from", file=file, place=f"column {name}_degC")
+    return inputs.first_rise.get(name, 0.0)

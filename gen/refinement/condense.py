@@ -18,8 +18,8 @@ from gen.errors import InputError
 from gen.model.dynamics import ThermalModel
 from gen.model.exact import ExactSolution
 from gen.model.extended import FINEST_S, ExtendedSolution, own_rate
-from gen.runs import AMBIENT, Run, check_run, read_run
-from gen.runs.gaps import held_over_gaps
+from gen.replay import Inputs, ambient_column, check_inputs, inputs_of, read_for
+from gen.runs import Run, check_run
 from gen.runs.run import FloatArray, board_columns
 
 BINS = 240
@@ -109,10 +109,10 @@ def condense(coefficients: Coefficients, path: Path) -> Condensed:
     Raises
     ------
     InputError
-        When the file is not a run, or holds no temperature of any component.
+        When the file is not a run, holds no temperature of any component, or lacks a column that the model needs.
     """
     run = read_measured(coefficients, path)
-    return _condensed(coefficients, run, dict(run.temps), str(path))
+    return _condensed(coefficients, run, str(path))
 
 
 def check_measured(coefficients: Coefficients, path: Path) -> None:
@@ -126,9 +126,8 @@ def check_measured(coefficients: Coefficients, path: Path) -> None:
     model = coefficients.model
     found = check_run(path)
     _check_measured(model, found.filled, found.rows, str(path))
-    if model.ambient_fixed is None and (model.ambient_channel or AMBIENT) not in found.filled:
-        raise _no_ambient(model, str(path))
-    _check_channels(coefficients, found.filled - board_columns(found.filled), str(path))
+    ambient = ambient_column(coefficients) in found.filled
+    check_inputs(coefficients, found.filled - board_columns(found.filled), ambient, str(path))
 
 
 def _check_measured(model: ThermalModel, filled: Collection[str], rows: int, file: str) -> None:
@@ -137,24 +136,6 @@ def _check_measured(model: ThermalModel, filled: Collection[str], rows: int, fil
         raise InputError(f"no component's temperature was measured; expected {', '.join(expected)}", file=file)
     if rows < FEWEST_ROWS:
         raise InputError(f"found {rows} rows, expected at least {FEWEST_ROWS}", file=file)
-
-
-def _check_channels(coefficients: Coefficients, channels: Collection[str], file: str) -> None:
-    """The effects' columns are there."""
-    for applied in coefficients.effects:
-        missing = [column for column in applied.columns(coefficients.model.component_names) if column not in channels]
-        if missing:
-            raise InputError(
-                f'the effect "{applied.effect.name}" needs the column {missing[0]}', file=file, place="header"
-            )
-
-
-def _no_ambient(model: ThermalModel, file: str) -> InputError:
-    return InputError(
-        f"the column {model.ambient_channel or AMBIENT} is missing, and the coefficient file has no fixed ambient",
-        file=file,
-        place="header",
-    )
 
 
 def read_measured(coefficients: Coefficients, path: Path) -> Run:
@@ -166,8 +147,7 @@ def read_measured(coefficients: Coefficients, path: Path) -> Run:
         When the file is not a run, is too short, or holds no temperature of any component.
     """
     model = coefficients.model
-    ambient = model.ambient_channel or AMBIENT
-    run = read_run(path, model.component_names, ambient=ambient, most_rows=MOST_ROWS)
+    run = read_for(coefficients, path, most_rows=MOST_ROWS)
     measured = {name: values for name, values in run.temps.items() if np.any(np.isfinite(values))}
     _check_measured(model, {f"{name}_degC" for name in measured}, run.time_s.size, str(path))
     own = board_columns([*(f"{name}_degC" for name in run.temps), *run.extras])
@@ -193,39 +173,31 @@ def free_run(baseline: Coefficients, model: Coefficients, path: Path) -> tuple[R
         The run with its measured components, and what their sensors would show, degC.
     """
     run = read_measured(baseline, path)
-    ambient, sensed = _ambients(baseline, run, str(path))
-    first, _ = _solved(baseline, run, run.temps, ambient)
-    own, _ = _ambients(model, run, str(path))
+    of_baseline = inputs_of(baseline, run, str(path))
+    first, _ = _solved(baseline, run, of_baseline)
+    inputs = inputs_of(model, run, str(path))
+    own, sensed = inputs.ambient, inputs.measured_ambient
     smooth = own if sensed is None else _smooth(sensed, run.time_s)
     if model.model.ambient_channel is not None and sensed is not None:
         own = smooth
-    start = {name: value + float(ambient[0] - own[0]) for name, value in first.items()}
-    channels = {k: held_over_gaps(v) for k, v in run.extras.items() if np.any(np.isfinite(v))}
-    _check_channels(model, channels, str(path))
+    start = {name: value + float(of_baseline.ambient[0] - own[0]) for name, value in first.items()}
+    # Without a measured ambient an effect that brings it does nothing, as on the board.
+    check_inputs(model, inputs.channels, True, str(path))
     # The effects' states are integrated in steps of 1 s: over a month this would be more steps than rows were kept.
     finest = max(FINEST_S, float(run.time_s[-1] - run.time_s[0]) / (4 * MOST_ROWS))
     shown = ExtendedSolution(model.model, model.effects, finest).simulate_times(
-        run.time_s, run.pwm, own, smooth, channels, start
+        run.time_s, run.pwm, own, smooth, inputs.channels, start
     )
     return run, {name: shown[name] for name in run.temps}
 
 
-def _ambients(coefficients: Coefficients, run: Run, name: str) -> tuple[FloatArray, FloatArray | None]:
-    """The ambient that the model counts from, and the measured one if there is one, degC."""
+def _condensed(coefficients: Coefficients, run: Run, name: str) -> Condensed:
     model = coefficients.model
-    sensed = None if run.ambient is None or np.all(np.isnan(run.ambient)) else held_over_gaps(run.ambient)
-    if model.ambient_channel is not None and sensed is not None:
-        return sensed, sensed
-    if model.ambient_fixed is not None:
-        return np.full(run.time_s.size, model.ambient_fixed), sensed
-    raise _no_ambient(model, name)
-
-
-def _condensed(coefficients: Coefficients, run: Run, measured: dict[str, FloatArray], name: str) -> Condensed:
-    model = coefficients.model
-    time = run.time_s
-    ambient, sensed = _ambients(coefficients, run, name)
-    start_rise, base = _solved(coefficients, run, measured, ambient)
+    time, measured = run.time_s, run.temps
+    inputs = inputs_of(coefficients, run, name)
+    ambient, sensed = inputs.ambient, inputs.measured_ambient
+    check_inputs(coefficients, inputs.channels, sensed is not None, name)
+    start_rise, base = _solved(coefficients, run, inputs)
     index, edges = _bins(time, run.pwm)
     count = edges.size - 1
     step = np.diff(time)
@@ -255,7 +227,6 @@ def _condensed(coefficients: Coefficients, run: Run, measured: dict[str, FloatAr
             heat=held(heat[counts]),
             start_rise=start_rise[component.name],
         )
-    extras = {k: held_over_gaps(v) for k, v in run.extras.items() if np.any(np.isfinite(v))}
     return Condensed(
         name=name,
         edges=edges,
@@ -265,29 +236,23 @@ def _condensed(coefficients: Coefficients, run: Run, measured: dict[str, FloatAr
         standstill=held((run.pwm == 0).astype(np.float64)),
         ambient=np.interp(edges, time, ambient),
         measured_ambient=None if sensed is None else np.interp(edges, time, _smooth(sensed, time)),
-        channels={key: held(values) for key, values in extras.items()},
+        channels={key: held(values) for key, values in inputs.channels.items()},
         traces=traces,
         comments=run.comments,
         thinned=run.thinned,
     )
 
 
-def _solved(
-    coefficients: Coefficients, run: Run, measured: dict[str, FloatArray], ambient: FloatArray
-) -> tuple[dict[str, float], dict[str, FloatArray]]:
+def _solved(coefficients: Coefficients, run: Run, inputs: Inputs) -> tuple[dict[str, float], dict[str, FloatArray]]:
     """Start and baseline: the first measured temperature, its noise averaged over the first minute."""
-    model = coefficients.model
-    first = {}
-    for name, values in measured.items():
-        at = int(np.flatnonzero(np.isfinite(values))[0])
-        first[name] = float(values[at] - ambient[at])
+    first = dict(inputs.first_rise)
     span = min(START_WINDOW_S, 0.01 * float(run.time_s[-1] - run.time_s[0]))
     window = max(int(np.searchsorted(run.time_s, run.time_s[0] + span, side="right")), 1)
-    solution = ExactSolution(model)
+    solution = ExactSolution(coefficients.model)
     if window > 2:
         early = solution.simulate_times(run.time_s[:window], run.pwm[:window], first)
-        for name in measured:
-            off = (measured[name] - ambient)[:window] - early[name]
+        for name in first:
+            off = (run.temps[name] - inputs.ambient)[:window] - early[name]
             if np.any(np.isfinite(off)):
                 first[name] += float(np.nanmean(off))
     return first, solution.simulate_times(run.time_s, run.pwm, first)

@@ -199,7 +199,7 @@ def test_a_test_run_that_cannot_be_judged_is_refused_before_any_work(
     [
         (7, {}, "found 7 rows, expected at least 8"),
         (8, {"ambient": {"channel": "room_degC"}}, "the column room_degC is missing"),
-        (8, {"effects": [FAN]}, 'the effect "airflow" needs the column fan'),
+        (8, {"effects": [FAN]}, 'the effect "airflow" of casing needs the column fan'),
         (8, {}, ""),
     ],
 )

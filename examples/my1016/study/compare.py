@@ -13,14 +13,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+import gen
 from examples.my1016.study.reproduce import rises
 from examples.my1016.study.tables import STEADY_S, Study, counts
-from gen.identification.coefficient_file import Settings, coefficient_text
-from gen.identification.data import Source, make_data
 from gen.identification.forms import FULL, Form
-from gen.identification.identify import identify
 from gen.model import Component, ExponentialSum, Pole, Polynomial, Schedule, ThermalModel
-from gen.runs import Run
 
 FloatArray = NDArray[np.float64]
 RESOLUTION_K = 0.25
@@ -48,27 +45,26 @@ class Comparison:
     forms: dict[str, str]
 
 
-def recordings(study: Study) -> list[Source]:
-    """Give the five recordings as run files in memory."""
+def recordings(study: Study) -> list[pd.DataFrame]:
+    """Give the five recordings as runs."""
     time = np.arange(0.0, STEADY_S + SAMPLE_S / 2.0, SAMPLE_S)
-    sources = []
+    runs = []
     for speed in study.speeds:
         pwm = counts(speed)
-        temps = {}
+        run = pd.DataFrame({"pwm": pwm}, index=pd.Index(time, name="time_s"))
         for name in study.components:
             degrees = study.ambient + pwm * control.step_response(study.identified(name, pwm), time).outputs
-            temps[name] = np.round(degrees / RESOLUTION_K) * RESOLUTION_K
-        sources.append(Source(f"step_{speed}_percent.csv", Run(time, np.full(len(time), pwm), temps)))
-    return sources
+            run[f"{name}_degC"] = np.round(degrees / RESOLUTION_K) * RESOLUTION_K
+        run.attrs["name"] = f"step_{speed}_percent"
+        runs.append(run)
+    return runs
 
 
 def compare(study: Study, variable: ThermalModel) -> Comparison:
     """Identify on the study's data, and compare with the study's own variable-pole model."""
-    data = make_data(recordings(study), study.ambient)
-    found = identify(data, lambda _: None)
-    _, ours = coefficient_text(data, found, Settings("my1016"))
+    ours = gen.identify(recordings(study), name="my1016", ambient=study.ambient)
     left_out = {}
-    for name, item in found.items():
+    for name, item in ours.found.items():
         error = item.general.chosen.left_out
         assert error is not None  # five speeds
         left_out[name] = error.steady_K
@@ -78,7 +74,10 @@ def compare(study: Study, variable: ThermalModel) -> Comparison:
         rises(study, ours.model.transfer_function) - curves,
         pd.DataFrame({c.name: study_left_out(study, c) for c in variable.components}, index=list(study.speeds)),
         pd.DataFrame(left_out, index=list(study.speeds)),
-        {name: f"order {item.fit.layout.structure.name}; {item.general.chosen.name}" for name, item in found.items()},
+        {
+            name: f"order {item.fit.layout.structure.name}; {item.general.chosen.name}"
+            for name, item in ours.found.items()
+        },
     )
 
 
