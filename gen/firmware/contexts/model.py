@@ -8,7 +8,7 @@ from typing import TypedDict
 
 import numpy as np
 
-from gen.firmware import avr_advance
+from gen.firmware.avr.block import Block, block
 from gen.firmware.contexts.components import ComponentContext, ShapeContext, component_contexts, shape_contexts
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import CARRY_FACTOR, start_scale
@@ -34,7 +34,7 @@ class ModelContext(TypedDict):
     outside_validity: str
     zeroed: list[tuple[int, int]]
     start_members: dict[tuple[str, str, str], list[str]]
-    avr: avr_advance.Block | None
+    avr: Block | None
     carry_factor: int
     shifts: list[int]
     limit_bits: int
@@ -54,7 +54,7 @@ def model_context(program: Program) -> ModelContext:
         "outside_validity": _outside(model.validity, model.domain_pwm),
         "zeroed": _zeroed(program),
         "start_members": _start_members(program),
-        "avr": avr_advance.block(program) if program.arithmetic == "fixed" else None,
+        "avr": block(program) if program.arithmetic == "fixed" else None,
         "carry_factor": CARRY_FACTOR,
         "shifts": _shift_totals(program),
         "limit_bits": LIMIT_BITS,
