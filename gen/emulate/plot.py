@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 
 import matplotlib as mpl
 import numpy as np
@@ -65,7 +66,14 @@ def plot_svg(results: Results, title: str) -> str:
         figure.legend(handles=handles, loc="outside right upper", fontsize=8, frameon=False)
         text = io.StringIO()
         figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
-    return text.getvalue()
+    return _numbered(text.getvalue())
+
+
+def _numbered(svg: str) -> str:
+    """The picture with its identifiers numbered as they come: matplotlib makes some of memory addresses."""
+    names = dict.fromkeys(re.findall(r'\bid="(\w+)"', svg))
+    numbers = {name: f"i{number}" for number, name in enumerate(names)}
+    return re.sub(r'(\bid="|#)(\w+)(?=["\)])', lambda found: found[1] + numbers.get(found[2], found[2]), svg)
 
 
 def _every(results: Results) -> int:
