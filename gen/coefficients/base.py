@@ -9,12 +9,13 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 from pydantic_core import PydanticCustomError
 
 from gen.coefficients.names import NAME_PATTERN, name_fault
+from gen.model.dynamics import MAX_PWM
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0)]
 Celsius = Annotated[float, Field(allow_inf_nan=False, ge=-273.15, le=5000)]
-Counts = Annotated[int, Field(ge=0, le=255)]
+Counts = Annotated[int, Field(ge=0, le=MAX_PWM)]
 CountRange = tuple[Counts, Counts]
 
 

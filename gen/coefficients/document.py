@@ -19,6 +19,7 @@ from gen.coefficients.references import (
 )
 from gen.coefficients.schedule import ScheduleEntry
 from gen.coefficients.wiring import Wiring
+from gen.model.dynamics import MAX_PWM
 
 SKETCH_FILES = frozenset(["board", "commands", "config", "console", "crc32", "device", "drive", "encoder"])
 SKETCH_FILES |= {"channels", "indicator", "memory", "observer", "output", "selftest", "thermocouples"}
@@ -32,7 +33,7 @@ class Input(Part):
     """The model's input: the PWM command."""
 
     name: ColumnName
-    full_scale: Annotated[int, Field(ge=1, le=255, description="The count that is 100 % (8-bit PWM).")]
+    full_scale: Annotated[int, Field(ge=1, le=MAX_PWM, description="The count that is 100 % (8-bit PWM).")]
     nominal_speed_rpm: Annotated[Positive, Field(description="Speed at full scale.")]
 
 

@@ -10,6 +10,9 @@ import click
 from gen.commands.options import check_once
 from gen.progress import progress_line
 
+_FULL_PWM = 255
+"""Of an 8-bit PWM; the model's own constant comes with numpy, for which the help would have to wait."""
+
 
 @click.command(
     short_help="Identify a speed-scheduled model from measured runs.",
@@ -25,7 +28,11 @@ from gen.progress import progress_line
     "--sample-time", type=click.FloatRange(0.001, 3600.0), default=0.25, show_default=True, help="The board's, s."
 )
 @click.option(
-    "--full-scale", type=click.IntRange(1, 255), default=255, show_default=True, help="The count that is 100 %."
+    "--full-scale",
+    type=click.IntRange(1, _FULL_PWM),
+    default=_FULL_PWM,
+    show_default=True,
+    help="The count that is 100 %.",
 )
 @click.option("--rpm", type=click.FloatRange(1e-3), default=2650.0, show_default=True, help="Speed at full scale.")
 @click.option("--max-order", type=click.IntRange(1, 4), default=4, show_default=True)

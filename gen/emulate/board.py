@@ -9,14 +9,12 @@ from gen.coefficients.wiring import Wiring
 from gen.emulate.devices import DeviceMega
 from gen.emulate.levels import Edges
 from gen.emulate.max6675 import Max6675
-from gen.emulate.plant import STEP_S, Plant, Reading
+from gen.emulate.plant import FULL_PWM, STEP_S, Plant, Reading
 
 EncoderMode = Literal["true", "batched"]
 
 BATCH_S = 0.001
 """What `EncoderMode` ``batched`` gathers, s: some 22 pulses at full speed."""
-
-_FULL = 255
 
 
 class Board:
@@ -128,6 +126,6 @@ class Board:
         observe = self.wiring.observe
         if observe is None:
             return
-        self.mega.pins.drive_wave(observe.forward_pin, max(pwm, 0) / _FULL)
+        self.mega.pins.drive_wave(observe.forward_pin, max(pwm, 0) / FULL_PWM)
         if observe.reverse_pin is not None:
-            self.mega.pins.drive_wave(observe.reverse_pin, max(-pwm, 0) / _FULL)
+            self.mega.pins.drive_wave(observe.reverse_pin, max(-pwm, 0) / FULL_PWM)

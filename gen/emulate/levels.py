@@ -12,8 +12,8 @@ from gen.avr.memory import Memory
 from gen.avr.shim import Handle
 from gen.avr.simulator import FREQUENCY_HZ
 from gen.emulate.pins import compare_output, duty, port_pin
+from gen.emulate.plant import FULL_PWM
 
-_FULL = 255
 _WAVE_HZ = 490.2  # the core's analogWrite on most pins: 16 MHz / 64 / 510
 
 
@@ -102,7 +102,7 @@ class Pins:
 
     def pwm(self, forward: int, reverse: int) -> int:
         """Give the signed PWM, -255..255, on the two pins of a motor driver."""
-        return round(_FULL * (self.duty(forward) - self.duty(reverse)))
+        return round(FULL_PWM * (self.duty(forward) - self.duty(reverse)))
 
     def signed_pwm(self, pwm: int, direction: int, *, forward_level: bool = True) -> int:
         """Give the signed PWM, -255..255, on a motor driver's PWM pin and direction pin.
@@ -114,7 +114,7 @@ class Pins:
         forward_level
             Level of ``direction`` for PWM > 0.
         """
-        size = round(_FULL * self.duty(pwm))
+        size = round(FULL_PWM * self.duty(pwm))
         return size if self.level(direction) == forward_level else -size
 
     def watch(self, pin: int) -> Probe:

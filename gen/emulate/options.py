@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gen.emulate.plant import FULL_PWM
 from gen.emulate.session import Event
 from gen.errors import InputError
 from gen.record.profile import Profile
@@ -93,8 +94,8 @@ def parse_start(text: str | None, motor: MotorConfig, ambient_degC: float) -> di
     ran = re.fullmatch(r"(-?\d+):(\d+(?:\.\d*)?)", text)
     if ran:
         pwm, seconds = int(ran[1]), float(ran[2])
-        if abs(pwm) > 255 or not seconds > 0.0:
-            raise InputError(f'found "{text}", expected PWM -255..255 and more than 0 s', place="--start")
+        if abs(pwm) > FULL_PWM or not seconds > 0.0:
+            raise InputError(f'found "{text}", expected PWM -{FULL_PWM}..{FULL_PWM} and more than 0 s', place="--start")
         return warm_start(RigProfile((0.0,), (pwm,), seconds), motor, ambient_degC)
     start = {}
     for pair in text.split(","):

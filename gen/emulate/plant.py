@@ -11,6 +11,9 @@ STEP_S = 0.25
 
 AMBIENT = "ambient"
 
+FULL_PWM = 255
+"""The count at which a pin is high all the time."""
+
 
 @dataclass(frozen=True)
 class Reading:
@@ -79,6 +82,6 @@ class BenchPlant:
         """See `Plant.step`."""
         self.pwm_seen.append(pwm)
         before = int(self._turned)
-        self._turned += abs(pwm) / 255.0 * self.pulses_per_s * dt_s
+        self._turned += abs(pwm) / FULL_PWM * self.pulses_per_s * dt_s
         words = {name: word_of(value) for name, value in self.temperatures.items()} | self.words
         return Reading(words, int(self._turned) - before)

@@ -16,9 +16,12 @@ from gen.firmware.contexts.board import (
     DriveContext,
     EncoderContext,
     InputContext,
+    InputsContext,
+    LatchContext,
     MemoryContext,
     ObserveContext,
     Pin,
+    RowsContext,
     SensorsContext,
     ThermocoupleContext,
 )
@@ -113,56 +116,42 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
     document = coefficients.document
     wiring = document.wiring or Wiring()
     sample_ms = round(program.model.sample_time * 1000.0)
-    read_samples = reading_samples(program.model.sample_time)
-    chips = _chips(coefficients, wiring.thermocouples, program)
-    names = [component.name for component in document.components]
-    pulses = _encoder(wiring.encoder, document.input.nominal_speed_rpm, sample_ms) if wiring.encoder else None
-    start_samples = max(2 * CONFIRMATIONS * read_samples, math.ceil(_START_MS / sample_ms))
-    row_samples = max(1, round(wiring.row_every_s / program.model.sample_time))
-    columns = _columns(coefficients, chips, pulses is not None, wiring.channels)
-    memory = _memory(wiring, chips, names, program, coefficients.sha256, sample_ms)
-    inputs = _channels(wiring.channels, program, sample_ms)
-    analog = [channel for channel in inputs if channel["analog"]]
+    sensors = _sensors(coefficients, wiring.thermocouples, program, sample_ms)
+    memory = _memory(wiring, sensors, program, coefficients.sha256, sample_ms)
+    start_samples = max(2 * CONFIRMATIONS * sensors["read_samples"], math.ceil(_START_MS / sample_ms))
     return {
-        "channels": inputs,
-        "analog": analog,
-        "contacts": [channel for channel in inputs if not channel["analog"]],
-        "conversions": _conversions(len(analog), sample_ms),
-        "settling": _SETTLING,
-        "didr": [sum(1 << (c["mux"] & 7) for c in analog if c["mux"] // 8 == half) for half in (0, 1)],
+        **sensors,
+        **_inputs(wiring.channels, program, sample_ms),
+        **_rows(coefficients, wiring, sensors["chips"]),
+        "cold_mK": COLD_mK,
         "baud": wiring.serial_baud,
-        "row_samples": row_samples,
-        "row_every": f"{row_samples * program.model.sample_time:g}",
-        "columns": columns,
-        "row_bytes": _row_bytes(columns),
-        "ring_bytes": 1 << math.ceil(math.log2(_row_bytes(columns) + max(_row_bytes(columns), 2 * _LINE_BYTES))),
-        "ambient_column": _ambient_column(coefficients),
         "late_ms": max(2, sample_ms // 25),
         "start_samples": start_samples,
         "start_s": f"{start_samples * sample_ms / 1000:g}",
         "led": wiring.led_pin,
         "button": wiring.button_pin,
-        **_sensors(chips, read_samples, sample_ms),
-        "measured": [chip for chip in chips if chip["channel"] in names],
-        "column_chips": [chip for chip in chips if chip["column"]],
-        "ambient_chip": next((chip for chip in chips if chip["channel"] == "ambient"), None),
-        "cold_mK": COLD_mK,
-        "encoder": pulses,
+        "encoder": _encoder(wiring.encoder, document.input.nominal_speed_rpm, sample_ms) if wiring.encoder else None,
         "drive": _drive(wiring.drive, sample_ms) if wiring.drive else None,
         "observe": _observe(wiring.observe) if wiring.observe else None,
         "memory": memory,
-        "latch": {"at": _LATCH_AT, "slots": _LATCH_SLOTS, "bytes": _LATCH_BYTES}
-        if memory and document.alarms
-        else None,
+        "latch": _latch() if memory and document.alarms else None,
         "idle_timers": _idle_timers(wiring),
         "alarms": [alarm.name for alarm in document.alarms],
         "alarm_texts": alarm_texts(coefficients),
     }
 
 
-def _sensors(chips: list[ThermocoupleContext], read_samples: int, sample_ms: int) -> SensorsContext:
+def _sensors(
+    coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program, sample_ms: int
+) -> SensorsContext:
+    chips = _chips(coefficients, wired, program)
+    names = [component.name for component in coefficients.document.components]
+    read_samples = reading_samples(program.model.sample_time)
     return {
         "chips": chips,
+        "measured": [chip for chip in chips if chip["channel"] in names],
+        "column_chips": [chip for chip in chips if chip["column"]],
+        "ambient_chip": next((chip for chip in chips if chip["channel"] == "ambient"), None),
         "read_samples": read_samples,
         "reading_ms": read_samples * sample_ms,
         "conversion_ms": CONVERSION_MS,
@@ -171,6 +160,34 @@ def _sensors(chips: list[ThermocoupleContext], read_samples: int, sample_ms: int
         "noise_counts": NOISE_COUNTS,
         "highest_count": HIGHEST_COUNT,
         "count_mK": COUNT_mK,
+    }
+
+
+def _inputs(wired: Sequence[ChannelInput], program: Program, sample_ms: int) -> InputsContext:
+    channels = _channels(wired, program, sample_ms)
+    analog = [channel for channel in channels if channel["analog"]]
+    return {
+        "channels": channels,
+        "analog": analog,
+        "contacts": [channel for channel in channels if not channel["analog"]],
+        "conversions": _conversions(len(analog), sample_ms),
+        "settling": _SETTLING,
+        "didr": [sum(1 << (c["mux"] & 7) for c in analog if c["mux"] // 8 == half) for half in (0, 1)],
+    }
+
+
+def _rows(coefficients: Coefficients, wiring: Wiring, chips: list[ThermocoupleContext]) -> RowsContext:
+    sample_time = coefficients.model.sample_time
+    samples = max(1, round(wiring.row_every_s / sample_time))
+    columns = _columns(coefficients, chips, wiring.encoder is not None, wiring.channels)
+    longest = _row_bytes(columns)
+    return {
+        "row_samples": samples,
+        "row_every": f"{samples * sample_time:g}",
+        "columns": columns,
+        "row_bytes": longest,
+        "ring_bytes": 1 << math.ceil(math.log2(longest + max(longest, 2 * _LINE_BYTES))),
+        "ambient_column": _ambient_column(coefficients),
     }
 
 
@@ -358,12 +375,12 @@ def _observe(observe: Observe) -> ObserveContext:
 
 
 def _memory(
-    wiring: Wiring, chips: list[ThermocoupleContext], names: list[str], program: Program, sha256: str, sample_ms: int
+    wiring: Wiring, sensors: SensorsContext, program: Program, sha256: str, sample_ms: int
 ) -> MemoryContext | None:
     """The copies in EEPROM; none without a measured component, because nothing could tell whether a copy is fresh."""
-    if wiring.memory is None or not any(chip["channel"] in names for chip in chips):
+    if wiring.memory is None or not sensors["measured"]:
         return None
-    record = _RECORD_FIXED + 2 * len(chips) + state_bytes(program)
+    record = _RECORD_FIXED + 2 * len(sensors["chips"]) + state_bytes(program)
     slots = _LATCH_AT // record
     # "normal" stands for a kind of step; it stays, because any other word would make boards drop their copies.
     identity = zlib.crc32(f"{__version__} {sha256} {program.arithmetic} {program.schedule} normal".encode())
@@ -380,6 +397,10 @@ def _memory(
         "tolerance_K": f"{wiring.memory.tolerance_K:g}",
         "years": f"{years:.0f}" if years >= 10 else f"{years:.1f}",
     }
+
+
+def _latch() -> LatchContext:
+    return {"at": _LATCH_AT, "slots": _LATCH_SLOTS, "bytes": _LATCH_BYTES}
 
 
 def state_bytes(program: Program) -> int:

@@ -21,6 +21,7 @@ from gen.identification.data import Data
 from gen.identification.identify import Identified
 from gen.identification.schedule_entries import component_entry
 from gen.identification.structure import FloatArray
+from gen.model.dynamics import MAX_PWM
 
 WINDOW = 60
 """Errors are those of means over this share of a run: the sensor's noise is not the model's error."""
@@ -40,7 +41,7 @@ class Settings:
 
     name: str
     sample_time_s: float = 0.25
-    full_scale: int = 255
+    full_scale: int = MAX_PWM
     nominal_speed_rpm: float = 2650.0
 
 

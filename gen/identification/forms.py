@@ -10,9 +10,10 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import least_squares
 
 from gen.identification.structure import FloatArray
+from gen.model.dynamics import MAX_PWM
 
 Kind = Literal["poly", "exp2", "linear", "pchip", "trend"]
-FULL = 255.0
+FULL = float(MAX_PWM)
 
 _DEGREES = ("constant", "straight line", "parabola", "cubic")
 _CURVES = {

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from gen.coefficients.document import ComponentEntry, PoleEntry
 from gen.coefficients.schedule import Exp1, Points, Poly, ScheduleEntry, Tabulated
+from gen.identification.forms import FULL
 from gen.identification.joint import Model
 from gen.identification.structure import FloatArray
 from gen.model import Table
@@ -65,9 +66,9 @@ def schedule_entry(pwm: FloatArray, value: FloatArray) -> ScheduleEntry:
     for degree in range(4):
         if degree >= len(pwm):
             break
-        coefficients = np.polyfit(pwm / 255.0, value / scale, degree)
-        if np.max(np.abs(np.polyval(coefficients, pwm / 255.0) - value / scale)) < SAME:
-            powers = 255.0 ** np.arange(degree, -1, -1)
+        coefficients = np.polyfit(pwm / FULL, value / scale, degree)
+        if np.max(np.abs(np.polyval(coefficients, pwm / FULL) - value / scale)) < SAME:
+            powers = FULL ** np.arange(degree, -1, -1)
             return Poly(poly=tuple(_short(c) for c in coefficients * scale / powers))
     if np.all(value * value[0] > 0.0):
         slope, log = np.polyfit(pwm, np.log(np.abs(value)), 1)

@@ -12,6 +12,7 @@ from gen.identification.bands import next_speed
 from gen.identification.coefficient_file import measured_error
 from gen.identification.data import Data
 from gen.identification.identify import SETTLED, Identified
+from gen.model.dynamics import MAX_PWM
 
 _LEAST_OFFSET_K = 0.005
 """Smaller offsets print as none."""
@@ -133,7 +134,7 @@ def _next(found: Mapping[str, Identified]) -> dict[str, Any] | None:
     """Where one more measured speed would help most."""
     speeds = sorted({p for item in found.values() for p in item.speeds})
     if len(speeds) < 3:
-        target = 255 if speeds[-1] < 128 else max(speeds[0] // 2, 1)
+        target = MAX_PWM if speeds[-1] < 128 else max(speeds[0] // 2, 1)
         return {"pwm": target, "why": "fewer than three speeds: nothing shows how the model goes on between and beyond"}
     same = [item for item in found.values() if item.speeds == speeds]
     left: dict[int, float] = {}

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
-from gen.model.dynamics import ThermalModel
+from gen.model.dynamics import PWM_LEVELS, ThermalModel
 from gen.model.exact import ExactSolution
 from gen.model.extended import FINEST_S, ExtendedSolution, own_rate
 from gen.replay import Inputs, ambient_column, check_inputs, inputs_of, read_for
@@ -214,7 +214,7 @@ def _condensed(coefficients: Coefficients, run: Run, name: str) -> Condensed:
         if component.name not in measured:
             continue
         rate = own_rate(component)
-        heat = rate * component.steady_rise(np.arange(256))
+        heat = rate * component.steady_rise(np.arange(PWM_LEVELS))
         residual = measured[component.name] - ambient - base[component.name]
         means, noise = _binned(residual, time, index, count)
         traces[component.name] = Trace(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gen.coefficients import Coefficients
+from gen.model.dynamics import PWM_LEVELS
 from gen.model.effects import Setting
 from gen.refinement.condense import Condensed
 from gen.refinement.stacked_runs import StackedRuns
@@ -43,14 +44,14 @@ def _varies(runs: Sequence[Condensed], key: str) -> bool:
 
 def _levels(counts: np.ndarray, spans: np.ndarray) -> tuple[int, ...]:
     """|PWM| at which the motor ran for at least 3 % of the time, at most eight and not closer than 8 counts."""
-    time = np.bincount(counts.astype(int), spans, 256)
+    time = np.bincount(counts.astype(int), spans, PWM_LEVELS)
     chosen: list[int] = [0] if time[0] > 0.01 * time.sum() else []
     near = np.convolve(time, np.ones(5), mode="same")
     for level in np.argsort(-near):
         if near[level] < 0.03 * time.sum() or len(chosen) >= 9:
             break
         if level > 2 and all(abs(int(level) - other) >= 8 for other in chosen):
-            window = np.arange(max(level - 2, 1), min(level + 3, 256))
+            window = np.arange(max(level - 2, 1), min(level + 3, PWM_LEVELS))
             chosen.append(int(np.rint(np.average(window, weights=time[window] + 1e-9))))
     return tuple(sorted(chosen))
 

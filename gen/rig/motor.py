@@ -12,10 +12,10 @@ from gen.rig.config import MotorConfig
 from gen.rig.losses import Condition, Heat, Operation, heat, resistance, settled_speed
 from gen.rig.network import Floats, Network, propagator
 from gen.rig.parameters import AMBIENT, HIDDEN, NODES, HeatPath
+from gen.rig.profiles import FULL_SCALE
 
 STEFAN_BOLTZMANN = 5.670374419e-8  #: W/(m2 K4)
 KELVIN = 273.15
-FULL_SCALE = 255  #: Counts of full PWM.
 _REFERENCE_DEGC = 30.0  #: Where `MotorConfig.loss_per_K` changes nothing: the study's ambient.
 _WINDING, _BEARING, _CASING = (NODES.index(name) for name in ("winding", "bearing", "casing"))
 _KEPT = 4096  #: Propagators to keep; each PWM change makes some thirty until the speed has settled.

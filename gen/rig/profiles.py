@@ -73,7 +73,7 @@ def random_levels(
     duration_s: float = 10_800.0,
     hold_s: tuple[float, float] = (300.0, 1800.0),
     low: int = 26,
-    high: int = 255,
+    high: int = FULL_SCALE,
 ) -> Profile:
     """Hold uniformly random levels of ``low..high`` for uniformly random times."""
     random = np.random.default_rng(seed)

@@ -20,6 +20,7 @@ from gen.runs.thinning import thinned
 _CELSIUS = (-273.15, 5000.0)
 _HIGHEST = 1e12
 """No column's value is larger, in its unit: calculations with larger ones overflow."""
+_FULL_PWM = 255
 _PLAIN = b"0123456789+-.eE,"
 _BLOCK_BYTES = 1 << 19
 
@@ -229,9 +230,9 @@ def _check_values(values: FloatArray, head: Head, first: int, last_time: float) 
     late = time_s <= before
     if late.any():
         fail(late, "time_s", f"expected more than {_shown(before[np.argmax(late)])} s, the time of the row before")
-    wrong = (np.abs(pwm) > 255) | (pwm != np.round(pwm))
+    wrong = (np.abs(pwm) > _FULL_PWM) | (pwm != np.round(pwm))
     if wrong.any():
-        fail(wrong, "pwm", "expected a whole number -255..255")
+        fail(wrong, "pwm", f"expected a whole number -{_FULL_PWM}..{_FULL_PWM}")
     for index, column in enumerate(head.columns):
         low, high = _CELSIUS if column.endswith("_degC") else (-_HIGHEST, _HIGHEST)
         beyond = (values[:, index] < low) | (values[:, index] > high)

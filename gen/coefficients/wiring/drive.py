@@ -10,8 +10,9 @@ from pydantic.config import JsonDict
 
 from gen.coefficients.base import Part, Positive, fault, listed
 from gen.coefficients.wiring.pins import Pin
+from gen.model.dynamics import MAX_PWM
 
-Duty = Annotated[int, Field(ge=-255, le=255)]
+Duty = Annotated[int, Field(ge=-MAX_PWM, le=MAX_PWM)]
 
 _PAIR = ("forward_pin", "reverse_pin")
 _SIGNED = ("pwm_pin", "direction_pin")

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from gen.coefficients.base import Celsius, NotNegative, Part, Positive, fault
 from gen.coefficients.wiring.pins import COUNTER_PIN, INTERRUPT_PINS, Pin
+from gen.model.dynamics import MAX_PWM
 
 MAX6675_HIGHEST = 1023.75
 """What the largest count of a MAX6675 means, in degC."""
@@ -79,7 +80,7 @@ class Encoder(Part):
         Literal["interrupt", "counter"] | None,
         Field(description="counter: Timer 5 counts, on pin 47 only. Without it: counter on pin 47, else interrupt."),
     ] = None
-    stall_pwm: Annotated[int, Field(ge=1, le=255, description="|PWM| from which on the motor must turn.")] = 51
+    stall_pwm: Annotated[int, Field(ge=1, le=MAX_PWM, description="|PWM| from which on the motor must turn.")] = 51
     stall_s: Annotated[Positive, Field(le=3600, description="No pulse for this long at such a PWM is a stall.")] = 2.0
 
     @property

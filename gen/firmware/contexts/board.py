@@ -133,9 +133,16 @@ class LatchContext(TypedDict):
 
 
 class SensorsContext(TypedDict):
-    """The checks of the thermocouples' samples."""
+    """The thermocouples, and the checks of their samples.
+
+    `measured` are those at a component, `column_chips` those whose temperature is a column of its own, `ambient_chip`
+    the one of the surroundings.
+    """
 
     chips: list[ThermocoupleContext]
+    measured: list[ThermocoupleContext]
+    column_chips: list[ThermocoupleContext]
+    ambient_chip: ThermocoupleContext | None
     read_samples: int
     reading_ms: int
     conversion_ms: int
@@ -146,31 +153,38 @@ class SensorsContext(TypedDict):
     count_mK: int
 
 
-class DeviceContext(SensorsContext):
-    """The whole sketch; a part that is not wired is empty or None."""
+class InputsContext(TypedDict):
+    """Voltages and contacts; `conversions` make a voltage, `didr` turns its pins' digital inputs off."""
 
-    cold_mK: int
     channels: list[InputContext]
     analog: list[InputContext]
     contacts: list[InputContext]
     conversions: int
     settling: int
     didr: list[int]
-    baud: int
+
+
+class RowsContext(TypedDict):
+    """The rows of the console's log and the buffer that they leave from."""
+
     row_samples: int
     row_every: str
     columns: list[str]
     row_bytes: int
     ring_bytes: int
     ambient_column: str
+
+
+class DeviceContext(SensorsContext, InputsContext, RowsContext):
+    """The whole sketch; a part that is not wired is empty or None."""
+
+    cold_mK: int
+    baud: int
     late_ms: int
     start_samples: int
     start_s: str
     led: int | None
     button: int | None
-    measured: list[ThermocoupleContext]
-    column_chips: list[ThermocoupleContext]
-    ambient_chip: ThermocoupleContext | None
     encoder: EncoderContext | None
     drive: DriveContext | None
     observe: ObserveContext | None

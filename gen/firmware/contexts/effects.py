@@ -97,12 +97,12 @@ class ChannelContext(TypedDict):
     neutral: int
 
 
-class EffectsContext(TypedDict):
-    """All effects.
+class TrackedContext(TypedDict):
+    """The components whose rises are kept.
 
-    `parts` are the tracked components with effects, `felt` those whose rise is in some drive. `heating`, `finer` and
-    `shown` name components: with states that add to the rise, with one more term in its mean, with a reading of their
-    own. `states`: there are states of 64 bits.
+    `parts` are those with effects, `felt` those whose rise is in some drive. `heating`, `finer` and `shown` name
+    components: with states that add to the rise, with one more term in its mean, with a reading of their own.
+    `states`: there are states of 64 bits.
     """
 
     tracked: list[Tracked]
@@ -112,6 +112,11 @@ class EffectsContext(TypedDict):
     heating: list[str]
     finer: list[str]
     shown: list[str]
+
+
+class EffectsContext(TrackedContext):
+    """All effects."""
+
     channels: list[ChannelContext]
     elapsed_limit: int
     kelvin_bits: int
@@ -142,7 +147,20 @@ def effects_context(program: Program) -> EffectsContext | None:
     effects = program.effects
     if effects is None:
         return None
-    tracked = _tracked(program, effects)
+    return {
+        **_of_tracked(_tracked(program, effects)),
+        "channels": _channels(effects),
+        "elapsed_limit": effects.elapsed_limit,
+        "kelvin_bits": KELVIN_BITS,
+        "start_end": KELVIN_LIMIT * 1000,
+        "weight_bits": WEIGHT_BITS,
+        "carry_factor": CARRY_FACTOR,
+        "chain_bits": WORD_BITS + GUARD_BITS,
+        "word_bits": WORD_BITS + GUARD_BITS - RESIDUE_BITS,
+    }
+
+
+def _of_tracked(tracked: list[Tracked]) -> TrackedContext:
     parts = [(component["name"], component["part"]) for component in tracked if component["part"]]
     felt = [component for component in tracked if component["felt"] is not None]
     return {
@@ -153,24 +171,20 @@ def effects_context(program: Program) -> EffectsContext | None:
         "heating": [name for name, part in parts if part["heats"]],
         "finer": [component["name"] for component in felt if component["part"] and component["part"]["sixth"]],
         "shown": [name for name, _ in parts],
-        "channels": [
-            {
-                "id": name,
-                "column": channel.column,
-                "low": channel.low,
-                "high": channel.high,
-                "neutral": channel.neutral,
-            }
-            for name, channel in zip(channel_names(effects), effects.channels, strict=True)
-        ],
-        "elapsed_limit": effects.elapsed_limit,
-        "kelvin_bits": KELVIN_BITS,
-        "start_end": KELVIN_LIMIT * 1000,
-        "weight_bits": WEIGHT_BITS,
-        "carry_factor": CARRY_FACTOR,
-        "chain_bits": WORD_BITS + GUARD_BITS,
-        "word_bits": WORD_BITS + GUARD_BITS - RESIDUE_BITS,
     }
+
+
+def _channels(effects: EffectsProgram) -> list[ChannelContext]:
+    return [
+        {
+            "id": name,
+            "column": channel.column,
+            "low": channel.low,
+            "high": channel.high,
+            "neutral": channel.neutral,
+        }
+        for name, channel in zip(channel_names(effects), effects.channels, strict=True)
+    ]
 
 
 def _tracked(program: Program, effects: EffectsProgram) -> list[Tracked]:

@@ -173,19 +173,21 @@ class Graph:
             return b if _is(a, 1.0) else a
         if _fixed(a):
             a, b = b, a
-        if _fixed(b):
-            if a.entry.op == "neg":
-                return self.mul(Node(self, a.entry.args[0]), self.node(-_values(b)))
-            if a.entry.op == "mul":  # (u c) b = u (c b) where c and b depend on |PWM| alone
-                u, c = (Node(self, number) for number in a.entry.args)
-                if _fixed(c):
-                    return self.mul(u, self.node(_values(c) * _values(b)))
-        ends = [x * y for x in (a.entry.low, a.entry.high) for y in (b.entry.low, b.entry.high)]
-        low = 0.0 if a.number == b.number and a.entry.low <= 0.0 <= a.entry.high else min(ends)
-        if a.number == b.number and low < 0.0:
-            low = min(a.entry.low**2, a.entry.high**2)
+        merged = self._merged_factor(a, b) if _fixed(b) else None
+        if merged is not None:
+            return merged
         args = (a.number, b.number) if _fixed(b) else _sorted(a, b)
-        return self._make(Entry("mul", args, low, max(ends)))
+        return self._make(Entry("mul", args, *_product_range(a, b)))
+
+    def _merged_factor(self, a: Node, b: Node) -> Node | None:
+        """a b, with b, which depends on |PWM| alone, taken into a factor or a sign that a has; None without one."""
+        if a.entry.op == "neg":
+            return self.mul(Node(self, a.entry.args[0]), self.node(-_values(b)))
+        if a.entry.op == "mul":  # (u c) b = u (c b) where c depends on |PWM| alone too
+            u, c = (Node(self, number) for number in a.entry.args)
+            if _fixed(c):
+                return self.mul(u, self.node(_values(c) * _values(b)))
+        return None
 
     def neg(self, a: Node) -> Node:
         """-a."""
@@ -236,6 +238,13 @@ def _values(node: Node) -> Array:
 
 def _is(node: Node, value: float) -> bool:
     return node.entry.op == "constant" and node.entry.table[0] == value
+
+
+def _product_range(a: Node, b: Node) -> tuple[float, float]:
+    """Range of a b; a square is never negative."""
+    ends = [x * y for x in (a.entry.low, a.entry.high) for y in (b.entry.low, b.entry.high)]
+    square_of_both_signs = a.number == b.number and a.entry.low <= 0.0 <= a.entry.high
+    return 0.0 if square_of_both_signs else min(ends), max(ends)
 
 
 def _sorted(a: Node, b: Node) -> tuple[int, int]:

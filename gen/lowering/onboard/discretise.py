@@ -195,9 +195,29 @@ def _polynomial(graph: Graph, terms: dict[Monomial, Fraction], variables: tuple[
 
 def _rates(graph: Graph, factors: list[Factor], tolerance: float, *, apart: bool) -> tuple[int, ...]:
     """R0..R[n-1]; sums of sums are made of their terms if they are kept ``apart``, the smallest first."""
+    images, leading = _product_of_images(graph, factors, tolerance, apart=apart)
+    c = _feedback(graph, images, tolerance, apart=apart)
+    rates = []
+    for i in range(len(c) - 1):
+        if i == 0 and len(factors) > 1:
+            # C0 spans many decades: divide before its last factor comes in.
+            rate = graph.mul(graph.div(leading, c[1]), factors[-1].discrete[-1])
+        else:
+            rate = graph.div(c[i], c[i + 1])
+        rates.append(rate)
+    rates.append(c[-1])
+    for i, rate in enumerate(rates):
+        graph.label(rate, f"rate R{i}", "1 per sample")
+    return tuple(rates)
+
+
+def _product_of_images(
+    graph: Graph, factors: list[Factor], tolerance: float, *, apart: bool
+) -> tuple[list[list[int]], int]:
+    """The factors' product as polynomials in delta: b1..bn by their terms, and b[n] but for the last factor."""
     one = graph.constant(1)
-    product = [[one]]  # b = (1, b1, .., bn) by its terms: the factors' product as polynomials in delta
-    leading = one  # b[n] but for the last factor
+    product = [[one]]
+    leading = one
     for factor in factors:
         sums = [graph.total(terms, tolerance) for terms in product]
         leading = sums[-1]
@@ -209,25 +229,19 @@ def _rates(graph: Graph, factors: list[Factor], tolerance: float, *, apart: bool
             else:
                 longer[i + j].append(graph.mul(sums[i], factor.discrete[j - 1]))
         product = longer if apart else [[graph.total(terms, tolerance)] for terms in longer]
-    order = len(product) - 1
+    return product[1:], leading
+
+
+def _feedback(graph: Graph, images: list[list[int]], tolerance: float, *, apart: bool) -> list[int]:
+    """C0..C[n-1] of b1..bn by their terms."""
+    order = len(images)
     c: list[int] = []
     for i, row in enumerate(FEEDBACK_FROM_DELTA[order]):
         for f in row:
             graph.label(graph.constant(abs(f)), f"{abs(f)}, from the image in delta to the increments' feedback")
         if apart and i > 1 and i == order - 1:
-            terms_c = [*product[1], graph.neg(c[-1])]  # C[n-1] = b1 - C[n-2] of order 3 and 4
+            terms = [*images[0], graph.neg(c[-1])]  # C[n-1] = b1 - C[n-2] of order 3 and 4
         else:
-            terms_c = [graph.mul(graph.constant(f), t) for f, b in zip(row, product[1:], strict=True) for t in b if f]
-        c.append(graph.label(graph.total(terms_c, tolerance), f"feedback C{i}", f"1 per sample^{order - i}"))
-    rates = []
-    for i in range(order - 1):
-        if i == 0 and len(factors) > 1:
-            # C0 spans many decades: divide before its last factor comes in.
-            rate = graph.mul(graph.div(leading, c[1]), factors[-1].discrete[-1])
-        else:
-            rate = graph.div(c[i], c[i + 1])
-        rates.append(rate)
-    rates.append(c[-1])
-    for i, rate in enumerate(rates):
-        graph.label(rate, f"rate R{i}", "1 per sample")
-    return tuple(rates)
+            terms = [graph.mul(graph.constant(f), t) for f, b in zip(row, images, strict=True) for t in b if f]
+        c.append(graph.label(graph.total(terms, tolerance), f"feedback C{i}", f"1 per sample^{order - i}"))
+    return c

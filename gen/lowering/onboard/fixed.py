@@ -145,44 +145,55 @@ class FixedTape:
     # ---- steps ----
 
     def _emit(self, number: int, *, floor: bool) -> None:
-        graph, node, bits = self._graph, self._graph.nodes[number], self._bits(number)
-        label = graph.labels.get(number, Label(""))
+        node, bits = self._graph.nodes[number], self._bits(number)
+        label = self._graph.labels.get(number, Label(""))
         if node.op == "constant":
             return  # printed in the format of each use
         if node.op in INTEGERS:
             args = tuple(self._placed[a][0] for a in node.args)
-            self._placed[number] = (self._step(Step(node.op, args, table=node.data, label=label)), 0)
+            placed = self._step(Step(node.op, args, table=node.data, label=label)), 0
         elif node.op == "scale":
             step, q = self._operand(node.args[0], None)
-            self._placed[number] = (step, q - int(node.data[0]))
+            placed = step, q - int(node.data[0])
         elif node.op == "row":
-            args = (self._placed[node.args[0]][0],)
-            used = set(graph.values[node.args[0]].astype(np.int64).tolist())
-            table = tuple(_whole(v, bits) if i in used else 0 for i, v in enumerate(node.data))
-            self._placed[number] = (self._step(Step("row", args, bits, table=table, label=label)), bits)
+            placed = self._row(node, bits, label), bits
         elif node.op == "power_series":
-            self._placed[number] = (self._power_series(node, bits, label), bits)
+            placed = self._power_series(node, bits, label), bits
         elif node.op in ("add", "sub", "neg", "positive_outside"):
-            args = tuple(
-                self._placed[a][0] if graph.nodes[a].op in INTEGERS else self._operand(a, bits)[0] for a in node.args
-            )
-            table = node.data if node.op == "positive_outside" else ()
-            wraps = node.op in ("add", "sub") and any(bits > self._own.get(a, bits) for a in node.args)
-            op = f"{node.op}_modulo" if wraps else node.op
-            # Unsigned only where the top bit is in use.
-            unsigned = number in self._wide and self._largest(number) * 2.0**bits > _LARGEST
-            whole = Step(op, args, bits, table=table, unsigned=unsigned, label=label)
-            self._placed[number] = (self._step(whole), bits)
+            placed = self._in_one_format(number, bits, label), bits
         elif node.op == "times":
-            own = self._cap[node.args[0]]
-            operand, q = self._operand(node.args[0], min(own, bits + 8) if own > bits + 8 else None)
-            args = (operand, self._placed[node.args[1]][0])
-            self._placed[number] = (self._step(Step("times", args, bits, 8 + bits - q, label=label)), bits)
+            placed = self._times(node, bits, label), bits
         elif node.op == "mul":
             op = "mul_modulo" if bits > self._own[number] else "mul"
-            self._placed[number] = (self._product(node, bits, label, op), bits)
+            placed = self._product(node, bits, label, op), bits
         else:
-            self._placed[number] = (self._quotient(node, bits, label, rounded=not floor), bits)
+            placed = self._quotient(node, bits, label, rounded=not floor), bits
+        self._placed[number] = placed
+
+    def _row(self, node: Node, bits: int, label: Label) -> int:
+        """A table's entry; those that nothing asks for are 0."""
+        used = set(self._graph.values[node.args[0]].astype(np.int64).tolist())
+        table = tuple(_whole(v, bits) if i in used else 0 for i, v in enumerate(node.data))
+        return self._step(Step("row", (self._placed[node.args[0]][0],), bits, table=table, label=label))
+
+    def _in_one_format(self, number: int, bits: int, label: Label) -> int:
+        """An operation whose operands have its own format."""
+        graph, node = self._graph, self._graph.nodes[number]
+        args = tuple(
+            self._placed[a][0] if graph.nodes[a].op in INTEGERS else self._operand(a, bits)[0] for a in node.args
+        )
+        table = node.data if node.op == "positive_outside" else ()
+        wraps = node.op in _SUMS and any(bits > self._own.get(a, bits) for a in node.args)
+        op = f"{node.op}_modulo" if wraps else node.op
+        # Unsigned only where the top bit is in use.
+        unsigned = number in self._wide and self._largest(number) * 2.0**bits > _LARGEST
+        return self._step(Step(op, args, bits, table=table, unsigned=unsigned, label=label))
+
+    def _times(self, node: Node, bits: int, label: Label) -> int:
+        """A value times a whole number."""
+        own = self._cap[node.args[0]]
+        operand, q = self._operand(node.args[0], min(own, bits + 8) if own > bits + 8 else None)
+        return self._step(Step("times", (operand, self._placed[node.args[1]][0]), bits, 8 + bits - q, label=label))
 
     def _quotient(self, node: Node, bits: int, label: Label, *, rounded: bool) -> int:
         (a, qa), (b, qb) = self._operand(node.args[0], None), self._operand(node.args[1], None)

@@ -12,9 +12,7 @@ from scipy import signal
 
 from gen.rig.network import Floats
 from gen.rig.parameters import MEASURED
-
-#: Full scale of the PWM, counts.
-FULL_SCALE = 255
+from gen.rig.profiles import FULL_SCALE
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
+from gen.model.dynamics import MAX_PWM, PWM_LEVELS
 from gen.model.effects.base import Array, Effect, Free, Lanes, Moment, Parameters, Setting, Values, Variant
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ class ScheduleErrorParameters(Parameters):
     """Parameters."""
 
     pwm: Annotated[
-        tuple[Annotated[int, Field(ge=0, le=255)], ...], Field(min_length=1, description="|PWM| in counts, rising.")
+        tuple[Annotated[int, Field(ge=0, le=MAX_PWM)], ...], Field(min_length=1, description="|PWM| in counts, rising.")
     ]
     gain_factor: Annotated[
         tuple[Annotated[float, Field(ge=0.02, le=20.0)], ...],
@@ -32,7 +33,9 @@ class ScheduleErrorParameters(Parameters):
     peak_factor: Annotated[
         float, Field(ge=0.02, le=20.0, description="Factor of the steady rise at the middle of a bump.")
     ] = 1.0
-    middle_pwm: Annotated[float, Field(ge=0.0, le=255.0, description="|PWM| at the bump's middle, counts.")] = 128.0
+    middle_pwm: Annotated[
+        float, Field(ge=0.0, le=float(MAX_PWM), description="|PWM| at the bump's middle, counts.")
+    ] = 128.0
     width_pwm: Annotated[float, Field(ge=5.0, le=128.0, description="Where the bump has fallen to 1/e, counts.")] = 40.0
 
     @model_validator(mode="after")
@@ -95,7 +98,7 @@ class ScheduleError(Effect):
         known: list[bool] = []
         for level in levels:
             for count, own in ((level - REACH, False), (level, True), (level + REACH, False)):
-                if 0 < count <= 255 and (not pwm or count > pwm[-1]):
+                if 0 < count <= MAX_PWM and (not pwm or count > pwm[-1]):
                     pwm.append(count)
                     known.append(own)
         free = tuple(
@@ -116,8 +119,8 @@ class ScheduleError(Effect):
 
         if p["rate_factor"] != 1.0 and model.component(component).order > 1:
             return None  # a rate of heat exchange changes A(0) alone, which no factor on its poles does
-        steady = np.asarray(_factor(np.arange(256.0), p) + np.zeros(256))
-        return scaled(model, component, steady, np.full(256, float(p["rate_factor"])))
+        steady = np.asarray(_factor(np.arange(float(PWM_LEVELS)), p) + np.zeros(PWM_LEVELS))
+        return scaled(model, component, steady, np.full(PWM_LEVELS, float(p["rate_factor"])))
 
 
 def _factor(count: Array, p: Values) -> Lanes:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import numpy as np
 from pydantic import Field
 
+from gen.model.dynamics import PWM_LEVELS
 from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Values, Variant
 
 if TYPE_CHECKING:
@@ -53,6 +54,6 @@ class StandstillCooling(Effect):
 
         if model.component(component).order > 1:
             return None  # other cooling changes A(0) alone, which no factor on its poles does
-        rate = np.ones(256)
+        rate = np.ones(PWM_LEVELS)
         rate[0] = p["cooling_factor"]
-        return scaled(model, component, np.ones(256), rate)
+        return scaled(model, component, np.ones(PWM_LEVELS), rate)
