@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gen.commands.options import Finite
 from gen.errors import CheckFailed, InputError
 from gen.files import shown_name
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 _EEPROM_BYTES = 4096
 _PATH = click.Path(path_type=Path)
-_SECONDS = click.FloatRange(min=0.0)
+_SECONDS = Finite(min=0.0)
 
 _EXAMPLE = (
     "Example:  gen emulate examples/my1016/coeffs.json --profile 0:153 --fault bearing --fault-start 3600 "
@@ -39,18 +40,18 @@ _EXAMPLE = (
 @click.option("--arithmetic", type=click.Choice(["fixed", "float"]), default="fixed", show_default=True)
 @click.option("--schedule", type=click.Choice(["table", "onboard"]), default="table", show_default=True)
 @click.option("--elf", type=_PATH, help="Run this firmware (PlatformIO's firmware.elf) instead of building one.")
-@click.option("--duration", type=click.FloatRange(min=1.0, max=1e6), default=10_800.0, show_default=True, help="s")
+@click.option("--duration", type=Finite(min=1.0, max=1e6), default=10_800.0, show_default=True, help="s")
 @click.option("--profile", metavar="FILE|TIME:PWM,...", default="0:153", show_default=True, help="PWM to command.")
 @click.option("--fault", type=click.Choice(["bearing", "brush"]), help="A fault of the motor.")
 @click.option("--fault-start", type=_SECONDS, default=0.0, show_default=True, help="s")
-@click.option("--fault-severity", type=click.FloatRange(0.0, 1.0), default=1.0, show_default=True)
+@click.option("--fault-severity", type=Finite(0.0, 1.0), default=1.0, show_default=True)
 @click.option(
     "--sensor-fault",
     metavar="CHANNEL:KIND:START:END[:SIZE_K]",
     multiple=True,
     help="KIND is open, all_0, all_1, stuck, spike, jump or noise; may be given several times.",
 )
-@click.option("--sensor-tolerance", type=click.FloatRange(min=0.0), default=1.1, show_default=True, help="Offsets, K.")
+@click.option("--sensor-tolerance", type=Finite(min=0.0), default=1.1, show_default=True, help="Offsets, K.")
 @click.option("--ambient", metavar="DEGC|FILE|TIME:DEGC,...", default="30", show_default=True)
 @click.option("--load", metavar="NM|FILE|TIME:NM,...", default="0", show_default=True, help="Torque at the shaft.")
 @click.option(
@@ -79,7 +80,7 @@ _EXAMPLE = (
 @click.option(
     "--time-lapse",
     metavar="N",
-    type=click.FloatRange(min=0.001),
+    type=Finite(min=0.001),
     help="Simulated seconds in a second here.  [default: 1 with --pty, else as many as possible]",
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the sensors' errors.")

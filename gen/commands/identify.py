@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from gen.commands.options import check_once
+from gen.commands.options import Finite, check_once
 from gen.progress import progress_line
 
 _FULL_PWM = 255
@@ -23,10 +23,10 @@ _FULL_PWM = 255
 @click.option("--json", "json_file", type=click.Path(path_type=Path), help="Write all that was found as JSON.")
 @click.option("--report", type=click.Path(path_type=Path), help="Write an HTML report with plots.")
 @click.option("--name", default="motor", show_default=True, help="The model's name.")
-@click.option("--ambient", type=float, help="Ambient in degC for runs without an ambient_degC column.")
 @click.option(
-    "--sample-time", type=click.FloatRange(0.001, 3600.0), default=0.25, show_default=True, help="The board's, s."
+    "--ambient", type=Finite(-273.15, 1000.0), help="Ambient in degC for runs without an ambient_degC column."
 )
+@click.option("--sample-time", type=Finite(0.001, 3600.0), default=0.25, show_default=True, help="The board's, s.")
 @click.option(
     "--full-scale",
     type=click.IntRange(1, _FULL_PWM),
@@ -34,7 +34,7 @@ _FULL_PWM = 255
     show_default=True,
     help="The count that is 100 %.",
 )
-@click.option("--rpm", type=click.FloatRange(1e-3), default=2650.0, show_default=True, help="Speed at full scale.")
+@click.option("--rpm", type=Finite(1e-3), default=2650.0, show_default=True, help="Speed at full scale.")
 @click.option("--max-order", type=click.IntRange(1, 4), default=4, show_default=True)
 def identify(
     runs: tuple[Path, ...],

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gen.commands.options import Finite
 from gen.errors import CheckFailed
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 @click.argument("port")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="The run file to write.")
 @click.option("--baud", type=click.IntRange(min=300), default=115200, show_default=True)
-@click.option("--duration", type=click.FloatRange(min=0, min_open=True), help="Seconds.  [default: until Ctrl-C]")
+@click.option("--duration", type=Finite(min=0, min_open=True), help="Seconds.  [default: until Ctrl-C]")
 @click.option("--profile", metavar="FILE|TIME:PWM,...", help="PWM to command meanwhile, in s and counts.")
 def log(port: str, out: Path, baud: int, duration: float | None, profile: str | None) -> None:
     """Record the board's serial output as a run file.

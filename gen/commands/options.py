@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,6 +13,22 @@ from gen.errors import InputError
 
 CommandType = TypeVar("CommandType", bound=Callable[..., Any])
 COEFFICIENTS = click.argument("coefficients", metavar="COEFFS", type=click.Path(path_type=Path))
+
+
+class Finite(click.FloatRange):
+    """A number in a range: not infinite, and not NaN, which every comparison lets through."""
+
+    def convert(
+        self,
+        value: Any,  # noqa: ANN401 - as click has it
+        param: click.Parameter | None,
+        ctx: click.Context | None,
+    ) -> float:
+        """Refuse what is no finite number of the range."""
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number.", param, ctx)
+        return number
 
 
 def check_files(coefficients: Path, runs: Sequence[Path]) -> None:

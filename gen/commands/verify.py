@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from gen.commands.options import COEFFICIENTS, combination
+from gen.commands.options import COEFFICIENTS, Finite, combination
 from gen.progress import progress_line
 from gen.toolchain import HOST_COMPILERS, PACKAGES, host_compilers
 
@@ -30,9 +30,7 @@ if TYPE_CHECKING:
     help=f"Of this computer, {' or '.join(HOST_COMPILERS)}; each must be there.  [default: those that are there]",
 )
 @click.option("--json", "json_file", type=click.Path(path_type=Path), help="Write what was found as JSON.")
-@click.option(
-    "--scale", type=click.FloatRange(0.001, 10.0), default=1.0, help="Share of the full campaign.", hidden=True
-)
+@click.option("--scale", type=Finite(0.001, 10.0), default=1.0, help="Share of the full campaign.", hidden=True)
 def verify(
     coefficients: Path,
     arithmetic: Arithmetic | Literal["all"],

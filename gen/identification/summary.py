@@ -134,7 +134,9 @@ def _next(found: Mapping[str, Identified]) -> dict[str, Any] | None:
     """Where one more measured speed would help most."""
     speeds = sorted({p for item in found.values() for p in item.speeds})
     if len(speeds) < 3:
-        target = MAX_PWM if speeds[-1] < 128 else max(speeds[0] // 2, 1)
+        ends = [0, *speeds, MAX_PWM]
+        gap = max(range(len(ends) - 1), key=lambda i: ends[i + 1] - ends[i])  # the widest
+        target = MAX_PWM if gap == len(speeds) else max((ends[gap] + ends[gap + 1]) // 2, 1)
         return {"pwm": target, "why": "fewer than three speeds: nothing shows how the model goes on between and beyond"}
     same = [item for item in found.values() if item.speeds == speeds]
     left: dict[int, float] = {}

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gen.errors import InputError
+from gen.interface.arguments import a_path
 from gen.interface.model import Model
 
 if TYPE_CHECKING:
@@ -39,8 +40,9 @@ def load(path: Path | str) -> Model:
     """
     from gen.coefficients import load as read
 
-    coefficients = read(path)
-    return Model(coefficients, Path(path).read_text(encoding="utf-8-sig"), Path(path))
+    file = a_path("path", path)
+    coefficients = read(file)
+    return Model(coefficients, file.read_text(encoding="utf-8-sig"), file)
 
 
 def read_run(path: Path | str) -> pd.DataFrame:
@@ -74,7 +76,7 @@ def read_run(path: Path | str) -> pd.DataFrame:
 
     from gen.runs import read_run as read
 
-    run = read(Path(path))
+    run = read(a_path("path", path))
     frame = pd.DataFrame(run.columns()).set_index("time_s")
     frame.attrs |= {**run.comments, "name": Path(path).stem}
     return frame
@@ -113,7 +115,8 @@ def run_files(runs: Sequence[RunLike]) -> Iterator[list[Path]]:
             file = error.file
             if file is not None and Path(file).parent == Path(folder):
                 file = f"frame {Path(file).stem}"
-            raise InputError(error.message, file=file, place=error.place) from error
+            message = error.message.replace(f"{folder}/", "frame ")
+            raise InputError(message, file=file, place=error.place) from error
 
 
 def _name(frame: RunLike, number: int) -> str:

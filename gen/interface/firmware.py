@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from gen.errors import CheckFailed
+from gen.interface.arguments import a_path, one_of, within
 from gen.interface.model import Model
 from gen.interface.threads import one_thread
 
@@ -106,7 +107,9 @@ def build(
     from gen.firmware.project import kept_verification, project_files, read_verification
     from gen.lowering.lower import lower
 
-    folder, loaded = Path(out), model.coefficients
+    one_of("arithmetic", arithmetic, ("fixed", "float"))
+    one_of("schedule", schedule, ("table", "onboard"))
+    folder, loaded = a_path("out", out), model.coefficients
     name = shown_name(model.path or Path(f"{model.name}.json"))
     warnings = (*loaded.warnings, *unwired(loaded))
     record = read_verification(Path(verification), loaded) if verification else kept_verification(folder, loaded)
@@ -248,6 +251,10 @@ def verify(
     from gen.verification.runners import HOST_BUILDS
     from gen.verification.verify import verify as run
 
+    one_of("arithmetic", arithmetic, ("fixed", "float", "all"))
+    one_of("schedule", schedule, ("table", "onboard", "all"))
+    one_of("target", target, ("host", "avr", "all"))
+    within("scale", scale, 0.001, 10.0)
     used = host_compilers(tuple(compilers or ())) if target != "avr" else []
     results = run(
         model.coefficients,

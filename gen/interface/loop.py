@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gen.errors import InputError
+from gen.interface.arguments import several, within
 from gen.interface.files import RunLike, run_files
 from gen.interface.model import Model
 from gen.interface.threads import one_thread
@@ -170,11 +172,17 @@ def identify(
     >>> found.model.save("coeffs.json")  # doctest: +SKIP
     """
     from gen.coefficients.names import name_fault
-    from gen.errors import InputError
     from gen.identification.coefficient_file import Settings, coefficient_text, usable
     from gen.identification.data import read_data
     from gen.identification.identify import identify as run
 
+    several("runs", runs)
+    if ambient is not None:
+        within("ambient", ambient, -273.15, 1000.0)
+    within("sample_time", sample_time, 0.001, 3600.0)
+    within("full_scale", full_scale, 1, 255)
+    within("rpm", rpm, 1e-3, 1e9)
+    within("max_order", max_order, 1, 4)
     fault = name_fault(name)
     if fault:
         raise InputError(fault, place="name")
@@ -294,6 +302,10 @@ def refine(
     from gen.coefficients import parse
     from gen.refinement.refine import refine as run
 
+    several("fit", fit)
+    several("test", test)
+    if {id(run) for run in fit} & {id(run) for run in test if not isinstance(run, (str, Path))}:
+        raise InputError("a run is given as fit and as test; test runs must take no part")
     with run_files([*fit, *test]) as paths:
         found = run(model.coefficients, model.text, paths[: len(fit)], paths[len(fit) :], progress)
     refined = Model(parse(found.text.encode()), found.text) if found.effects else model

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
+from gen.interface.arguments import one_of
 from gen.interface.files import RunLike, run_files
 from gen.interface.model import Model
 from gen.interface.threads import one_thread
@@ -52,6 +53,9 @@ def simulate(
     >>> gen.simulate(motor, run)["casing_degC"].round(2).tolist()
     [30.0, 59.32, 63.67]
     """
+    one_of("arithmetic", arithmetic, ("exact", "fixed", "float"))
+    one_of("start", start, ("auto", "ambient", "measured"))
+
     from gen.replay import read_for
 
     loaded = model.coefficients

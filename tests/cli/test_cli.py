@@ -406,3 +406,21 @@ def test_verify_ends_with_1_if_a_word_differs_and_says_so_in_its_json(
     said = capsys.readouterr()
     assert ("words differ" in said.err) == planted
     assert ("none differs" in said.out) != planted
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["emulate", str(COEFFICIENTS), "--duration", "nan", "--out", "x.csv"],
+        ["emulate", str(COEFFICIENTS), "--sensor-tolerance", "inf", "--out", "x.csv"],
+        ["identify", "run.csv", "--sample-time", "nan", "--out", "x.json"],
+        ["identify", "run.csv", "--ambient", "1e9", "--out", "x.json"],
+        ["verify", str(COEFFICIENTS), "--scale", "nan"],
+    ],
+)
+def test_a_number_that_is_none_is_refused_as_an_option(arguments: list[str], tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-m", "gen", *arguments], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert "Invalid value for '--" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())

@@ -6,6 +6,7 @@ import doctest
 import importlib
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import control
@@ -120,3 +121,28 @@ def test_a_model_is_saved_as_it_was_read(motor: gen.Model, tmp_path: Path) -> No
     assert (tmp_path / "copy.json").read_bytes() == MY1016.read_bytes()
     with pytest.raises(gen.InputError):
         motor.save(tmp_path / "no folder" / "copy.json")
+
+
+def test_a_wrong_argument_is_told_before_any_work(motor: gen.Model, tmp_path: Path) -> None:
+    run = frame((0.0, 100), (10.0, 100))
+    wrong: list[tuple[Callable[..., object], tuple[object, ...], dict[str, object], str]] = [
+        (gen.load, (None,), {}, "path: found a NoneType, expected a path"),
+        (gen.read_run, (3,), {}, "path: found a int, expected a path"),
+        (gen.simulate, (motor, run, "double"), {}, "arithmetic: found 'double', expected 'exact', 'fixed', 'float'"),
+        (gen.simulate, (motor, run), {"start": "hot"}, "start: found 'hot'"),
+        (gen.identify, (run,), {}, "runs: found a DataFrame, expected a list of runs"),
+        (gen.identify, ("run.csv",), {}, "runs: found a str, expected a list of runs"),
+        (gen.identify, ([],), {}, "runs: found no run, expected at least one"),
+        (gen.identify, ([run],), {"max_order": 9}, "max_order: found 9, expected a number from 1 to 4"),
+        (gen.identify, ([run],), {"ambient": float("nan")}, "ambient: found nan"),
+        (gen.refine, (motor,), {"fit": [], "test": [run]}, "fit: found no run"),
+        (gen.refine, (motor,), {"fit": [run], "test": [run]}, "a run is given as fit and as test"),
+        (gen.build, (motor, tmp_path / "x"), {"arithmetic": "quick"}, "arithmetic: found 'quick'"),
+        (gen.verify, (motor,), {"target": "moon"}, "target: found 'moon', expected 'host', 'avr', 'all'"),
+        (gen.verify, (motor,), {"scale": 0}, "scale: found 0, expected a number from 0.001 to 10"),
+    ]
+    for function, arguments, options, message in wrong:
+        with pytest.raises(gen.InputError) as told:
+            function(*arguments, **options)
+        assert message in str(told.value)
+    assert not list(tmp_path.iterdir())
