@@ -154,9 +154,7 @@ def times(item: Identified) -> Drawn:
     pwm = np.arange(nodes[0], nodes[-1] + 1.0)
     theta, sd = item.model.evaluate(np.maximum(pwm, 1e-3))[0], item.model.theta_sd(np.maximum(pwm, 1e-3))
     labels = [label for label in layout.structure.labels if label != "zeta"]
-    width = np.minimum(
-        1.96 * sd, 3.0
-    )  # a factor of 20: beyond it nothing is known
+    width = np.minimum(1.96 * sd, 3.0)  # a factor of 20: beyond it nothing is known
     for k, label in enumerate(labels):
         colour = _COLOURS[k]
         axes.fill_between(
