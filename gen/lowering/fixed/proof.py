@@ -12,7 +12,7 @@ from gen.lowering.fixed import corrected_format, correction, formats
 from gen.lowering.fixed.formats import START_UNITS, Format
 from gen.lowering.kinds import Integers
 from gen.lowering.recursion import bounds, increments
-from gen.lowering.recursion.bounds import Array, StateRanges
+from gen.lowering.recursion.bounds import Array, StateRanges, WorstError
 from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Proof
 from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
@@ -65,7 +65,7 @@ def prove_corrected(
     )
     if error is None:
         return None
-    return Proof(ranges.rise, tuple(float(v) for v in ranges.magnitude[1:]), error + layout.high_lsb[0])
+    return _proof(recursion, tables, ranges, layout, error)
 
 
 @_none_without_proof
@@ -106,8 +106,15 @@ def prove(
     )
     if error is None:
         return None
+    return _proof(recursion, exact, ranges, layout, error)
+
+
+def _proof(
+    recursion: SwitchedRecursion, exact: Dynamics, ranges: StateRanges, layout: Format, error: WorstError
+) -> Proof:
     return Proof(
         rise_range_K=ranges.rise,
         increment_range_K=tuple(float(v) for v in ranges.magnitude[1:]),
-        bound_K=error + layout.high_lsb[0],
+        bound_K=error.bound_K + layout.high_lsb[0],  # what is read out is rounded down
+        invariant=bounds.invariant(recursion, exact, error.reach),
     )

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from gen.lowering.float32.component import CARRY, LOW_BITS, FloatComponent
 from gen.lowering.float32.ranges import WIDENING, Magnitudes, Reachable
-from gen.lowering.recursion import increments
+from gen.lowering.recursion import bounds, increments
+from gen.lowering.recursion.bounds import WorstError
 from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Proof
 
@@ -65,7 +66,8 @@ def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> P
     return Proof(
         rise_range_K=sizes.rise,
         increment_range_K=tuple(float(v) for v in sizes.state[1:]),
-        bound_K=error + float(units[0]),  # what is read out lacks the low bits
+        bound_K=error.bound_K + float(units[0]),  # what is read out lacks the low bits
+        invariant=bounds.invariant(reachable.recursion, exact, error.reach),
     )
 
 
@@ -100,7 +102,7 @@ def _rounding_of_q(lowered: FloatComponent, exact: Dynamics, sizes: Magnitudes, 
     return error
 
 
-def _worst_error(reachable: Reachable, q_error: Array, chain_error: Array, start_error: float) -> float | None:
+def _worst_error(reachable: Reachable, q_error: Array, chain_error: Array, start_error: float) -> WorstError | None:
     """Largest ``|x1 - T|`` in K, as :func:`gen.lowering.recursion.bounds.worst_error` with per-functional ranges."""
     exact = reachable.exact
     n, rows = exact.order, len(exact.steady)
@@ -119,4 +121,4 @@ def _worst_error(reachable: Reachable, q_error: Array, chain_error: Array, start
         return None
     beyond = np.abs(reachable.maps[:, 0, :] - np.eye(n)[0])
     output = np.einsum("pj,pj->p", beyond, reachable.true_distance()).max()
-    return float(extents[0] + output)
+    return WorstError(float(extents[0] + output), error)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from gen.lowering.recursion import increments
 from gen.lowering.recursion.dynamics import Dynamics
+from gen.lowering.recursion.guarantee import Invariant
 from gen.lowering.recursion.reach import ReachSet, SwitchedRecursion
 
 Array = NDArray[np.float64]
@@ -146,6 +147,27 @@ def unproven_ranges(exact: Dynamics) -> StateRanges:
     return _ranges(exact, largest * _UNPROVEN_HEADROOM)
 
 
+@dataclass(frozen=True)
+class WorstError:
+    """What the board's state can be off by.
+
+    Attributes
+    ----------
+    bound_K
+        Largest |x1 - T|, in K.
+    reach
+        Encloses the error of the disturbed copy y of the true state.
+    """
+
+    bound_K: float
+    reach: ReachSet
+
+
+def invariant(recursion: SwitchedRecursion, exact: Dynamics, error: ReachSet) -> Invariant:
+    """The polytopes of the state and of its error, for a checker."""
+    return Invariant(error.directions, _state_reach(recursion, exact).height, error.height, exact.centre)
+
+
 def worst_error(
     recursion: SwitchedRecursion,
     exact: Dynamics,
@@ -156,8 +178,8 @@ def worst_error(
     chain_error: Array,
     start_error: float,
     carry: float = increments.CARRY,
-) -> float | None:
-    """Largest |x1 - T| for any PWM sequence, in K.
+) -> WorstError | None:
+    """Largest |x1 - T| for any PWM sequence.
 
     Parameters
     ----------
@@ -174,7 +196,7 @@ def worst_error(
 
     Returns
     -------
-    float or None
+    WorstError or None
         None if the error would be too large for the ranges that it rests on.
 
     Raises
@@ -205,7 +227,7 @@ def worst_error(
     if np.any(extents > ranges.true_distance.min(axis=0) * _WIDENING / (1.0 + _WIDENING)):
         return None
     output = np.einsum("pj,pj->p", np.abs(state_maps[:, 0, :] - np.eye(n)[0]), ranges.true_distance).max()
-    return float(extents[0] + output)
+    return WorstError(float(extents[0] + output), error)
 
 
 def _ranges(exact: Dynamics, extents: Array) -> StateRanges:

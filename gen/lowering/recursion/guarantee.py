@@ -2,9 +2,36 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import ceil, floor, log10
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Invariant:
+    """The polytopes that a proof rests on, in the true state's coordinates (T, Ts T', Ts^2 T'', ..), Ts of a substep.
+
+    Attributes
+    ----------
+    directions
+        One row c for each pair of faces, shape (J, n), in K per K of the state's coordinates.
+    reach
+        Largest ``|c . (z - (centre, 0, ..))|`` of the state z, shape (J,), in K.
+    error
+        Largest ``|c . (y - z)|`` of the disturbed copy y of the state that the board follows, shape (J,), in K.
+    centre
+        Rise about which the state's polytope lies, in K.
+    """
+
+    directions: Array
+    reach: Array
+    error: Array
+    centre: float
 
 
 @dataclass(frozen=True)
@@ -20,11 +47,14 @@ class Proof:
     bound_K
         Largest possible difference between the board's temperature rise and the exact solution of the
         differential equation: rounding, coefficients, form and output together.
+    invariant
+        What a checker can prove the same from.
     """
 
     rise_range_K: tuple[float, float]
     increment_range_K: tuple[float, ...]
     bound_K: float
+    invariant: Invariant = field(compare=False, repr=False)
 
     def describe(self) -> dict[str, Any]:
         """The proof for the manifest, rounded outwards."""

@@ -59,6 +59,12 @@ class ReachSet:
     _facet_inverse: Array
     height: Array
 
+    @property
+    def directions(self) -> Array:
+        """The polytope's directions c_j in the state's own coordinates, shape (J, n)."""
+        found: Array = self._directions @ np.linalg.inv(self._inverse_shape.T)
+        return found
+
     def extent(self, direction: Array) -> float:
         """Upper bound of ``|direction . y|`` over everything that can be reached."""
         return float(self.extents(np.asarray(direction, dtype=np.float64)[None, :])[0])

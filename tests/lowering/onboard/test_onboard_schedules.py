@@ -93,7 +93,7 @@ def test_my1016_is_proven_within_its_limit_with_the_boards_own_coefficients(plac
         start_error=component.layout.high_lsb[0],
     )
     assert bound is not None
-    assert bound + component.layout.high_lsb[0] <= harness.LIMIT_K
+    assert bound.bound_K + component.layout.high_lsb[0] <= harness.LIMIT_K
 
 
 def synthetic(order: int) -> tuple[OnboardComponent, NDArray[np.float64]]:
