@@ -13,6 +13,7 @@ from pydantic import BaseModel
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.firmware import render
+from gen.firmware.certificate import CERTIFICATE, certificate_json
 from gen.firmware.context import LibraryContext, Names, project_context
 from gen.firmware.contexts.board import DeviceContext
 from gen.firmware.contexts.identity import ROOM_degC
@@ -66,6 +67,7 @@ def project_files(
         files[WIRING] = wiring_svg(f"Wiring of {program.model.name}", device)
     if verification is not None:
         files[VERIFICATION] = json.dumps(verification, indent=1) + "\n"
+    files[CERTIFICATE] = certificate_json(coefficients, program)
     files[MANIFEST] = json.dumps(_manifest(coefficients, program, files), indent=1) + "\n"
     files[REPORT] = report_html(coefficients, program, verification)
     return files

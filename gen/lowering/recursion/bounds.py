@@ -165,7 +165,9 @@ class WorstError:
 
 def invariant(recursion: SwitchedRecursion, exact: Dynamics, error: ReachSet) -> Invariant:
     """The polytopes of the state and of its error, for a checker."""
-    return Invariant(error.directions, _state_reach(recursion, exact).height, error.height, exact.centre)
+    constant = increments.constant_map(exact.order) if exact.constant_map is None else exact.constant_map
+    reach = _state_reach(recursion, exact).height
+    return Invariant(error.directions, reach, error.height, exact.centre, constant, error.shape)
 
 
 def worst_error(

@@ -26,12 +26,18 @@ class Invariant:
         Largest ``|c . (y - z)|`` of the disturbed copy y of the state that the board follows, shape (J,), in K.
     centre
         Rise about which the state's polytope lies, in K.
+    map
+        How the true state becomes the board's but for the share of q that is carried, shape (n, n).
+    shape
+        The directions times this are unit vectors, among whose hull's facets they combine, shape (n, n).
     """
 
     directions: Array
     reach: Array
     error: Array
     centre: float
+    map: Array
+    shape: Array
 
 
 @dataclass(frozen=True)

@@ -204,6 +204,16 @@ def state_map(c: Array, carry: float = CARRY) -> Array:
         Share of q that x[n-1] carries: :data:`CARRY`, or the board's rounded one.
     """
     m, n = c.shape
+    constant = constant_map(n)
+    carrying: Array = np.tile(np.eye(n), (m, 1, 1))
+    if n > 1:  # x[n-1] = constant part + q/12 with q = -C (x - s): solved for x
+        carrying[:, n - 2, :] += c * carry
+    return np.asarray(np.linalg.solve(carrying, np.tile(constant, (m, 1, 1))), dtype=np.float64)
+
+
+def constant_map(order: int) -> Array:
+    """What of :func:`state_map` does not depend on the PWM, shape (n, n)."""
+    n = order
     exact_chain = [[Fraction(1, factorial(j - i)) if j >= i else Fraction(0) for j in range(n)] for i in range(n)]
     exact_inject = [Fraction(1, factorial(n - i)) for i in range(n)]
     form_chain = [[_CHAIN[n][i][j] + (1 if i == j else 0) for j in range(n)] for i in range(n)]
@@ -211,11 +221,8 @@ def state_map(c: Array, carry: float = CARRY) -> Array:
     right = np.array(_controllability(exact_chain, exact_inject), dtype=np.float64)
     chains = np.round(np.linalg.solve(right.T, left.T).T * 720.0) / 720.0  # rationals with small denominators
     nilpotent = np.diag(np.ones(n - 1), 1)
-    constant = chains @ (np.eye(n) + nilpotent @ nilpotent / 12.0)
-    carrying: Array = np.tile(np.eye(n), (m, 1, 1))
-    if n > 1:  # x[n-1] = constant part + q/12 with q = -C (x - s): solved for x
-        carrying[:, n - 2, :] += c * carry
-    return np.asarray(np.linalg.solve(carrying, np.tile(constant, (m, 1, 1))), dtype=np.float64)
+    constant: Array = chains @ (np.eye(n) + nilpotent @ nilpotent / 12.0)
+    return constant
 
 
 def exact_transition(denominator: Array, sample_time: float) -> Array:

@@ -65,6 +65,11 @@ class ReachSet:
         found: Array = self._directions @ np.linalg.inv(self._inverse_shape.T)
         return found
 
+    @property
+    def shape(self) -> Array:
+        """What makes :attr:`directions` unit vectors, shape (n, n)."""
+        return self._inverse_shape.T
+
     def extent(self, direction: Array) -> float:
         """Upper bound of ``|direction . y|`` over everything that can be reached."""
         return float(self.extents(np.asarray(direction, dtype=np.float64)[None, :])[0])

@@ -1,0 +1,264 @@
+"""The theorem, component by component: every claim of a certificate follows from the C++ beside it, or is refuted.
+
+With z the exact state, y the state that the board's words stand for and e = y - z, it is shown at every |PWM| that
+
+    c_j . (z - centre) <= reach_j   and   c_j . e <= error_j   for all j
+
+hold after a sample if they held before it, and that they hold at every start. The words' ranges and the error of what is
+read follow. docs/proof.md has the lemmas by their numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil
+from pathlib import Path
+
+import numpy as np
+
+from gen.certificate import document
+from gen.certificate.affine import Reach, outward
+from gen.certificate.document import Certificate, Part
+from gen.certificate.equation import Enclosure, enclose
+from gen.certificate.exact import BITS, Floats, Integers, Ratios, floats, inverse, ratios, units, whole, zeros
+from gen.certificate.measured import Measured, measure
+from gen.certificate.order import check_order
+from gen.certificate.polytope import IMAGE_BITS, Directions, Images, largest, largest_roughly
+from gen.certificate.refuted import Refuted
+from gen.certificate.source import Project
+from gen.certificate.step import Recursion, Run
+
+
+#: Share by which float64 results are rounded up: some hundred operations, each right to 2^-53 of its terms.
+_ROUGHLY = 1e-12
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was proven of one component.
+
+    Attributes
+    ----------
+    name
+        The component.
+    bound_K, reading_K
+        What is claimed: largest error of the word that is read, and of ``NAME_rise_mK``.
+    proven_K
+        What follows for the word.
+    inequalities
+        How many inequalities were decided.
+    """
+
+    name: str
+    bound_K: Fraction
+    reading_K: Fraction
+    proven_K: Fraction
+    inequalities: int
+
+
+def check(folder: Path, tell: Callable[[str], None] = lambda _: None) -> tuple[Certificate, list[Verdict]]:
+    """Prove every claim of an emitted project.
+
+    Parameters
+    ----------
+    folder
+        What ``gen build`` wrote.
+    tell
+        Gets the name of each component before it is worked on.
+
+    Returns
+    -------
+    Certificate, list of Verdict
+        What was claimed, and what was proven of each component that has a claim.
+
+    Raises
+    ------
+    InputError
+        If a file is missing or no certificate.
+    Refuted
+        If a claim does not follow.
+    """
+    certificate = document.read(folder)
+    project = Project(folder, certificate.model)
+    check_order(project, certificate)
+    measured = measure(project, certificate)
+    verdicts = []
+    for part in certificate.parts:
+        tell(part.name)
+        try:
+            verdicts.append(_Proof(project, certificate, part, measured[part.name]).verdict())
+        except Refuted as refuted:
+            raise Refuted(f"{part.name}: {refuted}") from refuted
+    return certificate, verdicts
+
+
+class _Reach:
+    """Lemma 3: what a linear function of W and the old q ranges over, ``|q| <= q``."""
+
+    def __init__(
+        self, directions: Directions, heights: Ratios, to_words: Ratios, word: Ratios, centre: Fraction, q: Fraction
+    ) -> None:
+        self._directions, self._heights = directions, heights
+        self._to_words, self._centre, self._q = to_words / word[:, None], centre, q
+
+    def enclose(self, linear: Ratios) -> tuple[Ratios, Ratios]:
+        """See :class:`gen.certificate.affine.Reach`."""
+        towards = linear[:-1].T @ self._to_words  # of y, shape (P, n)
+        half = zeros(len(towards))
+        moved = np.array([bool(row.any()) for row in towards])
+        if moved.any():
+            half[moved] = np.frompyfunc(outward, 1, 1)(largest(self._directions, self._heights, towards[moved]))
+        return towards[:, 0] * self._centre, half + np.abs(linear[-1]) * self._q
+
+    def roughly(self, linear: Floats) -> tuple[Floats, Floats]:
+        """See :class:`gen.certificate.affine.Reach`."""
+        words = floats(self._to_words)
+        towards = linear[:-1].T @ words
+        lost = (
+            _ROUGHLY
+            * (np.abs(linear[:-1]).T @ np.abs(words))
+            @ (floats(self._directions.box(self._heights)) + np.eye(words.shape[1])[0] * abs(float(self._centre)))
+        )
+        half = largest_roughly(self._directions, self._heights, towards)
+        return towards[:, 0] * float(self._centre), half + lost + np.abs(linear[-1]) * float(self._q) * (1.0 + _ROUGHLY)
+
+
+class _Proof:
+    def __init__(self, project: Project, certificate: Certificate, part: Part, measured: Measured) -> None:
+        self._part, self._measured = part, measured
+        n = part.order
+        if not (len(part.directions) == len(part.reach) == len(part.error) and len(part.fraction_bits) == n):
+            raise Refuted("the certificate's lists differ in length")
+        if (
+            any(len(row) != n for row in (*part.directions, *part.map, *part.shape_matrix))
+            or not len(part.map) == len(part.shape_matrix) == n
+        ):
+            raise Refuted(f"the certificate's rows are not {n} numbers long")
+        if min(part.reach) < 0 or min(part.error) < 0:
+            raise Refuted("a width of the certificate's polytopes is negative")
+        self._directions = Directions(ratios(part.directions), floats(ratios(part.shape_matrix)))
+        self._reach, self._error = ratios(part.reach), ratios(part.error)
+        self._both = self._reach + self._error
+        self._exact: Enclosure = enclose(
+            part.equation, certificate.domain_pwm, certificate.sample_time_s / part.substeps
+        )
+        self._map = ratios(part.map)
+        if self._map[0, 0] != 1 or self._map[1:, 0].any():
+            raise Refuted("the map moves a state at rest")
+        self._back = inverse(self._map)
+        self._along = floats(ratios(part.directions))
+        low = 16 if certificate.arithmetic == "fixed" else 0
+        self._unit = Fraction(1, 1 << part.fraction_bits[0] - low)  # of what is read
+        below = 0 if certificate.arithmetic == "fixed" else 8
+        self._word = ratios(Fraction(1, 1 << bits + below) for bits in part.fraction_bits)
+        self._recursion = Recursion(project, certificate.arithmetic, part, measured.table)
+
+    def verdict(self) -> Verdict:
+        """Prove everything; see :mod:`gen.certificate.check`.
+
+        Raises
+        ------
+        Refuted
+            At the first step that fails.
+        """
+        runs, q = self._recursion.runs(self._enclosing)
+        self._check_starts()
+        count = self._check_steps(runs)
+        bound = self._bound(q)
+        if bound > self._part.bound_K:
+            raise Refuted(f"the error may reach {float(bound):.6g} K, claimed are {float(self._part.bound_K):.6g} K")
+        if bound + self._measured.reading_K > self._part.reading_K:
+            raise Refuted(
+                f"what rise_mK gives may be off by {float(bound + self._measured.reading_K):.6g} K, claimed are "
+                f"{float(self._part.reading_K):.6g} K"
+            )
+        return Verdict(self._part.name, self._part.bound_K, self._part.reading_K, bound, count)
+
+    def _enclosing(self, q: Fraction) -> Reach:
+        return _Reach(self._directions, self._both, self._map, self._word, self._part.centre, q)
+
+    def _check_starts(self) -> None:
+        """Lemma 4: at rest at any rise of the range both polytopes hold the state."""
+        part = self._part
+        along = np.abs(ratios(row[0] for row in part.directions))
+        low, high = (Fraction(end, 1000) for end in part.start_mK)
+        away = max(high - part.centre, part.centre - low)
+        if np.any(along * away > self._reach):
+            raise Refuted("a start lies outside of the states' polytope")
+        if np.any(along * self._measured.start_K > self._error):
+            raise Refuted(
+                f"a start is off by {float(self._measured.start_K):.6g} K, more than the errors' polytope holds"
+            )
+
+    def _check_steps(self, runs: Sequence[Run]) -> int:
+        """Lemmas 5 and 6: both polytopes hold the state after a sample; the number of inequalities."""
+        images = Images(self._directions, self._exact.transition)
+        along = self._directions.exact
+        reach, error = _up(self._reach), _up(self._error)
+        reach_box, error_box = _up(self._directions.box(self._reach)), _up(self._directions.box(self._error))
+        size = np.abs(along).sum(axis=1)
+        for row, steady in enumerate(self._exact.steady):
+            away = Fraction(steady) - self._part.centre
+            # What the enclosure of E and S leaves open: |c| radius (|u| + |e| + |S - centre|) + |c| |S's error| (1 + |E|)
+            open_K = self._exact.radius * Fraction(1, 1 << BITS) * (sum(self._both) + abs(away))
+            open_K += self._exact.steady_radius * (
+                2 + Fraction(int(np.abs(self._exact.transition[row]).sum()), 1 << BITS)
+            )
+            slack = size * int(ceil(open_K * (1 << BITS)) + 1) >> BITS - (IMAGE_BITS - BITS)
+            towards = (np.eye(self._part.order, dtype=object) * (1 << BITS) - self._exact.transition[row])[:, 0]
+            driven = np.abs(along @ towards * int(ceil(abs(away) * (1 << BITS)))) >> 3 * BITS - IMAGE_BITS
+            if np.any(images.largest(row, reach, reach_box) + driven + slack + 1 > reach << IMAGE_BITS - BITS):
+                raise Refuted(f"the states' polytope is left at |PWM| {self._pwm(row)}")
+            kept = images.largest(row, error, error_box)
+            for number, run in enumerate(runs):
+                pushed = self._disturbance(run, row) + slack
+                if np.any(kept + pushed > error << IMAGE_BITS - BITS):
+                    when = " just after a change" if number else ""
+                    raise Refuted(f"the errors' polytope is left at |PWM| {self._pwm(row)}{when}")
+        return len(self._exact.steady) * len(along) * (1 + len(runs))
+
+    def _disturbance(self, run: Run, row: int) -> Integers:
+        """What a run adds to each ``c_j . e``, in units of 2^-IMAGE_BITS, shape (J,)."""
+        to_y, n = self._back * self._word[None, :], self._part.order
+        matrix = to_y @ run.matrix[row] @ (self._map / self._word[:, None])  # y -> matrix y + constant
+        constant = to_y @ run.constant[row]
+        steady = self._exact.steady[row]
+        at_rest = matrix[:, 0] * steady + constant - np.eye(n, dtype=object)[:, 0] * steady
+        differs = matrix - self._exact.transition[row] * Fraction(1, 1 << BITS)
+        distance = self._directions.box(self._both)
+        distance[0] += abs(steady - self._part.centre)
+        # |c . differs (y - s)| <= sum_i |c . differs_i| distance_i
+        exact = floats(np.vstack([at_rest[None], (differs * distance[None, :]).T]))
+        back = floats(to_y).T
+        # In float64, rounded up by far more than its own errors.
+        generators = np.vstack([run.columns[row] @ back, exact])
+        sizes = np.vstack([np.abs(run.columns[row]) @ np.abs(back), np.abs(exact)])
+        terms = np.abs(self._along @ generators.T) + _ROUGHLY * (np.abs(self._along) @ sizes.T)
+        return whole(terms.sum(axis=1) * (1.0 + _ROUGHLY), IMAGE_BITS) + 1
+
+    def _bound(self, q: Fraction) -> Fraction:
+        """Lemma 7: what is read is x1's upper bits, rounded down."""
+        n = self._part.order
+        first = zeros(1, n)
+        first[0, 0] = Fraction(1)
+        bound = largest(self._directions, self._error, first)[0]
+        beside = self._map[:1].copy()
+        beside[0, 0] = Fraction(0)
+        if beside.any():
+            bound += largest(self._directions, self._both, beside)[0]
+        if n == 2:
+            bound += abs(self._recursion.drive.share) * q * self._word[0]
+        return Fraction(bound + self._unit)
+
+    def _pwm(self, row: int) -> int:
+        return self._measured.first_pwm + row
+
+
+def _up(values: Ratios) -> Integers:
+    """In units of 2^-BITS; the certificate's numbers are float64, which have fewer bits."""
+    found = units(values)
+    if np.any(found * Fraction(1, 1 << BITS) != values):
+        return found + 1
+    return found

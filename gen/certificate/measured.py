@@ -1,0 +1,196 @@
+"""What is found by running the emitted C++ on every input: tables, starts, readings, |PWM|.
+
+The library is compiled for this computer without its effects, which come after the recursion.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from gen import toolchain
+from gen.certificate.document import Certificate, Part
+from gen.certificate.exact import Ratios, ratios
+from gen.certificate.refuted import Refuted
+from gen.certificate.source import Project
+
+_PROGRAM = """\
+#include "{model}.cpp"
+#include <cstdio>
+
+{stubs}
+static int failed(const char *what, long at) {{
+    std::printf("failed %s at %ld\\n", what, at);
+    return 1;
+}}
+
+int main() {{
+    for (long pwm = -32768; pwm <= 32767; ++pwm) {{
+        long counts = pwm < 0 ? -pwm : pwm;
+        counts = counts < {low} ? {low} : counts > {high} ? {high} : counts;
+        if (magnitude((int16_t)pwm) != counts) return failed("magnitude", pwm);
+    }}
+    for (int pwm = {low}; pwm <= {high}; ++pwm) {{
+        {model}_Coefficients now;
+        {model}_schedule((uint8_t)pwm, &now);
+{tables}        std::printf("\\n");
+    }}
+{parts}    return 0;
+}}
+"""
+
+_TABLE = """\
+        for (int i = 0; i < {order}; ++i) std::printf("%a ", (double)now.{at}.rate[i]);
+        std::printf("%a ", (double)now.{at}.steady);
+"""
+
+# `away` is 1000 word - 2^bits mK: off by that in units of 2^-bits mK.
+_PART = """\
+    {{
+        {model}_begin();
+        auto &state = {model}_model.state.{at};
+        int64_t most = 0;
+        for (int64_t rise = {low}; rise <= {high}; ++rise) {{
+            {model}_start({number}, (int32_t)rise);
+            int64_t away = 1000 * (int64_t)state.x[0].hi - rise * (INT64_C(1) << {bits});
+            if (state.x[0].lo) return failed("start of {name}", (long)rise);
+            for (int i = 1; i < {order}; ++i) if (state.x[i].hi || state.x[i].lo) return failed("start of {name}", (long)rise);
+            for (int i = 0; i < {order}; ++i) if ({model}_model.now.{at}.rate[i] != 0) return failed("start of {name}", (long)rise);
+            if (away < 0) away = -away;
+            if (away > most) most = away;
+        }}
+        {model}_start({number}, {low});
+        const int32_t lowest = state.x[0].hi;
+        {model}_start({number}, {high});
+        const int32_t highest = state.x[0].hi;
+        const int32_t beyond[] = {{INT32_MIN, {low} - 1, {high} + 1, INT32_MAX}};
+        for (int k = 0; k < 4; ++k) {{
+            {model}_start({number}, beyond[k]);
+            if (state.x[0].hi != (k < 2 ? lowest : highest)) return failed("limit of {name}", beyond[k]);
+        }}
+        std::printf("%lld ", (long long)most);
+        most = 0;
+        for (int64_t fraction = 0; fraction < INT64_C(1) << {bits}; ++fraction) {{
+            state.x[0].hi = (int32_t)fraction;
+            int64_t away = (int64_t){model}_{shape}_rise_mK(&state) * (INT64_C(1) << {bits}) - 1000 * fraction;
+            if (away < 0) away = -away;
+            if (away > most) most = away;
+        }}
+        // The whole kelvins add thousands: {bits} bits above the fraction.
+        for (int64_t whole = -(INT64_C(1) << (31 - {bits})); whole < INT64_C(1) << (31 - {bits}); ++whole) {{
+            const int64_t fractions[] = {{0, 1, (INT64_C(1) << {bits}) / 3, (INT64_C(1) << {bits}) - 1}};
+            for (int k = 0; k < 4; ++k) {{
+                state.x[0].hi = (int32_t)fractions[k];
+                const int64_t alone = {model}_{shape}_rise_mK(&state);
+                state.x[0].hi = (int32_t)(whole * (INT64_C(1) << {bits}) + fractions[k]);
+                if ({model}_{shape}_rise_mK(&state) != alone + 1000 * whole) return failed("reading of {name}", (long)whole);
+            }}
+        }}
+        std::printf("%lld\\n", (long long)most);
+    }}
+"""
+
+_EFFECTS = """\
+extern "C" void {model}_effects_begin(void) {{}}
+int32_t {model}_effects_start(uint8_t, int32_t rise_mK) {{ return rise_mK; }}
+void {model}_effects_started(uint8_t) {{}}
+void {model}_effects_step(int16_t) {{}}
+"""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What the C++ gives for one component.
+
+    Attributes
+    ----------
+    table
+        R0 .. R[n-1] and S, shape (P, n + 1), as the board multiplies with them.
+    first_pwm
+        |PWM| of the table's first row.
+    start_K
+        The largest distance of a start from what was asked for.
+    reading_K
+        The largest distance of ``NAME_rise_mK`` from the word that it reads.
+    """
+
+    table: Ratios
+    first_pwm: int
+    start_K: Fraction
+    reading_K: Fraction
+
+
+def measure(project: Project, certificate: Certificate) -> dict[str, Measured]:
+    """Compile the library and run it on everything that there is.
+
+    Raises
+    ------
+    ToolMissing
+        If there is no g++.
+    Refuted
+        If it does not compile, or does not do what it should.
+    """
+    low, high = certificate.domain_pwm
+    parts, model = certificate.parts, certificate.model
+    numbers = {part.name: number for number, part in enumerate(certificate.components)}
+    program = _PROGRAM.format(
+        model=model,
+        low=low,
+        high=high,
+        stubs=_EFFECTS.format(model=model) if (project.sources / f"{model}_effects.h").is_file() else "",
+        tables="".join(_TABLE.format(order=part.order, at=_at(part)) for part in parts),
+        parts="".join(
+            _PART.format(
+                model=model,
+                at=_at(part),
+                name=part.name,
+                number=numbers[part.name],
+                shape=part.shape,
+                order=part.order,
+                low=part.start_mK[0],
+                high=part.start_mK[1],
+                bits=_read_bits(certificate, part),
+            )
+            for part in parts
+        ),
+    )
+    lines = _output(project, program).splitlines()
+    if lines and lines[-1].startswith("failed"):
+        raise Refuted(f"the C++ does not do what the proof is about: {lines[-1].removeprefix('failed ')}")
+    rows = high - low + 1
+    table = ratios([float.fromhex(text) for text in line.split()] for line in lines[:rows])
+    found, first = {}, 0
+    for part, line in zip(parts, lines[rows:], strict=True):
+        start, reading = (int(text) * Fraction(1, 1000 << _read_bits(certificate, part)) for text in line.split())
+        found[part.name] = Measured(table[:, first : first + part.order + 1], low, start, reading)
+        first += part.order + 1
+    return found
+
+
+def _at(part: Part) -> str:
+    return f"{part.shape.lower()}[{part.place}]"
+
+
+def _read_bits(certificate: Certificate, part: Part) -> int:
+    return part.fraction_bits[0] - (16 if certificate.arithmetic == "fixed" else 0)
+
+
+def _output(project: Project, program: str) -> str:
+    compiler = str(toolchain.program("g++"))
+    with tempfile.TemporaryDirectory(prefix="gen-check-") as scratch:
+        main = Path(scratch) / "measure.cpp"
+        main.write_text(program, encoding="utf-8")
+        names = (f"{project.model}_schedule.cpp", f"{project.model}_accumulator.cpp")
+        others = [str(project.sources / name) for name in names if (project.sources / name).is_file()]
+        made = subprocess.run(
+            [compiler, "-std=gnu++11", "-O2", "-ffp-contract=off", f"-I{project.sources}", str(main), *others]
+            + ["-o", str(main.with_suffix(""))],
+            capture_output=True,
+            text=True,
+        )
+        if made.returncode:
+            raise Refuted(f"the library does not compile: {made.stderr.strip().splitlines()[0]}")
+        return subprocess.run([str(main.with_suffix(""))], capture_output=True, text=True, check=False).stdout

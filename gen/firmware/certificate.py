@@ -1,0 +1,130 @@
+"""``certificate.json``: what is claimed of the emitted project, and what it takes to prove it (docs/proof.md).
+
+The room ``certificate`` reads it and trusts nothing of it; it shares no code with this.
+"""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from math import log10
+from typing import Any
+
+import numpy as np
+
+from gen.coefficients import Coefficients
+from gen.lowering.fixed.component import FixedComponent
+from gen.lowering.fixed.formats import RESIDUE_BITS
+from gen.lowering.program import AnyComponent, Program
+from gen.lowering.recursion.guarantee import Invariant
+from gen.model import Component
+from gen.model.dynamics import MAX_PWM
+from gen.model.schedules import ExponentialSum, Polynomial, Schedule, Table
+
+CERTIFICATE = "certificate.json"
+#: More bits than these of the fraction are left out where a word is given out in thousandths of a kelvin.
+_READ_BITS = 25
+#: By which share the polytopes are made wider than float64 found them: a wider one is invariant if the narrower one is.
+_WIDER = 2.0**-20
+
+
+def certificate_json(coefficients: Coefficients, program: Program) -> str:
+    """The certificate's text."""
+    model = program.model
+    places = {
+        member: (shape.identifier, place) for shape in program.shapes for place, member in enumerate(shape.members)
+    }
+    components = []
+    for number, (component, source) in enumerate(zip(program.components, model.components, strict=True)):
+        if component.proof is None:
+            components.append({"name": component.name, "proof": None})
+        else:
+            shape, place = places[number]
+            components.append(_part(component, component.proof.invariant, source, shape, place))
+    certificate = {
+        "format": "gen-certificate",
+        "version": 1,
+        "model": model.name,
+        "coefficients_sha256": coefficients.sha256,
+        "arithmetic": program.arithmetic,
+        "schedule": program.schedule,
+        "sample_time_s": model.sample_time,
+        "domain_pwm": list(model.domain_pwm),
+        "components": components,
+    }
+    return _pretty(certificate) + "\n"
+
+
+def _part(component: AnyComponent, invariant: Invariant, source: Component, shape: str, place: int) -> dict[str, Any]:
+    bits = component.layout.fraction_bits if isinstance(component, FixedComponent) else component.fraction_bits
+    read_bits = bits[0] - RESIDUE_BITS if isinstance(component, FixedComponent) else bits[0]
+    assert component.proof is not None
+    bound = component.proof.bound_K * (1.0 + 2.0 * _WIDER)
+    reading = bound + 0.0011 + (2.0**-_READ_BITS if read_bits > _READ_BITS else 0.0)
+    return {
+        "name": component.name,
+        "shape": shape,
+        "place": place,
+        "substeps": component.substeps,
+        "fraction_bits": list(bits),
+        "start_mK": list(component.start_range_mK),
+        "bound_K": _rounded_up(bound),
+        "reading_K": _rounded_up(reading),
+        "equation": _equation(source),
+        "map": invariant.map.tolist(),
+        "centre": invariant.centre,
+        "shape_matrix": invariant.shape.tolist(),
+        "directions": _with_exact_axes(invariant.directions).tolist(),
+        "reach": (invariant.reach * (1.0 + _WIDER)).tolist(),
+        "error": (invariant.error * (1.0 + _WIDER)).tolist(),
+    }
+
+
+def _with_exact_axes(directions: np.ndarray[Any, np.dtype[np.float64]]) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """The first n lie along the axes but for float64's rounding."""
+    exact = directions.copy()
+    n = directions.shape[1]
+    exact[:n] = np.diag(np.diag(directions))
+    return exact
+
+
+def _rounded_up(value: float) -> float:
+    """Four digits, not below the value."""
+    digits = 3 - int(np.floor(log10(value)))
+    scale = Fraction(10) ** digits
+    return float(-(-Fraction(value) * scale // 1) / scale)
+
+
+def _equation(source: Component) -> dict[str, Any]:
+    held = source.validity if source.outside == "hold" else (0, MAX_PWM)
+    zeroed = source.validity if source.negative_gain == "zero" else (0, MAX_PWM)
+    poles = [
+        {"real": _schedule(pole.real), **({"imag": _schedule(pole.imag)} if pole.imag is not None else {})}
+        for pole in source.poles
+    ]
+    return {"poles": poles, "gain": _schedule(source.gain), "held": list(held), "no_gain_outside": list(zeroed)}
+
+
+def _schedule(schedule: Schedule) -> dict[str, Any]:
+    match schedule:
+        case Polynomial(coefficients=coefficients):
+            return {"pieces": [[0, MAX_PWM, list(coefficients)]]}
+        case ExponentialSum(terms=terms):
+            return {"exponentials": [list(term) for term in terms]}
+        case Table(pwm=pwm, value=value):
+            pieces = [[0, pwm[0] - 1, [value[0]]]] if pwm[0] > 0 else []
+            pieces += [[part.start, part.end - 1, list(part.coefficients)] for part in schedule.segments()]
+            return {"pieces": [*pieces, [pwm[-1], MAX_PWM, [value[-1]]]]}
+    raise TypeError(f"no form for {type(schedule).__name__}")
+
+
+def _pretty(value: Any, depth: int = 0) -> str:  # noqa: ANN401
+    """JSON with a line for each row of numbers."""
+    indent = " " * (depth + 1)
+    if isinstance(value, dict) and any(isinstance(entry, dict | list) for entry in value.values()):
+        lines = [f"{indent}{json.dumps(key)}: {_pretty(entry, depth + 1)}" for key, entry in value.items()]
+        return "{\n" + ",\n".join(lines) + "\n" + " " * depth + "}"
+    if isinstance(value, list) and any(isinstance(entry, dict | list) for entry in value) and depth < 5:
+        lines = [indent + _pretty(entry, depth + 1) for entry in value]
+        return "[\n" + ",\n".join(lines) + "\n" + " " * depth + "]"
+    return json.dumps(value)
