@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.corrected_format import FIRST_DROPPED
-from gen.lowering.fixed.formats import CARRY_FACTOR, GAIN_FACTOR, RESIDUE_BITS, WORD_BITS, dropped_bytes, start_scale
+from gen.lowering.fixed.formats import CARRY_FACTOR, GAIN_FACTOR, RESIDUE_BITS, WORD_BITS, dropped_bytes
+from gen.lowering.fixed.start import start_scale
 
 Word = TypeVar("Word", int, NDArray[np.int64])
 
@@ -66,9 +67,8 @@ class FixedStep:
         """State at rest at a rise in thousandths of a kelvin, limited to the declared range."""
         low, high = self._component.start_range_mK
         limited = max(low, min(high, rise_mK))
-        scale = start_scale(self._component.layout)
-        part = ((limited >> 8) * scale.fraction + ((limited & 255) * scale.fraction >> 8)) >> 8
-        return [(limited * scale.whole + part) << RESIDUE_BITS] + [0] * (self._component.order - 1)
+        word = start_scale(self._component.layout.output_bits).word(limited)
+        return [word << RESIDUE_BITS] + [0] * (self._component.order - 1)
 
     def increment(self, state: list[Word], rates: list[Word], steady: Word) -> Word:
         """Give q, as a word of x[n], for a state (not changed), integer rates and integer steady rise."""

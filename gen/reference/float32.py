@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.float32 import LIMIT_BITS, LOW_BITS, FloatComponent
+from gen.lowering.float32.start import start_accumulator
 
 Singles = NDArray[np.float32]
 Integers = NDArray[np.int64]
@@ -53,9 +54,9 @@ class FloatStep:
     def start(self, rise_mK: Integers) -> State:
         """The state at rest at a rise in thousandths of a kelvin, limited to the start range."""
         low, high = self._component.start_range_mK
-        words = self._component.start_factor * np.clip(rise_mK, low, high).astype(np.float32)
+        first = start_accumulator(self._component.fraction_bits[0], np.clip(rise_mK, low, high))
         zero = np.zeros(len(rise_mK), dtype=np.int64)
-        return [accumulated(zero, words, 0), *(zero for _ in range(1, self._order))]
+        return [first, *(zero for _ in range(1, self._order))]
 
     def increment(self, state: State, rates: list[Singles], steady: Integers) -> Singles:
         """q in the unit of xn's word, for rate words and S as they are in the board's memory."""

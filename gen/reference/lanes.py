@@ -17,6 +17,8 @@ from gen.reference.float32 import FloatStep
 
 Integers = NDArray[np.int64]
 Fields = list[tuple[str, str]]
+#: Bits after the binary point whose product with 125 fits 32 bits.
+_OUTPUT_BITS = 25
 
 
 class ComponentLanes(Protocol):
@@ -31,7 +33,7 @@ class ComponentLanes(Protocol):
         """Temperature rise of every lane, in K."""
 
     def rise_mK(self) -> Integers:
-        """The same in thousandths of a kelvin, rounded down, as the board gives it out."""
+        """The same in thousandths of a kelvin, to nearest, as the board gives it out."""
 
     def saturations(self) -> Integers:
         """How often each lane's words were limited."""
@@ -72,8 +74,7 @@ class FixedLanes:
 
     def rise_mK(self) -> Integers:
         """See :class:`ComponentLanes`."""
-        bits = self._component.layout.fraction_bits[0] - RESIDUE_BITS
-        return thousandths(self._state[0] >> RESIDUE_BITS, bits)
+        return thousandths(self._state[0] >> RESIDUE_BITS, self._component.layout.output_bits)
 
     def saturations(self) -> Integers:
         """See :class:`ComponentLanes`."""
@@ -147,10 +148,13 @@ class FloatLanes:
 
 
 def thousandths(word: Integers, bits: int) -> Integers:
-    """A word of 2^-bits K in thousandths of a kelvin, rounded down, by way of 2^-16 K."""
-    fraction = word & ((1 << bits) - 1)
-    sixteenth = fraction >> (bits - 16) if bits >= 16 else fraction << (16 - bits)
-    result: Integers = (word >> bits) * 1000 + (sixteenth * 1000 >> 16)
+    """A word of 2^-bits K in thousandths of a kelvin, to nearest, halves upwards.
+
+    The board multiplies in 32 bits, so that no more than 25 bits after the binary point take part.
+    """
+    kept = min(bits, _OUTPUT_BITS)
+    fraction = (word & ((1 << bits) - 1)) >> (bits - kept)
+    result: Integers = (word >> bits) * 1000 + (fraction * 125 + (1 << (kept - 4)) >> (kept - 3))
     return result
 
 
@@ -180,5 +184,5 @@ def coefficient_fields(component: AnyComponent) -> Fields:
 def word_bits(component: AnyComponent) -> int:
     """Fraction bits of a component's rise as the high word of x1 has it."""
     if isinstance(component, FixedComponent):
-        return component.layout.fraction_bits[0] - RESIDUE_BITS
+        return component.layout.output_bits
     return component.fraction_bits[0]

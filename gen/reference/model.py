@@ -112,7 +112,7 @@ class ReferenceModel:
 
     @property
     def rises_mK(self) -> Integers:
-        """The same in thousandths of a kelvin, rounded down, as integers."""
+        """The same in thousandths of a kelvin, to nearest, as integers."""
         rises = [component.rise_mK() for component in self._components]
         return np.array(
             [value if own is None else thousandths(own, KELVIN_BITS) for value, own in self._with_shown(rises)]

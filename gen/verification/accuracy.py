@@ -53,14 +53,14 @@ def error_course(program: Program, lanes: int, length: int = LENGTH) -> ErrorCou
     profile = campaign(program.model, lanes, length, seed=10_800)
     low = max(component.start_range_mK[0] for component in program.components)
     high = min(component.start_range_mK[1] for component in program.components)
-    start = np.clip(profile.start_mK, low, high) // 250 * 250  # a quarter of a kelvin is exact in every format
-    start = np.where(start < low, start + 250, start)
+    start = np.clip(profile.start_mK, low, high)
     names = program.model.component_names
     rise = dict.fromkeys(names, start / 1000.0)
     exact = ExactSolution(program.model).simulate(_in_domain(program, profile.pwm), rise)
     model = ReferenceModel(program, [int(value) for value in start])
     ends = np.linspace(0, length, min(_POINTS, length) + 1).round().astype(int)[1:]
     worst = np.zeros((len(ends), len(names)))
+    worst[0] = np.abs(model.rises - start / 1000.0).max(axis=1)  # what was asked for, not what the board made of it
     interval = 0
     for step in range(length):
         model.step(profile.pwm[:, step])

@@ -70,7 +70,7 @@ def course_with_effects(program: Program, effects: Sequence[Applied], lanes: int
     profile = campaign(program.model, lanes, length, seed=10_800)
     low = max(component.start_range_mK[0] for component in program.components)
     high = min(component.start_range_mK[1] for component in program.components)
-    start = np.clip(profile.start_mK, max(low, 0), high // 2) // 250 * 250
+    start = np.clip(profile.start_mK, max(low, 0), high // 2)
     names = program.model.component_names
     told = _drawn(random, program.effects, lanes)
     board = ReferenceModel(program, [int(value) for value in start], told)

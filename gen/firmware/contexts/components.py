@@ -6,8 +6,9 @@ from typing import NotRequired, TypedDict
 
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.corrected_format import FIRST_DROPPED
-from gen.lowering.fixed.formats import GAIN_FACTOR, RESIDUE_BITS
+from gen.lowering.fixed.formats import GAIN_FACTOR
 from gen.lowering.float32 import FloatComponent
+from gen.lowering.float32.start import start_factor
 from gen.lowering.program import AnyComponent, Program, Shape
 from gen.lowering.recursion.guarantee import rounded_up
 
@@ -62,7 +63,6 @@ class FixedShape(TypedDict):
     carry_byte: int
     carry_bits: int
     carry_place: int
-    fraction_shift: str
 
 
 class SingleShape(TypedDict):
@@ -132,25 +132,23 @@ def _shape(program: Program, shape: Shape) -> ShapeContext:
 
 def _fixed_shape(component: FixedComponent) -> FixedShape:
     layout = component.layout
-    output_bits = layout.fraction_bits[0] - RESIDUE_BITS
     whole, bits = divmod(layout.chain_shifts[-1], 8) if component.order > 1 else (layout.carry_byte, 0)
     return {
         "rate_bits": tuple(layout.rate_fraction_bits),
         "product_shifts": tuple(layout.product_shifts),
-        "output_bits": output_bits,
+        "output_bits": layout.output_bits,
         "first_dropped": FIRST_DROPPED,
         "first_rate_cut": layout.first_rate_cut if layout.corrected else 0,
         "gain_factor": GAIN_FACTOR,
         "carry_byte": layout.carry_byte,
         "carry_bits": bits,
         "carry_place": 8 * (layout.carry_byte - whole),
-        "fraction_shift": f">> {output_bits - 16}" if output_bits >= 16 else f"<< {16 - output_bits}",
     }
 
 
 def _single_shape(component: FloatComponent) -> SingleShape:
     return {
-        "start_factor": component.literal(float(component.start_factor)),
+        "start_factor": component.literal(float(start_factor(component.fraction_bits[0]))),
         "carry_factor": component.literal(float(component.carry_factor)) if component.order > 1 else "",
     }
 

@@ -11,7 +11,8 @@ import numpy as np
 from gen.firmware.avr.block import Block, block
 from gen.firmware.contexts.components import ComponentContext, ShapeContext, component_contexts, shape_contexts
 from gen.lowering.fixed.component import FixedComponent
-from gen.lowering.fixed.formats import CARRY_FACTOR, start_scale
+from gen.lowering.fixed.formats import CARRY_FACTOR
+from gen.lowering.fixed.start import start_scale
 from gen.lowering.float32 import LIMIT_BITS, FloatComponent
 from gen.lowering.program import Program
 from gen.lowering.recursion.dynamics import domain_rows
@@ -88,9 +89,9 @@ def _start_members(program: Program) -> dict[tuple[str, str, str], list[str]]:
     members: dict[tuple[str, str, str], list[str]] = {}
     for component in program.components:
         if isinstance(component, FixedComponent):
-            scale = start_scale(component.layout)
             low, high = component.start_range_mK
-            arguments = (f"{low}L", f"{high}L", f"{scale.whole}L, {scale.fraction}u")
+            scale = start_scale(component.layout.output_bits)
+            arguments = (f"{low}L", f"{high}L", f"{scale.whole}L, {scale.upper}u, {scale.lower}u")
             members.setdefault(arguments, []).append(component.name)
     return members
 

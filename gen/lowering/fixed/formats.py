@@ -27,8 +27,6 @@ RESIDUE_BITS = 16
 CARRY_FACTOR = 5461
 #: 2^7 times 4/3, a little more for what the byte of R2 has lost: how the corrected form takes a twelfth of R2.
 GAIN_FACTOR = 172
-#: The start value's distance from the given one, in units of the high word of x1: rounded down, with a rounded factor.
-START_UNITS = 2.0
 _PRODUCT_SHIFTS = (32, 24, 16)
 
 
@@ -71,6 +69,11 @@ class Format:
     def chain_shifts(self) -> tuple[int, ...]:
         """By how many bits x[i+1] is shifted right before it is added to x[i], length n - 1."""
         return tuple(b - a for a, b in itertools.pairwise(self.fraction_bits))
+
+    @property
+    def output_bits(self) -> int:
+        """Bits after the binary point of x1's high word, which is what starts and is read out."""
+        return self.fraction_bits[0] - RESIDUE_BITS
 
     @property
     def high_lsb(self) -> tuple[float, ...]:
@@ -121,23 +124,6 @@ class Target:
         """C[i]/C0, shape (rows, n): what a rounding of x[i+1] means."""
         share: Array = self.c / self.c[:, :1]
         return share
-
-
-@dataclass(frozen=True)
-class StartScale:
-    """Factors that turn thousandths of a kelvin r (at most 23 bits) into a high word of x1, in 32 bits throughout.
-
-    The high word is r whole + (((r >> 8) fraction + ((r & 255) fraction >> 8)) >> 8), rounded down.
-    """
-
-    whole: int
-    fraction: int
-
-
-def start_scale(layout: Format) -> StartScale:
-    """The factors for the start values of a component."""
-    whole, rest = divmod(1 << layout.fraction_bits[0] - RESIDUE_BITS, 1000)
-    return StartScale(whole, -(-(rest << 16) // 1000))  # rounded up: what is a whole number of units stays so
 
 
 def dropped_bytes(shift: int, *, wide: bool) -> int:

@@ -9,7 +9,8 @@ from typing import ParamSpec
 import numpy as np
 
 from gen.lowering.fixed import corrected_format, correction, formats
-from gen.lowering.fixed.formats import START_UNITS, Format
+from gen.lowering.fixed.formats import Format
+from gen.lowering.fixed.start import start_error
 from gen.lowering.kinds import Integers
 from gen.lowering.recursion import bounds, increments
 from gen.lowering.recursion.bounds import Array, StateRanges, WorstError
@@ -60,7 +61,7 @@ def prove_corrected(
         changed_c=np.zeros_like(changed_c),
         q_error=q_error,
         chain_error=chain,
-        start_error=START_UNITS * layout.high_lsb[0],
+        start_error=start_error(layout.output_bits, exact.start_range_mK),
         carry=0.0,
     )
     if error is None:
@@ -101,7 +102,7 @@ def prove(
         changed_c=increments.from_rates(integer_rates) - exact.c,
         q_error=q_error,
         chain_error=np.tile(chain_error, (len(q_error), 1)),
-        start_error=START_UNITS * layout.high_lsb[0],
+        start_error=start_error(layout.output_bits, exact.start_range_mK),
         carry=formats.CARRY_FACTOR / 2.0**16,
     )
     if error is None:

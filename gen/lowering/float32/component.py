@@ -78,11 +78,6 @@ class FloatComponent:
         return np.float32(CARRY * np.float32(2.0 ** -self.chain_shifts[-1]))
 
     @property
-    def start_factor(self) -> np.float32:
-        """Words of x1 in a thousandth of a kelvin."""
-        return np.float32(2.0 ** self.fraction_bits[0] / 1000.0)
-
-    @property
     def steady_constant(self) -> np.float32:
         """In K: in a sum with it, any S has the exponent of this one, so that its bits are a fixed-point number."""
         return np.float32(1.5 * 2.0 ** (23 + ONBOARD_STEADY_SHIFT - self.fraction_bits[0]))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from gen.lowering.float32.component import CARRY, LOW_BITS, FloatComponent
 from gen.lowering.float32.ranges import WIDENING, Magnitudes, Reachable
+from gen.lowering.float32.start import start_error
 from gen.lowering.recursion import bounds, increments
 from gen.lowering.recursion.bounds import WorstError
 from gen.lowering.recursion.dynamics import Dynamics
@@ -60,7 +61,7 @@ def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> P
         # The correction of q for it: two products and a difference, and the carry's own last bit.
         q_error = q_error + np.abs(board_c - exact.c)[:, n - 2] * carried + half_ulp(sizes.q)
         q_error += share * (2.0 * _RELATIVE * carried + lowest)
-    error = _worst_error(reachable, q_error, chain_error, _start_error(lowered, float(units[0])))
+    error = _worst_error(reachable, q_error, chain_error, start_error(lowered.fraction_bits[0], lowered.start_range_mK))
     if error is None:
         return None
     return Proof(
@@ -69,12 +70,6 @@ def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> P
         bound_K=error.bound_K + float(units[0]),  # what is read out lacks the low bits
         invariant=bounds.invariant(reachable.recursion, exact, error.reach),
     )
-
-
-def _start_error(lowered: FloatComponent, unit: float) -> float:
-    """What the start may be off, in K: the factor's rounding, the product's, and the accumulator's lowest bit."""
-    largest = max(abs(end) for end in lowered.start_range_mK) / 1000.0
-    return float(largest * _RELATIVE + half_ulp(largest) + unit / 2**LOW_BITS)
 
 
 def _chain_error(order: int, sizes: Magnitudes, units: Array) -> Array:

@@ -1,0 +1,47 @@
+"""The start value in float32: thousandths of a kelvin to an accumulator."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.float32.component import LOW_BITS
+from gen.lowering.start import worst_start
+
+Integers = NDArray[np.int64]
+
+
+def start_factor(bits: int) -> np.float32:
+    """Words of 2^-``bits`` K in a thousandth of a kelvin."""
+    return np.float32(2.0**bits / 1000.0)
+
+
+def start_accumulator(bits: int, rise_mK: Integers) -> Integers:
+    """The accumulators for rises: one product of float32, rounded towards zero.
+
+    Parameters
+    ----------
+    bits
+        Of a word after the binary point.
+    rise_mK
+        In thousandths of a kelvin, at most :data:`gen.lowering.start.LARGEST_MK` in magnitude: exact in float32.
+    """
+    words = start_factor(bits) * rise_mK.astype(np.float32)
+    accumulator: Integers = np.trunc(words.astype(np.float64) * (1 << LOW_BITS)).astype(np.int64)
+    return accumulator
+
+
+@cache
+def start_error(bits: int, range_mK: tuple[int, int]) -> float:
+    """The most that a start can be off, in K.
+
+    Parameters
+    ----------
+    bits
+        Of a word after the binary point.
+    range_mK
+        Lowest and highest rise to start from, in thousandths of a kelvin.
+    """
+    return worst_start(lambda rises: start_accumulator(bits, rises), bits + LOW_BITS, range_mK)
