@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil
 from pathlib import Path
 
 import numpy as np
@@ -22,10 +21,10 @@ from gen.certificate import document
 from gen.certificate.affine import Reach, outward
 from gen.certificate.document import Certificate, Part
 from gen.certificate.equation import Enclosure, enclose
-from gen.certificate.exact import BITS, Floats, Integers, Ratios, floats, inverse, ratios, units, whole, zeros
+from gen.certificate.exact import BITS, Floats, Ratios, floats, inverse, ratios, zeros
 from gen.certificate.measured import Measured, measure
 from gen.certificate.order import check_order
-from gen.certificate.polytope import IMAGE_BITS, Directions, Images, largest, largest_roughly
+from gen.certificate.polytope import Directions, Images, largest, largest_roughly
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 from gen.certificate.step import Recursion, Run
@@ -148,7 +147,6 @@ class _Proof:
         if self._map[0, 0] != 1 or self._map[1:, 0].any():
             raise Refuted("the map moves a state at rest")
         self._back = inverse(self._map)
-        self._along = floats(ratios(part.directions))
         low = 16 if certificate.arithmetic == "fixed" else 0
         self._unit = Fraction(1, 1 << part.fraction_bits[0] - low)  # of what is read
         below = 0 if certificate.arithmetic == "fixed" else 8
@@ -194,33 +192,33 @@ class _Proof:
 
     def _check_steps(self, runs: Sequence[Run]) -> int:
         """Lemmas 5 and 6: both polytopes hold the state after a sample; the number of inequalities."""
-        images = Images(self._directions, self._exact.transition)
-        along = self._directions.exact
-        reach, error = _up(self._reach), _up(self._error)
-        reach_box, error_box = _up(self._directions.box(self._reach)), _up(self._directions.box(self._error))
-        size = np.abs(along).sum(axis=1)
-        for row, steady in enumerate(self._exact.steady):
-            away = Fraction(steady) - self._part.centre
-            # What the enclosure of E and S leaves open: |c| radius (|u| + |e| + |S - centre|) + |c| |S's error| (1 + |E|)
-            open_K = self._exact.radius * Fraction(1, 1 << BITS) * (sum(self._both) + abs(away))
-            open_K += self._exact.steady_radius * (
-                2 + Fraction(int(np.abs(self._exact.transition[row]).sum()), 1 << BITS)
-            )
-            slack = size * int(ceil(open_K * (1 << BITS)) + 1) >> BITS - (IMAGE_BITS - BITS)
-            towards = (np.eye(self._part.order, dtype=object) * (1 << BITS) - self._exact.transition[row])[:, 0]
-            driven = np.abs(along @ towards * int(ceil(abs(away) * (1 << BITS)))) >> 3 * BITS - IMAGE_BITS
-            if np.any(images.largest(row, reach, reach_box) + driven + slack + 1 > reach << IMAGE_BITS - BITS):
-                raise Refuted(f"the states' polytope is left at |PWM| {self._pwm(row)}")
-            kept = images.largest(row, error, error_box)
-            for number, run in enumerate(runs):
-                pushed = self._disturbance(run, row) + slack
-                if np.any(kept + pushed > error << IMAGE_BITS - BITS):
-                    when = " just after a change" if number else ""
-                    raise Refuted(f"the errors' polytope is left at |PWM| {self._pwm(row)}{when}")
-        return len(self._exact.steady) * len(along) * (1 + len(runs))
+        exact, along = self._exact, self._directions.nearest
+        images = Images(self._directions, floats(exact.transition) * 2.0**-BITS)
+        away = np.abs(exact.steady - self._part.centre)
+        # What the enclosure of E and S leaves open: |c| (E's radius (|u| + |e| + |S - centre|) + S's (1 + |E|)), in sums.
+        radius = exact.radius * Fraction(1, 1 << BITS)
+        size = np.abs(exact.transition).sum(axis=(1, 2)) * Fraction(1, 1 << BITS)
+        open_K = radius * (self._directions.box(self._both).sum() + away) + exact.steady_radius * (2 + size)
+        slack = np.abs(along).sum(axis=1)[None, :] * floats(open_K)[:, None] * (1.0 + _ROUGHLY)
+        identity = np.eye(self._part.order, dtype=object) * (1 << BITS)
+        towards = floats((identity - exact.transition)[:, :, 0] * Fraction(1, 1 << BITS) * away[:, None])
+        driven = np.abs(towards @ along.T) + _ROUGHLY * (np.abs(towards) @ np.abs(along).T)
+        self._decide(images, self._reach, driven + slack, "states'", "")
+        for number, run in enumerate(runs):
+            pushed = np.stack([self._disturbance(run, row) for row in range(len(away))])
+            self._decide(images, self._error, pushed + slack, "errors'", " just after a change" if number else "")
+        return int(driven.size) * (1 + len(runs))
 
-    def _disturbance(self, run: Run, row: int) -> Integers:
-        """What a run adds to each ``c_j . e``, in units of 2^-IMAGE_BITS, shape (J,)."""
+    def _decide(self, images: Images, heights: Ratios, added: Floats, whose: str, when: str) -> None:
+        """Whether a polytope holds all that comes of it, (*) of :mod:`gen.certificate.check`."""
+        box = floats(self._directions.box(heights)) * (1.0 + _ROUGHLY)
+        needed = (images.largest(floats(heights), box) + added) * (1.0 + _ROUGHLY)
+        if not np.all(needed <= floats(heights)):
+            row = int(np.argmax((needed - floats(heights)).max(axis=1)))
+            raise Refuted(f"the {whose} polytope is left at |PWM| {self._measured.first_pwm + row}{when}")
+
+    def _disturbance(self, run: Run, row: int) -> Floats:
+        """What a run adds to each ``c_j . e``, shape (J,)."""
         to_y, n = self._back * self._word[None, :], self._part.order
         matrix = to_y @ run.matrix[row] @ (self._map / self._word[:, None])  # y -> matrix y + constant
         constant = to_y @ run.constant[row]
@@ -235,8 +233,11 @@ class _Proof:
         # In float64, rounded up by far more than its own errors.
         generators = np.vstack([run.columns[row] @ back, exact])
         sizes = np.vstack([np.abs(run.columns[row]) @ np.abs(back), np.abs(exact)])
-        terms = np.abs(self._along @ generators.T) + _ROUGHLY * (np.abs(self._along) @ sizes.T)
-        return whole(terms.sum(axis=1) * (1.0 + _ROUGHLY), IMAGE_BITS) + 1
+        terms = np.abs(self._directions.nearest @ generators.T) + _ROUGHLY * (
+            np.abs(self._directions.nearest) @ sizes.T
+        )
+        found: Floats = terms.sum(axis=1) * (1.0 + _ROUGHLY)
+        return found
 
     def _bound(self, q: Fraction) -> Fraction:
         """Lemma 7: what is read is x1's upper bits, rounded down."""
@@ -251,14 +252,3 @@ class _Proof:
         if n == 2:
             bound += abs(self._recursion.drive.share) * q * self._word[0]
         return Fraction(bound + self._unit)
-
-    def _pwm(self, row: int) -> int:
-        return self._measured.first_pwm + row
-
-
-def _up(values: Ratios) -> Integers:
-    """In units of 2^-BITS; the certificate's numbers are float64, which have fewer bits."""
-    found = units(values)
-    if np.any(found * Fraction(1, 1 << BITS) != values):
-        return found + 1
-    return found

@@ -66,14 +66,3 @@ def inverse(matrix: Ratios) -> Ratios:
             if k != i:
                 rows[k] = [a - rows[k][i] * b for a, b in zip(rows[k], rows[i], strict=True)]
     return ratios(row[n:] for row in rows)
-
-
-def whole(values: Floats, bits: int) -> Integers:
-    """float64 numbers in units of 2^-bits, exact but for what lies below a unit, which is dropped."""
-    mantissa, exponent = np.frexp(values)
-    shift = exponent.astype(np.int64) - 53 + bits
-    moved = np.frompyfunc(lambda number, by: number << by if by >= 0 else number >> -by, 2, 1)
-    found: Integers = np.asarray(
-        moved((mantissa * 2.0**53).astype(np.int64).astype(object), shift.astype(object)), dtype=object
-    )
-    return found

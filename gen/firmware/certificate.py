@@ -60,7 +60,7 @@ def _part(component: AnyComponent, invariant: Invariant, source: Component, shap
     read_bits = bits[0] - RESIDUE_BITS if isinstance(component, FixedComponent) else bits[0]
     assert component.proof is not None
     bound = component.proof.bound_K * (1.0 + 2.0 * _WIDER)
-    reading = bound + 0.0011 + (2.0**-_READ_BITS if read_bits > _READ_BITS else 0.0)
+    reading = bound + 0.0005 + (2.0**-_READ_BITS if read_bits > _READ_BITS else 0.0)
     return {
         "name": component.name,
         "shape": shape,
