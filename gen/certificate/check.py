@@ -205,8 +205,9 @@ class _Proof:
         driven = np.abs(towards @ along.T) + _ROUGHLY * (np.abs(towards) @ np.abs(along).T)
         self._decide(images, self._reach, driven + slack, "states'", "")
         for number, run in enumerate(runs):
-            pushed = np.stack([self._disturbance(run, row) for row in range(len(away))])
-            self._decide(images, self._error, pushed + slack, "errors'", " just after a change" if number else "")
+            self._decide(
+                images, self._error, self._disturbance(run) + slack, "errors'", " just after a change" if number else ""
+            )
         return int(driven.size) * (1 + len(runs))
 
     def _decide(self, images: Images, heights: Ratios, added: Floats, whose: str, when: str) -> None:
@@ -217,26 +218,49 @@ class _Proof:
             row = int(np.argmax((needed - floats(heights)).max(axis=1)))
             raise Refuted(f"the {whose} polytope is left at |PWM| {self._measured.first_pwm + row}{when}")
 
-    def _disturbance(self, run: Run, row: int) -> Floats:
-        """What a run adds to each ``c_j . e``, shape (J,)."""
-        to_y, n = self._back * self._word[None, :], self._part.order
-        matrix = to_y @ run.matrix[row] @ (self._map / self._word[:, None])  # y -> matrix y + constant
-        constant = to_y @ run.constant[row]
-        steady = self._exact.steady[row]
-        at_rest = matrix[:, 0] * steady + constant - np.eye(n, dtype=object)[:, 0] * steady
-        differs = matrix - self._exact.transition[row] * Fraction(1, 1 << BITS)
-        distance = self._directions.box(self._both)
-        distance[0] += abs(steady - self._part.centre)
-        # |c . differs (y - s)| <= sum_i |c . differs_i| distance_i
-        exact = floats(np.vstack([at_rest[None], (differs * distance[None, :]).T]))
+    def _disturbance(self, run: Run) -> Floats:
+        """What a run adds to each ``c_j . e``, shape (P, J)."""
+        part, exact = self._part, self._exact
+        to_y = self._back * self._word[None, :]
+        from_y = self._map / self._word[:, None]
+        matrix = np.array([to_y @ one @ from_y for one in run.matrix])  # y -> matrix y + constant
+        constant = np.array([to_y @ one for one in run.constant])
+        rest = np.zeros(part.order, dtype=object)
+        rest[0] = 1
+        at_rest = matrix[:, :, 0] * exact.steady[:, None] + constant - rest[None, :] * exact.steady[:, None]
+        differs = matrix - exact.transition * Fraction(1, 1 << BITS)
+        away = np.abs(exact.steady - part.centre)
+        box = self._directions.box(self._both)
+        # differs (y - s) = along_q (towards . (y - s)) + others (y - s): mostly it is q alone that is off.
+        along_q, towards = _product_form(floats(differs), floats(box))
+        others = differs - along_q[:, :, None] * towards[:, None, :]
+        distance = np.abs(towards[:, 0]) * away + largest(self._directions, self._both, towards)
+        boxes = np.tile(box, (len(away), 1))
+        boxes[:, 0] += away
+        together = [(along_q * distance[:, None])[:, None, :], (others * boxes[:, None, :]).transpose(0, 2, 1)]
+        apart = [(differs * boxes[:, None, :]).transpose(0, 2, 1)]
         back = floats(to_y).T
-        # In float64, rounded up by far more than its own errors.
-        generators = np.vstack([run.columns[row] @ back, exact])
-        sizes = np.vstack([np.abs(run.columns[row]) @ np.abs(back), np.abs(exact)])
-        terms = np.abs(self._directions.nearest @ generators.T) + _ROUGHLY * (
-            np.abs(self._directions.nearest) @ sizes.T
-        )
-        found: Floats = terms.sum(axis=1) * (1.0 + _ROUGHLY)
+        rounding = self._sum(run.columns @ back, np.abs(run.columns) @ np.abs(back))
+        # Two ways to bound the same; either holds, at every |PWM| and in every direction.
+        either = [
+            self._sum(short, np.abs(short)) for short in (floats(np.concatenate(w, axis=1)) for w in (together, apart))
+        ]
+        constant_part = floats(at_rest[:, None, :])
+        found: Floats = rounding + self._sum(constant_part, np.abs(constant_part)) + np.minimum(*either)
+        return found * (1.0 + _ROUGHLY)
+
+    def _sum(self, columns: Floats, sizes: Floats) -> Floats:
+        """sum_m ``|c_j . column_m|``, shape (P, J), in float64 and rounded up by far more than its own errors.
+
+        Parameters
+        ----------
+        columns, sizes
+            Shape (P, m, n); ``sizes`` are the sums of magnitudes that the columns were made of.
+        """
+        along = self._directions.nearest
+        found = np.zeros((len(columns), len(along)))
+        for m in range(columns.shape[1]):
+            found += np.abs(columns[:, m] @ along.T) + _ROUGHLY * (sizes[:, m] @ np.abs(along).T)
         return found
 
     def _bound(self, q: Fraction) -> Fraction:
@@ -252,3 +276,11 @@ class _Proof:
         if n == 2:
             bound += abs(self._recursion.drive.share) * q * self._word[0]
         return Fraction(bound + self._unit)
+
+
+def _product_form(matrices: Floats, box: Floats) -> tuple[Ratios, Ratios]:
+    """The columns v and rows g, shape (P, n) each, whose products v g come nearest to matrices where |u_i| <= box_i."""
+    scaled = matrices * box[None, None, :] / box[None, :, None]
+    left, size, right = np.linalg.svd(scaled)
+    columns = left[:, :, 0] * size[:, :1] * box[None, :]
+    return ratios(columns), ratios(right[:, 0, :] / box[None, :])

@@ -42,12 +42,14 @@ int main() {{
 }}
 """
 
+#: Bits of a state's word below what is read.
+_LOW_BITS = {"fixed": 16, "float": 8}
 _TABLE = """\
         for (int i = 0; i < {order}; ++i) std::printf("%a ", (double)now.{at}.rate[i]);
         std::printf("%a ", (double)now.{at}.steady);
 """
 
-# `away` is 1000 word - 2^bits mK: off by that in units of 2^-bits mK.
+# `away` is 1000 word - 2^bits mK: off by that in units of 2^-bits mK; the start's word has `low_bits` more.
 _PART = """\
     {{
         {model}_begin();
@@ -55,12 +57,12 @@ _PART = """\
         int64_t most = 0;
         for (int64_t rise = {low}; rise <= {high}; ++rise) {{
             {model}_start({number}, (int32_t)rise);
-            int64_t away = 1000 * (int64_t)state.x[0].hi - rise * (INT64_C(1) << {bits});
-            if (state.x[0].lo) return failed("start of {name}", (long)rise);
+            const int64_t word = (int64_t)state.x[0].hi * (1 << {low_bits}) + state.x[0].lo;
+            __int128 away = (__int128)1000 * word - (__int128)rise * (INT64_C(1) << ({bits} + {low_bits}));
             for (int i = 1; i < {order}; ++i) if (state.x[i].hi || state.x[i].lo) return failed("start of {name}", (long)rise);
             for (int i = 0; i < {order}; ++i) if ({model}_model.now.{at}.rate[i] != 0) return failed("start of {name}", (long)rise);
             if (away < 0) away = -away;
-            if (away > most) most = away;
+            if (away > most) most = (int64_t)away;
         }}
         {model}_start({number}, {low});
         const int32_t lowest = state.x[0].hi;
@@ -153,6 +155,7 @@ def measure(project: Project, certificate: Certificate) -> dict[str, Measured]:
                 low=part.start_mK[0],
                 high=part.start_mK[1],
                 bits=_read_bits(certificate, part),
+                low_bits=_LOW_BITS[certificate.arithmetic],
             )
             for part in parts
         ),
@@ -165,6 +168,7 @@ def measure(project: Project, certificate: Certificate) -> dict[str, Measured]:
     found, first = {}, 0
     for part, line in zip(parts, lines[rows:], strict=True):
         start, reading = (int(text) * Fraction(1, 1000 << _read_bits(certificate, part)) for text in line.split())
+        start /= 1 << _LOW_BITS[certificate.arithmetic]
         found[part.name] = Measured(table[:, first : first + part.order + 1], low, start, reading)
         first += part.order + 1
     return found
