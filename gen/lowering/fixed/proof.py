@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import wraps
-from typing import ParamSpec
-
 import numpy as np
 
 from gen.lowering.fixed import corrected_format, correction, formats
@@ -18,36 +14,28 @@ from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Proof
 from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
 
-_Given = ParamSpec("_Given")
+_OVERFLOW = "the ranges that its states can reach do not fit their words"
 
 
-def _none_without_proof(find: Callable[_Given, Proof | None]) -> Callable[_Given, Proof | None]:
-    """Let a search for a proof give None where there is no invariant polytope."""
-
-    @wraps(find)
-    def found(*args: _Given.args, **kwargs: _Given.kwargs) -> Proof | None:
-        try:
-            return find(*args, **kwargs)
-        except NoProofError:
-            return None
-
-    return found
-
-
-@_none_without_proof
 def prove_corrected(
     recursion: SwitchedRecursion, exact: Dynamics, layout: Format, rates: Integers, steady: Integers
-) -> Proof | None:
-    """:func:`prove` for the corrected form."""
+) -> Proof:
+    """:func:`prove` for the corrected form.
+
+    Raises
+    ------
+    NoProofError
+        As there.
+    """
     tables = correction.corrected(exact, correction.Correction.of(layout, rates))
     rounding = corrected_format.rounding(layout, tables.rates, rates)
     ranges = bounds.state_ranges(recursion, tables)
     inner = bounds.inner_ranges(recursion, tables)
     needed = np.maximum(inner.largest, ranges.magnitude)
     if np.any(needed > (2.0**31 - 8.0) * np.array(layout.high_lsb)):
-        return None
+        raise NoProofError(_OVERFLOW)
     if not corrected_format.fits(layout, ranges, inner.drive, rates):
-        return None
+        raise NoProofError(_OVERFLOW)
     changed_c = increments.from_rates(rates * 2.0 ** -np.array(layout.rate_fraction_bits)) - tables.c
     away = np.abs(steady * layout.high_lsb[0] - (tables.steady - rounding.steady))
     q_error = rounding.q + tables.c[:, 0] * np.maximum(0.0, away - 0.5 * layout.high_lsb[0])
@@ -64,12 +52,9 @@ def prove_corrected(
         start_error=start_error(layout.output_bits, exact.start_range_mK),
         carry=0.0,
     )
-    if error is None:
-        return None
     return _proof(recursion, tables, ranges, layout, error)
 
 
-@_none_without_proof
 def prove(
     recursion: SwitchedRecursion,
     exact: Dynamics,
@@ -77,11 +62,14 @@ def prove(
     layout: Format,
     rates: Integers,
     steady_excess: Array | float = 0.0,
-) -> Proof | None:
+) -> Proof:
     """Worst error of the integer recursion, for any PWM sequence of any length.
 
-    None if a word could overflow, or if the recursion has no invariant polytope: that one disturbance has one does not
-    promise it for another.
+    Raises
+    ------
+    NoProofError
+        If a word could overflow, or if the recursion has no invariant polytope: that one disturbance has one does not
+        promise it for another.
     """
     integer_rates = rates * 2.0 ** -np.array(layout.rate_fraction_bits)
     inner = bounds.inner_ranges(recursion, exact)
@@ -90,10 +78,10 @@ def prove(
     changed_sums = changed * formats.nested_ranges(ranges, np.maximum(integer_rates, exact.rates))
     needed = np.maximum(ranges.magnitude, inner.largest + changed_sums)
     if np.any(needed > (2.0**31 - 4.0) * np.array(layout.high_lsb)):
-        return None
+        raise NoProofError(_OVERFLOW)
     q_range = inner.drive + float(changed_sums[-1] * exact.rates[:, -1].max())
     if exact.order > 1 and not formats.carry_fits(layout, q_range):
-        return None
+        raise NoProofError(_OVERFLOW)
     q_error, chain_error = formats.rounding(layout, exact.rates, steady_excess)
     error = bounds.worst_error(
         recursion,
@@ -105,8 +93,6 @@ def prove(
         start_error=start_error(layout.output_bits, exact.start_range_mK),
         carry=formats.CARRY_FACTOR / 2.0**16,
     )
-    if error is None:
-        return None
     return _proof(recursion, exact, ranges, layout, error)
 
 

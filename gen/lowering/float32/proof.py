@@ -18,6 +18,7 @@ from gen.lowering.recursion import bounds, increments
 from gen.lowering.recursion.bounds import WorstError
 from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Proof
+from gen.lowering.recursion.reach import NoProofError
 
 Array = NDArray[np.float64]
 
@@ -41,14 +42,21 @@ def word_ranges(exact: Dynamics, sizes: Magnitudes) -> Array:
     return needed
 
 
-def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> Proof | None:
-    """Proof of ranges and error, or None if the error is too large for the ranges it rests on."""
+def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> Proof:
+    """Proof of ranges and error.
+
+    Raises
+    ------
+    NoProofError
+        If a range does not fit its word, if the recursion has no invariant polytope, or if the error is too large for
+        the ranges that it rests on.
+    """
     exact = reachable.exact
     n = exact.order
     units = 2.0 ** -np.array(lowered.fraction_bits, dtype=np.float64)
     held = word_ranges(exact, sizes) + units * (1 << LOW_BITS)  # S is rounded to 256 units
     if np.any(held >= (2.0**31 - 1.0) * units):
-        return None
+        raise NoProofError("the ranges that its states can reach do not fit their words")
     board_c = increments.from_rates(lowered.rates.astype(np.float64))
     q_error = reachable.functional(board_c - exact.c) + _rounding_of_q(lowered, exact, sizes, units)
     chain_error = np.tile(_chain_error(n, sizes, units), (len(q_error), 1))
@@ -62,8 +70,6 @@ def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> P
         q_error = q_error + np.abs(board_c - exact.c)[:, n - 2] * carried + half_ulp(sizes.q)
         q_error += share * (2.0 * _RELATIVE * carried + lowest)
     error = _worst_error(reachable, q_error, chain_error, start_error(lowered.fraction_bits[0], lowered.start_range_mK))
-    if error is None:
-        return None
     return Proof(
         rise_range_K=sizes.rise,
         increment_range_K=tuple(float(v) for v in sizes.state[1:]),
@@ -97,7 +103,7 @@ def _rounding_of_q(lowered: FloatComponent, exact: Dynamics, sizes: Magnitudes, 
     return error
 
 
-def _worst_error(reachable: Reachable, q_error: Array, chain_error: Array, start_error: float) -> WorstError | None:
+def _worst_error(reachable: Reachable, q_error: Array, chain_error: Array, start_error: float) -> WorstError:
     """Largest ``|x1 - T|`` in K, as :func:`gen.lowering.recursion.bounds.worst_error` with per-functional ranges."""
     exact = reachable.exact
     n, rows = exact.order, len(exact.steady)
@@ -111,9 +117,9 @@ def _worst_error(reachable: Reachable, q_error: Array, chain_error: Array, start
     start[0, 0] = start_error
     from_board = np.linalg.inv(reachable.maps)
     error = reachable.recursion.bound(np.einsum("pij,pkj->pki", from_board, disturbance), start)
-    extents = np.array([error.extent(axis) for axis in np.eye(n)])
+    extents = error.axes
     if np.any(extents > reachable.extents * WIDENING):
-        return None
+        raise NoProofError(bounds.TOO_LARGE)
     beyond = np.abs(reachable.maps[:, 0, :] - np.eye(n)[0])
     output = np.einsum("pj,pj->p", beyond, reachable.true_distance()).max()
     return WorstError(float(extents[0] + output), error)
