@@ -179,6 +179,7 @@ def worst_error(
     q_error: Array,
     chain_error: Array,
     start_error: float,
+    carry_error: Array | float = 0.0,
     carry: float = increments.CARRY,
 ) -> WorstError:
     """Largest |x1 - T| for any PWM sequence.
@@ -193,6 +194,8 @@ def worst_error(
         Bounds on one sample's rounding of q, shape (rows,), and of each x[i] by additions, shape (rows, n).
     start_error
         Bound on the rounding of the start value, in K.
+    carry_error
+        Bound on the rounding of what x[n-1] takes over at a change to each PWM, in K, shape (rows,) or one for all.
     carry
         Share of q that the board carries over at a change of PWM; 0 where nothing happens then.
 
@@ -207,28 +210,51 @@ def worst_error(
     """
     n, rows = exact.order, len(exact.steady)
     state_maps = exact.state_maps(carry)
-    from_board = np.linalg.inv(state_maps)
-    disturbance = np.zeros((rows, 2 * n + 1, n))
+    from_board: Array = np.asarray(np.linalg.inv(state_maps), dtype=np.float64)
+    disturbance = np.zeros((rows, 2 * n + 2, n))
     coefficients = np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
     q_total = q_error + coefficients
     disturbance[:, 0, :] = q_total[:, None] * increments.injection(n)
     form_error = np.abs(increments.mismatch(exact.form, exact.exact, state_maps))
     form_rows = np.einsum("pij,pj->pi", form_error, ranges.true_distance)
-    if n > 1:  # the carry is evaluated before it acts: what it would change in itself
-        q_range = np.einsum("pj,pj->p", np.abs(exact.c), ranges.distance)
-        form_rows[:, n - 2] += exact.c[:, n - 2].max() * q_range.max() * 2.0 * carry**2
-        form_rows[:, n - 2] += 2.0 * carry * coefficients.max()  # and both q come from the board's coefficients
+    carried = np.zeros((rows, n))
+    if n > 1:
+        q_range = float(np.einsum("pj,pj->p", np.abs(exact.c), ranges.distance).max())
+        most = 2.0 * carry * q_range / (1.0 - 2.0 * carry * exact.c[:, n - 2].max())
+        # Evaluated before it acts: what it would change in itself. And both q come from the board's coefficients, at a
+        # state that for one of them has not taken over its share yet.
+        wrong = coefficients.max() + np.abs(changed_c[:, n - 2]).max() * most
+        carried[:, n - 2] = carry_error + carry * (exact.c[:, n - 2].max() * most + 2.0 * wrong)
     for i in range(n):
         disturbance[:, 1 + i, i] = chain_error[:, i]
         disturbance[:, 1 + n + i, i] = form_rows[:, i]
+    generators = np.einsum("pij,pkj->pki", from_board, disturbance)
+    generators[:, -1] = carried_over(exact, from_board, carried)
     start = np.zeros((1, n))
     start[0, 0] = start_error
-    error = recursion.bound(np.einsum("pij,pkj->pki", from_board, disturbance), start)
+    error = recursion.bound(generators, start)
     extents = error.axes
     if np.any(extents > ranges.true_distance.min(axis=0) * _WIDENING / (1.0 + _WIDENING)):
         raise NoProofError(TOO_LARGE)
     output = np.einsum("pj,pj->p", np.abs(state_maps[:, 0, :] - np.eye(n)[0]), ranges.true_distance).max()
     return WorstError(float(extents[0] + output), error)
+
+
+def carried_over(exact: Dynamics, from_board: Array, carried: Array) -> Array:
+    """What an error of the carry is after its sample, in the true state's coordinates, shape (rows, n).
+
+    The carry comes before the sample, and is read with the new PWM's map: y moves by M^-1 times the error, and then
+    the sample moves it on.
+
+    Parameters
+    ----------
+    exact, from_board
+        The component, and the M^-1 of the new PWM.
+    carried
+        The error of the board's state, shape (rows, n).
+    """
+    found: Array = np.einsum("pij,pjk,pk->pi", exact.exact, from_board, carried)
+    return found
 
 
 def _ranges(exact: Dynamics, extents: Array) -> StateRanges:

@@ -48,8 +48,8 @@ _WEIGHT_TOLERANCE = 1e-11
 _FIRST_MODES = 24
 
 
-#: With how many directions the facets are compared at once.
-_TOGETHER = 128
+#: With how many directions a facet is sought at once.
+_TOGETHER = 1024
 #: Over how many facets an image is followed from those that touch its direction.
 _LONGEST_WALK = 400
 
@@ -78,6 +78,10 @@ class _Fan:
         The facet beyond each vertex's opposite face, shape (facets, n).
     inverse
         Gives a round vector's weights in each facet, shape (facets, n, n).
+    vertices
+        The directions and their opposites as unit vectors, shape (2 J, n).
+    any_facet
+        A facet at each of them, shape (2 J,).
     """
 
     directions: Array
@@ -85,6 +89,8 @@ class _Fan:
     facets: NDArray[np.intp]
     neighbours: NDArray[np.intp]
     inverse: Array
+    vertices: Array
+    any_facet: NDArray[np.intp]
 
     @classmethod
     def of(cls, order: int, shape: Array) -> _Fan:
@@ -93,7 +99,9 @@ class _Fan:
         both = np.vstack([found, -found])
         facets, neighbours = _facets(both)
         inverse = np.linalg.inv(np.transpose(both[facets], (0, 2, 1)))
-        return cls(found @ np.linalg.inv(shape), shape, facets, neighbours, inverse)
+        any_facet = np.zeros(len(both), dtype=np.intp)
+        any_facet[facets] = np.arange(len(facets))[:, None]
+        return cls(found @ np.linalg.inv(shape), shape, facets, neighbours, inverse, both, any_facet)
 
     def __len__(self) -> int:
         return len(self.directions)
@@ -104,6 +112,10 @@ class _Fan:
         signed = np.where(vertices < count, weights, -weights)
         rest: Array = targets - np.einsum("kl,kln->kn", signed, self.directions[vertices % count])
         return rest
+
+    def located(self, targets: Array) -> NDArray[np.intp]:
+        """The facets that hold round targets, shape (k, n), each found from a facet at the nearest direction."""
+        return self.walked(targets, self.any_facet[(targets @ self.vertices.T).argmax(axis=1)])
 
     def walked(self, targets: Array, facet: NDArray[np.intp]) -> NDArray[np.intp]:
         """The facets that hold round targets, shape (k, n), by steps over the worst face from those given.
@@ -172,10 +184,10 @@ class ReachSet:
         values, rests = np.zeros(len(directions)), np.zeros_like(directions)
         for first in range(0, len(directions), _TOGETHER):
             part = directions[first : first + _TOGETHER]
-            weights = self._fan.inverse @ (part @ self._fan.shape).T  # (facets, n, k)
-            best = weights.min(axis=1).argmax(axis=0)
-            kept = np.maximum(weights[best, :, np.arange(len(part))], 0.0)
-            vertices = self._fan.facets[best]
+            rounded = part @ self._fan.shape
+            facet = self._fan.located(rounded / np.maximum(np.linalg.norm(rounded, axis=1), 1e-300)[:, None])
+            kept = np.maximum(np.einsum("kij,kj->ki", self._fan.inverse[facet], rounded), 0.0)
+            vertices = self._fan.facets[facet]
             values[first : first + _TOGETHER] = (kept * self.height[vertices % len(self.height)]).sum(axis=1)
             rests[first : first + _TOGETHER] = self._fan.rest(part, kept, vertices)
         return values * (1.0 + 8.0 * _ROUNDING), rests
