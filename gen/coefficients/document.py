@@ -69,10 +69,14 @@ class Domain(Part):
 
 
 class Accuracy(Part):
-    """The largest guaranteed error in K with which a build is accepted."""
+    """The largest guaranteed error in K with which a build is accepted, and what becomes of one without a guarantee."""
 
     fixed_limit_K: Positive = 1e-5
     float_limit_K: Positive = 1e-3
+    unproven: Annotated[
+        Literal["refuse", "saturate"],
+        Field(description="saturate: a component of which nothing can be proven is built; its additions saturate."),
+    ] = "refuse"
     fast_limit_K: Positive = 1e-4  # no longer used: files of version 1 may hold it
 
     def limit(self, arithmetic: str) -> tuple[float, str]:

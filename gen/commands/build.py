@@ -52,6 +52,9 @@ def build(
     click.echo(f"{out}: {model.name}, arithmetic {arithmetic}, schedule {schedule}")
     for line in _guarantees(made.program):
         click.echo(f"  {line}")
+    unproven = [component.name for component in made.program.components if component.saturates]
+    if unproven:
+        click.echo(f"NO GUARANTEE for {', '.join(unproven)}: as $.accuracy.unproven asks, built without a proof")
 
 
 def _guarantees(program: Program) -> list[str]:
@@ -63,7 +66,8 @@ def _guarantees(program: Program) -> list[str]:
     for component in program.components:
         name = component.name + (", baseline" if component.name in changed else "")
         if component.proof is None:
-            lines.append(f"{name}: no error bound proven; every addition saturates instead of wrapping round")
+            why = f"no error bound proven ({component.unproven})"
+            lines.append(f"{name}: {why}; every addition saturates instead of wrapping round")
         else:
             lines.append(f"{name}: never more than {bound_text(component)} from the exact solution")
         if component.name in changed:

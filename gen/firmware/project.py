@@ -119,6 +119,7 @@ def _of_sketch(coefficients: Coefficients, library: LibraryContext, device: Devi
 
 
 def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, str]) -> dict[str, Any]:
+    unproven = {component.name: component.unproven for component in program.components if component.saturates}
     return {
         "tool": f"gen {__version__}",
         "model": program.model.name,
@@ -129,6 +130,7 @@ def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, 
         "domain_pwm": list(program.model.domain_pwm),
         "validity_pwm": list(program.model.validity),
         "components": [component.describe() for component in program.components],
+        **({"without_proof": unproven} if unproven else {}),
         **({"effects": program.effects.describe()} if program.effects is not None else {}),
         "wiring": _plain(coefficients.document.wiring),
         "alarms": [_plain(alarm) for alarm in coefficients.document.alarms],

@@ -35,8 +35,9 @@ def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: Schedule
     Raises
     ------
     CheckFailed
-        If a component cannot be lowered, or its proven error exceeds the file's limit; the message names it. Also if
-        the file holds an effect that no firmware is emitted for.
+        If a component cannot be lowered, if its proven error exceeds the file's limit, or if nothing can be proven of
+        it and the file does not accept that; the message names it. Also if the file holds an effect that no firmware
+        is emitted for.
     """
     model = coefficients.model
     limit, entry = coefficients.accuracy.limit(arithmetic)
@@ -50,15 +51,24 @@ def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: Schedule
                 onboard.append(tape)
         except LoweringError as error:
             raise CheckFailed(str(error)) from error
-        _check_bound(lowered, limit, entry, exact)
+        _check_bound(lowered, limit, entry, exact, unproven=coefficients.accuracy.unproven)
         components.append(lowered)
     effects = lower_effects(coefficients, arithmetic, components)
     return Program(arithmetic, schedule, model, tuple(components), _shapes(components), tuple(onboard), effects=effects)
 
 
-def _check_bound(lowered: AnyComponent, limit: float, entry: str, exact: AnyComponent) -> None:
+def _check_bound(lowered: AnyComponent, limit: float, entry: str, exact: AnyComponent, *, unproven: str) -> None:
     """Hold the bound against the limit; ``exact`` has the same formats with coefficients as from a table."""
-    if lowered.proof is None or lowered.proof.bound_K <= limit:
+    if lowered.proof is None:
+        if unproven == "refuse":
+            nearer = exact.proof is not None
+            raise CheckFailed(
+                f"component {lowered.name}: no error bound can be proven: {lowered.unproven}; "
+                + ("the tables of --schedule table have one; " if nearer else "")
+                + 'with $.accuracy.unproven = "saturate" it is built without one'
+            )
+        return
+    if lowered.proof.bound_K <= limit:
         return
     nearer = exact.proof is not None and exact.proof.bound_K <= limit
     raise CheckFailed(

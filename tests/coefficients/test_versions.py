@@ -50,6 +50,10 @@ FROZEN: dict[str, tuple[str, dict[str, float]]] = {
         "293be5eeb9cc5fd65d787cf2acd9afe59d31e8ffd8d64d689b8a1cdfc9fcbe6b",
         {"winding": 74.8103680966, "housing": 27.9775616426},
     ),
+    "unproven.json": (
+        "d962d485448c1d0e86fc89471baa18cb09428158aed0742af3974e539cdaecc0",
+        {"winding": 74.8103680966, "housing": 27.9775616426},
+    ),
 }
 
 

@@ -33,6 +33,7 @@ def unstable() -> Coefficients:
     component["poles"] = [{"real": real, "imag": imag}, {"real": real, "imag": negative}]
     component["gain"] = {"poly": [2e-5]}
     document["components"] = [component]
+    document["accuracy"] = {"unproven": "saturate"}
     document["alarms"] = []
     document["wiring"] = {}
     document.pop("provenance", None)

@@ -54,7 +54,7 @@ COMPONENTS = [
 def coefficients(names: tuple[str, ...], limit: float = 1.0) -> Coefficients:
     document: dict[str, Any] = json.loads((ROOT / "examples" / "two_mass" / "coeffs.json").read_text())
     document["components"] = [item for item in COMPONENTS if item["name"] in names]
-    document["accuracy"] = {"fixed_limit_K": limit, "float_limit_K": limit}
+    document["accuracy"] = {"fixed_limit_K": limit, "float_limit_K": limit, "unproven": "saturate"}
     document["alarms"] = []
     document["wiring"] = {}
     document.pop("provenance", None)

@@ -88,7 +88,7 @@ def _enclosed(exact: Dynamics) -> Array | None:
         reach = recursion.bound(towards[:, None, :], start)
     except NoProofError:
         return None
-    distance = np.array([reach.extent(axis) for axis in np.eye(n)])
+    distance = reach.axes.copy()
     distance[0] += 1.0  # from the drive
     words = np.einsum("pij,j->pi", np.abs(increments.state_map(exact.c)), distance).max(axis=0)
     words[0] += 1.0

@@ -30,6 +30,8 @@ class FixedComponent:
         Lowest and highest rise to start from, in thousandths of a kelvin; others are limited and flagged.
     proof
         None if no range could be proven: then every addition saturates and is counted.
+    unproven
+        Why there is no proof.
     """
 
     name: str
@@ -40,6 +42,7 @@ class FixedComponent:
     steady: Integers
     start_range_mK: tuple[int, int]
     proof: Proof | None
+    unproven: str = ""
 
     @property
     def saturates(self) -> bool:

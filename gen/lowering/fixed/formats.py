@@ -217,7 +217,7 @@ def _bits(magnitude: float) -> int:
 
 
 def rounding(layout: Format, rates: Array, steady_excess: Array | float = 0.0) -> tuple[Array, Array]:
-    """Worst rounding of one sample: of q, and of each chain addition.
+    """Worst rounding of one sample: of q, and of each chain addition; :func:`carry_error` comes on top.
 
     Parameters
     ----------
@@ -245,8 +245,6 @@ def rounding(layout: Format, rates: Array, steady_excess: Array | float = 0.0) -
     # Rounded down by each chain addition.
     additions = {1: (0,), 2: (2, 0), 3: (1, 1, 0), 4: (2, 1, 1, 0)}[n]
     chain = np.array([count * lsb for count, lsb in zip(additions, layout.residue_lsb, strict=True)])
-    if n > 1:  # a change of PWM may be at every sample
-        chain[n - 2] += carry_error(layout, float(error.max()))
     return error, chain
 
 

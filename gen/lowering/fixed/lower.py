@@ -67,13 +67,14 @@ def lower_component(
 def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float) -> FixedComponent:
     recursion: SwitchedRecursion | None = None
     drive: float | None = None
+    unproven = ""
     try:
         recursion = SwitchedRecursion(exact.exact)
         ranges = bounds.state_ranges(recursion, exact)
         inner = bounds.inner_ranges(recursion, exact)
         needed, drive = np.maximum(ranges.magnitude, inner.largest), inner.drive
-    except NoProofError:
-        recursion = None
+    except NoProofError as error:
+        recursion, unproven = None, str(error)
         ranges = bounds.unproven_ranges(exact)
         needed = formats.nested_ranges(ranges, exact.rates)
     target = formats.Target(exact.c, exact.rates, ranges.distance)
@@ -81,7 +82,12 @@ def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float)
     if layout is None:
         raise LoweringError(f"component {component.name}: no fixed-point formats hold its ranges")
     rates, steady = tabulate(exact, layout)
-    proof = None if recursion is None else prove(recursion, exact, ranges, layout, rates)
+    proof = None
+    if recursion is not None:
+        try:
+            proof = prove(recursion, exact, ranges, layout, rates)
+        except NoProofError as error:
+            unproven = str(error)
     return FixedComponent(
         name=component.name,
         order=component.order,
@@ -91,6 +97,7 @@ def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float)
         steady=steady,
         start_range_mK=exact.start_range_mK,
         proof=proof,
+        unproven=unproven,
     )
 
 
@@ -106,18 +113,20 @@ def _lower_corrected(component: Component, exact: Dynamics) -> FixedComponent | 
         tables, rates = correction.tabulate(exact, layout)
         lost = corrected_format.rounding(layout, tables.rates, rates).steady
         steady = np.rint((tables.steady - lost) / layout.high_lsb[0]).astype(np.int64)
-        proof = prove_corrected(recursion, exact, layout, rates, steady)
-        if proof is not None:
-            return FixedComponent(
-                name=component.name,
-                order=component.order,
-                substeps=1,
-                layout=layout,
-                rates=rates,
-                steady=steady,
-                start_range_mK=exact.start_range_mK,
-                proof=proof,
-            )
+        try:
+            proof = prove_corrected(recursion, exact, layout, rates, steady)
+        except NoProofError:
+            continue
+        return FixedComponent(
+            name=component.name,
+            order=component.order,
+            substeps=1,
+            layout=layout,
+            rates=rates,
+            steady=steady,
+            start_range_mK=exact.start_range_mK,
+            proof=proof,
+        )
     return None
 
 
@@ -133,13 +142,13 @@ def with_rows(lowered: FixedComponent, exact: Dynamics, rates: Integers, steady:
     rates, steady
         Shapes (rows, n) and (rows,), in the component's formats.
     """
-    given = replace(lowered, rates=rates, steady=steady, proof=None)
+    given = replace(lowered, rates=rates, steady=steady, proof=None, unproven="")
     try:
         recursion = SwitchedRecursion(exact.exact)
         if lowered.layout.corrected:
             return replace(given, proof=prove_corrected(recursion, exact, lowered.layout, rates, steady))
         ranges = bounds.state_ranges(recursion, exact)
-    except NoProofError:
-        return given
-    excess = steady_excess(steady, exact.steady, lowered.layout)
-    return replace(given, proof=prove(recursion, exact, ranges, lowered.layout, rates, excess))
+        excess = steady_excess(steady, exact.steady, lowered.layout)
+        return replace(given, proof=prove(recursion, exact, ranges, lowered.layout, rates, excess))
+    except NoProofError as error:
+        return replace(given, unproven=str(error))

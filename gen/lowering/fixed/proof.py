@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import wraps
-from typing import ParamSpec
-
 import numpy as np
 
 from gen.lowering.fixed import corrected_format, correction, formats
@@ -13,42 +9,36 @@ from gen.lowering.fixed.formats import Format
 from gen.lowering.fixed.start import start_error
 from gen.lowering.kinds import Integers
 from gen.lowering.recursion import bounds, increments
-from gen.lowering.recursion.bounds import Array, StateRanges, WorstError
+from gen.lowering.recursion.bounds import Array, InnerRanges, StateRanges, WorstError
 from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Proof
 from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
 
-_Given = ParamSpec("_Given")
+_OVERFLOW = "the ranges that its states can reach do not fit their words"
 
 
-def _none_without_proof(find: Callable[_Given, Proof | None]) -> Callable[_Given, Proof | None]:
-    """Let a search for a proof give None where there is no invariant polytope."""
-
-    @wraps(find)
-    def found(*args: _Given.args, **kwargs: _Given.kwargs) -> Proof | None:
-        try:
-            return find(*args, **kwargs)
-        except NoProofError:
-            return None
-
-    return found
-
-
-@_none_without_proof
 def prove_corrected(
     recursion: SwitchedRecursion, exact: Dynamics, layout: Format, rates: Integers, steady: Integers
-) -> Proof | None:
-    """:func:`prove` for the corrected form."""
+) -> Proof:
+    """:func:`prove` for the corrected form.
+
+    Raises
+    ------
+    NoProofError
+        As there.
+    """
     tables = correction.corrected(exact, correction.Correction.of(layout, rates))
     rounding = corrected_format.rounding(layout, tables.rates, rates)
     ranges = bounds.state_ranges(recursion, tables)
     inner = bounds.inner_ranges(recursion, tables)
-    needed = np.maximum(inner.largest, ranges.magnitude)
+    integer_rates = rates * 2.0 ** -np.array(layout.rate_fraction_bits)
+    changed_sums = _changed_sums(ranges, tables, integer_rates)
+    needed = np.maximum(inner.largest + changed_sums, ranges.magnitude)
     if np.any(needed > (2.0**31 - 8.0) * np.array(layout.high_lsb)):
-        return None
-    if not corrected_format.fits(layout, ranges, inner.drive, rates):
-        return None
-    changed_c = increments.from_rates(rates * 2.0 ** -np.array(layout.rate_fraction_bits)) - tables.c
+        raise NoProofError(_OVERFLOW)
+    if not corrected_format.fits(layout, ranges, _drive(inner, tables, changed_sums), rates):
+        raise NoProofError(_OVERFLOW)
+    changed_c = increments.from_rates(integer_rates) - tables.c
     away = np.abs(steady * layout.high_lsb[0] - (tables.steady - rounding.steady))
     q_error = rounding.q + tables.c[:, 0] * np.maximum(0.0, away - 0.5 * layout.high_lsb[0])
     q_error += np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
@@ -64,12 +54,9 @@ def prove_corrected(
         start_error=start_error(layout.output_bits, exact.start_range_mK),
         carry=0.0,
     )
-    if error is None:
-        return None
     return _proof(recursion, tables, ranges, layout, error)
 
 
-@_none_without_proof
 def prove(
     recursion: SwitchedRecursion,
     exact: Dynamics,
@@ -77,23 +64,23 @@ def prove(
     layout: Format,
     rates: Integers,
     steady_excess: Array | float = 0.0,
-) -> Proof | None:
+) -> Proof:
     """Worst error of the integer recursion, for any PWM sequence of any length.
 
-    None if a word could overflow, or if the recursion has no invariant polytope: that one disturbance has one does not
-    promise it for another.
+    Raises
+    ------
+    NoProofError
+        If a word could overflow, or if the recursion has no invariant polytope: that one disturbance has one does not
+        promise it for another.
     """
     integer_rates = rates * 2.0 ** -np.array(layout.rate_fraction_bits)
     inner = bounds.inner_ranges(recursion, exact)
-    # Of the exact rates; the integers differ by so much, in all factors of all terms together.
-    changed = exact.order * np.abs(integer_rates / exact.rates - 1.0).max()
-    changed_sums = changed * formats.nested_ranges(ranges, np.maximum(integer_rates, exact.rates))
+    changed_sums = _changed_sums(ranges, exact, integer_rates)
     needed = np.maximum(ranges.magnitude, inner.largest + changed_sums)
     if np.any(needed > (2.0**31 - 4.0) * np.array(layout.high_lsb)):
-        return None
-    q_range = inner.drive + float(changed_sums[-1] * exact.rates[:, -1].max())
-    if exact.order > 1 and not formats.carry_fits(layout, q_range):
-        return None
+        raise NoProofError(_OVERFLOW)
+    if exact.order > 1 and not formats.carry_fits(layout, _drive(inner, exact, changed_sums)):
+        raise NoProofError(_OVERFLOW)
     q_error, chain_error = formats.rounding(layout, exact.rates, steady_excess)
     error = bounds.worst_error(
         recursion,
@@ -103,11 +90,22 @@ def prove(
         q_error=q_error,
         chain_error=np.tile(chain_error, (len(q_error), 1)),
         start_error=start_error(layout.output_bits, exact.start_range_mK),
+        carry_error=formats.carry_error(layout, float(q_error.max())) if exact.order > 1 else 0.0,
         carry=formats.CARRY_FACTOR / 2.0**16,
     )
-    if error is None:
-        return None
     return _proof(recursion, exact, ranges, layout, error)
+
+
+def _changed_sums(ranges: StateRanges, exact: Dynamics, integer_rates: Array) -> Array:
+    """By how much the nested sums exceed those of the exact rates, in K: every factor of every term is changed."""
+    changed = (1.0 + np.abs(integer_rates / exact.rates - 1.0).max()) ** exact.order - 1.0
+    sums: Array = changed * formats.nested_ranges(ranges, np.maximum(integer_rates, exact.rates))
+    return sums
+
+
+def _drive(inner: InnerRanges, exact: Dynamics, changed_sums: Array) -> float:
+    """Largest |q| with the board's rates, in K."""
+    return inner.drive + float(changed_sums[-1] * exact.rates[:, -1].max())
 
 
 def _proof(

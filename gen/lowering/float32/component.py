@@ -44,6 +44,8 @@ class FloatComponent:
         Lowest and highest rise to start from, in thousandths of a kelvin; others are limited and flagged.
     proof
         None if no range could be proven.
+    unproven
+        Why there is no proof.
     """
 
     name: str
@@ -54,6 +56,7 @@ class FloatComponent:
     steady: Integers
     start_range_mK: tuple[int, int]
     proof: Proof | None
+    unproven: str = ""
 
     @property
     def saturates(self) -> bool:

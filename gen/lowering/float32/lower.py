@@ -53,36 +53,27 @@ def with_rows(lowered: FloatComponent, exact: Dynamics, rates: Singles, steady_K
     rates, steady_K
         Shapes (rows, n), dimensionless, and (rows,), in K.
     """
-    given = replace(lowered, rates=rates, steady=lowered.steady_words(steady_K), proof=None)
+    given = replace(lowered, rates=rates, steady=lowered.steady_words(steady_K), proof=None, unproven="")
     try:
         reachable = Reachable(SwitchedRecursion(exact.exact), exact)
-        proof = prove(given, reachable, proven_magnitudes(reachable))
-    except NoProofError:
-        proof = None
-    if proof is not None:
-        return replace(given, proof=proof)
+        return replace(given, proof=prove(given, reachable, proven_magnitudes(reachable)))
+    except NoProofError as error:
+        given = replace(given, unproven=str(error))
     wide = replace(given, fraction_bits=_fraction_bits(exact, unproven_magnitudes(exact), LIMIT_BITS))
     return replace(wide, steady=wide.steady_words(steady_K))
 
 
 def _lower(component: Component, exact: Dynamics, substeps: int) -> FloatComponent:
-    reachable: Reachable | None = None
     try:
         reachable = Reachable(SwitchedRecursion(exact.exact), exact)
         sizes = proven_magnitudes(reachable)
-    except NoProofError:
-        sizes = unproven_magnitudes(exact)
-    lowered = _tabulate(component, exact, substeps, _fraction_bits(exact, sizes, 31 if reachable else LIMIT_BITS))
-    if reachable is None:
-        return lowered
-    try:
-        proof = prove(lowered, reachable, sizes)
-    except NoProofError:
-        proof = None
-    if proof is not None:
-        return replace(lowered, proof=proof)
+        lowered = _tabulate(component, exact, substeps, _fraction_bits(exact, sizes, 31))
+        return replace(lowered, proof=prove(lowered, reachable, sizes))
+    except NoProofError as error:
+        unproven = str(error)
     sizes = unproven_magnitudes(exact)
-    return _tabulate(component, exact, substeps, _fraction_bits(exact, sizes, LIMIT_BITS))
+    lowered = _tabulate(component, exact, substeps, _fraction_bits(exact, sizes, LIMIT_BITS))
+    return replace(lowered, unproven=unproven)
 
 
 def _fraction_bits(exact: Dynamics, sizes: Magnitudes, bits: int) -> tuple[int, ...]:

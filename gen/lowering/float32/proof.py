@@ -18,6 +18,7 @@ from gen.lowering.recursion import bounds, increments
 from gen.lowering.recursion.bounds import WorstError
 from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Proof
+from gen.lowering.recursion.reach import NoProofError
 
 Array = NDArray[np.float64]
 
@@ -41,29 +42,38 @@ def word_ranges(exact: Dynamics, sizes: Magnitudes) -> Array:
     return needed
 
 
-def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> Proof | None:
-    """Proof of ranges and error, or None if the error is too large for the ranges it rests on."""
+def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> Proof:
+    """Proof of ranges and error.
+
+    Raises
+    ------
+    NoProofError
+        If a range does not fit its word, if the recursion has no invariant polytope, or if the error is too large for
+        the ranges that it rests on.
+    """
     exact = reachable.exact
     n = exact.order
     units = 2.0 ** -np.array(lowered.fraction_bits, dtype=np.float64)
     held = word_ranges(exact, sizes) + units * (1 << LOW_BITS)  # S is rounded to 256 units
     if np.any(held >= (2.0**31 - 1.0) * units):
-        return None
+        raise NoProofError("the ranges that its states can reach do not fit their words")
     board_c = increments.from_rates(lowered.rates.astype(np.float64))
     q_error = reachable.functional(board_c - exact.c) + _rounding_of_q(lowered, exact, sizes, units)
     chain_error = np.tile(_chain_error(n, sizes, units), (len(q_error), 1))
+    carried = np.zeros_like(chain_error)
     if n > 1:
-        share, carried, lowest = np.maximum(board_c, exact.c)[:, n - 2], sizes.carried, units[n - 2] / 2**LOW_BITS
+        share, most, lowest = np.maximum(board_c, exact.c)[:, n - 2], sizes.carried, units[n - 2] / 2**LOW_BITS
         # What one change carries: both q's errors, 1/12, three operations, and the implicit factor.
-        wrong = (q_error + float(q_error.max()) + half_ulp(12.0 * carried)) * float(CARRY) * INFLATION
-        wrong += half_ulp(carried) + carried * _RELATIVE + share * carried / 12.0 + lowest
-        chain_error[:, n - 2] += wrong
+        changed = np.abs(board_c - exact.c)[:, n - 2]  # one of both q is of a state without its share of the carry
+        wrong = q_error + float(q_error.max()) + (changed + changed.max()) * most
+        wrong = (wrong + half_ulp(12.0 * most)) * float(CARRY) * INFLATION
+        carried[:, n - 2] = wrong + half_ulp(most) + most * _RELATIVE + share * most / 12.0 + lowest
         # The correction of q for it: two products and a difference, and the carry's own last bit.
-        q_error = q_error + np.abs(board_c - exact.c)[:, n - 2] * carried + half_ulp(sizes.q)
-        q_error += share * (2.0 * _RELATIVE * carried + lowest)
-    error = _worst_error(reachable, q_error, chain_error, start_error(lowered.fraction_bits[0], lowered.start_range_mK))
-    if error is None:
-        return None
+        q_error = q_error + changed * most + half_ulp(sizes.q)
+        q_error += share * (2.0 * _RELATIVE * most + lowest)
+    error = _worst_error(
+        reachable, q_error, chain_error, carried, start_error(lowered.fraction_bits[0], lowered.start_range_mK)
+    )
     return Proof(
         rise_range_K=sizes.rise,
         increment_range_K=tuple(float(v) for v in sizes.state[1:]),
@@ -97,23 +107,27 @@ def _rounding_of_q(lowered: FloatComponent, exact: Dynamics, sizes: Magnitudes, 
     return error
 
 
-def _worst_error(reachable: Reachable, q_error: Array, chain_error: Array, start_error: float) -> WorstError | None:
+def _worst_error(
+    reachable: Reachable, q_error: Array, chain_error: Array, carried: Array, start_error: float
+) -> WorstError:
     """Largest ``|x1 - T|`` in K, as :func:`gen.lowering.recursion.bounds.worst_error` with per-functional ranges."""
     exact = reachable.exact
     n, rows = exact.order, len(exact.steady)
     form_error = np.abs(increments.mismatch(exact.form, exact.exact, reachable.maps))
     form_rows = np.einsum("pij,pj->pi", form_error, reachable.true_distance())
-    disturbance = np.zeros((rows, n + 1, n))
+    disturbance = np.zeros((rows, n + 2, n))
     disturbance[:, 0, :] = q_error[:, None] * increments.injection(n)
     for i in range(n):
         disturbance[:, 1 + i, i] = chain_error[:, i] + form_rows[:, i]
     start = np.zeros((1, n))
     start[0, 0] = start_error
-    from_board = np.linalg.inv(reachable.maps)
-    error = reachable.recursion.bound(np.einsum("pij,pkj->pki", from_board, disturbance), start)
-    extents = np.array([error.extent(axis) for axis in np.eye(n)])
+    from_board: Array = np.asarray(np.linalg.inv(reachable.maps), dtype=np.float64)
+    generators = np.einsum("pij,pkj->pki", from_board, disturbance)
+    generators[:, -1] = bounds.carried_over(exact, from_board, carried)
+    error = reachable.recursion.bound(generators, start)
+    extents = error.axes
     if np.any(extents > reachable.extents * WIDENING):
-        return None
+        raise NoProofError(bounds.TOO_LARGE)
     beyond = np.abs(reachable.maps[:, 0, :] - np.eye(n)[0])
     output = np.einsum("pj,pj->p", beyond, reachable.true_distance()).max()
     return WorstError(float(extents[0] + output), error)

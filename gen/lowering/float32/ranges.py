@@ -29,7 +29,7 @@ class Reachable:
         start = np.zeros((1, n))
         start[0, 0] = max(exact.start[1] - exact.centre, exact.centre - exact.start[0])
         self._reach: ReachSet = recursion.bound(towards[:, None, :], start)
-        self.extents = np.array([self._reach.extent(axis) for axis in np.eye(n)])
+        self.extents = self._reach.axes
 
     def true_distance(self) -> Array:
         """Largest ``|y - s|`` of the disturbed copy y of the true state, shape (rows, n)."""
@@ -53,7 +53,7 @@ class Reachable:
 
     def _around_centre(self, mapped: Array) -> Array:
         unique, place = np.unique(mapped, axis=0, return_inverse=True)
-        extent = np.array([self._reach.extent(row) for row in unique])[place.ravel()]
+        extent = self._reach.extents(unique)[place.ravel()]
         widened: Array = extent + WIDENING * np.abs(mapped) @ self.extents
         return widened
 

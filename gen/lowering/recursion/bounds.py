@@ -21,14 +21,18 @@ from numpy.typing import NDArray
 from gen.lowering.recursion import increments
 from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Invariant
-from gen.lowering.recursion.reach import ReachSet, SwitchedRecursion
+from gen.lowering.recursion.reach import NoProofError, ReachSet, SwitchedRecursion
 
 Array = NDArray[np.float64]
 
 #: The error itself may widen the ranges by this share; checked when the error is known.
 _WIDENING = 1e-3
+#: Why there is no proof where roundings add up to more than that share.
+TOO_LARGE = "its roundings can add up to more than a thousandth of its ranges"
 #: By how much ranges are widened for a component whose ranges cannot be proven.
 _UNPROVEN_HEADROOM = 4.0
+#: A response is looked at every so many of its slowest time constants, and so often.
+_STRIDE, _STRIDES = 0.002, 4000
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,7 @@ def state_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> StateRanges:
         If the recursion has no invariant polytope.
     """
     reach = _state_reach(recursion, exact)
-    extents = reach.extents(np.eye(exact.order)) * (1.0 + _WIDENING)
+    extents = reach.axes * (1.0 + _WIDENING)
     return _ranges(exact, extents)
 
 
@@ -103,7 +107,7 @@ def inner_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> InnerRanges:
     reach = _state_reach(recursion, exact)
     n = exact.order
     # The board's error, coordinate by coordinate: worst_error allows no more.
-    error = _WIDENING * _ranges(exact, reach.extents(np.eye(n))).true_distance.min(axis=0)
+    error = _WIDENING * _ranges(exact, reach.axes).true_distance.min(axis=0)
     widening = np.abs(exact.state_maps()) @ error
 
     def largest(directions: Array) -> float:
@@ -140,10 +144,8 @@ def _state_reach(recursion: SwitchedRecursion, exact: Dynamics) -> ReachSet:
 
 def unproven_ranges(exact: Dynamics) -> StateRanges:
     """Ranges with room, from what each PWM alone can do, for a component that has to saturate."""
-    largest = np.zeros(exact.order)
-    for matrix, steady in zip(exact.exact, exact.steady, strict=True):
-        spread = max(abs(start - steady) for start in exact.start) + np.ptp(exact.steady)
-        largest = np.maximum(largest, _peak_response(matrix) * spread)
+    spread = np.abs(np.subtract.outer(exact.steady, exact.start)).max(axis=1) + np.ptp(exact.steady)
+    largest = (_peak_response(exact.exact) * spread[:, None]).max(axis=0)
     return _ranges(exact, largest * _UNPROVEN_HEADROOM)
 
 
@@ -179,8 +181,9 @@ def worst_error(
     q_error: Array,
     chain_error: Array,
     start_error: float,
+    carry_error: Array | float = 0.0,
     carry: float = increments.CARRY,
-) -> WorstError | None:
+) -> WorstError:
     """Largest |x1 - T| for any PWM sequence.
 
     Parameters
@@ -193,43 +196,67 @@ def worst_error(
         Bounds on one sample's rounding of q, shape (rows,), and of each x[i] by additions, shape (rows, n).
     start_error
         Bound on the rounding of the start value, in K.
+    carry_error
+        Bound on the rounding of what x[n-1] takes over at a change to each PWM, in K, shape (rows,) or one for all.
     carry
         Share of q that the board carries over at a change of PWM; 0 where nothing happens then.
 
     Returns
     -------
-    WorstError or None
-        None if the error would be too large for the ranges that it rests on.
+    WorstError
 
     Raises
     ------
     NoProofError
-        If the recursion has no invariant polytope.
+        If the recursion has no invariant polytope, or if the error is too large for the ranges that it rests on.
     """
     n, rows = exact.order, len(exact.steady)
     state_maps = exact.state_maps(carry)
-    from_board = np.linalg.inv(state_maps)
-    disturbance = np.zeros((rows, 2 * n + 1, n))
+    from_board: Array = np.asarray(np.linalg.inv(state_maps), dtype=np.float64)
+    disturbance = np.zeros((rows, 2 * n + 2, n))
     coefficients = np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
     q_total = q_error + coefficients
     disturbance[:, 0, :] = q_total[:, None] * increments.injection(n)
     form_error = np.abs(increments.mismatch(exact.form, exact.exact, state_maps))
     form_rows = np.einsum("pij,pj->pi", form_error, ranges.true_distance)
-    if n > 1:  # the carry is evaluated before it acts: what it would change in itself
-        q_range = np.einsum("pj,pj->p", np.abs(exact.c), ranges.distance)
-        form_rows[:, n - 2] += exact.c[:, n - 2].max() * q_range.max() * 2.0 * carry**2
-        form_rows[:, n - 2] += 2.0 * carry * coefficients.max()  # and both q come from the board's coefficients
+    carried = np.zeros((rows, n))
+    if n > 1:
+        q_range = float(np.einsum("pj,pj->p", np.abs(exact.c), ranges.distance).max())
+        most = 2.0 * carry * q_range / (1.0 - 2.0 * carry * exact.c[:, n - 2].max())
+        # Evaluated before it acts: what it would change in itself. And both q come from the board's coefficients, at a
+        # state that for one of them has not taken over its share yet.
+        wrong = coefficients.max() + np.abs(changed_c[:, n - 2]).max() * most
+        carried[:, n - 2] = carry_error + carry * (exact.c[:, n - 2].max() * most + 2.0 * wrong)
     for i in range(n):
         disturbance[:, 1 + i, i] = chain_error[:, i]
         disturbance[:, 1 + n + i, i] = form_rows[:, i]
+    generators = np.einsum("pij,pkj->pki", from_board, disturbance)
+    generators[:, -1] = carried_over(exact, from_board, carried)
     start = np.zeros((1, n))
     start[0, 0] = start_error
-    error = recursion.bound(np.einsum("pij,pkj->pki", from_board, disturbance), start)
-    extents = error.extents(np.eye(n))
+    error = recursion.bound(generators, start)
+    extents = error.axes
     if np.any(extents > ranges.true_distance.min(axis=0) * _WIDENING / (1.0 + _WIDENING)):
-        return None
+        raise NoProofError(TOO_LARGE)
     output = np.einsum("pj,pj->p", np.abs(state_maps[:, 0, :] - np.eye(n)[0]), ranges.true_distance).max()
     return WorstError(float(extents[0] + output), error)
+
+
+def carried_over(exact: Dynamics, from_board: Array, carried: Array) -> Array:
+    """What an error of the carry is after its sample, in the true state's coordinates, shape (rows, n).
+
+    The carry comes before the sample, and is read with the new PWM's map: y moves by M^-1 times the error, and then
+    the sample moves it on.
+
+    Parameters
+    ----------
+    exact, from_board
+        The component, and the M^-1 of the new PWM.
+    carried
+        The error of the board's state, shape (rows, n).
+    """
+    found: Array = np.einsum("pij,pjk,pk->pi", exact.exact, from_board, carried)
+    return found
 
 
 def _ranges(exact: Dynamics, extents: Array) -> StateRanges:
@@ -244,13 +271,14 @@ def _ranges(exact: Dynamics, extents: Array) -> StateRanges:
     return StateRanges(rise, magnitude, distance, true_distance)
 
 
-def _peak_response(matrix: Array) -> Array:
-    """Largest magnitude of each coordinate on the way from (1, 0, ..) to 0."""
-    slowest = float(-np.log(np.abs(np.linalg.eigvals(matrix))).min())
-    stride = np.linalg.matrix_power(matrix, max(1, int(0.002 / slowest)))
-    state = np.eye(matrix.shape[0])[:, 0]
-    peak = np.abs(state)
-    for _ in range(4000):
-        state = stride @ state
+def _peak_response(matrices: Array) -> Array:
+    """Largest magnitude of each coordinate on the way from (1, 0, ..) to 0, for matrices and result of shape (m, n)."""
+    slowest = np.asarray(-np.log(np.abs(np.linalg.eigvals(matrices))).min(axis=1), dtype=np.float64)
+    strides = np.maximum(1, (_STRIDE / slowest).astype(np.int64))
+    turns = np.stack([np.linalg.matrix_power(*pair) for pair in zip(matrices, strides.tolist(), strict=True)])
+    state = np.tile(np.eye(matrices.shape[1])[0], (len(matrices), 1))
+    peak: Array = np.abs(state)
+    for _ in range(_STRIDES):
+        state = np.einsum("pij,pj->pi", turns, state)
         peak = np.maximum(peak, np.abs(state))
     return peak

@@ -11,8 +11,12 @@ which is invariant if for every direction j and every PWM p
 
 with reach_p(c) = max over r(p) of c . r(p).  (A support function is convex and homogeneous, so interpolating it
 between directions can only overestimate.)  The weights are the barycentric coordinates of F^T c_j in the simplex of
-neighbouring directions that it falls into; the h_j are the fixed point of (*), found by policy iteration (one
-sparse linear system per policy) and then checked against (*) at *every* PWM, with a margin, in plain float64.
+directions that it falls into; the h_j are the fixed point of (*), found by policy iteration (one sparse linear system
+per policy) and then checked against (*) at *every* PWM in float64.
+
+The check does not trust the weights: what they leave, rho = F^T c_j - sum_l w_jpl c_l, adds sum_k |rho_k| E_k to the
+right-hand side of (*), E_k being the polytope's own extent along the state's coordinate k, and so does every rounding
+of float64, bounded term by term.
 
 A quadratic (ellipsoidal) Lyapunov function would do the same job with a semidefinite program, but much less tightly.
 """
@@ -20,6 +24,7 @@ A quadratic (ellipsoidal) Lyapunov function would do the same job with a semidef
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +39,8 @@ Array = NDArray[np.float64]
 DIRECTIONS = {1: 1, 2: 90, 3: 900, 4: 1600}
 #: Added to every reward, relative to the largest height, so that (*) holds strictly in float64.
 _SLACK = 1e-10
+#: A sum of n products in float64 is off by at most n + 1 of these, relative to the sum of their magnitudes.
+_ROUNDING = 2.0**-52
 #: A policy that improves a height by less than this, relative to the largest, is not worth another round.
 _SETTLED = 1e-12
 _WEIGHT_TOLERANCE = 1e-11
@@ -41,29 +48,124 @@ _WEIGHT_TOLERANCE = 1e-11
 _FIRST_MODES = 24
 
 
-#: With how many directions the facets are compared at once.
-_TOGETHER = 128
+#: With how many directions a facet is sought at once.
+_TOGETHER = 1024
+#: Over how many facets an image is followed from those that touch its direction.
+_LONGEST_WALK = 400
 
 
 class NoProofError(Exception):
-    """No invariant polytope was found: the switching may be unstable, or the directions too coarse."""
+    """Nothing could be proven; the message says why.
+
+    No invariant polytope was found (the switching may be unstable, or the directions too coarse), or what it gives is
+    too large for the words.
+    """
+
+
+@dataclass(frozen=True)
+class _Fan:
+    """The directions and the simplices between them.
+
+    Attributes
+    ----------
+    directions
+        c_j in the state's coordinates, shape (J, n): by definition these very numbers.
+    shape
+        y = shape @ (coordinates in which the directions are unit vectors), shape (n, n).
+    facets
+        Simplices of the directions j and their opposites J + j, shape (facets, n).
+    neighbours
+        The facet beyond each vertex's opposite face, shape (facets, n).
+    inverse
+        Gives a round vector's weights in each facet, shape (facets, n, n).
+    vertices
+        The directions and their opposites as unit vectors, shape (2 J, n).
+    any_facet
+        A facet at each of them, shape (2 J,).
+    """
+
+    directions: Array
+    shape: Array
+    facets: NDArray[np.intp]
+    neighbours: NDArray[np.intp]
+    inverse: Array
+    vertices: Array
+    any_facet: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, order: int, shape: Array) -> _Fan:
+        """Directions spread over the half sphere."""
+        found = _directions(order, shape)
+        both = np.vstack([found, -found])
+        facets, neighbours = _facets(both)
+        inverse = np.linalg.inv(np.transpose(both[facets], (0, 2, 1)))
+        any_facet = np.zeros(len(both), dtype=np.intp)
+        any_facet[facets] = np.arange(len(facets))[:, None]
+        return cls(found @ np.linalg.inv(shape), shape, facets, neighbours, inverse, both, any_facet)
+
+    def __len__(self) -> int:
+        return len(self.directions)
+
+    def rest(self, targets: Array, weights: Array, vertices: NDArray[np.intp]) -> Array:
+        """What weights at facets' vertices leave of targets, in the state's coordinates; all of shape (k, n)."""
+        count = len(self)
+        signed = np.where(vertices < count, weights, -weights)
+        rest: Array = targets - np.einsum("kl,kln->kn", signed, self.directions[vertices % count])
+        return rest
+
+    def located(self, targets: Array) -> NDArray[np.intp]:
+        """The facets that hold round targets, shape (k, n), each found from a facet at the nearest direction."""
+        return self.walked(targets, self.any_facet[(targets @ self.vertices.T).argmax(axis=1)])
+
+    def walked(self, targets: Array, facet: NDArray[np.intp]) -> NDArray[np.intp]:
+        """The facets that hold round targets, shape (k, n), by steps over the worst face from those given.
+
+        The facets are a regular triangulation of the sphere, in which such a walk visits none twice.
+        """
+        facet = facet.copy()
+        for _ in range(_LONGEST_WALK):
+            weights = np.einsum("kij,kj->ki", self.inverse[facet], targets)
+            worst = weights.argmin(axis=1)
+            outside = np.flatnonzero(weights[np.arange(len(facet)), worst] < -_WEIGHT_TOLERANCE)
+            if not len(outside):
+                break
+            facet[outside] = self.neighbours[facet[outside], worst[outside]]
+        return facet
 
 
 @dataclass(frozen=True)
 class ReachSet:
-    """An invariant polytope; :meth:`extent` reads it in any direction."""
+    """An invariant polytope; :meth:`extent` reads it in any direction.
 
-    _directions: Array
-    _inverse_shape: Array
-    _facets: NDArray[np.intp]
-    _facet_inverse: Array
+    Attributes
+    ----------
+    height
+        h_j, shape (J,).
+    """
+
+    _fan: _Fan
     height: Array
 
     @property
     def directions(self) -> Array:
-        """The polytope's directions c_j in the state's own coordinates, shape (J, n)."""
-        found: Array = self._directions @ np.linalg.inv(self._inverse_shape.T)
-        return found
+        """The polytope's directions c_j in the state's coordinates, shape (J, n)."""
+        return self._fan.directions
+
+    @cached_property
+    def axes(self) -> Array:
+        """Upper bounds of ``|y_k|``, shape (n,)."""
+        axes = np.eye(self._fan.shape.shape[0])
+        values, rest = self._combined(axes)
+        if not self.height.any():
+            return np.zeros(len(axes))
+        # The bounds E obey E <= values + |rest| E; |rest| is a rounding, so a few turns and a margin settle it.
+        bound = values
+        for _ in range(3):
+            bound = values + np.abs(rest) @ bound
+        bound = bound * (1.0 + 1e-9)
+        if np.any(values + (np.abs(rest) + self._rounded(axes)) @ bound > bound):
+            raise NoProofError("the polytope's extents along the axes are not known in float64")
+        return np.asarray(bound)
 
     @property
     def shape(self) -> Array:
@@ -76,16 +178,31 @@ class ReachSet:
 
     def extents(self, directions: Array) -> Array:
         """:meth:`extent` of many directions, shape (k, n); the result has shape (k,)."""
-        found = np.zeros(len(directions))
-        for first in range(0, len(directions), _TOGETHER):
-            targets = directions[first : first + _TOGETHER] @ self._inverse_shape.T
-            weights = self._facet_inverse @ targets.T  # (facets, n, k)
-            best = weights.min(axis=1).argmax(axis=0)
-            every = np.arange(len(targets))
-            full = self._facets[best] % len(self.height)
-            values = (np.maximum(weights[best, :, every], 0.0) * self.height[full]).sum(axis=1)
-            found[first : first + _TOGETHER] = np.where(targets.any(axis=1), values, 0.0)
+        if not self.height.any():
+            return np.zeros(len(directions))
+        values, rest = self._combined(directions)
+        found: Array = values + (np.abs(rest) + self._rounded(directions)) @ self.axes
         return found
+
+    def _combined(self, directions: Array) -> tuple[Array, Array]:
+        """Each direction's height by the weights in its facet, shape (k,), and what they leave of it, shape (k, n)."""
+        values, rests = np.zeros(len(directions)), np.zeros_like(directions)
+        for first in range(0, len(directions), _TOGETHER):
+            part = directions[first : first + _TOGETHER]
+            rounded = part @ self._fan.shape
+            facet = self._fan.located(rounded / np.maximum(np.linalg.norm(rounded, axis=1), 1e-300)[:, None])
+            kept = np.maximum(np.einsum("kij,kj->ki", self._fan.inverse[facet], rounded), 0.0)
+            vertices = self._fan.facets[facet]
+            values[first : first + _TOGETHER] = (kept * self.height[vertices % len(self.height)]).sum(axis=1)
+            rests[first : first + _TOGETHER] = self._fan.rest(part, kept, vertices)
+        return values * (1.0 + 8.0 * _ROUNDING), rests
+
+    def _rounded(self, directions: Array) -> Array:
+        """What float64 may hide of a direction's rest, shape (k, n): no term is much larger than the direction."""
+        n = directions.shape[1]
+        largest = np.abs(self._fan.directions).max(axis=0) * np.abs(directions @ self._fan.shape).sum(axis=1)[:, None]
+        hidden: Array = 8.0 * (n + 1) * _ROUNDING * (np.abs(directions) + n * largest)
+        return hidden
 
 
 @dataclass
@@ -126,28 +243,30 @@ class SwitchedRecursion:
 
     def __init__(self, matrices: Array) -> None:
         m, n, _ = matrices.shape
-        step = matrices - np.eye(n)
-        self._shape = _shape(step)  # y = shape @ (round coordinates)
-        round_matrices = np.linalg.solve(self._shape, matrices @ self._shape)
-        self._directions = _directions(n, self._shape)
-        count = len(self._directions)
-        both = np.vstack([self._directions, -self._directions])
-        self._facets = _facets(both)
-        self._facet_inverse = np.linalg.inv(np.transpose(both[self._facets], (0, 2, 1)))
+        self._fan = fan = _Fan.of(n, _shape(matrices - np.eye(n)))
+        self._magnitudes = np.abs(matrices)
+        count = len(fan)
         self._index = np.zeros((count, m, n), dtype=np.intp)
         self._weight = np.zeros((count, m, n))
-        touching = _incidence(self._facets, count)
-        images = np.tensordot(self._directions, round_matrices, axes=(1, 1)).transpose(0, 2, 1)  # (j, a, p)
+        self._rest = np.zeros((count, m, n))
+        touching = _incidence(fan.facets, count)
         every = np.arange(m)
         for j in range(count):
-            inverse = self._facet_inverse[touching[j]]
-            weights = (inverse.reshape(-1, n) @ images[j]).reshape(len(inverse), n, m)
+            image = np.einsum("k,pki->pi", fan.directions[j], matrices)
+            rounded = image @ fan.shape
+            weights = (fan.inverse[touching[j]].reshape(-1, n) @ rounded.T).reshape(len(touching[j]), n, m)
             best = weights.min(axis=1).argmax(axis=0)
-            self._weight[j] = weights[best, :, every]
-            self._index[j] = self._facets[touching[j][best]] % count
-        if self._weight.min() < -_WEIGHT_TOLERANCE:
-            raise NoProofError("a direction leaves its neighbourhood within one sample")
-        self._weight = np.maximum(self._weight, 0.0)
+            facet, weight = touching[j][best], weights[best, :, every]
+            far = np.flatnonzero(weight.min(axis=1) < -_WEIGHT_TOLERANCE)
+            if len(far):
+                facet[far] = fan.walked(rounded[far], facet[far])
+                weight[far] = np.einsum("kij,kj->ki", fan.inverse[facet[far]], rounded[far])
+                if weight[far].min() < -_WEIGHT_TOLERANCE:
+                    raise NoProofError("no facet holds what one sample makes of a direction")
+            vertices = fan.facets[facet]
+            self._weight[j] = np.maximum(weight, 0.0)
+            self._index[j] = vertices % count
+            self._rest[j] = np.abs(fan.rest(image, self._weight[j], vertices))
         self._known: dict[bytes, ReachSet] = {}
 
     def bound(self, disturbance: Array, start: Array | None = None) -> ReachSet:
@@ -171,21 +290,34 @@ class SwitchedRecursion:
         return self._known[key]
 
     def _bound(self, disturbance: Array, start: Array | None) -> ReachSet:
-        to_round = np.linalg.inv(self._shape)
-        generators = disturbance @ to_round.T
-        reward = np.abs(np.einsum("pkn,jn->jpk", generators, self._directions)).sum(axis=2)
-        floor = np.zeros(len(self._directions))
+        directions = self._fan.directions
+        reward = _support(directions, disturbance)
+        floor = np.zeros(len(directions))
         if start is not None:
-            floor = np.abs(self._directions @ (start @ to_round.T).T).sum(axis=1)
+            floor = _support(directions, start[None])[:, 0]
         policy = _Policy.first(reward)
         height = self._fixed_point(reward, floor, policy)
         if not height.any():
-            return ReachSet(self._directions, self._shape.T, self._facets, self._facet_inverse, height)
-        height = self._fixed_point(reward + _SLACK * height.max(), floor, policy)
-        image = reward + (self._weight * height[self._index]).sum(axis=2)
-        if np.any(image.max(axis=1) > height) or np.any(floor > height):
-            raise NoProofError("the polytope fails its own check")
-        return ReachSet(self._directions, self._shape.T, self._facets, self._facet_inverse, height)
+            return ReachSet(self._fan, height)
+        slack = _SLACK * height.max()
+        for _ in range(2):
+            found = ReachSet(self._fan, self._fixed_point(reward + slack, floor, policy))
+            lacking = self._right_hand_side(reward, found) - found.height[:, None]
+            if np.all(lacking <= 0.0) and np.all(floor <= found.height):
+                return found
+            slack += 2.0 * float(lacking.max()) + slack
+        raise NoProofError("the polytope fails its own check")
+
+    def _right_hand_side(self, reward: Array, found: ReachSet) -> Array:
+        """Of (*), with what weights and float64 leave out, shape (J, m)."""
+        n = self._weight.shape[2]
+        sizes = np.abs(self._fan.directions) @ found.axes
+        combined = (self._weight * found.height[self._index]).sum(axis=2)
+        hidden = np.abs(self._fan.directions) @ (self._magnitudes @ found.axes).T
+        hidden += (self._weight * sizes[self._index]).sum(axis=2)
+        result: Array = (reward + combined) * (1.0 + (n + 2) * _ROUNDING) + self._rest @ found.axes
+        result += (n + 2) * _ROUNDING * hidden
+        return result
 
     def _fixed_point(self, reward: Array, floor: Array, policy: _Policy) -> Array:
         """Solve (*) for a few PWM and add those at which it does not hold yet, until it holds at all."""
@@ -287,12 +419,20 @@ def _spread(order: int, count: int) -> Array:
     return half
 
 
-def _facets(points: Array) -> NDArray[np.intp]:
+def _facets(points: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The facets of the points' convex hull, and the neighbour beyond each vertex's opposite face."""
     if points.shape[1] == 1:
-        return np.array([[0], [1]], dtype=np.intp)
+        return np.array([[0], [1]], dtype=np.intp), np.array([[1], [0]], dtype=np.intp)
     hull = ConvexHull(points)
-    facets: NDArray[np.intp] = hull.simplices.astype(np.intp)
-    return facets
+    return hull.simplices.astype(np.intp), hull.neighbors.astype(np.intp)
+
+
+def _support(directions: Array, generators: Array) -> Array:
+    """Sums over k of ``|c_j . g_pk|``, not below them, shape (J, p), for generators of shape (p, k, n)."""
+    found = np.abs(np.einsum("pkn,jn->jpk", generators, directions)).sum(axis=2)
+    hidden = np.abs(directions) @ np.abs(generators).sum(axis=1).T
+    result: Array = found * (1.0 + generators.shape[1] * _ROUNDING) + (directions.shape[1] + 1) * _ROUNDING * hidden
+    return result
 
 
 def _incidence(facets: NDArray[np.intp], count: int) -> list[NDArray[np.intp]]:

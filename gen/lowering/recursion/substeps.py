@@ -23,7 +23,7 @@ _Lowered = TypeVar("_Lowered", bound=_Provable)
 def fewest_substeps(
     order: int, limit_K: float, lower_with: Callable[[int], _Lowered], *, hopeless: float = inf
 ) -> _Lowered:
-    """The first lowering whose proven bound holds, else the one with the smallest bound.
+    """The first lowering whose proven bound holds, else the one with the smallest bound, else the first.
 
     Parameters
     ----------
@@ -37,17 +37,15 @@ def fewest_substeps(
         A bound of so many times the limit lets the next number be left out: a proof takes its time.
     """
     best = lower_with(_SUBSTEPS[0])
-    smallest = best.proof
     far = False
     for substeps in _SUBSTEPS[1:]:
-        if smallest is None or smallest.bound_K <= limit_K or order == 1:
+        smallest = best.proof.bound_K if best.proof is not None else inf
+        if smallest <= limit_K or order == 1:
             break
-        far = not far and smallest.bound_K > hopeless * limit_K
+        far = not far and hopeless * limit_K < smallest < inf
         if far:
             continue
         tried = lower_with(substeps)
-        if tried.proof is None:
-            break
-        if tried.proof.bound_K < smallest.bound_K:
-            best, smallest = tried, tried.proof
+        if tried.proof is not None and tried.proof.bound_K < smallest:
+            best = tried
     return best

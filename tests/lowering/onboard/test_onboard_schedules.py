@@ -91,6 +91,7 @@ def test_my1016_is_proven_within_its_limit_with_the_boards_own_coefficients(plac
         q_error=q_error + exact.c[:, 0] * excess * component.layout.high_lsb[0],
         chain_error=np.tile(chain_error, (len(q_error), 1)),
         start_error=component.layout.high_lsb[0],
+        carry_error=formats.carry_error(component.layout, float(q_error.max())) if exact.order > 1 else 0.0,
     )
     assert bound is not None
     assert bound.bound_K + component.layout.high_lsb[0] <= harness.LIMIT_K
