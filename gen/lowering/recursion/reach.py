@@ -170,7 +170,7 @@ class ReachSet:
     @property
     def shape(self) -> Array:
         """What makes :attr:`directions` unit vectors, shape (n, n)."""
-        return self._inverse_shape.T
+        return self._fan.shape
 
     def extent(self, direction: Array) -> float:
         """Upper bound of ``|direction . y|`` over everything that can be reached."""
