@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from gen.coefficients.document import Document
 from gen.errors import InputError
@@ -11,9 +10,6 @@ from gen.model.dynamics import ThermalModel
 from gen.model.effects import Applied
 from gen.model.effects.runaway import domain_of, runaway
 from gen.model.extended import fold
-
-if TYPE_CHECKING:
-    from gen.coefficients.reader import Coefficients
 
 GROWS = "temperatures might grow without end (docs/effects.md)"
 
@@ -45,19 +41,19 @@ def check_runaway(document: Document, model: ThermalModel, effects: tuple[Applie
     raise InputError(f"{found.message}: {GROWS}", place=place_of(document, found.applied))
 
 
-def runs_away(coefficients: Coefficients, effects: Sequence[Applied]) -> bool:
-    """Whether temperatures grow without end with these effects beside those that the file has.
+def runs_away(document: Document, model: ThermalModel, effects: Sequence[Applied], more: Sequence[Applied]) -> bool:
+    """Whether temperatures grow without end with more effects beside those that a file has.
 
     Parameters
     ----------
-    coefficients
-        A checked file.
-    effects
-        More effects, at components of it.
+    document, model, effects
+        As :func:`check_runaway` takes them.
+    more
+        Further effects, at components of the model.
     """
-    model, rest = fold(coefficients.model, effects)
-    every = (*coefficients.effects, *rest)
-    return runaway(model, every, domain_of(model, every, declared_ranges(coefficients.document))) is not None
+    model, rest = fold(model, more)
+    every = (*effects, *rest)
+    return runaway(model, every, domain_of(model, every, declared_ranges(document))) is not None
 
 
 def place_of(document: Document, applied: Applied) -> str:

@@ -125,7 +125,7 @@ def stack_runs(coefficients: Coefficients, runs: Sequence[Condensed]) -> Stacked
         left_out_parts=left_out_parts,
         blocks=_blocks(sizes, stack.length),
         responses={c.name: response(c, counts, step) for c in model.components if c.name in names and c.order > 1},
-        runs_away=lambda effects: runs_away(coefficients, effects),
+        runs_away=lambda more: runs_away(coefficients.document, model, coefficients.effects, more),
     )
 
 

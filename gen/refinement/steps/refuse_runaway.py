@@ -1,4 +1,4 @@
-"""Effects with which temperatures would grow without end are no finding: `gen build` and every other command refuse them.
+"""Effects with which temperatures would grow without end are no finding: a file with them is refused when it is read.
 
 Each hypothesis was asked that by itself. What is left are parts whose effects were found apart from each other, or
 fitted anew since, and close a loop together.
@@ -20,9 +20,13 @@ def refuse_runaway(state: TraceState, say: Say) -> TraceState:
         looped = [part for part in parts if _takes_heat(part)]
         dropped = min(alone or looped or [part for part in parts if part.found], key=_helped)
         say(dropped.name)
-        state = state.each(lambda c, name=dropped.name: c.with_nothing_found() if c.name == name else c)
+        state = _without(state, dropped.name)
         parts = list(state.components.values())
     return state
+
+
+def _without(state: TraceState, name: str) -> TraceState:
+    return state.each(lambda component: component.with_nothing_found() if component.name == name else component)
 
 
 def _effects(parts: Iterable[ComponentState]) -> list[Applied]:
