@@ -249,7 +249,7 @@ def test_random_loops_are_refused_where_the_matrix_of_the_equations_says_so() ->
             for j, other in enumerate(names):
                 if i == j or random.random() < 0.5:
                     continue
-                k, exchange = float(rates[i] * random.uniform(0.0, 1.6)), bool(random.random() < 0.3)
+                k, exchange = float(rates[i] * random.uniform(0.0, 3.0)), bool(random.random() < 0.3)
                 effects.append(effect("coupling", name, source=other, conductance_per_s=k, exchange=exchange))
                 for matrix in (hot, cold):
                     matrix[i, j] += k
