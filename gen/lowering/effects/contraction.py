@@ -89,23 +89,33 @@ def contraction(model: ThermalModel, effects: Sequence[Applied], domain: Domain)
     for i, part in enumerate(parts):
         if not looped[i].any() and not np.any(part.own):
             continue
-        hindered = _hindered(part, domain, model.sample_time)
-        if hindered is not None:
-            return hindered
-        sources = [name for j, name in enumerate(names) if looped[i, j]]
-        answers = _answers(part, domain.rows, sources)
-        if answers is None:
-            if not _heating_alone(part, domain.rows):
-                return _not_shown(part)
-            unproven.append(part.component.name)
-            answers = [float(np.max(part.heating(name) / (part.rate - part.own[1]))) for name in sources]
-        for name, answer in zip(sources, answers, strict=True):
-            matrix[i, names.index(name)] = answer + float(np.max(part.apart(name)))
+        made = _of_part(part, domain, model.sample_time, [name for j, name in enumerate(names) if looped[i, j]])
+        if isinstance(made, Runaway):
+            return made
+        matrix[i, looped[i]], known = made
+        unproven += [] if known else [part.component.name]
     proven = not unproven and contracts(matrix)
     if not contracts(matrix):  # each settles by itself, and at each PWM held all do: only their switching is open
         unproven += [name for name, row in zip(names, matrix, strict=True) if row.any() and name not in unproven]
     steady = max(largest_loop(loops) for loops in steady_loops(parts))
     return Contraction(largest_loop(matrix) if proven else steady, tuple(unproven))
+
+
+def _of_part(
+    part: PartGains, domain: Domain, sample_time: float, sources: Sequence[str]
+) -> tuple[list[float], bool] | Runaway:
+    """What a part answers to a kelvin of each source, and whether that holds for every switching; or what ends it."""
+    hindered = _hindered(part, domain, sample_time)
+    if hindered is not None:
+        return hindered
+    answers = _answers(part, domain.rows, sources)
+    proven = answers is not None
+    if answers is None:
+        if not _heating_alone(part, domain.rows):
+            return _not_shown(part)
+        answers = [float(np.max(part.heating(name) / (part.rate - part.own[1]))) for name in sources]
+    apart = [float(np.max(part.apart(name))) for name in sources]
+    return [answer + more for answer, more in zip(answers, apart, strict=True)], proven
 
 
 def _closed(part: PartGains, rows: Array, slope: Array) -> Array:
