@@ -25,6 +25,7 @@ MCU = "atmega2560"
 PACKAGES = {
     "avr-gcc": "gcc-avr",
     "avr-g++": "gcc-avr",
+    "avr-gcc-ar": "gcc-avr",
     "avr-ar": "binutils-avr",
     "avr-nm": "binutils-avr",
     "avr-size": "binutils-avr",

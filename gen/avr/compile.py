@@ -26,6 +26,11 @@ MACHINE_FLAGS = (
     "-ffunction-sections",
     "-fdata-sections",
 )
+OPTIMISATION = "-Os"
+"""How PlatformIO compiles for the board (platform-atmelavr, `builder/frameworks/arduino.py`), so how users do."""
+LINK_TIME_FLAGS = ("-flto", "-fno-fat-lto-objects")
+"""The rest of it: optimised once more when all is linked, where calls between files are inlined."""
+LINK_TIME_LINKER_FLAGS = ("-flto", "-fuse-linker-plugin")
 CPP_FLAGS = ("-std=gnu++11", "-fno-exceptions", "-fno-threadsafe-statics")
 C_FLAGS = ("-std=gnu11",)
 WARNING_FLAGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
@@ -90,6 +95,8 @@ class ArduinoCore:
         The folder that keeps the library between runs. Its name there tells flags, compiler and core apart.
     optimisation
         The compiler's optimisation flag for the core.
+    link_time
+        Compile it for optimisation at link time, as PlatformIO does.
 
     Raises
     ------
@@ -99,9 +106,9 @@ class ArduinoCore:
         When the core does not compile.
     """
 
-    def __init__(self, cache: Path, *, optimisation: str = "-Os") -> None:
+    def __init__(self, cache: Path, *, optimisation: str = OPTIMISATION, link_time: bool = False) -> None:
         self.root = toolchain.arduino_core()
-        self._flags = (*MACHINE_FLAGS, optimisation, *CORE_FLAGS)
+        self._flags = (*MACHINE_FLAGS, optimisation, *(LINK_TIME_FLAGS if link_time else ()), *CORE_FLAGS)
         self._own_folders = (self.root / "cores/arduino", self.root / "variants/mega")
         compiler = toolchain.avr_compiler()
         self._sources = sorted(path for path in self._own_folders[0].rglob("*") if path.suffix in (".c", ".cpp", ".S"))
@@ -149,7 +156,8 @@ class ArduinoCore:
             self._write_quiet_headers(stage / "quiet")
             includes = [f"-I{folder}" for folder in self._own_folders]
             objects = compile_objects(self._sources, stage, [*self._flags, *includes])
-            _run([str(toolchain.program("avr-ar")), "rcs", str(stage / "core.a"), *map(str, objects)])
+            # avr-gcc-ar also lists the symbols of objects that only optimisation at link time turns into code.
+            _run([str(toolchain.program("avr-gcc-ar")), "rcs", str(stage / "core.a"), *map(str, objects)])
             for path in objects:
                 path.unlink()
             try:
@@ -175,7 +183,8 @@ def build_elf(
     out: Path,
     *,
     core: ArduinoCore | None = None,
-    optimisation: str = "-O2",
+    optimisation: str = OPTIMISATION,
+    link_time: bool = False,
     defines: Sequence[str] = (),
     own_warnings: bool = True,
 ) -> Path:
@@ -193,7 +202,9 @@ def build_elf(
     core
         The Arduino core to link with; without it the sources bring their own ``main``.
     optimisation
-        The compiler's optimisation flag.
+        The compiler's optimisation flag; PlatformIO's by default.
+    link_time
+        Optimise once more when all is linked, as PlatformIO does.
     defines
         Macros, as ``NAME`` or ``NAME=VALUE``.
     own_warnings
@@ -211,7 +222,8 @@ def build_elf(
     BuildFailed
         When a source does not compile or the program does not link.
     """
-    flags = [*MACHINE_FLAGS, optimisation, *(f"-D{item}" for item in defines)]
+    flags = [*MACHINE_FLAGS, optimisation, *(LINK_TIME_FLAGS if link_time else ())]
+    flags += [f"-D{item}" for item in defines]
     flags += WARNING_FLAGS if own_warnings else ("-w",)
     if core is not None:
         flags += core.include_flags()
@@ -222,6 +234,7 @@ def build_elf(
         archives = [] if core is None else [str(core.archive)]
         linked = Path(scratch) / "linked.elf"
         link = [str(toolchain.avr_compiler()), f"-mmcu={toolchain.MCU}", optimisation, "-Wl,--gc-sections"]
+        link += LINK_TIME_LINKER_FLAGS if link_time else ()
         _run([*link, "-o", str(linked), *objects, *archives, "-lm"])
         linked.replace(out)
     return out

@@ -72,4 +72,6 @@ def _guarantees(program: Program) -> list[str]:
             lines.append(f"{name}: never more than {bound_text(component)} from the exact solution")
         if component.name in changed:
             lines.append(f"{component.name}, with effects: bound not proven, `gen verify` measures the error")
+        if program.effects is not None and component.name in program.effects.contraction.unproven:
+            lines.append(f"{component.name}, with effects: settles at each PWM held; not proven while it changes")
     return lines

@@ -8,14 +8,11 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from gen.avr.compile import ArduinoCore, build_elf
+from gen.avr.compile import OPTIMISATION, ArduinoCore, build_elf
 from gen.coefficients import Coefficients
 from gen.firmware.project import project_files
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
-
-OPTIMISATION = "-Os"
-"""What PlatformIO compiles with."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +36,7 @@ def build_firmware(
     source_name: str,
     cache: Path,
 ) -> Firmware:
-    """Emit the project of a coefficient file and compile it with the Arduino core, unless that was done before.
+    """Emit the project of a coefficient file and compile it as PlatformIO does, unless that was done before.
 
     Parameters
     ----------
@@ -61,8 +58,8 @@ def build_firmware(
     files = project_files(coefficients, program, source_name, None)
     library = f"lib/{coefficients.name}/src/"
     wanted = {path: text for path, text in files.items() if path.startswith(("src/", library))}
-    core = ArduinoCore(cache, optimisation=OPTIMISATION)
-    digest = hashlib.sha256(f"{core.folder.name} {OPTIMISATION}".encode())
+    core = ArduinoCore(cache, link_time=True)
+    digest = hashlib.sha256(f"{core.folder.name} {OPTIMISATION} link time".encode())
     for path, text in sorted(wanted.items()):
         digest.update(f"{path}\0{text}\0".encode())
     elf = cache / f"firmware-{digest.hexdigest()[:16]}.elf"
@@ -74,5 +71,5 @@ def build_firmware(
                 target.parent.mkdir(parents=True, exist_ok=True)
                 target.write_text(text, encoding="utf-8")
             sources = [folder / path for path in wanted if path.endswith(".cpp")]
-            build_elf(sources, [folder / "src", folder / library], elf, core=core, optimisation=OPTIMISATION)
+            build_elf(sources, [folder / "src", folder / library], elf, core=core, link_time=True)
     return Firmware(elf, cache)

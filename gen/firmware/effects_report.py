@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from gen.coefficients import Coefficients
-from gen.lowering.effects.channels import columns
+from gen.model.effects.channel_ranges import columns
 
 Cells = tuple[str, ...]
 _UNKNOWN = "not measured"

@@ -22,9 +22,10 @@ from gen.firmware.device import device_context, sketch_files
 from gen.firmware.report import report_html
 from gen.firmware.wiring_svg import parts, wiring_svg
 from gen.lowering.program import Program
-from gen.version import __version__
+from gen.version import AUTHORS, LICENSE, REPOSITORY, __version__
 
 PROJECT = {
+    "lib/NAME/LICENSE": "lib/model/LICENSE.j2",
     "lib/NAME/library.json": "lib/model/library.json.j2",
     "lib/NAME/library.properties": "lib/model/library.properties.j2",
     "lib/NAME/examples/Basic/Basic.ino": "lib/model/examples/Basic/Basic.ino.j2",
@@ -60,7 +61,8 @@ def project_files(
     library = project_context(coefficients, program, source_name)
     device = device_context(coefficients, program)
     files = render.library(library)
-    files |= render.render(PROJECT, library.of_model())
+    about = {"license": LICENSE, "authors": AUTHORS, "repository": REPOSITORY}
+    files |= render.render(PROJECT, {**library.of_model(), **about})
     files |= render.render(TESTS, {**library.of_model(), **tests_context(program)})
     files |= render.render(SKETCH | sketch_files(device), _of_sketch(coefficients, library, device))
     if parts(device):

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.errors import CheckFailed
 from gen.model.dynamics import PWM_LEVELS, Component, ThermalModel
 from gen.model.effects.base import Applied
 from gen.model.effects.integrate import Slot, Track, readings, start_shift
@@ -18,8 +19,11 @@ from gen.model.schedules import FloatArray
 FINEST_S = 1.0
 """Longest step of the effects' states: a thermal time constant is hundreds of these."""
 
-_ROUNDS = 40
+_ROUNDS = 1000
+"""What coupled parts hand each other becomes smaller from round to round by the loop gain, which is below 1."""
 _SETTLED_K = 1e-10
+ENDLESS_K = 1e5
+"""No rise of a motor: beyond it a solution is one that grows without end, of which more than a line says nothing."""
 
 
 def own_rate(component: Component) -> FloatArray:
@@ -93,6 +97,11 @@ class ExtendedSolution:
         -------
         dict
             What each component's sensor shows, degC.
+
+        Raises
+        ------
+        CheckFailed
+            If a temperature grows without end: channels may lie beyond the ranges that the coefficient file declares.
         """
         fine, rows = _refined(time_s, self._finest_s)
         held = np.clip(np.searchsorted(time_s, fine, side="right") - 1, 0, time_s.size - 1)
@@ -110,6 +119,19 @@ class ExtendedSolution:
         base = self._baseline.simulate_times(
             fine, pwm[held], {name: float(start_rise.get(name, 0.0) + shift[name]) for name in tracks}
         )
+        shown = self._settled(slots, tracks, base)
+        return {name: values[rows] for name, values in shown.items()}
+
+    def _settled(
+        self, slots: Mapping[str, Sequence[Slot]], tracks: Mapping[str, Track], base: Mapping[str, FloatArray]
+    ) -> dict[str, FloatArray]:
+        """What each sensor shows, found in rounds where parts hand each other heat.
+
+        Raises
+        ------
+        CheckFailed
+            If a temperature grows without end, or the rounds do not settle.
+        """
         rises = dict(base)
         shown: dict[str, FloatArray] = {}
         coupled = any(applied.sources(tracks) for applied in self.effects)
@@ -117,12 +139,18 @@ class ExtendedSolution:
             change = 0.0
             for name, track in tracks.items():
                 others = {other: rise for other, rise in rises.items() if other != name}
-                rise, shown[name] = readings(slots[name], replace(track, base=base[name], others=others), shifted=True)
+                with np.errstate(over="ignore", invalid="ignore"):
+                    made = readings(slots[name], replace(track, base=base[name], others=others), shifted=True)
+                rise, shown[name] = made
+                if not np.all(np.abs(rise) < ENDLESS_K):
+                    raise CheckFailed(
+                        f'with its effects the temperature of "{name}" grows without end in this run (docs/effects.md)'
+                    )
                 change = max(change, float(np.max(np.abs(rise - rises[name]))))
                 rises[name] = rise
-            if change < _SETTLED_K:
-                break
-        return {name: values[rows] for name, values in shown.items()}
+            if change < _SETTLED_K or not coupled:
+                return shown
+        raise CheckFailed("parts that heat each other do not settle in this run (docs/effects.md)")
 
     @staticmethod
     def _track(

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from gen.model.effects import Free
+from gen.model.effects import Applied, Free
 from gen.refinement.simulation_fit import HypothesisFit
 from gen.refinement.stacked_runs import StackedRuns
 
@@ -21,6 +21,7 @@ LEAST_GAIN = 0.05
 """An effect must lower the left-out RMSE, the sensor's noise included, by this share: less is not worth its cost."""
 ALONE = "what drives it is in one left-out part alone, so that no other can confirm it"
 TOO_LITTLE = f"lowers the error on left-out runs by less than {LEAST_GAIN:.0%}"
+RUNS_AWAY = "with it the temperature would grow without end"
 WORSE_RUN = 1.05
 """No left-out run may get worse by more than this factor (beside a third of the noise)."""
 TIE_LEVEL = 0.05
@@ -100,7 +101,14 @@ def judge(problem: StackedRuns, c: int, null: HypothesisFit, found: HypothesisFi
     if worse:
         reasons.append("makes a run worse where it was left out")
     reasons += _parameters(found, c, added)
+    if not reasons and problem.runs_away(_applied(problem.components[c], found, c)):
+        reasons.append(RUNS_AWAY)
     return Judgement(p, before, after, tuple(reasons))
+
+
+def _applied(component: str, found: HypothesisFit, c: int) -> list[Applied]:
+    values = found.values(c)
+    return [Applied(term.effect, component, each) for term, each in zip(found.terms, values, strict=True)]
 
 
 def _worse_run(problem: StackedRuns, c: int, null: HypothesisFit, found: HypothesisFit, variance: float) -> bool:

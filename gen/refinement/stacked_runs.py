@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from gen.coefficients import Coefficients
-from gen.model.effects import tolerance_K
+from gen.coefficients.effect_checks import runs_away
+from gen.model.effects import Applied, tolerance_K
 from gen.model.effects.integrate import Track
 from gen.model.effects.response import Response, answer, response
 from gen.refinement.condense import Condensed
@@ -49,6 +50,8 @@ class StackedRuns:
         Of the components of higher order than 1.
     tolerance_K
         Largest sensor offset that is fitted beside every hypothesis, K.
+    runs_away
+        Whether temperatures would grow without end with these effects beside the baseline's.
     """
 
     components: tuple[str, ...]
@@ -61,6 +64,7 @@ class StackedRuns:
     blocks: np.ndarray
     responses: dict[str, Response]
     tolerance_K: float = field(default_factory=tolerance_K)
+    runs_away: Callable[[Sequence[Applied]], bool] = lambda _: False
 
     def only(self, name: str) -> StackedRuns:
         """The same with one component."""
@@ -121,6 +125,7 @@ def stack_runs(coefficients: Coefficients, runs: Sequence[Condensed]) -> Stacked
         left_out_parts=left_out_parts,
         blocks=_blocks(sizes, stack.length),
         responses={c.name: response(c, counts, step) for c in model.components if c.name in names and c.order > 1},
+        runs_away=lambda more: runs_away(coefficients.document, model, coefficients.effects, more),
     )
 
 

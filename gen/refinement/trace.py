@@ -16,6 +16,7 @@ from gen.refinement.steps.further_effects import further_effects
 from gen.refinement.steps.judge_again import judge_again
 from gen.refinement.steps.prune import prune
 from gen.refinement.steps.refuse_offsets import refuse_offsets
+from gen.refinement.steps.refuse_runaway import refuse_runaway
 from gen.refinement.trace_state import Say, TraceState, beginning
 
 Step = Callable[[TraceState, Say], TraceState]
@@ -31,6 +32,7 @@ STEPS: tuple[tuple[str, Step], ...] = (
     ("all effects together", judge_again),
     ("offsets at their limit", refuse_offsets),
     ("left-out stretches", by_stretches),
+    ("effects that would run away", refuse_runaway),
 )
 """What is done in which order; the names are for the user who waits."""
 

@@ -253,7 +253,7 @@ class AvrAlarms:
             [library.folder / "verify_alarms_avr.cpp", *library.sources],
             [MAILBOX_FOLDER, library.include, library.folder],
             library.folder / "alarms.elf",
-            optimisation="-O2",
+            link_time=True,
         )
 
     def run(self, inputs: Records) -> Records:

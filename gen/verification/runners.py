@@ -12,7 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen import toolchain
-from gen.avr.compile import CPP_FLAGS, MACHINE_FLAGS, Sizes, build_elf, compile_objects, sizes, undefined_symbols
+from gen.avr.compile import (
+    CPP_FLAGS,
+    MACHINE_FLAGS,
+    OPTIMISATION,
+    Sizes,
+    build_elf,
+    compile_objects,
+    sizes,
+    undefined_symbols,
+)
 from gen.avr.simulator import MAILBOX_FOLDER, MARKER_OVERHEAD, EmulatedMega
 from gen.errors import CheckFailed
 from gen.firmware.context import LibraryContext
@@ -136,23 +145,23 @@ class Cost:
 
 
 class AvrRunner:
-    """The library on the emulated Mega."""
+    """The library on the emulated Mega, compiled with PlatformIO's flags: it is what users run that is measured."""
 
     name = "ATmega2560 (simavr)"
 
-    def __init__(self, library: Library, cache: Path, optimisation: str = "-O2") -> None:
+    def __init__(self, library: Library, cache: Path) -> None:
         self._library = library
         self._cache = cache
         name = library.context.name
         self._elf = build_elf(
             [library.folder / "verify_avr.cpp", *library.sources],
             [MAILBOX_FOLDER, library.include],
-            library.folder / f"model{optimisation}.elf",
-            optimisation=optimisation,
+            library.folder / "model.elf",
+            link_time=True,
         )
         empty = library.folder / "empty.cpp"
         empty.write_text("int main() { for (;;) { } }\n")
-        self._empty = build_elf([empty], [], library.folder / "empty.elf", optimisation=optimisation)
+        self._empty = build_elf([empty], [], library.folder / "empty.elf", link_time=True)
         self._model = f"{name}_model"
         self.cycles: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
         self.stack_bytes = 0
@@ -214,9 +223,8 @@ _FORBIDDEN = ("di3", "sf2", "sf3", "sfsi", "sfdi", "sisf", "unsisf", "divsf", "m
 def forbidden_helpers(library: Library) -> list[str]:
     """Names of 64-bit and float helpers that the library's object files refer to."""
     (library.folder / "objects").mkdir(exist_ok=True)
-    objects = compile_objects(
-        list(library.sources), library.folder / "objects", [*MACHINE_FLAGS, *CPP_FLAGS, "-O2", f"-I{library.include}"]
-    )
+    flags = [*MACHINE_FLAGS, *CPP_FLAGS, OPTIMISATION, f"-I{library.include}"]
+    objects = compile_objects(list(library.sources), library.folder / "objects", flags)
     names: set[str] = set()
     for item in objects:
         names.update(undefined_symbols(item))

@@ -32,7 +32,8 @@ def emulate(cache: Path, tmp_path: Path) -> Emulate:
         if text is not None:
             source = tmp_path / name
             source.write_text(text, encoding="utf-8")
-        elf = build_elf([source], [MAILBOX_FOLDER], tmp_path / f"{name}.elf", core=core)
+        # -O2: single instructions are timed between two marks, and -Os puts jumps of its own between them.
+        elf = build_elf([source], [MAILBOX_FOLDER], tmp_path / f"{name}.elf", core=core, optimisation="-O2")
         return EmulatedMega(elf, cache)
 
     return build

@@ -130,6 +130,10 @@ CASES |= {
 }
 
 
+#: In an example without channels of its own: two units of air, as far as the brush's cooling settles.
+FAN = {"column": "fan", "analog_pin": 68, "per_V": 0.4}
+
+
 def _document(name: str) -> dict[str, Any]:
     """An example's; "fast" is a casing of order 1 with 68 s."""
     known = "my1016_averaged" if name == "fast" else name
@@ -140,6 +144,8 @@ def _document(name: str) -> dict[str, Any]:
         for schedule in (casing["gain"], casing["poles"][0]["real"]):
             schedule["poly"] = [30.0 * value for value in schedule["poly"]]
         document |= {"alarms": [], "wiring": None, "provenance": None}
+    elif "channels" not in document["wiring"]:
+        document["wiring"]["channels"] = [FAN]
     return document
 
 

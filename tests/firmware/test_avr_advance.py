@@ -69,9 +69,7 @@ def program(example: str, schedule: ScheduleKind = "table") -> Program:
     return lower(load(EXAMPLES / example / "coeffs.json"), "fixed", schedule)
 
 
-def board(
-    example: str, records: NDArray[np.void], folder: Path, optimisation: str, schedule: ScheduleKind = "table"
-) -> Run:
+def board(example: str, records: NDArray[np.void], folder: Path, schedule: ScheduleKind = "table") -> Run:
     coefficients, lowered = load(EXAMPLES / example / "coeffs.json"), program(example, schedule)
     name = coefficients.name
     sources = []
@@ -83,9 +81,7 @@ def board(
             sources.append(file)
     main = folder / "main.cpp"
     main.write_text(MAIN.format(name=name, NAME=name.upper()), encoding="utf-8")
-    elf = build_elf(
-        [main, *sources], [MAILBOX_FOLDER, sources[0].parent], folder / "test.elf", optimisation=optimisation
-    )
+    elf = build_elf([main, *sources], [MAILBOX_FOLDER, sources[0].parent], folder / "test.elf")
     words = sum(component.order for component in lowered.components)
     with EmulatedMega(elf, folder / "cache") as mega:
         out, cycles = mega.run_records(
@@ -131,13 +127,12 @@ def reference(lowered: Program, records: NDArray[np.void]) -> NDArray[np.int64]:
 @pytest.mark.parametrize("example", ["my1016", "two_mass", "my1016_averaged"])
 def test_every_word_is_the_references(example: str, tmp_path: Path) -> None:
     records = inputs()
-    np.testing.assert_array_equal(board(example, records, tmp_path, "-Os").words, reference(program(example), records))
+    np.testing.assert_array_equal(board(example, records, tmp_path).words, reference(program(example), records))
 
 
-@pytest.mark.parametrize("optimisation", ["-O2", "-Os"])
-def test_a_sample_takes_no_longer_than_the_goals(optimisation: str, tmp_path: Path) -> None:
+def test_a_sample_takes_no_longer_than_the_goals(tmp_path: Path) -> None:
     records = inputs()
-    cycles = board("my1016", records, tmp_path, optimisation).cycles
+    cycles = board("my1016", records, tmp_path).cycles
     constant = np.r_[False, records["pwm"][1:] == records["pwm"][:-1]] & (records["start"] == 0)
     assert cycles[constant].max() < 900
     assert cycles[~constant & (records["start"] == 0)].max() < 1300
@@ -145,7 +140,7 @@ def test_a_sample_takes_no_longer_than_the_goals(optimisation: str, tmp_path: Pa
 
 def test_a_change_of_pwm_on_board_takes_less_than_15_000_cycles(tmp_path: Path) -> None:
     records = inputs()
-    cycles = board("my1016", records, tmp_path, "-O2", "onboard").cycles
+    cycles = board("my1016", records, tmp_path, "onboard").cycles
     held = np.r_[False, records["pwm"][1:] == records["pwm"][:-1]] & (records["start"] == 0)
     assert cycles[held].max() < 900
     assert cycles[~held & (records["start"] == 0)].max() < 15_000

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from platformio.package.manifest.parser import ManifestParserFactory
+from platformio.package.manifest.schema import ManifestSchema
 
 from gen.firmware.project import project_files, read_verification
 from gen.lowering.kinds import Arithmetic, ScheduleKind
@@ -97,12 +99,59 @@ def test_the_other_combinations_build_and_pass_too(
         pio_test(project, environment, variables=variables).check(TESTS)
 
 
-@pytest.mark.parametrize("name", ["my1016_averaged", "two_mass"])
-def test_the_other_examples_build_and_pass_too(tmp_path: Path, name: str) -> None:
-    project = written(tmp_path / "project", "fixed", "table", name)
+#: Every example but the MY1016's own, which the tests above build, in each arithmetic once: all that a user may copy.
+OTHERS = [
+    pytest.param(path.parent.name, arithmetic, id=f"{path.parent.name}-{arithmetic}")
+    for path in sorted((ROOT / "examples").glob("*/coeffs.json"))
+    for arithmetic in get_args(Arithmetic)
+    if path.parent.name != "my1016"
+]
+
+
+@pytest.mark.parametrize(("name", "arithmetic"), OTHERS)
+def test_the_other_examples_build_and_pass_too(tmp_path: Path, name: str, arithmetic: Arithmetic) -> None:
+    project = written(tmp_path / "project", arithmetic, "table", name)
     variables = install(tmp_path / "core", project) | STRICT
-    pio_run(project, variables=variables)
-    pio_test(project, "native", variables=variables).check(TESTS)
+    built = pio_run(project, variables=variables)
+    assert "warning" not in built.output
+    for environment in ("native", "simavr"):
+        pio_test(project, environment, variables=variables).check(TESTS)
+
+
+def test_every_example_is_among_them() -> None:
+    assert {"my1016_averaged", "my1016_rig", "two_mass", "two_mass_refined"} <= {
+        name for name, _ in (p.values for p in OTHERS)
+    }
+
+
+@pytest.mark.parametrize("name", ["my1016", "two_mass_refined"])
+def test_the_librarys_manifests_are_complete_and_valid(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """By PlatformIO's own schema; only its list of licences, which lies on the network, is put in place here."""
+    project = written(tmp_path, "fixed", "table", name)
+    library = next((project / "lib").iterdir())
+    monkeypatch.setattr(ManifestSchema, "load_spdx_licenses", lambda _: {"licenses": [{"licenseId": "MIT"}]})
+    given = ManifestParserFactory.new_from_file(str(library / "library.json")).as_dict()
+    manifest = ManifestSchema().load_manifest(given)
+    assert manifest["license"] == "MIT"
+    assert manifest["authors"] == [{"name": "the gen authors", "maintainer": True}]
+    assert {"temperature", "dc motor"} <= set(manifest["keywords"])
+    assert (library / manifest["examples"][0]["base"] / manifest["examples"][0]["files"][0]).is_file()
+    assert (library / "src" / manifest["headers"][0]).is_file()
+    assert (library / "LICENSE").read_bytes() == (ROOT / "LICENSE").read_bytes()
+    arduino = ManifestParserFactory.new_from_file(str(library / "library.properties")).as_dict()
+    assert ManifestSchema().load_manifest(arduino)["name"] == given["name"]
+    lines = dict(line.split("=", 1) for line in (library / "library.properties").read_text().splitlines())
+    assert all(lines[key] for key in ("author", "maintainer", "license", "sentence", "paragraph", "category", "url"))
+
+
+def test_a_repository_is_named_where_the_package_states_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    url = "https://example.org/gen.git"
+    monkeypatch.setattr("gen.firmware.project.REPOSITORY", url)
+    library = next((written(tmp_path, "float", "table", "two_mass") / "lib").iterdir())
+    assert json.loads((library / "library.json").read_text())["repository"] == {"type": "git", "url": url}
+    assert f"url={url}\n" in (library / "library.properties").read_text()
 
 
 def test_the_emitted_c_style_interface_compiles_as_c(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import cast
 
@@ -11,12 +12,12 @@ import pytest
 from numpy.typing import NDArray
 
 from gen.coefficients import parse
-from gen.model.effects import Free, Variant, registry
+from gen.model.effects import Applied, Free, Variant, registry
 from gen.refinement.admission import admitted
 from gen.refinement.candidates import Candidate, Found, Tracing
 from gen.refinement.condense import Condensed
 from gen.refinement.effect_entries import entry
-from gen.refinement.judgement import ALONE, TOO_LITTLE, Judgement, judge, p_better
+from gen.refinement.judgement import ALONE, RUNS_AWAY, TOO_LITTLE, Judgement, judge, p_better
 from gen.refinement.refine import judge_verdict
 from gen.refinement.simulation_fit import HypothesisFit, Term
 from gen.refinement.stacked_runs import StackedRuns
@@ -38,6 +39,7 @@ def problem(noise_K: float = 1.0) -> StackedRuns:
         noise_K=np.array([noise_K]),
         weight=np.ones((BINS, 1, 1, RUNS)),
         blocks=blocks,
+        runs_away=lambda _: False,
     )
     return cast(StackedRuns, made)
 
@@ -72,6 +74,19 @@ def test_a_clear_improvement_is_accepted() -> None:
     assert judgement.accepted
     noisy = np.sqrt(np.mean(null**2) + 1.0), np.sqrt(np.mean(null**2) / 4.0 + 1.0)
     assert (judgement.before_K, judgement.after_K) == pytest.approx(noisy)
+
+
+def test_an_effect_with_which_temperatures_would_run_away_is_refused_however_good_it_is() -> None:
+    null = residual(1)
+    asked: list[Applied] = []
+
+    def runs_away(effects: Sequence[Applied]) -> bool:
+        asked.extend(effects)
+        return True
+
+    growing = cast(StackedRuns, SimpleNamespace(**{**vars(problem()), "runs_away": runs_away}))
+    assert judge(growing, 0, fitted(null), fitted(0.5 * null), 100, 0).reasons == (RUNS_AWAY,)
+    assert [(a.effect.name, a.component, a.values) for a in asked] == [(EFFECT.name, "casing", {GAIN.name: 1.0})]
 
 
 def test_an_improvement_not_worth_a_parameter_is_refused_however_sure_it_is() -> None:

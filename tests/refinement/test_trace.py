@@ -21,6 +21,7 @@ from gen.refinement.simulation_fit import Term, fit
 from gen.refinement.stacked_runs import THIRDS, WHOLE_RUNS, stack_runs
 from gen.refinement.steps.judge_again import judge_again
 from gen.refinement.steps.prune import prune
+from gen.refinement.steps.refuse_runaway import refuse_runaway
 from gen.refinement.trace import STEPS, trace
 from gen.refinement.trace_state import ComponentState, TraceState, beginning
 from tests.examples import ROOT
@@ -125,6 +126,28 @@ def test_effects_that_do_not_pass_together_go_together(tmp_path: Path) -> None:
     assert judged.components["casing"].found == ()
     assert judged.components["casing"].final is state.components["casing"].null
     assert judged.components["brush"] is given.components["brush"]
+
+
+def test_parts_that_would_heat_each_other_without_end_keep_the_effect_that_helps_more(tmp_path: Path) -> None:
+    """Each part settles with what it takes from the other; together more comes back than went out."""
+    state = begun(tmp_path, seed=11)
+
+    def taking(component: ComponentState, source: str, per_s: float, loss: float) -> ComponentState:
+        variant = Variant({"source": source, "exchange": False, "tau_s": None, "conductance_per_s": per_s})
+        made = replace(fit(component.runs, [Term(registry()["coupling"], variant, ())]), loss=np.array([loss]))
+        judged = Judgement(1e-9, 3.0, 1.0, ())
+        found = Found(component.name, Candidate(registry()["coupling"], variant, made, 0, judged), [])
+        null = replace(component.null, loss=np.array([10.0]))
+        return replace(component, found=(found,), final=made, null=null, considered=())
+
+    for per_s, kept in ((1e-5, {"brush", "casing"}), (1e-3, {"casing"})):
+        made = dict(state.components)
+        made["brush"] = taking(made["brush"], "casing", per_s, 8.0)
+        made["casing"] = taking(made["casing"], "brush", per_s, 1.0)
+        given = replace(state, components=made)
+        left = refuse_runaway(given, lambda _: None).components
+        assert {name for name, part in left.items() if part.found} == kept
+        assert all(bool(part.final.terms) == bool(part.found) for part in left.values())
 
 
 def planted_at(state: TraceState) -> str:

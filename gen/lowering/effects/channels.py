@@ -1,32 +1,17 @@
-"""Which channels the effects need, and in which range each may lie."""
+"""The channels that the effects need, as the board holds them: in thousandths."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from gen.lowering.effects.program import Channel
 from gen.model import ThermalModel
-from gen.model.effects import Applied, Input
-
-#: The board's ambient may lie so far outside of the declared domain.
-_AMBIENT_MARGIN_K = 10.0
-_AMBIENT_DEGC = 25.0
-#: By the unit at the end of a column's name, where the file says nothing else.
-_RANGES = {"_a": (-50.0, 50.0), "_v": (0.0, 100.0), "_degc": (-50.0, 400.0), "_percent": (0.0, 100.0)}
-_RANGES |= {"_pct": (0.0, 100.0), "_w": (0.0, 1000.0)}
-_OTHER = (0.0, 20.0)
-
-
-def columns(model: ThermalModel, effects: Sequence[Applied]) -> list[str]:
-    """Extra columns that the effects need, each once."""
-    names: dict[str, None] = {}
-    for applied in effects:
-        names |= dict.fromkeys(applied.columns(model.component_names))
-    return list(names)
+from gen.model.effects import Applied
+from gen.model.effects.channel_ranges import ChannelRange, channel_ranges
 
 
 def channels(
-    model: ThermalModel, effects: Sequence[Applied], declared: dict[str, tuple[float, float]]
+    model: ThermalModel, effects: Sequence[Applied], declared: Mapping[str, tuple[float, float]]
 ) -> tuple[Channel, ...]:
     """The ambient and all columns.
 
@@ -37,29 +22,9 @@ def channels(
     declared
         Ranges from the coefficient file, by column.
     """
-    low, high = model.domain_ambient
-    fixed = model.ambient_fixed if model.ambient_fixed is not None else _AMBIENT_DEGC
-    found = [_channel("ambient_degC", (low - _AMBIENT_MARGIN_K, high + _AMBIENT_MARGIN_K), fixed)]
-    for column in columns(model, effects):
-        read = [(a, source) for a in effects for source, name in a.effect.reads(a.values) if name == column]
-        neutral = next((value for a, source in read if (value := _neutral(a, source)) is not None), None)
-        if neutral is None:
-            neutral = fixed if column.lower().endswith("_degc") else 0.0
-        low, high = next((source.limits for _, source in read if source.limits is not None), _by_unit(column))
-        found.append(_channel(column, declared.get(column, (min(low, neutral), max(high, 2.0 * neutral))), neutral))
-    return tuple(found)
+    return tuple(_channel(found) for found in channel_ranges(model, effects, declared))
 
 
-def _neutral(applied: Applied, source: Input) -> float | None:
-    """The value at which an effect does nothing, None where it states none."""
-    value = applied.values.get(source.neutral) if isinstance(source.neutral, str) else source.neutral
-    return None if value is None else float(value)
-
-
-def _by_unit(column: str) -> tuple[float, float]:
-    return next((limits for end, limits in _RANGES.items() if column.lower().endswith(end)), _OTHER)
-
-
-def _channel(column: str, limits: tuple[float, float], neutral: float) -> Channel:
-    low, high = (round(value * 1000.0) for value in limits)
-    return Channel(column, low, high, min(max(round(neutral * 1000.0), low), high))
+def _channel(found: ChannelRange) -> Channel:
+    low, high, neutral = (round(value * 1000.0) for value in (found.low, found.high, found.neutral))
+    return Channel(found.column, low, high, min(max(neutral, low), high))

@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 from gen.coefficients import Coefficients
+from gen.coefficients.effect_checks import GROWS, declared_ranges, place_of
 from gen.errors import CheckFailed
 from gen.lowering.effects.chain import chain
 from gen.lowering.effects.channels import channels
+from gen.lowering.effects.contraction import Contraction, contraction
 from gen.lowering.effects.graph import Array, Graph, Node
 from gen.lowering.effects.program import (
     FOLLOWER_BITS,
@@ -34,6 +36,8 @@ from gen.lowering.recursion.dynamics import domain_rows
 from gen.lowering.sensors import COUNT_K, sensor_limits
 from gen.model import Component, ThermalModel
 from gen.model.effects import Applied, Moment
+from gen.model.effects.gains import Domain, ZERO_K_degC
+from gen.model.effects.runaway import Runaway
 from gen.model.extended import own_rate
 
 #: The clock of a reading that grows with time stops where it has grown by so much, or after so many samples.
@@ -64,21 +68,25 @@ def lower_effects(
     Raises
     ------
     CheckFailed
-        If an equation needs what the board cannot give; the message names the effect.
+        If an equation needs what the board cannot give; the message names the effect. If temperatures may grow without
+        end with the effects; the message has the JSON path of the one that adds most to it.
     """
     effects = coefficients.effects
     if not effects:
         return None
     model = coefficients.model
-    wired = coefficients.document.wiring.channels if coefficients.document.wiring is not None else ()
-    declared = {channel.column: channel.limits for channel in wired}
+    declared = declared_ranges(coefficients.document)
     apart = coefficients.document.thermocouple_columns
     for limits in sensor_limits(coefficients):
         if limits.channel in apart:
             declared[limits.channel] = limits.lowest * COUNT_K, limits.highest * COUNT_K
     entries = [entry.applied() for entry in coefficients.document.effects]
-    told = channels(model, effects, declared)
-    return _Builder(model, effects, entries, arithmetic, components, told).program()
+    builder = _Builder(model, effects, entries, arithmetic, components, channels(model, effects, declared))
+    parts = builder.parts()  # what no board can compute is refused with a better message than the next line has
+    found = contraction(model, effects, builder.domain())
+    if isinstance(found, Runaway):
+        raise CheckFailed(f"{place_of(coefficients.document, found.applied)}: {found.message}: {GROWS}")
+    return builder.program(parts, found)
 
 
 @dataclass
@@ -99,6 +107,18 @@ class _Builder:
         fixed = any(applied.effect.replaces_ambient for applied in self.effects)
         self.fixed_ambient = self.model.ambient_fixed if fixed else None
 
+    def domain(self) -> Domain:
+        """Ranges of all that the equations read, as the board holds them; nothing is below absolute zero."""
+        ambient, *told = self.channels
+        coldest = ZERO_K_degC - ambient.low / 1000.0
+        rises = [(max(low * 2.0**-KELVIN_BITS, coldest), high * 2.0**-KELVIN_BITS) for low, high in self.limits]
+        return Domain(
+            rows=self.rows.astype(np.float64),
+            rise=dict(zip(self.model.component_names, rises, strict=True)),
+            ambient=(ambient.low / 1000.0, ambient.high / 1000.0),
+            channels={channel.column: (channel.low / 1000.0, channel.high / 1000.0) for channel in told},
+        )
+
     @property
     def elapsed_limit(self) -> int:
         """Samples after which the clock stops; 0 where no reading grows with time."""
@@ -106,12 +126,17 @@ class _Builder:
             return 0
         return min(_MOST_SAMPLES, int(_MOST_GROWTH_K / self.growth * 3600.0 / self.step))
 
-    def program(self) -> EffectsProgram:
+    def parts(self) -> list[EffectComponent]:
+        """The components whose rise or reading an effect changes, in order."""
         made = []
         for index, component in enumerate(self.model.components):
             own = [applied for applied in self.effects if applied.component == component.name]
             if own or self.fixed_ambient is not None:
                 made.append(self._component(index, component, own))
+        return made
+
+    def program(self, made: Sequence[EffectComponent], found: Contraction) -> EffectsProgram:
+        """All of it, with what is known of its contraction."""
         felt = sorted({number for part in made for kind, number in part.drives.operands if kind == "rise"})
         tracked = sorted({*felt, *(part.index for part in made)})
         return EffectsProgram(
@@ -122,6 +147,7 @@ class _Builder:
             tuple(self.limits[number] for number in tracked),
             self.channels,
             self.elapsed_limit,
+            found,
         )
 
     # ---- operands ----

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from gen.lowering.effects.contraction import Contraction
 from gen.lowering.effects.tape import Tape
 from gen.lowering.kinds import Arithmetic
 
@@ -180,6 +181,8 @@ class EffectsProgram:
         The ambient first.
     elapsed_limit
         Samples since the start at which the clock stops (a drift), 0 without one.
+    contraction
+        What comes back of a kelvin by all loops at most, and of which components that is not proven.
     """
 
     arithmetic: Arithmetic
@@ -189,12 +192,14 @@ class EffectsProgram:
     rise_limits: tuple[tuple[int, int], ...]
     channels: tuple[Channel, ...]
     elapsed_limit: int
+    contraction: Contraction
 
     def describe(self) -> dict[str, Any]:
         """For the manifest."""
         return {
             "channels": [channel.column for channel in self.channels],
             "components": {component.name: list(component.notes) for component in self.components},
+            "contraction": self.contraction.describe(),
         }
 
     def component(self, index: int) -> EffectComponent | None:
