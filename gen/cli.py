@@ -13,6 +13,7 @@ from typing import NoReturn
 import click
 
 from gen.commands.build import build
+from gen.commands.check import check
 from gen.commands.emulate import emulate
 from gen.commands.identify import identify
 from gen.commands.log import log
@@ -33,7 +34,7 @@ def cli() -> None:
     """Turn identified motor-temperature coefficients into proven firmware for the Arduino Mega 2560."""
 
 
-for command in (build, verify, simulate, emulate, log, identify, thresholds, refine):
+for command in (build, verify, check, simulate, emulate, log, identify, thresholds, refine):
     cli.add_command(command)
 
 

@@ -1,7 +1,7 @@
-"""Numbers of the board as affine functions of its state: exact coefficients, and every rounding a symbol with its range.
+"""Numbers of the board as affine functions of its state: exact coefficients, and for every rounding a symbol.
 
-A number is linear . symbols + constant + sum of noise, at every |PWM| of the domain side by side (P of them). The symbols
-are what the state is made of; a noise symbol stands for one rounding, wherever it goes on to.
+A number is linear . symbols + constant + sum of noise, at every |PWM| of the domain side by side (P of them). The
+symbols are what the state is made of; a noise symbol has a range and stands for one rounding, wherever it goes on to.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ class Space:
         return low, high
 
     def largest(self, value: Affine) -> Floats:
-        """A bound of a number's magnitude, shape (P,), in float64, which is rounded up by far more than its own errors."""
+        """A bound of a number's magnitude, shape (P,), in float64 and rounded up by far more than its own errors."""
         constant = floats(value.constant)
         if value.known:
             return np.abs(constant) * (1.0 + _ROUGHLY)

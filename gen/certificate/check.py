@@ -29,7 +29,6 @@ from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 from gen.certificate.step import Recursion, Run
 
-
 #: Share by which float64 results are rounded up: some hundred operations, each right to 2^-53 of its terms.
 _ROUGHLY = 1e-12
 
@@ -100,7 +99,8 @@ class _Reach:
         self, directions: Directions, heights: Ratios, to_words: Ratios, word: Ratios, centre: Fraction, q: Fraction
     ) -> None:
         self._directions, self._heights = directions, heights
-        self._to_words, self._centre, self._q = to_words / word[:, None], centre, q
+        self._to_words: Ratios = to_words / word[:, None]
+        self._centre, self._q = centre, q
 
     def enclose(self, linear: Ratios) -> tuple[Ratios, Ratios]:
         """See :class:`gen.certificate.affine.Reach`."""
@@ -195,7 +195,7 @@ class _Proof:
         exact, along = self._exact, self._directions.nearest
         images = Images(self._directions, floats(exact.transition) * 2.0**-BITS)
         away = np.abs(exact.steady - self._part.centre)
-        # What the enclosure of E and S leaves open: |c| (E's radius (|u| + |e| + |S - centre|) + S's (1 + |E|)), in sums.
+        # What the enclosure of E and S leaves open, in sums: |c| (E's radius (|u| + |e| + |S - centre|) + S's (1 + |E|))
         radius = exact.radius * Fraction(1, 1 << BITS)
         size = np.abs(exact.transition).sum(axis=(1, 2)) * Fraction(1, 1 << BITS)
         open_K = radius * (self._directions.box(self._both).sum() + away) + exact.steady_radius * (2 + size)

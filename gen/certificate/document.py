@@ -1,7 +1,7 @@
 """Reads ``certificate.json``: the statement to be proven and the witnesses that prove it, all of them exact numbers.
 
-The witnesses (:attr:`Part.map`, :attr:`Part.directions`, :attr:`Part.reach`, :attr:`Part.error`, :attr:`Part.centre`) may hold
-anything: wrong ones prove nothing.
+The witnesses (the map, directions, shape, centre and widths of a :class:`Part`) may hold anything: wrong ones prove
+nothing.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class _Strict(BaseModel):
 
 
 class Schedule(_Strict):
-    """A function of |PWM|: a sum of a e^(b |PWM|) over ``exponentials`` (a, b), or the first of ``pieces`` that holds it."""
+    """A function of |PWM|: the sum of a e^(b |PWM|) over ``exponentials`` (a, b), or the first of ``pieces`` there."""
 
     exponentials: list[tuple[Number, Number]] = []
     pieces: list[Piece] = []

@@ -38,7 +38,7 @@ class Coefficients:
     steady: Ratios
 
 
-class _Returned(Exception):  # noqa: N818 - it ends a function, no error
+class _Returned(Exception):
     def __init__(self, value: Any) -> None:  # noqa: ANN401
         self.value = value
 

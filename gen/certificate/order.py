@@ -50,7 +50,8 @@ def _statements(text: str, certificate: Certificate, others: Sequence[str]) -> l
     found = [spaced(part) for part in re.split(r"(?<=;)|(?<=\{)|(?<=\})", body) if part.strip()]
     if not others:
         return found
-    kept, skipping = [], 0
+    kept: list[str] = []
+    skipping = 0
     for statement in found:
         # An unproven component's own loop or call counts its saturations.
         if "saturations" in statement or any(f"{name}_before" in statement for name in others):

@@ -18,12 +18,12 @@ from gen.certificate.refuted import Refuted
 
 Places = NDArray[np.intp]
 
-#: A guess that leaves a weight below this looks further than the direction's own neighbours.
-_ENOUGH = -1e-9
+#: A guess that leaves a weight below this looks further.
+_ENOUGH = -1e-12
+#: Facets that a guess looks at, at most.
+_LONGEST_WALK = 200
 #: Share by which float64 results are rounded up: at most a hundred operations, each right to 2^-53 of its terms.
 ROUGHLY = 1e-13
-#: Guesses that are made at once.
-_TOGETHER = 64
 
 
 class Directions:
@@ -53,13 +53,10 @@ class Directions:
         self._length = np.linalg.norm(points, axis=1)
         self._unit = points / self._length[:, None]
         both = np.vstack([self._unit, -self._unit])
-        self._facets = (
-            np.array([[0], [1]], dtype=np.intp) if self.order == 1 else ConvexHull(both).simplices.astype(np.intp)
-        )
+        self._facets, self._neighbours = _facets(both)
         self._inverse = np.linalg.inv(np.transpose(both[self._facets], (0, 2, 1)))
-        count = len(directions)
-        # A direction's neighbourhood and the one opposite: guesses go both ways.
-        self._touching: list[Places] = [np.nonzero((self._facets % count == j).any(axis=1))[0] for j in range(count)]
+        self._at = np.zeros(len(both), dtype=np.intp)  # a facet at each vertex
+        self._at[self._facets] = np.arange(len(self._facets))[:, None]
 
     def box(self, heights: Ratios) -> Ratios:
         """b_i of :mod:`gen.certificate.polytope`, shape (n,), for heights in any unit, shape (J,)."""
@@ -72,30 +69,24 @@ class Directions:
         The signs of the directions are in the weights. ``near`` is the direction in whose neighbourhood they lie.
         """
         goals = targets @ self._round
-        if near is not None:
-            places, weights = self._search(goals, self._touching[near])
+        if near is None:
+            along = goals @ self._unit.T
+            near_by = np.abs(along).argmax(axis=1)
+            behind = along[np.arange(len(goals)), near_by] < 0.0
+            facet = self._at[near_by + len(self._unit) * behind]
         else:
-            nearest = np.abs(goals @ self._unit.T).argmax(axis=1)
-            found = [self._search(goal[None], self._touching[j]) for goal, j in zip(goals, nearest, strict=True)]
-            places, weights = (np.concatenate(parts) for parts in zip(*found, strict=True))
-        poor = weights.min(axis=1) < _ENOUGH * np.abs(weights).max(axis=1)
-        if poor.any():
-            places[poor], weights[poor] = self._search(goals[poor], np.arange(len(self._facets)))
-        count = len(self.exact)
+            facet = np.full(len(goals), self._at[near])
+        for _ in range(_LONGEST_WALK):  # from facet to facet over the face that is most in the way
+            weights = np.einsum("kij,kj->ki", self._inverse[facet], goals)
+            worst = weights.argmin(axis=1)
+            outside = np.flatnonzero(weights[np.arange(len(facet)), worst] < _ENOUGH * np.abs(weights).max(axis=1))
+            if not len(outside):
+                break
+            facet[outside] = self._neighbours[facet[outside], worst[outside]]
+        weights = np.einsum("kij,kj->ki", self._inverse[facet], goals)
+        places, count = self._facets[facet], len(self._unit)
         chosen = places % count
         return chosen, np.maximum(weights, 0.0) / self._length[chosen] * np.where(places < count, 1.0, -1.0)
-
-    def _search(self, goals: Floats, among: Places) -> tuple[Places, Floats]:
-        places = np.empty((len(goals), self.order), dtype=np.intp)
-        weights = np.empty((len(goals), self.order))
-        for first in range(0, len(goals), _TOGETHER):
-            part = slice(first, first + _TOGETHER)
-            found = [self._inverse[among, i] @ goals[part].T for i in range(self.order)]  # n times (facets, k)
-            best = np.minimum.reduce(found).argmax(axis=0)
-            every = np.arange(len(best))
-            weights[part] = np.stack([one[best, every] for one in found], axis=1)
-            places[part] = self._facets[among[best]]
-        return places, weights
 
     def _along(self, axis: int) -> int:
         others = [i for i in range(self.order) if i != axis]
@@ -105,6 +96,14 @@ class Directions:
         if not alone.any():
             raise Refuted(f"no direction lies along axis {axis + 1}")
         return int(np.argmax(alone))
+
+
+def _facets(points: Floats) -> tuple[Places, Places]:
+    """The facets of the hull of points, and beyond each vertex's opposite face the neighbour, shape (facets, n) each."""
+    if points.shape[1] == 1:
+        return np.array([[0], [1]], dtype=np.intp), np.array([[1], [0]], dtype=np.intp)
+    hull = ConvexHull(points)
+    return hull.simplices.astype(np.intp), hull.neighbors.astype(np.intp)
 
 
 def largest(directions: Directions, heights: Ratios, targets: Ratios) -> Ratios:

@@ -79,7 +79,7 @@ class Recursion:
         self._order, self._rows = part.order, len(table)
         self._now = Coefficients([table[:, i] for i in range(part.order)], table[:, part.order])
         self.carries = f"{part.shape}_carry" in project.functions
-        if self.carries != (f"{part.shape}_drive" in project.functions or arithmetic == "float" and part.order > 1):
+        if self.carries != (f"{part.shape}_drive" in project.functions or (arithmetic == "float" and part.order > 1)):
             raise Refuted(f"{part.name}: its functions are not those of one form")
         self.drive, self._factor = self._ideal_drive()
 

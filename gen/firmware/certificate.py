@@ -55,6 +55,11 @@ def certificate_json(coefficients: Coefficients, program: Program) -> str:
     return _pretty(certificate) + "\n"
 
 
+def equations(coefficients: Coefficients) -> dict[str, dict[str, Any]]:
+    """Each component's equation as the certificate states it."""
+    return {component.name: _equation(component) for component in coefficients.model.components}
+
+
 def _part(component: AnyComponent, invariant: Invariant, source: Component, shape: str, place: int) -> dict[str, Any]:
     bits = component.layout.fraction_bits if isinstance(component, FixedComponent) else component.fraction_bits
     read_bits = bits[0] - RESIDUE_BITS if isinstance(component, FixedComponent) else bits[0]

@@ -3,6 +3,7 @@
 The commands call these functions, too. Everything slow to import is imported by the function that needs it.
 """
 
+from gen.interface.certificate import Check, check
 from gen.interface.files import load, read_run
 from gen.interface.firmware import Build, Verification, build, verify
 from gen.interface.loop import Identification, Refinement, identify, refine
@@ -11,11 +12,13 @@ from gen.interface.simulation import simulate
 
 __all__ = [
     "Build",
+    "Check",
     "Identification",
     "Model",
     "Refinement",
     "Verification",
     "build",
+    "check",
     "identify",
     "load",
     "read_run",

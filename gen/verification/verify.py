@@ -24,6 +24,7 @@ from gen.verification.effect_costs import EffectCost, effect_costs
 from gen.verification.effects import EFFECTS_LENGTH, course_with_effects, with_channels
 from gen.verification.limits import exceeded
 from gen.verification.profiles import Profile, campaign, every_command
+from gen.verification.proof import proof_of
 from gen.verification.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
 from gen.version import __version__
 
@@ -68,6 +69,9 @@ class CombinationResult:
     helpers: list[str] = field(default_factory=list)
     effects: list[EffectCost] = field(default_factory=list)
     exceeded: list[str] = field(default_factory=list)
+    proven_K: dict[str, float] = field(default_factory=dict)
+    inequalities: int = 0
+    refuted: str | None = None
 
     @property
     def label(self) -> str:
@@ -77,7 +81,7 @@ class CombinationResult:
     @property
     def passed(self) -> bool:
         """No word differs, and no error is larger than it may be."""
-        return self.equal and not self.exceeded
+        return self.equal and not self.exceeded and self.refuted is None
 
     @property
     def equal(self) -> bool:
@@ -181,6 +185,8 @@ def _combination(
     length = max(300, int(ALARM_LENGTH * scale))
     for name, given, difference in compare_alarms(library, rules, ALARM_LANES, length, hosts, board=target != "host"):
         targets.append(_alarm_result(name, given, difference))
+    progress(f"{label}: certificate")
+    proven = proof_of(coefficients, program, files, folder)
     progress(f"{label}: exact solution")
     course = _course(coefficients, program, scale)
     bounds, errors = _bounds(program), course.largest()
@@ -196,6 +202,9 @@ def _combination(
         helpers,
         effects,
         exceeded(bounds, errors, *coefficients.accuracy.limit(program.arithmetic)),
+        proven.proven_K,
+        proven.inequalities,
+        proven.refuted,
     )
 
 
