@@ -4,8 +4,8 @@ With z the exact state, y the state that the board's words stand for and e = y -
 
     c_j . (z - centre) <= reach_j   and   c_j . e <= error_j   for all j
 
-hold after a sample if they held before it, and that they hold at every start. The words' ranges and the error of what is
-read follow. docs/proof.md has the lemmas by their numbers.
+hold after a sample if they held before it, and that they hold at every start. The words' ranges and the error of what
+is read follow. docs/proof.md has the lemmas by their numbers.
 """
 
 from __future__ import annotations
@@ -195,7 +195,7 @@ class _Proof:
         exact, along = self._exact, self._directions.nearest
         images = Images(self._directions, floats(exact.transition) * 2.0**-BITS)
         away = np.abs(exact.steady - self._part.centre)
-        # What the enclosure of E and S leaves open, in sums: |c| (E's radius (|u| + |e| + |S - centre|) + S's (1 + |E|))
+        # What the enclosure of E and S leaves open: |c| (E's radius (|u| + |e| + |S - centre|) + S's (1 + |E|)).
         radius = exact.radius * Fraction(1, 1 << BITS)
         size = np.abs(exact.transition).sum(axis=(1, 2)) * Fraction(1, 1 << BITS)
         open_K = radius * (self._directions.box(self._both).sum() + away) + exact.steady_radius * (2 + size)

@@ -1,7 +1,7 @@
 """The exact solution over one sample, enclosed: z -> E (z - s) + s with E = exp(A Ts), s = (S, 0, ..).
 
-z = (T, Ts T', Ts^2 T'', ..). Everything is a ratio of whole numbers but the exponentials: those of the schedules come from
-the decimal library, which rounds them correctly, and that of the matrix is a Taylor sum with its remainder.
+z = (T, Ts T', Ts^2 T'', ..). Everything is a ratio of whole numbers but the exponentials: those of the schedules come
+from the decimal library, which rounds them correctly, and that of the matrix is a Taylor sum with its remainder.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Runs the recursion's C++ on affine numbers, so that what it does follows from its own text.
 
-Only what the emitted code is made of is understood: whole numbers, float32, words, one loop over equal runs. Anything else
-is refuted rather than guessed.
+Only what the emitted code is made of is understood: whole numbers, float32, words, one loop over equal runs. Anything
+else is refuted rather than guessed.
 """
 
 from __future__ import annotations
@@ -67,7 +67,14 @@ class Machine:
         return Cell(value.as_kind("word"), self._low_bits)
 
     def call(self, name: str, *arguments: Any) -> Any:  # noqa: ANN401
-        """Run a function of the C++, named without the prefix; numbers, words, :class:`State` and :class:`Coefficients`.
+        """Run a function of the C++, named without the prefix.
+
+        Parameters
+        ----------
+        name
+            ``A_increment`` or the like.
+        *arguments
+            Numbers, words, :class:`State` and :class:`Coefficients`.
 
         Raises
         ------

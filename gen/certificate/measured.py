@@ -59,8 +59,10 @@ _PART = """\
             {model}_start({number}, (int32_t)rise);
             const int64_t word = (int64_t)state.x[0].hi * (1 << {low_bits}) + state.x[0].lo;
             __int128 away = (__int128)1000 * word - (__int128)rise * (INT64_C(1) << ({bits} + {low_bits}));
-            for (int i = 1; i < {order}; ++i) if (state.x[i].hi || state.x[i].lo) return failed("start of {name}", (long)rise);
-            for (int i = 0; i < {order}; ++i) if ({model}_model.now.{at}.rate[i] != 0) return failed("start of {name}", (long)rise);
+            bool rests = true;
+            for (int i = 1; i < {order}; ++i) rests = rests && !state.x[i].hi && !state.x[i].lo;
+            for (int i = 0; i < {order}; ++i) rests = rests && {model}_model.now.{at}.rate[i] == 0;
+            if (!rests) return failed("start of {name}", (long)rise);
             if (away < 0) away = -away;
             if (away > most) most = (int64_t)away;
         }}
@@ -88,7 +90,8 @@ _PART = """\
                 state.x[0].hi = (int32_t)fractions[k];
                 const int64_t alone = {model}_{shape}_rise_mK(&state);
                 state.x[0].hi = (int32_t)(whole * (INT64_C(1) << {bits}) + fractions[k]);
-                if ({model}_{shape}_rise_mK(&state) != alone + 1000 * whole) return failed("reading of {name}", (long)whole);
+                const int64_t both = {model}_{shape}_rise_mK(&state);
+                if (both != alone + 1000 * whole) return failed("reading of {name}", (long)whole);
             }}
         }}
         std::printf("%lld\\n", (long long)most);
@@ -189,12 +192,8 @@ def _output(project: Project, program: str) -> str:
         main.write_text(program, encoding="utf-8")
         names = (f"{project.model}_schedule.cpp", f"{project.model}_accumulator.cpp")
         others = [str(project.sources / name) for name in names if (project.sources / name).is_file()]
-        made = subprocess.run(
-            [compiler, "-std=gnu++11", "-O2", "-ffp-contract=off", f"-I{project.sources}", str(main), *others]
-            + ["-o", str(main.with_suffix(""))],
-            capture_output=True,
-            text=True,
-        )
+        flags = ["-std=gnu++11", "-O2", "-ffp-contract=off", f"-I{project.sources}", "-o", str(main.with_suffix(""))]
+        made = subprocess.run([compiler, *flags, str(main), *others], capture_output=True, text=True)
         if made.returncode:
             raise Refuted(f"the library does not compile: {made.stderr.strip().splitlines()[0]}")
         return subprocess.run([str(main.with_suffix(""))], capture_output=True, text=True, check=False).stdout

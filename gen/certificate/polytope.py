@@ -99,7 +99,7 @@ class Directions:
 
 
 def _facets(points: Floats) -> tuple[Places, Places]:
-    """The facets of the hull of points, and beyond each vertex's opposite face the neighbour, shape (facets, n) each."""
+    """The facets of the hull of points, and the neighbour opposite to each vertex, shape (facets, n) each."""
     if points.shape[1] == 1:
         return np.array([[0], [1]], dtype=np.intp), np.array([[1], [0]], dtype=np.intp)
     hull = ConvexHull(points)
