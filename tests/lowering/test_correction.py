@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gen.lowering.fixed import corrected_format, correction
+from gen.lowering.fixed import corrected_format, correction, proof
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.correction import Correction
 from gen.lowering.fixed.formats import nested_ranges
 from gen.lowering.lower import lower
 from gen.lowering.recursion import bounds
 from gen.lowering.recursion.dynamics import Dynamics, dynamics
-from gen.lowering.recursion.reach import SwitchedRecursion
+from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
 from gen.reference.fixed import FixedStep, product
 from tests.examples import example
 
@@ -124,3 +124,30 @@ def test_a_sum_s_own_direction_is_narrower_than_its_terms_together() -> None:
                 largest[i] = max(largest[i], abs(value))
             state = exact.exact[row] @ (state - settled) + settled
     assert np.all(largest < inner)
+
+
+@pytest.mark.parametrize("off", [0, 1 << 12, 1 << 20])
+def test_sums_of_integer_rates_stay_within_what_is_counted_beside_those_of_exact_ones(off: int) -> None:
+    component = brush("my1016")
+    exact, form = tables("my1016")
+    ranges = bounds.state_ranges(SwitchedRecursion(exact.exact), form)
+    rates = (component.rates + off) * 2.0 ** -np.array(component.layout.rate_fraction_bits)
+    counted = proof._changed_sums(ranges, form, rates)
+    signs = np.array([[1, 1, 1], [1, 1, -1], [1, -1, 1], [1, -1, -1]])
+    for row in (0, 60, 255):
+        for away in signs * ranges.distance[row]:
+            exactly, found = 0.0, 0.0
+            for i in range(3):
+                exactly = away[i] + (form.rates[row, i - 1] * exactly if i else 0.0)
+                found = away[i] + (rates[row, i - 1] * found if i else 0.0)
+                assert abs(found - exactly) <= counted[i] * (1.0 + 1e-12) + 1e-15 * abs(exactly)
+
+
+def test_words_that_rates_far_off_overfill_have_no_proof() -> None:
+    """The corrected form's own check: rates of twice the size, in formats chosen for the right ones."""
+    component = brush("my1016")
+    exact, _ = tables("my1016")
+    with pytest.raises(NoProofError):
+        proof.prove_corrected(
+            SwitchedRecursion(exact.exact), exact, component.layout, component.rates * 2, component.steady
+        )

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from gen.lowering.recursion import reach
 from gen.lowering.recursion.dynamics import dynamics
 from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
 from tests.examples import example
@@ -13,9 +16,9 @@ from tests.examples import example
 def test_order_one_has_a_closed_form() -> None:
     rates = np.array([1e-5, 2e-4, 1e-3])
     recursion = SwitchedRecursion((1.0 - rates)[:, None, None])
-    reach = recursion.bound(rates[:, None, None] * 7.0)
-    assert reach.extent(np.ones(1)) == pytest.approx(7.0, rel=1e-4)
-    assert reach.extent(np.ones(1)) >= 7.0
+    found = recursion.bound(rates[:, None, None] * 7.0)
+    assert found.extent(np.ones(1)) == pytest.approx(7.0, rel=1e-4)
+    assert found.extent(np.ones(1)) >= 7.0
     started = recursion.bound(rates[:, None, None] * 7.0, start=np.array([[20.0]]))
     assert started.extent(np.ones(1)) == pytest.approx(20.0, rel=1e-4)
 
@@ -47,8 +50,30 @@ def test_unstable_switching_has_no_proof() -> None:
 def test_an_extent_is_convex_and_symmetric() -> None:
     model = example("my1016").model
     exact = dynamics(model, model.component("brush"), 1)
-    reach = SwitchedRecursion(exact.exact).bound(np.tile(np.diag([1e-6, 1e-9, 1e-12]), (256, 1, 1)))
+    found = SwitchedRecursion(exact.exact).bound(np.tile(np.diag([1e-6, 1e-9, 1e-12]), (256, 1, 1)))
     for direction in np.random.default_rng(2).normal(size=(20, 3)):
         scaled = direction / np.array([1.0, 1e-4, 1e-7])
-        assert reach.extent(scaled) == pytest.approx(reach.extent(-scaled))
-        assert reach.extent(2.0 * scaled) == pytest.approx(2.0 * reach.extent(scaled))
+        assert found.extent(scaled) == pytest.approx(found.extent(-scaled))
+        assert found.extent(2.0 * scaled) == pytest.approx(2.0 * found.extent(scaled))
+
+
+@pytest.mark.parametrize("short", [1e-12, 1e-9, 1e-7])
+def test_weights_that_leave_something_of_an_image_do_not_make_the_bound_smaller(
+    short: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As rounding may; here all of them are too small, in the inequalities and in the extents."""
+    usual = reach._Fan.of
+
+    def planted(order: int, shape: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> reach._Fan:
+        fan = usual(order, shape)
+        return replace(fan, inverse=fan.inverse * (1.0 - short))
+
+    monkeypatch.setattr(reach._Fan, "of", planted)
+    rates = np.array([1e-5, 2e-4, 1e-3])
+    recursion = SwitchedRecursion((1.0 - rates)[:, None, None])
+    try:
+        found = recursion.bound(rates[:, None, None] * 7.0)
+    except NoProofError:
+        assert short > 1e-9
+        return
+    assert found.extent(np.ones(1)) >= 7.0
