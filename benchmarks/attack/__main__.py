@@ -1,7 +1,7 @@
 """Attack the guaranteed error: search starts and PWM sequences for one that breaks a bound, against an exact solution.
 
 Run:  python -m benchmarks.attack                       (the examples, and 500 random coefficient files: hours)
-      python -m benchmarks.attack --files 20 --seed 7   (the examples quickly done with: --no-examples)
+      python -m benchmarks.attack --no-examples --files 20 --seed 7
       python -m benchmarks.attack FILE..                (these files alone, thoroughly)
 
 Every file is built in all four forms.  It is refused in one clear line, or every bound holds against what was found;
@@ -39,7 +39,8 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"\n{report.table()}\n\n{report.summary()}\n")
     if not given.paths:
         attack_random(range(given.first, given.first + given.files), QUICK, given.seed, drawn, _say)
-        print(f"\nrandom files {given.first}..{given.first + given.files - 1} of seed {given.seed}:\n\n{drawn.summary()}\n")
+        last = given.first + given.files - 1
+        print(f"\nrandom files {given.first}..{last} of seed {given.seed}:\n\n{drawn.summary()}\n")
     faults = report.faults() + drawn.faults()
     for fault in faults:
         print(f"FAULT  {fault}")

@@ -2,7 +2,7 @@
 
 For a sequence of PWM the costate says what a disturbance at any time adds to the error at the end.  Every block of
 samples takes the PWM that moves the state furthest along it, in as many blocks as improves the end (Krylov and
-Chernousko); then the costate is taken anew.  The end of that is a local optimum, so many starts and sequences go at once.
+Chernousko); then the costate is taken anew.  The end of that is a local optimum, so many sequences go at once.
 """
 
 from __future__ import annotations

@@ -37,7 +37,7 @@ class Board:
             self._low, bits = RESIDUE_BITS, component.layout.fraction_bits
         else:
             self._low, bits = LOW_BITS, tuple(f + LOW_BITS for f in component.fraction_bits)
-        self._units: Array = 2.0 ** -np.array(bits, dtype=np.float64)
+        self._units: Array = np.ldexp(1.0, -np.array(bits))
         self.fraction_bits = word_bits(component)
 
     def start(self, rise_mK: list[int]) -> State:
@@ -47,7 +47,7 @@ class Board:
         return list(lanes._state)
 
     def sample(self, state: State, row: Integers, before: Integers | None) -> State:
-        """The states after a sample at the domain's rows ``row``; ``before`` is the last sample's, None at the start."""
+        """The states after a sample at the domain's rows ``row``; ``before`` is the last one's, None at the start."""
         self._lanes._state = list(state)
         self._lanes._step.saturations = np.zeros((), dtype=np.int64)  # they are counted by lane, and lanes branch
         self._lanes.sample(row, before)
@@ -60,8 +60,7 @@ class Board:
 
     def rise(self, state: State) -> Array:
         """The same in K."""
-        rise: Array = self.word(state) * 2.0**-self.fraction_bits
-        return rise
+        return np.asarray(self.word(state) * 2.0**-self.fraction_bits, dtype=np.float64)
 
     def values(self, state: State) -> Array:
         """x1 .. xn with all their bits, in K per sample^k, shape (lanes, n)."""
@@ -110,7 +109,7 @@ class Copy:
     def of(cls, board: Board, steady: Array) -> Copy:
         """For a board and the exact steady rises in K."""
         maps = board.maps()
-        return cls(maps, np.linalg.inv(maps), steady)
+        return cls(maps, np.asarray(np.linalg.inv(maps), dtype=np.float64), steady)
 
     def true(self, values: Array, row: Integers) -> Array:
         """The copy y of the true state, for the board's values at rows, shape (lanes, n)."""

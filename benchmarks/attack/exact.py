@@ -7,7 +7,6 @@ has a memory of.  Each operation rounds by less than 2^-200 K, so that a hundred
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -50,13 +49,13 @@ class ExactComponent:
         self._steady: list[int] = []
         for pwm in schedules.domain(document):
             found = schedules.coefficients(document, component, pwm)
-            scaled = [_integer(_fraction(a) * step ** (k + 1)) for k, a in enumerate(found.denominator)]
+            scaled = [_integer(Fraction(a) * step ** (k + 1)) for k, a in enumerate(found.denominator)]
             self._steps.append(_growth(scaled))
-            self._steady.append(_integer(_fraction(found.steady)))
+            self._steady.append(_integer(Fraction(found.steady)))
         self.growth: NDArray[np.float64] = np.array(
-            [[[_float(v) for v in row] for row in matrix] for matrix in self._steps]
+            [[[kelvins(v) for v in row] for row in matrix] for matrix in self._steps]
         )
-        self.steady: NDArray[np.float64] = np.array([_float(v) for v in self._steady])
+        self.steady: NDArray[np.float64] = np.array([kelvins(v) for v in self._steady])
 
     def rises(self, start_mK: int, rows: Sequence[int]) -> list[int]:
         """Rise before the first sample and after each, in 2^-200 K, from rest."""
@@ -73,9 +72,9 @@ class ExactComponent:
         return rises
 
 
-def kelvins(difference: int) -> float:
-    """An integer of 2^-200 K as a float of K."""
-    return _float(difference)
+def kelvins(value: int) -> float:
+    """An integer of 2^-200 K in K."""
+    return float(Fraction(value, _ONE))
 
 
 def _growth(alpha: Sequence[int]) -> Matrix:
@@ -88,20 +87,10 @@ def _growth(alpha: Sequence[int]) -> Matrix:
     k = 0
     while any(abs(v) > 1 for row in term for v in row):  # floors end at -1, not at 0
         k += 1
-        term = [
-            [(sum(row[m] * companion[m][j] for m in range(n)) >> BITS) // k for j in range(n)] for row in term
-        ]
+        term = [[(sum(row[m] * companion[m][j] for m in range(n)) >> BITS) // k for j in range(n)] for row in term]
         total = [[t + v for t, v in zip(a, b, strict=True)] for a, b in zip(total, term, strict=True)]
     return total
 
 
-def _fraction(value: Decimal) -> Fraction:
-    return Fraction(value)
-
-
 def _integer(value: Fraction) -> int:
     return round(value * _ONE)
-
-
-def _float(value: int) -> float:
-    return float(Fraction(value, _ONE))

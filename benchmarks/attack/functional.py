@@ -4,8 +4,9 @@ With y the board's state as a copy of the true state z, and e = y - z, one sampl
 
     z' = E(p) (z - s) + s,        e' = E(p) e + D(p) (z - s) + b(p) + (what rounding adds at random),
 
-D being what coefficients and form do wrong, b the mean of all roundings.  D and b are measured, not derived: the board's
-own words are stepped once from many states of ordinary runs, at each row, and a linear fit says what is systematic.
+D being what coefficients and form do wrong, b the mean of all roundings.  D and b are measured, not derived: the
+board's own words are stepped once from many states of ordinary runs, at each row, and a linear fit says what is
+systematic.
 Each row appears twice, reached by a change of PWM and held, since a change rounds as well.  A wrong fit costs the
 attacker success and never makes a finding false: findings are judged by the exact solution.
 """
@@ -25,8 +26,8 @@ Integers = NDArray[np.int64]
 
 #: From how many states each row is stepped.
 _PROBES = 96
-#: How many samples the run has from which they are taken, and how long PWM is held in it, in time constants.
-_RUN = 600
+#: How many states each lane of the run gives from which they are taken, and how long it holds PWM, in time constants.
+_RUN = 150
 _HELD = (0.003, 2.0)
 
 
@@ -57,7 +58,7 @@ class Functional:
     @property
     def order(self) -> int:
         """n."""
-        return (self.steps.shape[1] - 1) // 2
+        return int(self.steps.shape[1] - 1) // 2
 
     def start(self, rise: Array) -> Array:
         """W at rest at given rises, shape (lanes, 2 n + 1)."""
@@ -89,17 +90,17 @@ def measured(board: Board, exact: ExactComponent, copy: Copy, rng: np.random.Gen
         steps.append(_assembled(exact, disturbance, constant, centre))
         outputs.append(_output(copy, centre))
     slowest = _slowest(exact)
-    return Functional(np.concatenate(steps), np.tile(np.arange(rows), 1 + both), np.concatenate(outputs), centre, slowest)
+    return Functional(
+        np.concatenate(steps), np.tile(np.arange(rows), 1 + both), np.concatenate(outputs), centre, slowest
+    )
 
 
 def _slowest(exact: ExactComponent) -> float:
-    """The slowest pole over all rows, 1/sample; trace(A Ts) over the rest is not needed this exactly."""
-    scaled = exact.growth + np.eye(exact.order)
-    drive = np.abs(np.linalg.det(exact.growth)) ** (1.0 / exact.order)  # geometric mean of the rates
-    balance = drive[:, None] ** np.arange(exact.order)
-    balanced = exact.growth * balance[:, None, :] / balance[:, :, None]
-    del scaled
-    return float(np.abs(np.linalg.eigvals(balanced).real).min(axis=1).min())
+    """The slowest pole over all rows, 1/sample, nearly: eigenvalues of exp(A Ts) - I in balanced coordinates."""
+    rate = np.abs(np.linalg.det(exact.growth)) ** (1.0 / exact.order)  # geometric mean
+    scale = rate[:, None] ** np.arange(exact.order)
+    balanced = exact.growth * (scale[:, None, :] / scale[:, :, None])
+    return float(np.abs(np.linalg.eigvals(balanced).real).min())
 
 
 def _visited(board: Board, exact: ExactComponent, rng: np.random.Generator) -> Array:
@@ -108,12 +109,12 @@ def _visited(board: Board, exact: ExactComponent, rng: np.random.Generator) -> A
     low, high = (end / 1000.0 for end in board.component.start_range_mK)
     z = np.zeros((lanes, n))
     z[:, 0] = rng.choice([low, high, 0.0, float(exact.steady.max())], lanes)
-    rates = 1.0 / _slowest(exact) * np.exp(rng.uniform(*np.log(_HELD), lanes))
+    held = np.exp(rng.uniform(np.log(_HELD[0]), np.log(_HELD[1]), lanes)) / _slowest(exact)
     found = []
     row = rng.integers(0, len(exact.steady), lanes)
-    stride = np.maximum(1, (rates / 10.0).astype(np.int64))
+    stride = np.maximum(1, (held / 10.0).astype(np.int64))
     powers = _powers(exact, int(stride.max()).bit_length())
-    for _ in range(_RUN // 4):
+    for _ in range(_RUN):
         new = rng.random(lanes) < 0.1
         row = np.where(new, rng.integers(0, len(exact.steady), lanes), row)
         for bit, power in enumerate(powers):

@@ -94,9 +94,7 @@ class Report:
         found = [entry.line() for entry in self.attacked if entry.broken]
         found += [f"{r.file} {r.form}: refused, but {r.wrong}: {r.message}" for r in self.refused if r.wrong]
         found += [f"{t.file} {t.form}: {t.crash.strip().splitlines()[-1]}" for t in self.timed if t.crash]
-        found += [
-            f"{t.file} {t.form}: {t.seconds:.1f} s to build" for t in self.timed if t.seconds > LONGEST_BUILD_S
-        ]
+        found += [f"{t.file} {t.form}: {t.seconds:.1f} s to build" for t in self.timed if t.seconds > LONGEST_BUILD_S]
         return found
 
     def summary(self) -> str:

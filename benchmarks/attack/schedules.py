@@ -5,6 +5,7 @@ Nothing of `gen` is used here: a schedule that the generator misreads must not b
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Context, Decimal, localcontext
@@ -91,12 +92,12 @@ def _interpolated(table: Entry, pwm: int) -> Decimal:
 
 
 def _slopes(x: Sequence[int], y: Sequence[Decimal]) -> list[Decimal]:
-    h = [Decimal(b - a) for a, b in zip(x, x[1:], strict=False)]
-    m = [(b - a) / w for a, b, w in zip(y, y[1:], h, strict=False)]
+    h = [Decimal(b - a) for a, b in itertools.pairwise(x)]
+    m = [(b - a) / w for (a, b), w in zip(itertools.pairwise(y), h, strict=True)]
     if len(h) == 1:
         return [m[0], m[0]]
     inner = []
-    for before, after, left, right in zip(m, m[1:], h, h[1:], strict=False):
+    for (before, after), (left, right) in zip(itertools.pairwise(m), itertools.pairwise(h), strict=True):
         if before * after <= 0:
             inner.append(Decimal(0))
         else:
@@ -115,9 +116,7 @@ def _end(h0: Decimal, h1: Decimal, m0: Decimal, m1: Decimal) -> Decimal:
     return slope
 
 
-def _times(
-    poly: list[tuple[Decimal, Decimal]], real: Decimal, imaginary: Decimal
-) -> list[tuple[Decimal, Decimal]]:
+def _times(poly: list[tuple[Decimal, Decimal]], real: Decimal, imaginary: Decimal) -> list[tuple[Decimal, Decimal]]:
     """A complex polynomial times (s - real - j imaginary)."""
     shifted, padded = [(Decimal(0), Decimal(0)), *poly], [*poly, (Decimal(0), Decimal(0))]
     return [

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +10,7 @@ from benchmarks.attack.adjoint import Plan, Sweep
 from benchmarks.attack.board import Array, Board, Copy, Integers
 from benchmarks.attack.exact import BITS, ExactComponent, kelvins
 from benchmarks.attack.functional import Functional, measured
-from benchmarks.attack.rollout import Guide, Runs, run
+from benchmarks.attack.rollout import Guide, Track, search
 from gen.lowering.program import AnyComponent
 
 
@@ -27,8 +26,8 @@ class Effort:
         Sequences that are improved at once, and how often.
     blocks
         Pieces that a run is planned in.
-    choices
-        PWM that are tried at each sample on the board's words.
+    choices, beam
+        PWM that are tried at each sample on the board's words, and how many runs go on from there.
     starts
         Starts that are tried, over the whole range.
     """
@@ -38,11 +37,12 @@ class Effort:
     rounds: int
     blocks: int
     choices: int
+    beam: int
     starts: int
 
 
-THOROUGH = Effort(longest=60_000, lanes=12, rounds=40, blocks=200, choices=24, starts=400_000)
-QUICK = Effort(longest=2_500, lanes=6, rounds=10, blocks=50, choices=16, starts=20_000)
+THOROUGH = Effort(longest=60_000, lanes=12, rounds=40, blocks=200, choices=24, beam=4, starts=400_000)
+QUICK = Effort(longest=2_500, lanes=6, rounds=10, blocks=50, choices=12, beam=2, starts=20_000)
 
 #: Lengths of runs in slowest time constants; rounding alone needs one or two, a transient less.
 _LENGTHS = (0.25, 0.5, 1.0, 2.0, 4.0)
@@ -80,14 +80,16 @@ def attack(component: AnyComponent, exact: ExactComponent, effort: Effort, rng: 
     board = Board(component)
     copy = Copy.of(board, exact.steady)
     starts = _Starts(board, effort, rng)
-    tracks = [(start, [], [starts.word(start)]) for start in starts.worst()]
-    tracks.append(_levels(board, exact, copy, starts).best())
+    tracks = [Track(start, [], [starts.word(start)]) for start in starts.worst()]
+    tracks.append(_levels(board, exact, copy, starts))
     with np.errstate(all="ignore"):  # an unproven form may be unstable
         functional = measured(board, exact, copy, rng)
         for sweep, plan, block in _plans(functional, component, effort, rng):
-            guide = Guide(plan.costates, sweep.candidates(plan, effort.choices), block)
-            tracks.append(run(board, exact, copy, starts.near(plan.rise, plan.sign), guide).best())
-    findings = [_judged(board, exact, *track) for track in tracks]
+            start = starts.near(plan.rise, plan.sign)
+            for choices, beam in ((1, 1), (effort.choices, effort.beam)):  # as planned, and with an eye on rounding
+                guide = Guide(plan.costates, sweep.candidates(plan, choices), block, beam)
+                tracks.append(search(board, exact, copy, start, guide))
+    findings = [_judged(board, exact, track) for track in tracks]
     return max(findings, key=lambda finding: finding.error_K)
 
 
@@ -160,7 +162,7 @@ class _Starts:
         return found
 
 
-def _levels(board: Board, exact: ExactComponent, copy: Copy, starts: _Starts) -> Runs:
+def _levels(board: Board, exact: ExactComponent, copy: Copy, starts: _Starts) -> Track:
     """Every level held for a while, from the worst starts, the ends and the middle."""
     rows = len(exact.steady)
     low, high = board.component.start_range_mK
@@ -168,14 +170,14 @@ def _levels(board: Board, exact: ExactComponent, copy: Copy, starts: _Starts) ->
     start = [value for value in chosen for _ in range(rows)]
     held: Integers = np.tile(np.arange(rows), len(chosen))[None, :, None]
     nothing = np.zeros((_HELD + 1, len(start), 2 * exact.order + 1))
-    return run(board, exact, copy, start, Guide(nothing, np.repeat(held, _HELD, axis=0), 1))
+    return search(board, exact, copy, start, Guide(nothing, np.repeat(held, _HELD, axis=0), 1))
 
 
-def _judged(board: Board, exact: ExactComponent, start_mK: int, rows: Sequence[int], words: Sequence[int]) -> Finding:
+def _judged(board: Board, exact: ExactComponent, track: Track) -> Finding:
     """The largest error of a run, by the exact solution."""
     shift = BITS - board.fraction_bits
     low, high = board.component.start_range_mK
-    rises = exact.rises(max(low, min(high, start_mK)), rows)
-    errors = [abs((word << shift) - rise) for word, rise in zip(words, rises, strict=True)]
+    rises = exact.rises(max(low, min(high, track.start_mK)), track.rows)
+    errors = [abs((word << shift) - rise) for word, rise in zip(track.words, rises, strict=True)]
     worst = max(range(len(errors)), key=errors.__getitem__)
-    return Finding(kelvins(errors[worst]), start_mK, tuple(rows[:worst]))
+    return Finding(kelvins(errors[worst]), track.start_mK, tuple(track.rows[:worst]))
