@@ -43,6 +43,8 @@ def random_document(seed: int, number: int) -> Document:
     }
     if rng.random() < 0.7:  # else most hot motors are refused, and nothing is learnt of their bounds
         document["accuracy"] = {"fixed_limit_K": 1.0, "float_limit_K": 50.0}
+    if rng.random() < 0.1:  # what has no proof has no bound to break, yet must be built without a crash
+        document["accuracy"] = document.get("accuracy", {}) | {"unproven": "saturate"}
     return document
 
 

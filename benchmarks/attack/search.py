@@ -43,6 +43,7 @@ class Effort:
 
 THOROUGH = Effort(longest=60_000, lanes=12, rounds=40, blocks=200, choices=24, beam=4, starts=400_000)
 QUICK = Effort(longest=2_500, lanes=6, rounds=10, blocks=50, choices=12, beam=2, starts=20_000)
+BRIEF = Effort(longest=500, lanes=4, rounds=6, blocks=25, choices=8, beam=1, starts=5_000)
 
 #: Lengths of runs in slowest time constants; rounding alone needs one or two, a transient less.
 _LENGTHS = (0.25, 0.5, 1.0, 2.0, 4.0)
