@@ -41,7 +41,7 @@ class Effort:
     starts: int
 
 
-THOROUGH = Effort(longest=60_000, lanes=12, rounds=40, blocks=200, choices=24, beam=4, starts=400_000)
+THOROUGH = Effort(longest=50_000, lanes=12, rounds=40, blocks=200, choices=24, beam=2, starts=400_000)
 QUICK = Effort(longest=2_500, lanes=6, rounds=10, blocks=50, choices=12, beam=2, starts=20_000)
 BRIEF = Effort(longest=500, lanes=4, rounds=6, blocks=25, choices=8, beam=1, starts=5_000)
 

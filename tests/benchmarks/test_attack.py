@@ -20,6 +20,7 @@ from benchmarks.attack.random_files import random_document
 from benchmarks.attack.report import Attacked, Refused, Report, Timed
 from benchmarks.attack.search import BRIEF, QUICK, Finding, attack
 from benchmarks.attack.victim import FORMS
+from gen.coefficients import parse
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
@@ -101,6 +102,30 @@ def test_its_board_has_the_words_of_the_reference(arithmetic: Arithmetic, name: 
         before = row
         found = np.array([board.rise(state) for board, state in zip(boards, states, strict=True)])
         np.testing.assert_array_equal(found, model.rises)
+
+
+def test_commands_outside_of_the_domain_are_what_it_attacks_at_its_ends() -> None:
+    """The judge knows the domain's rows only; the board limits |PWM| to them."""
+    read = constant(-0.3)
+    read["domain"]["pwm"] = read["validity"]["pwm"] = [40, 200]
+    component = read["components"][0]
+    component["gain"] = {"poly": [1e-3, 0.1]}
+    program = lower(parse(json.dumps(read).encode()), "fixed", "table")
+    pwm = np.random.default_rng(4).integers(-255, 256, (80, 1))
+    model, board = ReferenceModel(program, [0]), Board(program.components[0])
+    state, before, rows = board.start([0]), None, []
+    for command in pwm:
+        model.step(command)
+        row = np.clip(np.abs(command), 40, 200) - 40
+        state = board.sample(state, row, before)
+        before = row
+        rows.append(int(row[0]))
+        assert board.rise(state)[0] == model.rises[0, 0]
+    assert {0, 160} <= set(rows)
+    exact = ExactComponent(read, 0).rises(0, rows)[-1]
+    proof = program.components[0].proof
+    assert proof is not None
+    assert abs(float(Fraction(exact, 1 << BITS)) - float(model.rises[0, 0])) <= proof.bound_K
 
 
 def attacked(component: FixedComponent, read: dict[str, Any]) -> Finding:
