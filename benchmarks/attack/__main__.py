@@ -29,12 +29,13 @@ def main(arguments: list[str] | None = None) -> int:
     """Attack what the arguments name; the exit status."""
     given = _parser().parse_args(arguments)
     report, drawn = Report.empty(), Report.empty()
+    effort = QUICK if given.quick else THOROUGH
     for path in given.paths:
-        attack_file(path, str(path), THOROUGH, given.seed, report, _say)
+        attack_file(path, str(path), effort, given.seed, report, _say)
     if not given.paths and given.examples:
         for name in _EXAMPLES:
             path = _ROOT / "examples" / name / "coeffs.json"
-            attack_file(path, name, QUICK if given.quick else THOROUGH, given.seed, report, _say)
+            attack_file(path, name, effort, given.seed, report, _say)
     if report.attacked:
         print(f"\n{report.table()}\n\n{report.summary()}\n")
     if not given.paths:
@@ -55,7 +56,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--first", type=int, default=0, help="the number of the first random file (default: 0)")
     parser.add_argument("--seed", type=int, default=1, help="of random files and of the search (default: 1)")
     parser.add_argument("--no-examples", dest="examples", action="store_false", help="random files only")
-    parser.add_argument("--quick", action="store_true", help="spend no more on an example than on a random file")
+    parser.add_argument("--quick", action="store_true", help="spend no more on a file or example than on a random file")
     return parser
 
 
