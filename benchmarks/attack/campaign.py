@@ -29,11 +29,16 @@ def attack_file(
     report: Report,
     say: Say,
     forms: Sequence[tuple[Arithmetic, ScheduleKind]] = FORMS,
+    *,
+    by_command: bool = True,
 ) -> None:
-    """Attack one file in all forms; effects are left out, since the bound is the baseline's."""
+    """Attack one file in all forms; its first refusal is repeated by the command where ``by_command`` asks for it.
+
+    The file has no effects: a bound is the baseline's.
+    """
     document = json.loads(path.read_text(encoding="utf-8"))
     exact: dict[int, ExactComponent] = {}
-    told = False
+    told = not by_command
     for arithmetic, schedule in forms:
         form = f"{arithmetic}/{schedule}"
         made = built(path, arithmetic, schedule)
