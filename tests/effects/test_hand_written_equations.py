@@ -2,7 +2,7 @@
 
 Nothing of the catalogue is used to say what is right: the model's numbers, the effects' heat, states, starts and
 readings are literals of this file, solved with step size control. Three programs of the repository are held against
-that: what `gen simulate --arithmetic exact` integrates, what judges the board, and the board's reference in fixed point.
+that: what `gen simulate --arithmetic exact` integrates, what judges the board, and the board's reference.
 """
 
 from __future__ import annotations
