@@ -6,6 +6,7 @@ import argparse
 import json
 import os
 import random
+import signal
 import subprocess
 import sys
 from collections import Counter
@@ -13,7 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from benchmarks.mutants import of_python, of_templates
-from benchmarks.mutants.defects import Mutant, drawn
+from benchmarks.mutants.defects import Mutant, drawn, known
 from benchmarks.mutants.nearest import nearest, recorded
 from benchmarks.mutants.trials import Verdict, run
 
@@ -61,6 +62,14 @@ def sample(count: int, seed: int, only: list[str]) -> list[Mutant]:
     return chosen
 
 
+def not_caught(verdicts: Path) -> list[Mutant]:
+    """What survived an earlier run, was too slow for it or met no test."""
+    said = [json.loads(line) for line in verdicts.read_text(encoding="utf-8").splitlines()]
+    open_ = [each for each in said if each["outcome"] not in (CAUGHT, "no program")]
+    found = (known(ROOT, each["path"], each["line"], each["before"], each["after"]) for each in open_)
+    return [mutant for mutant in found if mutant is not None]
+
+
 def told(verdict: Verdict) -> str:
     """One verdict in a line or three."""
     mutant = verdict.mutant
@@ -85,6 +94,8 @@ def main() -> int:
     trial.add_argument("--count", type=int, default=300)
     trial.add_argument("--seed", type=int, default=11)
     trial.add_argument("--only", nargs="*", default=[], help="files, or beginnings of their paths")
+    trial.add_argument("--tests", nargs="*", default=[], help="run these for every mutant, not the nearest recorded")
+    trial.add_argument("--again", type=Path, help="instead of drawing: what an earlier run's file has as not caught")
     trial.add_argument("--jobs", type=int, default=1)
     trial.add_argument("--budget", type=float, default=40.0, help="recorded seconds of tests for one mutant")
     trial.add_argument("--limit", type=float, default=240.0, help="seconds for one mutant")
@@ -94,12 +105,17 @@ def main() -> int:
         record(options.rooms)
         return 0
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # the copies are removed then, too
     notes = recorded(RECORDINGS)
-    mutants = sample(options.count, options.seed, options.only)
+    mutants = not_caught(options.again) if options.again else sample(options.count, options.seed, options.only)
     random.Random(options.seed).shuffle(mutants)
     same = reasons()
     equivalent = [mutant for mutant in mutants if mutant.key in same]
-    planned = [(m, nearest(m, notes, ROOT, options.budget)) for m in mutants if m.key not in same]
+    planned = [
+        (mutant, options.tests or nearest(mutant, notes, ROOT, options.budget))
+        for mutant in mutants
+        if mutant.key not in same
+    ]
     counts: Counter[str] = Counter()
     options.json.parent.mkdir(parents=True, exist_ok=True)
     with options.json.open("w", encoding="utf-8") as file:

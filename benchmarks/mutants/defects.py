@@ -6,6 +6,7 @@ import random
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,16 @@ def changed(path: str, kind: str, old: str, new: str) -> Mutant | None:
         return None
     (at,) = places
     return Mutant(path, at + 1, kind, new, first[at].strip(), second[at].strip())
+
+
+def known(root: Path, path: str, line: int, before: str, after: str) -> Mutant | None:
+    """A mutant that was told of before; None where its line now reads otherwise."""
+    text = (root / path).read_text(encoding="utf-8")
+    lines = text.splitlines(keepends=True)
+    if line > len(lines) or lines[line - 1].strip() != before:
+        return None
+    lines[line - 1] = lines[line - 1].replace(before, after)
+    return changed(path, "again", text, "".join(lines))
 
 
 def drawn(makers: Sequence[Callable[[], Mutant | None]], count: int, seed: int) -> list[Mutant]:

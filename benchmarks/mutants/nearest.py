@@ -96,9 +96,9 @@ def nearest(mutant: Mutant, recording: Recording, root: Path, budget_s: float) -
     """
     if mutant.path.startswith("templates/"):
         return list(next((files for pattern, files in BY_TEMPLATE if fnmatch(mutant.path, pattern)), ()))
-    if mutant.path not in recording.lines:
-        return _by_name(mutant.path, root)
     seconds = recording.seconds
+    if not any(test.startswith(f"tests/{mutant.path.split('/')[1]}/") for test in seconds):
+        return _by_name(mutant.path, root)
     by_function: dict[str, list[str]] = {}
     for test in sorted(recording.tests_of(mutant.path, mutant.line), key=lambda name: (seconds[name], name)):
         by_function.setdefault(test.split("[")[0], []).append(test)
