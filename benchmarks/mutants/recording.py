@@ -44,9 +44,11 @@ class Recorder:
         """Begin before the tests' modules are imported."""
         self._coverage.start()
 
-    def pytest_sessionfinish(self) -> None:
-        """Write what was seen."""
+    def pytest_sessionfinish(self, exitstatus: int) -> None:
+        """Write what was seen; half a recording would hide the tests that did not come to their turn."""
         self._coverage.stop()
+        if exitstatus != pytest.ExitCode.OK:
+            return
         data = self._coverage.get_data()
         number = {test: i for i, test in enumerate(self._seconds)}
         lines: dict[str, dict[int, list[int]]] = {}

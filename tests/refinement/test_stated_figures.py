@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -15,6 +16,8 @@ from gen.refinement.effect_entries import effect_entries
 from gen.refinement.judgement import Judgement, p_better
 from gen.refinement.simulation_fit import HypothesisFit, Term
 from gen.refinement.stacked_runs import StackedRuns
+from gen.refinement.steps.couple import _rise
+from gen.refinement.trace_state import ComponentState
 
 Array = NDArray[np.float64]
 DIRECTION = registry()["direction"]
@@ -78,3 +81,29 @@ def test_a_name_is_certain_only_where_all_is_explained_and_nothing_looks_alike(
     (entry,) = effect_entries(found(lookalikes=lookalikes), explained=explained)
     assert entry.evidence["confident"] is confident
     assert [other["name"] for other in entry.evidence["lookalikes"]] == (["schedule_error"] if lookalikes else [])
+
+
+@pytest.mark.parametrize(("offset_K", "written"), [(0.24, False), (0.26, True), (-0.24, False), (-0.26, True)])
+def test_an_offset_within_the_tolerance_is_written_down_from_half_the_noise_on(offset_K: float, written: bool) -> None:
+    """It was fitted beside the effect, whose parameters hold beside it alone; the noise here is 0.5 K."""
+    traced = found(lookalikes=False)
+    traced.final["casing"] = replace(traced.final["casing"], offset=np.array([offset_K]))
+    entries = effect_entries(traced, explained=True)
+    assert [entry.name for entry in entries] == ["direction", *(["sensor_offset"] if written else [])]
+    if written:
+        assert dict(entries[1].parameters) == {"offset_K": pytest.approx(offset_K)}
+        assert entries[1].evidence["within_tolerance"] is True
+
+
+def test_what_another_part_is_told_is_a_rise_and_not_a_temperature() -> None:
+    """A coupling compares rises: 30 degC of ambient in one of them would be a heater that nobody built."""
+    base = np.linspace(0.0, 20.0, 5)[:, None, None, None]
+    track = SimpleNamespace(
+        base=base, ambient=np.full(base.shape, 30.0), measured_ambient=np.full(base.shape, 30.0), elapsed=base
+    )
+    final = SimpleNamespace(terms=(), values=lambda c: [])
+    runs = SimpleNamespace(track=track, residual=np.zeros((4, 1, 1, 1)))
+    track.measured_rise = np.zeros(1)
+    track.fading = np.ones(base.shape)
+    rise = _rise(cast(ComponentState, SimpleNamespace(final=final, runs=runs)))
+    np.testing.assert_allclose(rise[:, 0], base[:, 0, 0, 0])
