@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gen.identification.general import General, Option
 from gen.identification.output_error import OutputErrorFit, OutputErrorProblem
 from gen.identification.records import Record
 from gen.identification.uncertainty import residual_noise, uncertainty
@@ -78,3 +79,9 @@ def test_steady_rises_are_no_better_known_than_the_quantiser_allows(offset: bool
     assert added[1:3] == pytest.approx([expected] * 2, rel=1e-9)
     assert added[[0, *range(3, added.size)]] == pytest.approx(0.0, abs=1e-15)
     assert with_it[1] > 5.0 * without[1], "else the quantiser would not matter here"
+
+
+def test_the_chosen_option_is_the_first() -> None:
+    """`options` hold the best first; what identification writes into the file is that one."""
+    best, worse = cast(Option, SimpleNamespace()), cast(Option, SimpleNamespace())
+    assert General((best, worse)).chosen is best
