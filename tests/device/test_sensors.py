@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from gen import toolchain
 from gen.avr.compile import build_elf
 from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.coefficients import Coefficients
 from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.firmware.device import device_context
@@ -102,10 +103,10 @@ def word(counts: int) -> int:
 
 
 class Cpp:
-    """The emitted checks of the MY1016, with a shorter time to being stuck, compiled for this computer."""
+    """The emitted checks of the MY1016 (or another), with a shorter time to being stuck, compiled for this computer."""
 
-    def __init__(self, folder: Path) -> None:
-        coefficients = variant("my1016")
+    def __init__(self, folder: Path, coefficients: Coefficients | None = None) -> None:
+        coefficients = coefficients or variant("my1016")
         program = lower(coefficients, "fixed", "table")
         context = project_context(coefficients, program, "coeffs.json")
         device = device_context(coefficients, program)

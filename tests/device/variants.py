@@ -102,6 +102,12 @@ def _watched_brush(tree: Tree) -> None:
     tree["alarms"] = [rule]
 
 
+def _prompt(tree: Tree) -> None:
+    """One rule that speaks at the first sample at which the casing is too cold for its model."""
+    rule = {"name": "cold", "kind": "below_model", "component": "casing", "threshold_K": 0.2, "persistence_s": 0}
+    tree["alarms"] = [rule]
+
+
 VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "my1016": _as_it_is,
     "no_wiring": _no_wiring,
@@ -121,6 +127,7 @@ VARIANTS: Mapping[str, Callable[[Tree], None]] = {
 FURTHER: Mapping[str, Callable[[Tree], None]] = {
     "autostart": _autostart,
     "watched_brush": _watched_brush,
+    "prompt": _prompt,
 }
 """For a test or two of their own; wired as one of the others."""
 
