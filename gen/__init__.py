@@ -1,8 +1,8 @@
 """From identified motor-temperature coefficients to proven firmware for the Arduino Mega 2560.
 
-The Python interface: :func:`load`, :func:`read_run`, :func:`identify`, :func:`refine`, :func:`simulate`, :func:`build`
-and :func:`verify`, as the commands of the same names. Importing the package is quick: what a function needs is imported
-when it is called.
+The Python interface: :func:`load`, :func:`read_run`, :func:`identify`, :func:`refine`, :func:`simulate`,
+:func:`build`, :func:`verify` and :func:`check`, as the commands of the same names. Importing the package is quick: what
+a function needs is imported when it is called.
 """
 
 from __future__ import annotations
@@ -15,11 +15,13 @@ from gen.version import __version__
 if TYPE_CHECKING:
     from gen.interface import (
         Build,
+        Check,
         Identification,
         Model,
         Refinement,
         Verification,
         build,
+        check,
         identify,
         load,
         read_run,
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Build",
+    "Check",
     "CheckFailed",
     "Identification",
     "InputError",
@@ -38,6 +41,7 @@ __all__ = [
     "Verification",
     "__version__",
     "build",
+    "check",
     "identify",
     "load",
     "read_run",

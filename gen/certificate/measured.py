@@ -23,7 +23,7 @@ _PROGRAM = """\
 
 {stubs}
 static int failed(const char *what, long at) {{
-    std::printf("failed %s at %ld\\n", what, at);
+    std::printf("\\nfailed %s at %ld\\n", what, at);
     return 1;
 }}
 

@@ -14,10 +14,14 @@ DOMAIN = [96, 119]
 
 
 def small(*orders: int, name: str = "small") -> dict[str, Any]:
-    """A coefficient file with a part for each order: slow, cleanly scheduled poles."""
+    """A coefficient file with a part for each order: slow, cleanly scheduled poles; order 3 is the MY1016's brush."""
     poles = [-0.001, -0.004, -0.012, -0.03]
     components = []
+    brush = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text())["components"][0]
     for number, order in enumerate(orders):
+        if order == 3:
+            components.append({**brush, "name": f"part{number}"})
+            continue
         gain = 60.0 / 255.0
         for pole in poles[:order]:
             gain *= -pole
