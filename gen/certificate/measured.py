@@ -99,7 +99,7 @@ _PART = """\
 """
 
 _EFFECTS = """\
-extern "C" void {model}_effects_begin(void) {{}}
+void {model}_effects_begin(void) {{}}
 int32_t {model}_effects_start(uint8_t, int32_t rise_mK) {{ return rise_mK; }}
 void {model}_effects_started(uint8_t) {{}}
 void {model}_effects_step(int16_t) {{}}

@@ -24,8 +24,6 @@ from gen.model.schedules import ExponentialSum, Polynomial, Schedule, Table
 CERTIFICATE = "certificate.json"
 #: More bits than these of the fraction are left out where a word is given out in thousandths of a kelvin.
 _READ_BITS = 25
-#: By which share the polytopes are made wider than float64 found them: a wider one is invariant if the narrower one is.
-_WIDER = 2.0**-20
 
 
 def certificate_json(coefficients: Coefficients, program: Program) -> str:
@@ -64,7 +62,7 @@ def _part(component: AnyComponent, invariant: Invariant, source: Component, shap
     bits = component.layout.fraction_bits if isinstance(component, FixedComponent) else component.fraction_bits
     read_bits = bits[0] - RESIDUE_BITS if isinstance(component, FixedComponent) else bits[0]
     assert component.proof is not None
-    bound = component.proof.bound_K * (1.0 + 2.0 * _WIDER)
+    bound = component.proof.bound_K
     reading = bound + 0.0005 + (2.0**-_READ_BITS if read_bits > _READ_BITS else 0.0)
     return {
         "name": component.name,
@@ -80,8 +78,8 @@ def _part(component: AnyComponent, invariant: Invariant, source: Component, shap
         "centre": invariant.centre,
         "shape_matrix": invariant.shape.tolist(),
         "directions": _with_exact_axes(invariant.directions).tolist(),
-        "reach": (invariant.reach * (1.0 + _WIDER)).tolist(),
-        "error": (invariant.error * (1.0 + _WIDER)).tolist(),
+        "reach": invariant.reach.tolist(),
+        "error": invariant.error.tolist(),
     }
 
 

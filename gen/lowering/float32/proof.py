@@ -128,6 +128,4 @@ def _worst_error(
     extents = error.axes
     if np.any(extents > reachable.extents * WIDENING):
         raise NoProofError(bounds.TOO_LARGE)
-    beyond = np.abs(reachable.maps[:, 0, :] - np.eye(n)[0])
-    output = np.einsum("pj,pj->p", beyond, reachable.true_distance()).max()
-    return WorstError(float(extents[0] + output), error)
+    return WorstError.of(error, bounds.output_error(reachable.recursion, exact, reachable.maps))
