@@ -86,7 +86,7 @@ def check(folder: Path, tell: Callable[[str], None] = lambda _: None) -> tuple[C
     for part in certificate.parts:
         tell(part.name)
         try:
-            verdicts.append(_Proof(project, certificate, part, measured[part.name]).verdict())
+            verdicts.append(Proof(project, certificate, part, measured[part.name]).verdict())
         except Refuted as refuted:
             raise Refuted(f"{part.name}: {refuted}") from refuted
     return certificate, verdicts
@@ -124,7 +124,20 @@ class _Reach:
         return towards[:, 0] * float(self._centre), half + lost + np.abs(linear[-1]) * float(self._q) * (1.0 + _ROUGHLY)
 
 
-class _Proof:
+class Proof:
+    """One component's proof.
+
+    Parameters
+    ----------
+    project, certificate, part, measured
+        The component, and what running its C++ gave.
+
+    Raises
+    ------
+    Refuted
+        If the certificate does not fit together.
+    """
+
     def __init__(self, project: Project, certificate: Certificate, part: Part, measured: Measured) -> None:
         self._part, self._measured = part, measured
         n = part.order
@@ -151,7 +164,7 @@ class _Proof:
         self._unit = Fraction(1, 1 << part.fraction_bits[0] - low)  # of what is read
         below = 0 if certificate.arithmetic == "fixed" else 8
         self._word = ratios(Fraction(1, 1 << bits + below) for bits in part.fraction_bits)
-        self._recursion = Recursion(project, certificate.arithmetic, part, measured.table)
+        self.recursion = Recursion(project, certificate.arithmetic, part, measured.table)
 
     def verdict(self) -> Verdict:
         """Prove everything; see :mod:`gen.certificate.check`.
@@ -161,7 +174,7 @@ class _Proof:
         Refuted
             At the first step that fails.
         """
-        runs, q = self._recursion.runs(self._enclosing)
+        runs, q = self.recursion.runs(self.enclosing)
         self._check_starts()
         count = self._check_steps(runs)
         bound = self._bound(q)
@@ -174,7 +187,8 @@ class _Proof:
             )
         return Verdict(self._part.name, self._part.bound_K, self._part.reading_K, bound, count)
 
-    def _enclosing(self, q: Fraction) -> Reach:
+    def enclosing(self, q: Fraction) -> Reach:
+        """What the state ranges over, the old q being at most ``q``."""
         return _Reach(self._directions, self._both, self._map, self._word, self._part.centre, q)
 
     def _check_starts(self) -> None:
@@ -274,7 +288,7 @@ class _Proof:
         if beside.any():
             bound += largest(self._directions, self._both, beside)[0]
         if n == 2:
-            bound += abs(self._recursion.drive.share) * q * self._word[0]
+            bound += abs(self.recursion.drive.share) * q * self._word[0]
         return Fraction(bound + self._unit)
 
 
