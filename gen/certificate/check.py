@@ -19,6 +19,7 @@ import numpy as np
 
 from gen.certificate import document
 from gen.certificate.affine import Reach, outward
+from gen.certificate.disturbance import ROUGHLY, along_directions, linear_part
 from gen.certificate.document import Certificate, Part
 from gen.certificate.equation import Enclosure, enclose
 from gen.certificate.exact import BITS, Floats, Ratios, floats, inverse, ratios, zeros
@@ -28,9 +29,6 @@ from gen.certificate.polytope import Directions, Images, largest, largest_roughl
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 from gen.certificate.step import Recursion, Run
-
-#: Share by which float64 results are rounded up: some hundred operations, each right to 2^-53 of its terms.
-_ROUGHLY = 1e-12
 
 
 @dataclass(frozen=True)
@@ -116,12 +114,12 @@ class _Reach:
         words = floats(self._to_words)
         towards = linear[:-1].T @ words
         lost = (
-            _ROUGHLY
+            ROUGHLY
             * (np.abs(linear[:-1]).T @ np.abs(words))
             @ (floats(self._directions.box(self._heights)) + np.eye(words.shape[1])[0] * abs(float(self._centre)))
         )
         half = largest_roughly(self._directions, self._heights, towards)
-        return towards[:, 0] * float(self._centre), half + lost + np.abs(linear[-1]) * float(self._q) * (1.0 + _ROUGHLY)
+        return towards[:, 0] * float(self._centre), half + lost + np.abs(linear[-1]) * float(self._q) * (1.0 + ROUGHLY)
 
 
 class Proof:
@@ -213,69 +211,51 @@ class Proof:
         radius = exact.radius * Fraction(1, 1 << BITS)
         size = np.abs(exact.transition).sum(axis=(1, 2)) * Fraction(1, 1 << BITS)
         open_K = radius * (self._directions.box(self._both).sum() + away) + exact.steady_radius * (2 + size)
-        slack = np.abs(along).sum(axis=1)[None, :] * floats(open_K)[:, None] * (1.0 + _ROUGHLY)
+        slack = np.abs(along).sum(axis=1)[None, :] * floats(open_K)[:, None] * (1.0 + ROUGHLY)
         identity = np.eye(self._part.order, dtype=object) * (1 << BITS)
         towards = floats((identity - exact.transition)[:, :, 0] * Fraction(1, 1 << BITS) * away[:, None])
-        driven = np.abs(towards @ along.T) + _ROUGHLY * (np.abs(towards) @ np.abs(along).T)
+        driven = np.abs(towards @ along.T) + ROUGHLY * (np.abs(towards) @ np.abs(along).T)
         self._decide(images, self._reach, driven + slack, "states'", "")
-        for number, run in enumerate(runs):
-            self._decide(
-                images, self._error, self._disturbance(run) + slack, "errors'", " just after a change" if number else ""
-            )
+        held: tuple[Ratios, Floats] | None = None
+        for run in runs:
+            differs, constant = self._beside_exact(run)
+            linear, when = self._linear(differs), ""
+            if held is not None:  # after a change: what it does beside the run with PWM held may be told apart
+                linear = np.minimum(linear, held[1] + self._linear(differs - held[0]))
+                when = " just after a change"
+            held = held or (differs, linear)
+            self._decide(images, self._error, linear + self._rounding(run, constant) + slack, "errors'", when)
         return int(driven.size) * (1 + len(runs))
 
     def _decide(self, images: Images, heights: Ratios, added: Floats, whose: str, when: str) -> None:
         """Whether a polytope holds all that comes of it, (*) of :mod:`gen.certificate.check`."""
-        box = floats(self._directions.box(heights)) * (1.0 + _ROUGHLY)
-        needed = (images.largest(floats(heights), box) + added) * (1.0 + _ROUGHLY)
+        box = floats(self._directions.box(heights)) * (1.0 + ROUGHLY)
+        needed = (images.largest(floats(heights), box) + added) * (1.0 + ROUGHLY)
         if not np.all(needed <= floats(heights)):
             row = int(np.argmax((needed - floats(heights)).max(axis=1)))
             raise Refuted(f"the {whose} polytope is left at |PWM| {self._measured.first_pwm + row}{when}")
 
-    def _disturbance(self, run: Run) -> Floats:
-        """What a run adds to each ``c_j . e``, shape (P, J)."""
-        part, exact = self._part, self._exact
-        to_y = self._back * self._word[None, :]
-        from_y = self._map / self._word[:, None]
+    def _beside_exact(self, run: Run) -> tuple[Ratios, Ratios]:
+        """D and d with e -> E e + D (y - s) + d + columns t, shapes (P, n, n) and (P, n)."""
+        exact, to_y, from_y = self._exact, self._back * self._word[None, :], self._map / self._word[:, None]
         matrix = np.array([to_y @ one @ from_y for one in run.matrix])  # y -> matrix y + constant
         constant = np.array([to_y @ one for one in run.constant])
-        rest = np.zeros(part.order, dtype=object)
-        rest[0] = 1
-        at_rest = matrix[:, :, 0] * exact.steady[:, None] + constant - rest[None, :] * exact.steady[:, None]
-        differs = matrix - exact.transition * Fraction(1, 1 << BITS)
-        away = np.abs(exact.steady - part.centre)
-        box = self._directions.box(self._both)
-        # differs (y - s) = along_q (towards . (y - s)) + others (y - s): mostly it is q alone that is off.
-        along_q, towards = _product_form(floats(differs), floats(box))
-        others = differs - along_q[:, :, None] * towards[:, None, :]
-        distance = np.abs(towards[:, 0]) * away + largest(self._directions, self._both, towards)
-        boxes = np.tile(box, (len(away), 1))
-        boxes[:, 0] += away
-        together = [(along_q * distance[:, None])[:, None, :], (others * boxes[:, None, :]).transpose(0, 2, 1)]
-        apart = [(differs * boxes[:, None, :]).transpose(0, 2, 1)]
-        back = floats(to_y).T
-        rounding = self._sum(run.columns @ back, np.abs(run.columns) @ np.abs(back))
-        # Two ways to bound the same; either holds, at every |PWM| and in every direction.
-        either = [
-            self._sum(short, np.abs(short)) for short in (floats(np.concatenate(w, axis=1)) for w in (together, apart))
-        ]
-        constant_part = floats(at_rest[:, None, :])
-        found: Floats = rounding + self._sum(constant_part, np.abs(constant_part)) + np.minimum(*either)
-        return found * (1.0 + _ROUGHLY)
+        first = np.zeros(self._part.order, dtype=object)
+        first[0] = 1
+        at_rest = matrix[:, :, 0] * exact.steady[:, None] + constant - first[None, :] * exact.steady[:, None]
+        return matrix - exact.transition * Fraction(1, 1 << BITS), at_rest
 
-    def _sum(self, columns: Floats, sizes: Floats) -> Floats:
-        """sum_m ``|c_j . column_m|``, shape (P, J), in float64 and rounded up by far more than its own errors.
+    def _linear(self, differs: Ratios) -> Floats:
+        own_q = (self.recursion.drive.linear / self._word[:, None]).T @ self._map
+        return linear_part(self._directions, self._both, differs, self._exact.steady, self._part.centre, own_q)
 
-        Parameters
-        ----------
-        columns, sizes
-            Shape (P, m, n); ``sizes`` are the sums of magnitudes that the columns were made of.
-        """
-        along = self._directions.nearest
-        found = np.zeros((len(columns), len(along)))
-        for m in range(columns.shape[1]):
-            found += np.abs(columns[:, m] @ along.T) + _ROUGHLY * (sizes[:, m] @ np.abs(along).T)
-        return found
+    def _rounding(self, run: Run, constant: Ratios) -> Floats:
+        """What roundings add to each ``c_j . e``, shape (P, J)."""
+        back = floats(self._back * self._word[None, :]).T
+        beside = floats(constant[:, None, :])
+        columns = np.concatenate([run.columns @ back, beside], axis=1)
+        sizes = np.concatenate([np.abs(run.columns) @ np.abs(back), np.abs(beside)], axis=1)
+        return along_directions(self._directions, columns, sizes)
 
     def _bound(self, q: Fraction) -> Fraction:
         """Lemma 7: what is read is x1's upper bits, rounded down."""
@@ -290,11 +270,3 @@ class Proof:
         if n == 2:
             bound += abs(self.recursion.drive.share) * q * self._word[0]
         return Fraction(bound + self._unit)
-
-
-def _product_form(matrices: Floats, box: Floats) -> tuple[Ratios, Ratios]:
-    """The columns v and rows g, shape (P, n) each, whose products v g come nearest to matrices where |u_i| <= box_i."""
-    scaled = matrices * box[None, None, :] / box[None, :, None]
-    left, size, right = np.linalg.svd(scaled)
-    columns = left[:, :, 0] * size[:, :1] * box[None, :]
-    return ratios(columns), ratios(right[:, 0, :] / box[None, :])
