@@ -22,7 +22,6 @@ from gen.lowering.program import AnyComponent, Program, Shape
 from gen.lowering.recursion import bounds
 from gen.lowering.recursion.dynamics import Dynamics, LoweringError, domain_rows, dynamics
 from gen.lowering.recursion.guarantee import rounded_up
-from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.model import Component, ThermalModel
 
 #: Relative size of the terms that the float schedule leaves out where the usual one makes its bound too large.
@@ -95,7 +94,7 @@ def _onboard(
         tape = compile_component(model, component, "fixed", lowered.layout, lowered.substeps)
         found = fixed.with_rows(lowered, exact, *evaluate(tape, rows))
         if found.proof is not None and found.proof.bound_K > fixed.TARGET_K:  # worth the seconds that tuning takes
-            ranges = bounds.state_ranges(SwitchedRecursion(exact.exact), exact)
+            ranges = bounds.state_ranges(exact.recursion, exact)
             better = tuned(tape, exact.c, ranges.distance / exact.c[:, :1])
             other = fixed.with_rows(lowered, exact, *evaluate(better, rows))
             # Tuning knows nothing of S, which the same constants go into.
