@@ -73,8 +73,11 @@ def power_series(coefficients: Sequence[float] | Integers, u: Integers) -> Integ
     Raises
     ------
     RangeError
-        If a sum does not fit 40 bits.
+        If a coefficient or a sum does not fit 40 bits.
     """
+    for coefficient in coefficients:
+        if np.min(coefficient) < -(1 << 39) or np.max(coefficient) >= 1 << 39:
+            raise RangeError("a coefficient of a power series has more than 40 bits")
     first, *others = (np.asarray(c).astype(np.int64) for c in coefficients)
     total: Integers = np.broadcast_to(first, u.shape)
     for coefficient in others:
