@@ -13,6 +13,7 @@ from jinja2 import Environment
 
 from gen.coefficients import Coefficients
 from gen.firmware.alarm_text import alarm_texts
+from gen.firmware.contract import contract
 from gen.firmware.effects_report import effect_rows
 from gen.firmware.model_charts import course_chart, response_charts, schedule_charts
 from gen.firmware.step_responses import levels, responses
@@ -72,6 +73,7 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
             compared_words=count_words(combinations),
             targets=TARGETS,
             course=course_chart(*own["error_course"].values()) if own and "error_course" in own else None,
+            contract=contract(program),
             limit_name=limit_name,
             limit=limit,
             horizon=round(steps[0].times[-1]),
@@ -140,6 +142,11 @@ def verdict(own: Mapping[str, Any] | None) -> Verdict:
         f"{_count(sum(target['words'] for target in targets))} words compared, {_count(differing)} "
         f"word{'' if differing == 1 else 's'} differ{'s' if differing == 1 else ''}; targets: {', '.join(names)}."
     )
+    refuted = own.get("refuted")
+    if own.get("proven_K"):
+        detail += f" The bounds were proven anew from the C++: {_count(own['inequalities'])} inequalities hold."
+    if not differing and refuted:
+        return Verdict("different", "Equal, but the guarantee does not follow", detail, f"Refuted: {refuted}")
     if not differing and own.get("exceeded"):
         return Verdict("different", "Equal, but not as accurate as it must be", detail, "; ".join(own["exceeded"]))
     if not differing:

@@ -159,7 +159,10 @@ class Verification:
         return pd.DataFrame(rows).set_index(["combination", "target"])
 
     def errors(self) -> pd.DataFrame:
-        """Largest error in K against the exact solution, by combination and part: measured and guaranteed."""
+        """Largest error in K against the exact solution, by combination and part: measured, guaranteed, proven anew.
+
+        ``proven_K`` is what follows from the C++ (`gen.check`); NaN where nothing is guaranteed or that is refuted.
+        """
         import pandas as pd
 
         rows = [
@@ -168,6 +171,7 @@ class Verification:
                 "component": name,
                 "measured_K": measured,
                 "guaranteed_K": result.bound_K[name] if result.bound_K[name] is not None else float("nan"),
+                "proven_K": result.proven_K.get(name, float("nan")),
             }
             for result in self.results
             for name, measured in result.error_K.items()
@@ -186,6 +190,8 @@ class Verification:
         if found["differing"]:
             raise CheckFailed(f"{found['differing']} of {found['words']} words differ")
         for result in self.results:
+            if result.refuted is not None:
+                raise CheckFailed(f"{result.label}, {result.refuted}")
             for sentence in result.exceeded:
                 raise CheckFailed(f"{result.label}, {sentence}")
 

@@ -17,12 +17,12 @@ from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.onboard import OnboardComponent, compile_component, tuned
-from gen.lowering.onboard.evaluate import evaluate
+from gen.lowering.onboard.evaluate import RangeError, evaluate
+from gen.lowering.onboard.interpolate import NoPolynomialError
 from gen.lowering.program import AnyComponent, Program, Shape
 from gen.lowering.recursion import bounds
 from gen.lowering.recursion.dynamics import Dynamics, LoweringError, domain_rows, dynamics
 from gen.lowering.recursion.guarantee import rounded_up
-from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.model import Component, ThermalModel
 
 #: Relative size of the terms that the float schedule leaves out where the usual one makes its bound too large.
@@ -49,6 +49,8 @@ def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: Schedule
             if schedule == "onboard":
                 lowered, tape = _onboard(model, component, exact, limit)
                 onboard.append(tape)
+        except (RangeError, NoPolynomialError) as error:
+            raise CheckFailed(f"component {component.name}: --schedule onboard cannot compute it: {error}") from error
         except LoweringError as error:
             raise CheckFailed(str(error)) from error
         _check_bound(lowered, limit, entry, exact, unproven=coefficients.accuracy.unproven)
@@ -94,8 +96,8 @@ def _onboard(
     if isinstance(lowered, FixedComponent):
         tape = compile_component(model, component, "fixed", lowered.layout, lowered.substeps)
         found = fixed.with_rows(lowered, exact, *evaluate(tape, rows))
-        if found.proof is not None and found.proof.bound_K > fixed.TARGET_K:  # worth the seconds that tuning takes
-            ranges = bounds.state_ranges(SwitchedRecursion(exact.exact), exact)
+        if found.proof is not None and found.proof.bound_K > fixed.TARGET_K:
+            ranges = bounds.state_ranges(exact.recursion, exact)
             better = tuned(tape, exact.c, ranges.distance / exact.c[:, :1])
             other = fixed.with_rows(lowered, exact, *evaluate(better, rows))
             # Tuning knows nothing of S, which the same constants go into.

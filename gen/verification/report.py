@@ -19,6 +19,8 @@ def print_results(results: Sequence[CombinationResult]) -> None:
         console.print(sentence, markup=False)
     console.print(_errors(results))
     for result in results:
+        if result.refuted is not None:
+            console.print(f"{result.label}, the guarantee does not follow from the C++: {result.refuted}", markup=False)
         for sentence in result.exceeded:
             console.print(f"{result.label}, {sentence}", markup=False)
     for table in (_costs(results), _effects(results)):
@@ -44,12 +46,20 @@ def _mismatches(results: Sequence[CombinationResult]) -> Iterator[str]:
 
 
 def _errors(results: Sequence[CombinationResult]) -> Table:
-    table = Table("combination", "component", "measured K", "guaranteed K", title="Error against the exact solution")
+    heads = ("combination", "component", "measured K", "guaranteed K", "proven anew K")
+    table = Table(*heads, title="Error against the exact solution")
     for result in results:
         for name, measured in result.error_K.items():
             bound = result.bound_K[name]
             guaranteed = "none proven" if bound is None else f"{rounded_up(bound):.1e}"
-            table.add_row(result.label, name, f"{rounded_up(measured):.1e}", guaranteed)
+            proven = f"{rounded_up(result.proven_K[name]):.1e}" if name in result.proven_K else "-"
+            table.add_row(
+                result.label,
+                name,
+                f"{rounded_up(measured):.1e}",
+                guaranteed,
+                proven if result.refuted is None else "refuted",
+            )
     return table
 
 

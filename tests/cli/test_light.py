@@ -111,7 +111,14 @@ def test_a_bad_head_of_a_run_is_told_before_anything_slow(folder: Path) -> None:
 
 
 def test_other_complaints_load_nothing_slow(folder: Path) -> None:
+    (folder / "torn").mkdir()
+    (folder / "torn" / "certificate.json").write_text('{"format": "gen-certificate", "version": 1')
+    (folder / "old").mkdir()
     expected = {
+        "check missing": "missing/certificate.json: cannot be read",
+        "check old": "old/certificate.json: cannot be read",
+        "check torn": "torn/certificate.json: ",
+        "check missing --coefficients broken.json": "broken.json: ",
         "simulate good.json row.csv --out out.csv": "row.csv: line 2, column pwm",
         "thresholds good.json run.csv row.csv --rules rules.json --out out.json": "row.csv: line 2, column pwm",
         "thresholds good.json run.csv --rules run.csv --out out.json": "run.csv: line 1",

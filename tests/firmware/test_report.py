@@ -145,6 +145,34 @@ def test_an_error_larger_than_allowed_is_no_success() -> None:
     assert "component brush: the measured error of 1.2e-05 K" in text(line)
 
 
+def test_what_was_proven_anew_stands_beside_what_is_guaranteed() -> None:
+    record = verification(example("my1016"))
+    names = example("my1016").model.component_names
+    record["combinations"][0] |= {"proven_K": dict.fromkeys(names, 4.56e-7), "inequalities": 1234567, "refuted": None}
+    html = report_html(example("my1016"), lowered(), record)
+    line = first_line(html)
+    assert 'class="verdict equal"' in line
+    assert text(line).endswith("The bounds were proven anew from the C++: 1 234 567 inequalities hold.")
+    assert text(html).count("4.6 × 10⁻⁷") == len(names)
+    assert "not checked" not in html
+
+
+def test_a_verification_from_before_certificates_is_read() -> None:
+    html = report_html(example("my1016"), lowered(), verification(example("my1016")))
+    assert html.count("<td>not checked</td>") == 4
+
+
+def test_a_refuted_bound_is_no_success() -> None:
+    record = verification(example("my1016"))
+    record["combinations"][0] |= {"proven_K": {}, "inequalities": 0, "refuted": "brush: Lemma 2 fails at |PWM| 128"}
+    html = report_html(example("my1016"), lowered(), record)
+    line = first_line(html)
+    assert 'class="verdict different"' in line
+    assert "Equal, but the guarantee does not follow" in text(line)
+    assert text(line).endswith("Refuted: brush: Lemma 2 fails at |PWM| 128")
+    assert html.count('<td class="wrong">refuted</td>') == 4
+
+
 def test_the_error_over_whole_runs_is_drawn_where_it_was_measured() -> None:
     assert 'id="course-title"' not in report()
     html = report_html(example("my1016"), lowered(), verification(example("my1016")))

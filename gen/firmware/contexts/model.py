@@ -10,6 +10,7 @@ import numpy as np
 
 from gen.firmware.avr.block import Block, block
 from gen.firmware.contexts.components import ComponentContext, ShapeContext, component_contexts, shape_contexts
+from gen.firmware.contract import Clause, as_comment, contract
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import CARRY_FACTOR
 from gen.lowering.fixed.start import start_scale
@@ -24,7 +25,8 @@ class ModelContext(TypedDict):
     Keys that need a word: `carried`, the components that hand something over when PWM changes; `avr`, the assembly of
     the recursion (None in float32); `zeroed`, ranges of |PWM| at which a negative gain counts as 0; `start_members`,
     limits and factors of start values as literals, and whose they are; `shifts`, by how many bits words are shifted;
-    `limit_bits` and `limit_literals`, the ends of a float32 accumulator's range.
+    `limit_bits` and `limit_literals`, the ends of a float32 accumulator's range; `contract`, what the guarantee says,
+    and `contract_comment`, the same as a comment.
     """
 
     components: list[ComponentContext]
@@ -40,12 +42,15 @@ class ModelContext(TypedDict):
     shifts: list[int]
     limit_bits: int
     limit_literals: Callable[[int], str]
+    contract: tuple[Clause, ...]
+    contract_comment: list[str]
 
 
 def model_context(program: Program) -> ModelContext:
     """The model library of a program."""
     model = program.model
     components = component_contexts(program)
+    promised = contract(program)
     return {
         "components": components,
         "carried": [component for component in components if component["carried"]],
@@ -60,6 +65,8 @@ def model_context(program: Program) -> ModelContext:
         "shifts": _shift_totals(program),
         "limit_bits": LIMIT_BITS,
         "limit_literals": _limit_literals,
+        "contract": promised,
+        "contract_comment": as_comment(promised),
     }
 
 

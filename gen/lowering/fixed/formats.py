@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,21 +110,26 @@ class Target:
 
     def of_states(self, layout: Format) -> float:
         """Estimate of what the last bits of the states mean as an error of the steady rise, in K."""
-        return float(self._share().max(axis=0) @ np.array(layout.high_lsb))
+        return float(self._share.max(axis=0) @ np.array(layout.high_lsb))
 
     def of_all(self, layout: Format) -> float:
         """The same with the last bits of the rates and of what is carried at a change of PWM."""
-        share = self._share()
         # A rate is a factor of its own C and of all before it.
         halves = 0.5 / (self.rates * 2.0 ** np.array(layout.rate_fraction_bits))
-        rates = (halves * np.cumsum(share * self.distance, axis=1)).sum(axis=1).max()
-        carried = share[:, -1].max() * carry_error(layout, 0.0) if layout.order > 1 else 0.0
+        rates = (halves * self._moved).sum(axis=1).max()
+        carried = self._share[:, -1].max() * carry_error(layout, 0.0) if layout.order > 1 else 0.0
         return self.of_states(layout) + float(rates + carried)
 
+    @cached_property
     def _share(self) -> Array:
         """C[i]/C0, shape (rows, n): what a rounding of x[i+1] means."""
         share: Array = self.c / self.c[:, :1]
         return share
+
+    @cached_property
+    def _moved(self) -> Array:
+        """What a whole rate R[i] means, through its own C and all before it, shape (rows, n)."""
+        return np.cumsum(self._share * self.distance, axis=1)
 
 
 def dropped_bytes(shift: int, *, wide: bool) -> int:

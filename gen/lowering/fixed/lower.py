@@ -69,7 +69,7 @@ def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float)
     drive: float | None = None
     unproven = ""
     try:
-        recursion = SwitchedRecursion(exact.exact)
+        recursion = exact.recursion
         ranges = bounds.state_ranges(recursion, exact)
         inner = bounds.inner_ranges(recursion, exact)
         needed, drive = np.maximum(ranges.magnitude, inner.largest), inner.drive
@@ -104,7 +104,7 @@ def _lower(component: Component, exact: Dynamics, substeps: int, limit_K: float)
 def _lower_corrected(component: Component, exact: Dynamics) -> FixedComponent | None:
     """The component in the corrected form, None if it cannot have it."""
     try:
-        recursion = SwitchedRecursion(exact.exact)
+        recursion = exact.recursion
         inner = bounds.inner_ranges(recursion, exact).largest
         inner = np.maximum(inner, bounds.state_ranges(recursion, exact).magnitude)
     except NoProofError:
@@ -144,7 +144,7 @@ def with_rows(lowered: FixedComponent, exact: Dynamics, rates: Integers, steady:
     """
     given = replace(lowered, rates=rates, steady=steady, proof=None, unproven="")
     try:
-        recursion = SwitchedRecursion(exact.exact)
+        recursion = exact.recursion
         if lowered.layout.corrected:
             return replace(given, proof=prove_corrected(recursion, exact, lowered.layout, rates, steady))
         ranges = bounds.state_ranges(recursion, exact)

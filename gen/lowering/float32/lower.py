@@ -11,7 +11,7 @@ from gen.lowering.float32.packing import packed, packed_steady
 from gen.lowering.float32.proof import prove, word_ranges
 from gen.lowering.float32.ranges import Magnitudes, Reachable, proven_magnitudes, unproven_magnitudes
 from gen.lowering.recursion.dynamics import Dynamics, dynamics
-from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
+from gen.lowering.recursion.reach import NoProofError
 from gen.lowering.recursion.substeps import fewest_substeps
 from gen.model import Component, ThermalModel
 
@@ -55,7 +55,7 @@ def with_rows(lowered: FloatComponent, exact: Dynamics, rates: Singles, steady_K
     """
     given = replace(lowered, rates=rates, steady=lowered.steady_words(steady_K), proof=None, unproven="")
     try:
-        reachable = Reachable(SwitchedRecursion(exact.exact), exact)
+        reachable = Reachable(exact.recursion, exact)
         return replace(given, proof=prove(given, reachable, proven_magnitudes(reachable)))
     except NoProofError as error:
         given = replace(given, unproven=str(error))
@@ -65,7 +65,7 @@ def with_rows(lowered: FloatComponent, exact: Dynamics, rates: Singles, steady_K
 
 def _lower(component: Component, exact: Dynamics, substeps: int) -> FloatComponent:
     try:
-        reachable = Reachable(SwitchedRecursion(exact.exact), exact)
+        reachable = Reachable(exact.recursion, exact)
         sizes = proven_magnitudes(reachable)
         lowered = _tabulate(component, exact, substeps, _fraction_bits(exact, sizes, 31))
         return replace(lowered, proof=prove(lowered, reachable, sizes))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -45,37 +45,52 @@ def divide(a: Integers, b: Integers, shift: int, *, rounded: bool) -> Integers:
     RangeError
         If a quotient does not fit 31 bits.
     """
-    result = np.empty(a.shape, dtype=np.int64)
-    for i, (numerator, denominator) in enumerate(zip(a.tolist(), b.tolist(), strict=True)):
-        if not 0 < denominator < 1 << 32:
-            raise RangeError("the divisor is not positive, or has more than 32 bits")
-        magnitude, rest = divmod(abs(numerator) << shift, denominator)
-        if rounded and rest >= denominator - rest:
-            magnitude += 1
-        if magnitude >= 1 << 31:
-            raise RangeError("a quotient has more than 31 bits")
-        result[i] = -magnitude if numerator < 0 else magnitude
-    return result
+    if b.size and (b.min() <= 0 or b.max() >= 1 << 32):
+        raise RangeError("the divisor is not positive, or has more than 32 bits")
+    divisor = b.astype(np.uint64)
+    quotient, rest = np.divmod(np.abs(a).astype(np.uint64), divisor)
+    for bits in (*[31] * (shift // 31), shift % 31):  # the rest has 32 bits, and 63 with those
+        digits, rest = np.divmod(rest << np.uint64(bits), divisor)
+        quotient = (quotient << np.uint64(bits)) + digits
+        _check_quotient(quotient)
+    if rounded:
+        quotient = quotient + (rest >= divisor - rest)
+    _check_quotient(quotient)
+    magnitude = quotient.astype(np.int64)
+    return np.where(a < 0, -magnitude, magnitude)
 
 
-def power_series(coefficients: Sequence[float], u: Integers) -> Integers:
+def _check_quotient(quotient: NDArray[np.uint64]) -> None:
+    if quotient.size and quotient.max() >= 1 << 31:
+        raise RangeError("a quotient has more than 31 bits")
+
+
+def power_series(coefficients: Sequence[float] | Integers, u: Integers) -> Integers:
     """Horner's rule in 40 bits, u 0..255 in units of 2^-8; the result has 8 bits less.
+
+    Coefficients are numbers, or arrays of one number for each u.
 
     Raises
     ------
     RangeError
-        If a sum does not fit 40 bits.
+        If a coefficient or a sum does not fit 40 bits.
     """
-    total = np.full(u.shape, int(coefficients[0]), dtype=np.int64)
-    for coefficient in coefficients[1:]:
-        total = (total * u >> 8) + int(coefficient)
+    for coefficient in coefficients:
+        if np.min(coefficient) < -(1 << 39) or np.max(coefficient) >= 1 << 39:
+            raise RangeError("a coefficient of a power series has more than 40 bits")
+    first, *others = (np.asarray(c).astype(np.int64) for c in coefficients)
+    total: Integers = np.broadcast_to(first, u.shape)
+    for coefficient in others:
+        total = (total * u >> 8) + coefficient
         if total.size and (total.min() < -(1 << 39) or total.max() >= (1 << 39) - (1 << (GUARD_BITS - 1))):
             raise RangeError("a power series leaves its 40 bits")
     result: Integers = (total + (1 << (GUARD_BITS - 1))) >> GUARD_BITS
     return result
 
 
-def evaluate(component: OnboardComponent, pwm: NDArray[np.int64]) -> tuple[NDArray[Any], NDArray[Any]]:
+def evaluate(
+    component: OnboardComponent, pwm: NDArray[np.int64], tables: Mapping[int, Integers] | None = None
+) -> tuple[NDArray[Any], NDArray[Any]]:
     """Run the tape.
 
     Parameters
@@ -84,6 +99,8 @@ def evaluate(component: OnboardComponent, pwm: NDArray[np.int64]) -> tuple[NDArr
         What to run.
     pwm
         |PWM| within the component's domain, shape (m,).
+    tables
+        By a step's number, tables to take in place of its own, one for each PWM, shape (entries, m); fixed only.
 
     Returns
     -------
@@ -98,15 +115,17 @@ def evaluate(component: OnboardComponent, pwm: NDArray[np.int64]) -> tuple[NDArr
     x = np.asarray(pwm, dtype=np.int64)
     if x.size and (x.min() < component.domain[0] or x.max() > component.domain[1]):
         raise ValueError(f"|PWM| is {component.domain[0]}..{component.domain[1]}")
+    tables = tables or {}
     values: list[NDArray[Any]] = []
-    for step in component.steps:
+    for number, step in enumerate(component.steps):
         args = [values[a] for a in step.args]
         if step.op in ("input", "segment", "local"):
             values.append(_whole_number(step, x, args))
         elif component.arithmetic == "float":
             values.append(_float_step(step, x, args))
         else:
-            value = _fixed_step(step, x, args)
+            table = np.array(step.table, dtype=np.int64) if number not in tables else tables[number]
+            value = _fixed_step(step, table, x, args)
             _check(value, step)
             values.append(value)
     return np.stack([values[r] for r in component.rates], axis=1), values[component.steady]
@@ -128,15 +147,15 @@ def _whole_number(step: Step, x: Integers, args: list[Integers]) -> Integers:
     return held
 
 
-def _fixed_step(step: Step, x: Integers, args: list[Integers]) -> Integers:
-    table = np.array(step.table, dtype=np.int64)
+def _fixed_step(step: Step, table: Integers, x: Integers, args: list[Integers]) -> Integers:
+    """One step with a table, of shape (entries,) or (entries, m)."""
     match step.op:
         case "constant":
             return np.full(x.shape, table[0])
         case "row":
-            result = table[args[0]]
+            result = table[args[0]] if table.ndim == 1 else table[args[0], np.arange(len(x))]
         case "power_series":
-            result = power_series(step.table, MAX_PWM - args[0] if step.shift else args[0])
+            result = power_series(table, MAX_PWM - args[0] if step.shift else args[0])
         case "times":
             result = mul_byte(args[0], args[1], step.shift)
         case "mul" | "mul_modulo":

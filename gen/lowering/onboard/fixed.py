@@ -81,8 +81,9 @@ class FixedTape:
 
     def _largest(self, number: int) -> float:
         node = self._graph.nodes[number]
-        if node.op == "power_series":
-            return float(largest_sum(node.data[0], self._graph.values[node.args[0]].astype(int).tolist()))
+        if node.op == "power_series":  # a coefficient may be larger than every sum that it enters
+            series, inputs = node.data[0], self._graph.values[node.args[0]].astype(int).tolist()
+            return float(max(largest_sum(series, inputs), *(abs(c) for c in series.coefficients)))
         return float(np.abs(self._graph.values[number]).max())
 
     def _capacity(self, number: int) -> int:

@@ -23,6 +23,10 @@ _PLACES = 256
 _MOST_DEGREE = 120
 
 
+class NoPolynomialError(ValueError):
+    """No polynomial of a reasonable degree follows a schedule."""
+
+
 @dataclass(frozen=True)
 class PowerSeries:
     """A polynomial in u = x / 2^8, or in u = (255 - x) / 2^8.
@@ -76,7 +80,7 @@ def power_series(function: Callable[[Decimal], Decimal], inputs: Sequence[int], 
 
     Raises
     ------
-    ValueError
+    NoPolynomialError
         If no reasonable degree suffices.
     """
     with localcontext(EXACT):
@@ -88,7 +92,7 @@ def power_series(function: Callable[[Decimal], Decimal], inputs: Sequence[int], 
             if all(abs(found.sums(x)[-1] - values[x]) <= allowed[x] for x in values):
                 other = _interpolation(function, min(values), max(values), degree, reflected=True)
                 return min(found, other, key=lambda series: largest_sum(series, inputs))
-    raise ValueError(
+    raise NoPolynomialError(
         f"no polynomial of degree {_MOST_DEGREE} or less follows a schedule over |PWM| {min(inputs)}..{max(inputs)}"
     )
 

@@ -2,18 +2,20 @@
 
 At low PWM the poles are slow, and one unit of a coefficient is some 1e-9 of it.  All inputs are known, so the constants
 need not be the nearest to the real ones: those that give the best results are as good.
+
+A round has hundreds of changes to try.  All of them run side by side at the worst PWM, those that help there at the few
+worst, and what is left, the most promising first, at every PWM until no other can be better.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.onboard.evaluate import RangeError, evaluate
-from gen.lowering.onboard.tape import GUARD_BITS, OnboardComponent, Step
+from gen.lowering.onboard.evaluate import Integers, RangeError, evaluate
+from gen.lowering.onboard.tape import GUARD_BITS, OnboardComponent
 from gen.lowering.recursion import increments
 
 Array = NDArray[np.float64]
@@ -21,6 +23,49 @@ Array = NDArray[np.float64]
 _ROUNDS = 20
 #: In units of an entry, for a power series quarters of a unit of its result.
 _CHANGES = (-8, -6, -4, -3, -2, -1, 1, 2, 3, 4, 6, 8)
+#: At how many PWM a change has to help before all others are looked at.
+_FEW = 12
+
+
+@dataclass(frozen=True)
+class _Change:
+    """One entry of one step's table, changed by an amount."""
+
+    step: int
+    place: int
+    amount: int
+
+    def of(self, component: OnboardComponent) -> OnboardComponent:
+        """The component with it."""
+        steps = list(component.steps)
+        table = [int(v) for v in steps[self.step].table]
+        table[self.place] += self.amount
+        steps[self.step] = replace(steps[self.step], table=tuple(table))
+        return replace(component, steps=tuple(steps))
+
+
+@dataclass(frozen=True)
+class _Goal:
+    """What is brought down: sum_i weights[i] abs(C[i] - exact C[i]) at each PWM of the domain."""
+
+    lowest: int
+    exact_c: Array
+    weights: Array
+
+    def costs(self, component: OnboardComponent, pwm: NDArray[np.int64], tables: dict[int, Integers]) -> Array:
+        """The sums at PWM, shape (m,), with the tables of :func:`evaluate`.
+
+        Raises
+        ------
+        RangeError
+            If a word overflows at any of them.
+        """
+        assert component.layout is not None
+        rates, _ = evaluate(component, pwm, tables)
+        row = pwm - self.lowest
+        board = increments.from_rates(rates * 2.0 ** -np.array(component.layout.rate_fraction_bits))
+        found: Array = (self.weights[row] * np.abs(board - self.exact_c[row])).sum(axis=1)
+        return found
 
 
 def tuned(component: OnboardComponent, exact_c: Array, weights: Array) -> OnboardComponent:
@@ -38,47 +83,85 @@ def tuned(component: OnboardComponent, exact_c: Array, weights: Array) -> Onboar
         What a unit of C[i] is worth, shape (rows, n), such as the range of x[i+1] over C0.
     """
     domain = np.arange(component.domain[0], component.domain[1] + 1)
-    least = _cost(component, domain, exact_c, weights)
+    goal = _Goal(component.domain[0], exact_c, weights)
+    costs = goal.costs(component, domain, {})
     for _ in range(_ROUNDS):
-        worst = [int(np.argmax(least))]
-        best = component
-        for candidate in _changed(component):
-            # Most candidates already fail where it matters.
-            if _cost(candidate, domain[worst], exact_c[worst], weights[worst])[0] < least.max():
-                cost = _cost(candidate, domain, exact_c, weights)
-                if cost.max() < least.max():
-                    best, least = candidate, cost
-        if best is component:
+        helpful = _helpful(component, goal, domain, costs)
+        best: tuple[float, int] | None = None
+        for least, number, change in helpful:
+            if least > (best[0] if best else costs.max()):
+                break
+            found = _worst(change.of(component), goal, domain)
+            if found < costs.max() and (best is None or (found, number) < best):
+                best, chosen = (found, number), change
+        if best is None:
             break
-        component = best
+        component = chosen.of(component)
+        costs = goal.costs(component, domain, {})
     return component
 
 
-def _cost(component: OnboardComponent, pwm: NDArray[np.int64], exact_c: Array, weights: Array) -> Array:
-    assert component.layout is not None
+def _worst(component: OnboardComponent, goal: _Goal, pwm: NDArray[np.int64]) -> float:
     try:
-        rates, _ = evaluate(component, pwm)
+        return float(goal.costs(component, pwm, {}).max())
     except RangeError:  # an entry at the end of its word
-        return np.full(len(pwm), np.inf)
-    board = increments.from_rates(rates * 2.0 ** -np.array(component.layout.rate_fraction_bits))
-    cost: Array = (weights * np.abs(board - exact_c)).sum(axis=1)
-    return cost
+        return np.inf
 
 
-def _changed(component: OnboardComponent) -> Iterator[OnboardComponent]:
-    """The component with one entry changed, for all changes of all entries that stem from the coefficient file."""
+def _helpful(
+    component: OnboardComponent, goal: _Goal, domain: NDArray[np.int64], costs: Array
+) -> list[tuple[float, int, _Change]]:
+    """Changes that lower the largest of the costs where they are largest, in ascending order of what is left there.
+
+    With each the largest cost that is left, and its number, so that ties have an order.
+    """
+    changes = _changes(component)
+    most = float(costs.max())
+    numbers = np.arange(len(changes))
+    few = np.argsort(-costs, kind="stable")[:_FEW]
+    left = np.empty(0)
+    for rows in (few[:1], few):  # most changes already fail where it matters
+        left = _side_by_side(component, goal, domain[rows], [changes[i] for i in numbers])
+        numbers, left = numbers[left < most], left[left < most]
+    order = np.lexsort((numbers, left))
+    return [(float(left[i]), int(numbers[i]), changes[numbers[i]]) for i in order]
+
+
+def _changes(component: OnboardComponent) -> list[_Change]:
+    """All changes of all entries that stem from the coefficient file."""
+    found = []
     for number, step in enumerate(component.steps):
         if step.op not in ("row", "power_series") and not (step.op == "constant" and step.label.path):
             continue
         unit = 1 << (GUARD_BITS - 2) if step.op == "power_series" else 1
-        for place in range(len(step.table)):
-            for change in _CHANGES:
-                steps = list(component.steps)
-                steps[number] = _with_entry(step, place, change * unit)
-                yield replace(component, steps=tuple(steps))
+        found += [_Change(number, place, change * unit) for place in range(len(step.table)) for change in _CHANGES]
+    return found
 
 
-def _with_entry(step: Step, place: int, change: int) -> Step:
-    table = [int(v) for v in step.table]
-    table[place] += change
-    return replace(step, table=tuple(table))
+def _side_by_side(
+    component: OnboardComponent, goal: _Goal, pwm: NDArray[np.int64], changes: list[_Change]
+) -> NDArray[np.float64]:
+    """The largest cost at some PWM with each change, shape (changes,); infinite where a word overflows."""
+    if not changes:
+        return np.empty(0)
+    try:
+        found = goal.costs(component, np.tile(pwm, len(changes)), _tables(component, len(pwm), changes))
+    except RangeError:  # at least one of them: look for it in both halves
+        if len(changes) == 1:
+            return np.array([np.inf])
+        middle = len(changes) // 2
+        halves = [_side_by_side(component, goal, pwm, part) for part in (changes[:middle], changes[middle:])]
+        return np.concatenate(halves)
+    largest: NDArray[np.float64] = found.reshape(len(changes), len(pwm)).max(axis=1)
+    return largest
+
+
+def _tables(component: OnboardComponent, each: int, changes: list[_Change]) -> dict[int, Integers]:
+    """The tables that some of the changes concern, by step: ``each`` columns with every one of the changes."""
+    found: dict[int, Integers] = {}
+    for lane, change in enumerate(changes):
+        if change.step not in found:
+            own = np.array(component.steps[change.step].table, dtype=np.int64)
+            found[change.step] = np.tile(own[:, None], len(changes) * each)
+        found[change.step][change.place, lane * each : (lane + 1) * each] += change.amount
+    return found

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import ceil, floor
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.recursion import increments
+from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.model import Component, ThermalModel
 
 Array = NDArray[np.float64]
@@ -18,7 +20,7 @@ class LoweringError(Exception):
     """A component cannot be lowered; the message names it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Dynamics:
     """Real-valued tables of one component over its domain, and the recursion that they drive.
 
@@ -52,6 +54,17 @@ class Dynamics:
         """The component's order n."""
         return int(self.rates.shape[1])
 
+    @property
+    def recursion(self) -> SwitchedRecursion:
+        """What encloses everything that :attr:`exact` can reach.
+
+        Raises
+        ------
+        NoProofError
+            If nothing is found that encloses it.
+        """
+        return _recursion(self)
+
     def state_maps(self, carry: float = increments.CARRY) -> Array:
         """The matrices M(p) of :func:`gen.lowering.recursion.increments.state_map`, shape (rows, n, n)."""
         if self.constant_map is None:
@@ -71,6 +84,13 @@ def domain_rows(model: ThermalModel) -> NDArray[np.int64]:
     return np.arange(lo, hi + 1)
 
 
+#: For each number of substeps; an order 4 takes 40 MB.
+@lru_cache(maxsize=4)
+def _recursion(exact: Dynamics) -> SwitchedRecursion:
+    return SwitchedRecursion(exact.exact)
+
+
+@lru_cache(maxsize=16)
 def dynamics(model: ThermalModel, component: Component, substeps: int) -> Dynamics:
     """Tabulate a component's exact coefficients for a sample cut into ``substeps``.
 

@@ -1,0 +1,116 @@
+"""What the guarantee says, in words: one text for the emitted header, README and report."""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import dataclass
+
+from gen.lowering.program import Program
+
+#: Columns of a comment in the emitted C++.
+_WIDTH = 118
+
+
+@dataclass(frozen=True)
+class Clause:
+    """One thing that the guarantee depends on or leaves out.
+
+    Attributes
+    ----------
+    title
+        What it is about, to be read on into the text.
+    text
+        A sentence or more; code stands between backquotes.
+    """
+
+    title: str
+    text: str
+
+
+def contract(program: Program) -> tuple[Clause, ...]:
+    """The guarantee's clauses for a project; none where no part has one."""
+    if all(component.proof is None for component in program.components):
+        return ()
+    model = program.model
+    lowest, highest = model.domain_pwm
+    return clauses(model.name, f"{model.sample_time:g} s", f"{lowest}..{highest}", _exceptions(program))
+
+
+def clauses(name: str, sample_time: str, domain: str, exceptions: str = "") -> tuple[Clause, ...]:
+    """The guarantee's clauses.
+
+    Parameters
+    ----------
+    name
+        What the library's functions begin with.
+    sample_time
+        With its unit.
+    domain
+        The |PWM| for which all is proven.
+    exceptions
+        Sentences about parts of which less holds, each with a space before it.
+    """
+    return (
+        Clause(
+            "Of which output",
+            "The model's own word for a part's rise over ambient is never further from the exact solution than "
+            f"`bound_K` in `certificate.json`. `{name}_rise_mK()` and `{name}_temperature_mC()` round it to the "
+            "nearest thousandth of a kelvin, which adds up to 0.5001 thousandths: `reading_K`.",
+        ),
+        Clause(
+            "From which start",
+            f"From any rise of the part's start range (`start_mK`), at rest, and from the first sample on: "
+            f"`{name}_begin()` starts at 0, `{name}_start()` at the rise that it is told. One outside of the range is "
+            "limited to it and flagged; the guarantee is then about the limited one.",
+        ),
+        Clause(
+            "Between which events",
+            f"For every sequence of PWM, of any length, from one `{name}_start()` of the part to its next. A reset of "
+            f"the board or `{name}_begin()` ends it, unless `{name}_resume()` goes on with the very words and the PWM "
+            "of the last sample. Time that passes during a reset is not modelled.",
+        ),
+        Clause(
+            "Under which assumptions",
+            f"Every sample lasts {sample_time}. |PWM| is held over a sample, and limited to {domain}. The exact "
+            "solution is that of the coefficient file's equation. The board computes the same words as the C++ that "
+            "`gen verify` compares.",
+        ),
+        Clause(
+            "What is no part of it",
+            "Errors of sensors, of the measured ambient, and of the model itself: how well it fits the motor."
+            + exceptions,
+        ),
+        Clause(
+            "Proven anew",
+            "`gen check FOLDER`, told the project's folder, proves it from the emitted C++ and `certificate.json`, "
+            "with nothing of what made them.",
+        ),
+    )
+
+
+def _exceptions(program: Program) -> str:
+    """Of which parts less is guaranteed, in sentences with a space before each."""
+    text = ""
+    without = [component.name for component in program.components if component.proof is None]
+    if without:
+        text += f" Nothing is guaranteed of {_listed(without)}."
+    affected = [part.name for part in program.effects.components] if program.effects is not None else []
+    if affected:
+        text += (
+            f" Effects: of {_listed(affected)} the guarantee is about the baseline's word alone, and not about what is "
+            "given out."
+        )
+    return text
+
+
+def as_comment(clauses: tuple[Clause, ...]) -> list[str]:
+    """The clauses as lines of a C++ comment, without backquotes."""
+    lines = []
+    for clause in clauses:
+        text = f"{clause.title}: {clause.text}".replace("`", "")
+        lines += textwrap.wrap(text, _WIDTH, initial_indent="// * ", subsequent_indent="//   ")
+    return lines
+
+
+def _listed(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
