@@ -95,9 +95,9 @@ static void test_flags(void) {
     TEST_ASSERT_TRUE(my1016_flags() & MY1016_PWM_CLAMPED);
     my1016_step(255);
     TEST_ASSERT_FALSE(my1016_flags() & MY1016_PWM_CLAMPED);
+    TEST_ASSERT_EQUAL_UINT16(0, my1016_saturations());
     my1016_start(0, 3000000L);
     TEST_ASSERT_TRUE(my1016_flags() & MY1016_START_CLAMPED);
-    TEST_ASSERT_EQUAL_UINT16(0, my1016_saturations());
 }
 
 static int run_tests(void) {

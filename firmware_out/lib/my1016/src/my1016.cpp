@@ -55,7 +55,7 @@ extern "C" MY1016_SMALL void my1016_start(uint8_t component, int32_t rise_mK) {
         rise_mK = 160000L;
         flags |= MY1016_START_CLAMPED;
     }
-    my1016_rest(x, order, rise_mK, 8388L, 39846u);
+    my1016_rest(x, order, rise_mK, 8388L, 39845u, 58196u);
     my1016_model.flags = flags;
 }
 

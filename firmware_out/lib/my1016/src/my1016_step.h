@@ -56,17 +56,17 @@ static inline void my1016_A_advance(my1016_A_State *state, const my1016_A_Rates 
 
 #endif
 
-// Rise in thousandths of a kelvin, rounded down.
+// Rise in thousandths of a kelvin, to nearest.
 static inline int32_t my1016_A_rise_mK(const my1016_A_State *state) {
     const int32_t high = state->x[0].hi;
-    const uint32_t fraction = ((uint32_t)high & 8388607UL) >> 7;  // in 2^-16 K
-    return (high >> 23) * 1000 + (int32_t)((fraction * 1000u) >> 16);
+    const uint32_t fraction = ((uint32_t)high & 8388607UL);  // in 2^-23 K
+    return (high >> 23) * 1000 + (int32_t)((fraction * 125u + 524288UL) >> 20);
 }
 
 // ---- bearing, magnet, casing: order 1 ----
 //
 // bearing, proven for every sequence of PWM: rise within -60..160 K,
-//   and the rise never more than 3.7e-06 K from the exact solution.
+//   and the rise never more than 3.8e-06 K from the exact solution.
 // magnet, proven for every sequence of PWM: rise within -60..160 K,
 //   and the rise never more than 1.9e-06 K from the exact solution.
 // casing, proven for every sequence of PWM: rise within -60..160 K,
@@ -98,11 +98,11 @@ static inline void my1016_B_advance(my1016_B_State *state, const my1016_B_Rates 
 
 #endif
 
-// Rise in thousandths of a kelvin, rounded down.
+// Rise in thousandths of a kelvin, to nearest.
 static inline int32_t my1016_B_rise_mK(const my1016_B_State *state) {
     const int32_t high = state->x[0].hi;
-    const uint32_t fraction = ((uint32_t)high & 8388607UL) >> 7;  // in 2^-16 K
-    return (high >> 23) * 1000 + (int32_t)((fraction * 1000u) >> 16);
+    const uint32_t fraction = ((uint32_t)high & 8388607UL);  // in 2^-23 K
+    return (high >> 23) * 1000 + (int32_t)((fraction * 125u + 524288UL) >> 20);
 }
 
 #endif

@@ -189,11 +189,14 @@ static inline my1016_Word my1016_right13(my1016_Word word) {
 #endif
 
 // A state at rest at a rise in thousandths of a kelvin, which has been limited to the declared range. The factors are
-// 2^b / 1000 for b bits after the binary point of x1.hi: whole, and fraction / 2^16. Everything fits 32 bits.
-static inline MY1016_SMALL void my1016_rest(my1016_Word *x, uint8_t words, int32_t rise_mK, int32_t whole, uint16_t fraction) {
+// 2^b / 1000 for b bits after the binary point of x1.hi: the whole part, and the 32 bits after it in two halves. To
+// nearest; everything fits 32 bits.
+static inline MY1016_SMALL void my1016_rest(my1016_Word *x, uint8_t words, int32_t rise_mK, int32_t whole, uint16_t upper, uint16_t lower) {
     memset(x, 0, words * sizeof *x);
-    const int32_t part = (rise_mK >> 8) * (int32_t)fraction + (int32_t)(((uint32_t)(uint8_t)rise_mK * fraction) >> 8);
-    x->hi = rise_mK * whole + (part >> 8);
+    const int32_t over = rise_mK >> 8;
+    int32_t part = over * (int32_t)upper + (int32_t)(((uint32_t)(uint8_t)rise_mK * upper) >> 8);  // in 2^-8
+    part += (over * (int32_t)lower) >> 16;
+    x->hi = rise_mK * whole + ((part + 128) >> 8);
 }
 
 #endif
