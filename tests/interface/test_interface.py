@@ -30,7 +30,7 @@ def frame(*rows: tuple[float, int], **columns: float) -> pd.DataFrame:
     return pd.DataFrame({"pwm": pwm, **columns}, index=pd.Index(time, name="time_s"))
 
 
-@pytest.mark.parametrize("module", ["files", "firmware", "model", "simulation"])
+@pytest.mark.parametrize("module", ["certificate", "files", "firmware", "model", "simulation"])
 def test_every_example_of_the_docstrings_runs(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     result = doctest.testmod(importlib.import_module(f"gen.interface.{module}"), optionflags=doctest.ELLIPSIS)
