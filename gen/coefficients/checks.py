@@ -85,13 +85,14 @@ def _check_poles(component: Component, pwm: NDArray[np.int64], sample_time: floa
 
 def _hurwitz(a: FloatArray) -> NDArray[np.bool_]:
     """Decide stability by Hurwitz's determinants, which need no iteration; a is monic, of order 1..4."""
-    positive = (a > 0.0).all(axis=1)
+    stable = (a > 0.0).all(axis=1)
     order = a.shape[1] - 1
-    if order == 3:
-        return np.asarray(positive & (a[:, 1] * a[:, 2] > a[:, 3]))
-    if order == 4:
-        return np.asarray(positive & (a[:, 1] * a[:, 2] * a[:, 3] > a[:, 3] ** 2 + a[:, 1] ** 2 * a[:, 4]))
-    return np.asarray(positive)
+    with np.errstate(over="ignore", invalid="ignore"):  # poles beyond 1e100 1/s are refused for the sample time
+        if order == 3:
+            stable &= a[:, 1] * a[:, 2] > a[:, 3]
+        if order == 4:
+            stable &= a[:, 1] * a[:, 2] * a[:, 3] > a[:, 3] ** 2 + a[:, 1] ** 2 * a[:, 4]
+    return np.asarray(stable)
 
 
 def _roots(component: Component, pwm: NDArray[np.int64]) -> NDArray[np.complex128]:

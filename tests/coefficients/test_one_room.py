@@ -30,6 +30,8 @@ OTHER_FORMATS = {
     # the JSON summary of `gen identify`: a measured error by speed, a fitted number with its interval
     "identification/page.py": {"components"},
     "identification/summary.py": {"components", "value", "model_minus_measured_K"},
+    # the manifest of a project
+    "certificate/claims.py": {"components", "name"},
     # faults, channels and results of `gen emulate`
     "commands/emulate.py": {"alarms", "profile", "ambient", "encoder"},
     "emulate/results.py": {"alarms"},
@@ -48,7 +50,9 @@ OTHER_FORMATS = {
     "verification/runners.py": {"name"},
 }
 #: Where a dict with such keys is no object of the file: an effect's values, which may be a channel alone.
-OTHER_DICTS = {f"model/effects/catalogue/{name}.py" for name in ("airflow", "load_heating", "supply_voltage")}
+OTHER_DICTS = {f"model/effects/catalogue/{name}.py" for name in ("airflow", "load_heating", "supply_voltage")} | {
+    "firmware/certificate.py"  # the certificate's own form of an equation
+}
 
 
 def keys_used(tree: ast.AST) -> Iterator[tuple[str, int]]:
