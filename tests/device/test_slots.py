@@ -72,9 +72,9 @@ def test_a_faulty_sensor_flickers_two_slots_on_and_two_off(power_up: Open) -> No
     assert set(slots(board, 3.0)) == {(True, 2), (False, 2)}
 
 
-@pytest.mark.parametrize(("held_s", "acts"), [(0.030, False), (0.034, False), (0.066, True), (0.12, True)])
+@pytest.mark.parametrize(("held_s", "acts"), [(0.030, False), (0.066, True), (0.12, True)])
 def test_a_press_is_two_readings_after_two_without(power_up: Open, held_s: float, acts: bool) -> None:
-    """Whatever its phase: one that lasts two slots is always seen, one of a slot never."""
+    """Whatever its phase: one that lasts two slots is always seen, one shorter than a slot never."""
     board = power_up(test_alarms=True)
     board.started()
     board.hear(1.0)

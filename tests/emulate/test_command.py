@@ -135,7 +135,7 @@ def test_an_interruption_keeps_what_was_simulated(home: dict[str, str], tmp_path
     measured = read_run(run, ["brush"])
     assert float(measured.time_s[-1]) == pytest.approx(int(kept[1]), abs=5.0)
     comment = re.fullmatch(r"after (\d+\.\d\d) of 1000000 s", measured.comments["interrupted"])
-    assert comment and round(float(comment[1])) == int(kept[1])
+    assert comment and abs(float(comment[1]) - int(kept[1])) <= 0.5
     assert json.loads(found.read_text())["interrupted"] is True
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run.csv", "run.json", "run.svg"]
 

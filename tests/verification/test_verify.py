@@ -72,7 +72,7 @@ FAULTS: dict[str, tuple[Target, Callable[[Files], Files]]] = {
     "lost residue": ("host", replaced("_word.h", "(uint16_t)(whole & 0xFFFF)", "(uint16_t)(whole & 0xFFFE)")),
     "missing cast to 32 bits": (
         "avr",
-        replaced("_word.h", "(uint32_t)(uint8_t)rise_mK * fraction", "(uint8_t)rise_mK * fraction"),
+        replaced("_word.h", "(uint32_t)(uint8_t)rise_mK * upper", "(uint8_t)rise_mK * upper"),
     ),
     "wrong product shift": ("host", replaced("_step.h", "_high32(inner", "_high24(inner")),
     "correction forgotten": ("host", replaced("_step.h", "change * twelfth", "0 * change * twelfth")),
