@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable
 
 from gen.lowering.effects.program import Channel
-from gen.model import ThermalModel
-from gen.model.effects import Applied
-from gen.model.effects.channel_ranges import ChannelRange, channel_ranges
+from gen.model.effects.channel_ranges import ChannelRange
 
 
-def channels(
-    model: ThermalModel, effects: Sequence[Applied], declared: Mapping[str, tuple[float, float]]
-) -> tuple[Channel, ...]:
-    """The ambient and all columns.
-
-    Parameters
-    ----------
-    model, effects
-        What needs them.
-    declared
-        Ranges from the coefficient file, by column.
-    """
-    return tuple(_channel(found) for found in channel_ranges(model, effects, declared))
+def channels(ranges: Iterable[ChannelRange]) -> tuple[Channel, ...]:
+    """Channels in thousandths of their unit, each neutral value within its range."""
+    return tuple(_channel(found) for found in ranges)
 
 
 def _channel(found: ChannelRange) -> Channel:

@@ -29,7 +29,7 @@ from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
 from gen.model import ThermalModel
 from gen.model.effects import Applied
 from gen.model.effects.gains import Domain, PartGains, contracts, gains, in_loops, largest_loop, steady_loops
-from gen.model.effects.runaway import Runaway, runaway
+from gen.model.effects.runaway import Runaway, runaway_of
 
 Array = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ def contraction(model: ThermalModel, effects: Sequence[Applied], domain: Domain)
         If an equation is not made of ``+ - *``, whole powers and divisions by numbers.
     """
     parts = gains(model, effects, domain)
-    found = runaway(model, effects, domain)
+    found = runaway_of(parts, domain)
     if found is not None:
         return found
     names = model.component_names

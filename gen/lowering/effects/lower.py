@@ -36,6 +36,7 @@ from gen.lowering.recursion.dynamics import domain_rows
 from gen.lowering.sensors import COUNT_K, sensor_limits
 from gen.model import Component, ThermalModel
 from gen.model.effects import Applied, Moment
+from gen.model.effects.channel_ranges import channel_ranges
 from gen.model.effects.gains import Domain, ZERO_K_degC
 from gen.model.effects.runaway import Runaway
 from gen.model.extended import own_rate
@@ -81,7 +82,8 @@ def lower_effects(
         if limits.channel in apart:
             declared[limits.channel] = limits.lowest * COUNT_K, limits.highest * COUNT_K
     entries = [entry.applied() for entry in coefficients.document.effects]
-    builder = _Builder(model, effects, entries, arithmetic, components, channels(model, effects, declared))
+    told = channels(channel_ranges(model, effects, declared))
+    builder = _Builder(model, effects, entries, arithmetic, components, told)
     parts = builder.parts()  # what no board can compute is refused with a better message than the next line has
     found = contraction(model, effects, builder.domain())
     if isinstance(found, Runaway):

@@ -74,6 +74,11 @@ def runaway(model: ThermalModel, effects: Sequence[Applied], domain: Domain) -> 
         parts = gains(model, effects, domain)
     except TypeError:  # no board computes it either, and lowering says so
         return None
+    return runaway_of(parts, domain)
+
+
+def runaway_of(parts: Sequence[PartGains], domain: Domain) -> Runaway | None:
+    """Find what runs away at some |PWM| held, from the slopes of all parts."""
     return _by_itself(parts, domain) or _together(parts, domain)
 
 
