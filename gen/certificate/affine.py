@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from math import ceil, frexp
+from math import ceil, frexp, isfinite
 from typing import Protocol
 
 import numpy as np
 
-from gen.certificate.exact import Floats, Ratios, floats, zeros
+from gen.certificate.exact import ROUGHLY, Floats, Ratios, floats, zeros
 from gen.certificate.refuted import Refuted
 
 #: Least positive float32.
@@ -22,8 +22,6 @@ _TINY = Fraction(1, 1 << 149)
 _ENDS = {"int32_t": 1 << 31, "int64_t": 1 << 63}
 #: Grid on which ranges of roundings are rounded up, so that their ratios stay short.
 _GRID = 1 << 200
-#: Share by which float64 results are rounded up: some hundred operations, each right to 2^-53 of its terms.
-_ROUGHLY = 1e-12
 
 
 @dataclass(frozen=True)
@@ -133,7 +131,7 @@ class Space:
         """A bound of a number's magnitude, shape (P,), in float64 and rounded up by far more than its own errors."""
         constant = floats(value.constant)
         if value.known:
-            return np.abs(constant) * (1.0 + _ROUGHLY)
+            return np.abs(constant) * (1.0 + ROUGHLY)
         if self._reach is None:
             raise ValueError("a calculation without ranges")
         middle, half = self._reach.roughly(floats(value.linear))
@@ -142,7 +140,7 @@ class Space:
             ends = self.ranges[symbol]
             around += np.abs(floats(factor)) * np.maximum(np.abs(floats(ends[0])), np.abs(floats(ends[1])))
         found: Floats = np.abs(constant + middle) + half + around
-        return found + _ROUGHLY * (np.abs(constant) + np.abs(middle) + half + around)
+        return found + ROUGHLY * (np.abs(constant) + np.abs(middle) + half + around)
 
     def fits(self, value: Affine, end: int | None = None, what: str = "") -> Affine:
         """The number itself, within its type or within +-``end``.
@@ -178,6 +176,8 @@ class Space:
 
 def _half_ulp(largest: float) -> Fraction:
     """Half the distance of float32 numbers of at most this magnitude."""
+    if not isfinite(largest):
+        raise Refuted("a number of the board has no bound")
     if largest == 0.0:
         return Fraction(0)
     return max(Fraction(2) ** (frexp(largest)[1] - 25), _TINY / 2)

@@ -17,12 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
-from gen.certificate import document
 from gen.certificate.affine import Reach, outward
-from gen.certificate.disturbance import ROUGHLY, along_directions, linear_part
-from gen.certificate.document import Certificate, Part
+from gen.certificate.disturbance import along_directions, linear_part
+from gen.certificate.document import LOW_BITS, Certificate, Part
 from gen.certificate.equation import Enclosure, enclose
-from gen.certificate.exact import BITS, Floats, Ratios, floats, inverse, ratios, zeros
+from gen.certificate.exact import BITS, ROUGHLY, Floats, Ratios, floats, inverse, ratios, zeros
 from gen.certificate.measured import Measured, measure
 from gen.certificate.order import check_order
 from gen.certificate.polytope import Directions, Images, largest, largest_roughly
@@ -54,29 +53,30 @@ class Verdict:
     inequalities: int
 
 
-def check(folder: Path, tell: Callable[[str], None] = lambda _: None) -> tuple[Certificate, list[Verdict]]:
+def check(folder: Path, certificate: Certificate, tell: Callable[[str], None] = lambda _: None) -> list[Verdict]:
     """Prove every claim of an emitted project.
 
     Parameters
     ----------
     folder
         What ``gen build`` wrote.
+    certificate
+        Its own.
     tell
         Gets the name of each component before it is worked on.
 
     Returns
     -------
-    Certificate, list of Verdict
-        What was claimed, and what was proven of each component that has a claim.
+    list of Verdict
+        What was proven of each component that has a claim.
 
     Raises
     ------
     InputError
-        If a file is missing or no certificate.
+        If a file is missing, or a tool.
     Refuted
         If a claim does not follow.
     """
-    certificate = document.read(folder)
     project = Project(folder, certificate.model)
     check_order(project, certificate)
     measured = measure(project, certificate)
@@ -84,10 +84,13 @@ def check(folder: Path, tell: Callable[[str], None] = lambda _: None) -> tuple[C
     for part in certificate.parts:
         tell(part.name)
         try:
-            verdicts.append(Proof(project, certificate, part, measured[part.name]).verdict())
+            with np.errstate(
+                over="ignore", invalid="ignore"
+            ):  # nothing compares with what comes of it, so it is refuted
+                verdicts.append(PartProof(project, certificate, part, measured[part.name]).verdict())
         except Refuted as refuted:
             raise Refuted(f"{part.name}: {refuted}") from refuted
-    return certificate, verdicts
+    return verdicts
 
 
 class _Reach:
@@ -122,7 +125,7 @@ class _Reach:
         return towards[:, 0] * float(self._centre), half + lost + np.abs(linear[-1]) * float(self._q) * (1.0 + ROUGHLY)
 
 
-class Proof:
+class PartProof:
     """One component's proof.
 
     Parameters
@@ -138,16 +141,6 @@ class Proof:
 
     def __init__(self, project: Project, certificate: Certificate, part: Part, measured: Measured) -> None:
         self._part, self._measured = part, measured
-        n = part.order
-        if not (len(part.directions) == len(part.reach) == len(part.error) and len(part.fraction_bits) == n):
-            raise Refuted("the certificate's lists differ in length")
-        if (
-            any(len(row) != n for row in (*part.directions, *part.map, *part.shape_matrix))
-            or not len(part.map) == len(part.shape_matrix) == n
-        ):
-            raise Refuted(f"the certificate's rows are not {n} numbers long")
-        if min(part.reach) < 0 or min(part.error) < 0:
-            raise Refuted("a width of the certificate's polytopes is negative")
         self._directions = Directions(ratios(part.directions), floats(ratios(part.shape_matrix)))
         self._reach, self._error = ratios(part.reach), ratios(part.error)
         self._both = self._reach + self._error
@@ -157,11 +150,13 @@ class Proof:
         self._map = ratios(part.map)
         if self._map[0, 0] != 1 or self._map[1:, 0].any():
             raise Refuted("the map moves a state at rest")
-        self._back = inverse(self._map)
-        low = 16 if certificate.arithmetic == "fixed" else 0
-        self._unit = Fraction(1, 1 << part.fraction_bits[0] - low)  # of what is read
-        below = 0 if certificate.arithmetic == "fixed" else 8
-        self._word = ratios(Fraction(1, 1 << bits + below) for bits in part.fraction_bits)
+        try:
+            self._back = inverse(self._map)
+        except ZeroDivisionError as error:
+            raise Refuted("the map has no inverse") from error
+        self._unit = Fraction(1, 1 << part.fraction_bits[0])  # of what is read
+        low_bits = LOW_BITS[certificate.arithmetic]
+        self._word = ratios(Fraction(1, 1 << bits + low_bits) for bits in part.fraction_bits)
         self.recursion = Recursion(project, certificate.arithmetic, part, measured.table)
 
     def verdict(self) -> Verdict:

@@ -12,11 +12,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from gen.certificate.exact import Floats, Ratios, floats, ratios
+from gen.certificate.exact import ROUGHLY, Floats, Ratios, floats, ratios
 from gen.certificate.polytope import Directions, largest_roughly
-
-#: Share by which float64 results are rounded up: some hundred operations, each right to 2^-53 of its terms.
-ROUGHLY = 1e-12
 
 
 def along_directions(directions: Directions, columns: Floats, sizes: Floats) -> Floats:

@@ -7,24 +7,35 @@ nothing.
 from __future__ import annotations
 
 from fractions import Fraction
+from math import isfinite
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from gen.errors import InputError
 
 FILE = "certificate.json"
+#: Bits of a state's word below ``hi``.
+LOW_BITS = {"fixed": 16, "float": 8}
 
 
 def _exact(value: object) -> Fraction:
-    """A number of the file without rounding: JSON's numbers are read as float64, texts as ratios."""
-    if isinstance(value, bool) or not isinstance(value, int | float | str | Fraction):
+    """A number of the file without rounding: JSON's numbers are read as float64."""
+    if isinstance(value, bool) or not isinstance(value, int | float | Fraction):
         raise ValueError("expected a number")
+    if isinstance(value, float) and not isfinite(value):
+        raise ValueError("expected a finite number")
     return Fraction(value)
 
 
 Number = Annotated[Fraction, BeforeValidator(_exact)]
+Width = Annotated[Number, Field(ge=0)]
+Identifier = Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")]
+#: A |PWM|.
+Level = Annotated[int, Field(ge=0, le=255)]
+#: Thousandths of a kelvin.
+Start = Annotated[int, Field(ge=-(1 << 23), le=1 << 23)]
 #: A polynomial in |PWM| - start, highest power first, from |PWM| = start to end (both included).
 Piece = tuple[int, int, list[Number]]
 
@@ -60,29 +71,49 @@ class Equation(_Strict):
         Outside of these a negative K is 0.
     """
 
-    poles: list[Pole]
+    poles: list[Pole] = Field(min_length=1, max_length=4)
     gain: Schedule
     held: tuple[int, int]
     no_gain_outside: tuple[int, int]
 
 
-class Part(_Strict):
-    """One component: what is claimed of it, and why it is so.
+class _Placed(_Strict):
+    """A component in the C++.
 
     Attributes
     ----------
-    name, equation
+    name
         Of the exact solution.
     shape, place
         Which functions of the C++ run it, and its place in their arrays.
     substeps
         Runs of the recursion in a sample.
+    """
+
+    name: Identifier
+    shape: Annotated[str, Field(pattern=r"^[A-Z]\w*$")]
+    place: int = Field(ge=0)
+    substeps: int = Field(ge=1, le=64)
+
+    @property
+    def at(self) -> str:
+        """Its place in the state and in the coefficients, ``a[0]``."""
+        return f"{self.shape.lower()}[{self.place}]"
+
+
+class Part(_Placed):
+    """A component: what is claimed of it, and why it is so.
+
+    Attributes
+    ----------
+    equation
+        Of the exact solution.
     fraction_bits
-        The board's word w of x[i+1] means w 2^-bits K.
+        The board's word w, ``x[i].hi``, means w 2^-bits K.
     start_mK
         The rises to start from.
     bound_K, reading_K
-        The claims: largest error of the word that is read, and of ``NAME_rise_mK``.
+        The claims: largest error of the word, and of ``NAME_rise_mK``.
     map
         x = map (T, Ts T', Ts^2 T'', ..) but for x[n-1]'s share of q, shape (n, n); Ts of a substep.
     directions
@@ -93,33 +124,45 @@ class Part(_Strict):
         ``|c_j . (z - (centre, 0, ..))| <= reach_j`` of the exact state z, and error_j of the board's less z.
     """
 
-    name: str
     equation: Equation
-    shape: str
-    place: int
-    substeps: int = Field(ge=1)
-    fraction_bits: list[int]
-    start_mK: tuple[int, int]
+    fraction_bits: list[Annotated[int, Field(ge=0, le=200)]]
+    start_mK: tuple[Start, Start]
     bound_K: Number
     reading_K: Number
     map: list[list[Number]]
     centre: Number
     shape_matrix: list[list[Number]]
     directions: list[list[Number]]
-    reach: list[Number]
-    error: list[Number]
+    reach: list[Width]
+    error: list[Width]
 
     @property
     def order(self) -> int:
         """The component's order n."""
         return len(self.equation.poles)
 
+    @model_validator(mode="after")
+    def _fit_together(self) -> Part:
+        n = self.order
+        if not len(self.directions) == len(self.reach) == len(self.error) > 0:
+            raise ValueError("directions, reach and error differ in length")
+        if not len(self.fraction_bits) == len(self.map) == len(self.shape_matrix) == n:
+            raise ValueError(f"fraction_bits, map and shape_matrix are to have {n} entries, as there are poles")
+        if any(len(row) != n for row in (*self.directions, *self.map, *self.shape_matrix)):
+            raise ValueError(f"a row is not {n} numbers long")
+        if self.start_mK[0] > self.start_mK[1]:
+            raise ValueError("start_mK ends before it begins")
+        return self
 
-class Unproven(_Strict):
+
+class Unproven(_Placed):
     """A component without a claim, which saturates instead."""
 
-    name: str
+    order: int = Field(ge=1, le=4)
     proof: None
+
+
+AnyPart = Part | Unproven
 
 
 class Certificate(_Strict):
@@ -137,13 +180,13 @@ class Certificate(_Strict):
 
     format: Literal["gen-certificate"]
     version: Literal[1]
-    model: str
+    model: Identifier
     coefficients_sha256: str
     arithmetic: Literal["fixed", "float"]
     schedule: Literal["table", "onboard"]
-    sample_time_s: Number
-    domain_pwm: tuple[int, int]
-    components: list[Part | Unproven]
+    sample_time_s: Width
+    domain_pwm: tuple[Level, Level]
+    components: list[AnyPart] = Field(min_length=1)
 
     @property
     def parts(self) -> list[Part]:

@@ -138,10 +138,12 @@ def _value(schedule: Schedule, pwm: int) -> tuple[Fraction, Fraction]:
             total += term
             wrong += abs(term) * _EXPONENTIAL
     if schedule.pieces:
-        coefficients = next((c, start) for start, end, c in schedule.pieces if start <= pwm <= end)
+        held = next(((start, c) for start, end, c in schedule.pieces if start <= pwm <= end), None)
+        if held is None:
+            raise Refuted(f"a schedule says nothing of |PWM| {pwm}")
         value = Fraction(0)
-        for coefficient in coefficients[0]:
-            value = value * (pwm - coefficients[1]) + coefficient
+        for coefficient in held[1]:
+            value = value * (pwm - held[0]) + coefficient
         total += value
     # A short ratio for what follows.
     return Fraction(rounded(total), 1 << BITS), wrong + Fraction(1, 1 << BITS)

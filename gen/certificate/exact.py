@@ -15,6 +15,8 @@ Integers = NDArray[Any]
 Ratios = NDArray[Any]
 Floats = NDArray[np.float64]
 
+#: Share by which float64 results are rounded up: at most a hundred operations, each right to 2^-53 of its terms.
+ROUGHLY = 1e-12
 #: Bits after the binary point of what is held as a whole number.
 BITS = 192
 

@@ -15,8 +15,9 @@ import numpy as np
 from pycparser import c_ast
 
 from gen.certificate.affine import Affine, Space
+from gen.certificate.document import LOW_BITS
 from gen.certificate.exact import Ratios
-from gen.certificate.primitives import ACCUMULATOR_BITS, WORD_BITS, Cell, primitive
+from gen.certificate.primitives import Cell, primitive
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 
@@ -58,7 +59,7 @@ class Machine:
 
     def __init__(self, project: Project, arithmetic: str, space: Space) -> None:
         self._project, self._space = project, space
-        self._low_bits = WORD_BITS if arithmetic == "fixed" else ACCUMULATOR_BITS
+        self._low_bits = LOW_BITS[arithmetic]
         self._rate_kind = "uint32_t" if arithmetic == "fixed" else "float"
         self.runs = 1
 

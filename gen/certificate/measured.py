@@ -5,6 +5,7 @@ The library is compiled for this computer without its effects, which come after 
 
 from __future__ import annotations
 
+import os
 import subprocess
 import tempfile
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from gen import toolchain
-from gen.certificate.document import Certificate, Part
+from gen.certificate.document import LOW_BITS, Certificate
 from gen.certificate.exact import Ratios, ratios
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
@@ -20,6 +21,7 @@ from gen.certificate.source import Project
 _PROGRAM = """\
 #include "{model}.cpp"
 #include <cstdio>
+#include <cstring>
 
 {stubs}
 static int failed(const char *what, long at) {{
@@ -42,8 +44,8 @@ int main() {{
 }}
 """
 
-#: Bits of a state's word below what is read.
-_LOW_BITS = {"fixed": 16, "float": 8}
+#: Bits after the binary point of a word that is read.
+_MOST_BITS = 31
 _TABLE = """\
         for (int i = 0; i < {order}; ++i) std::printf("%a ", (double)now.{at}.rate[i]);
         std::printf("%a ", (double)now.{at}.steady);
@@ -53,6 +55,7 @@ _TABLE = """\
 _PART = """\
     {{
         {model}_begin();
+        if (std::strcmp({model}_component_name({number}), "{name}")) return failed("the name of {name}", {number});
         auto &state = {model}_model.state.{at};
         int64_t most = 0;
         for (int64_t rise = {low}; rise <= {high}; ++rise) {{
@@ -79,7 +82,7 @@ _PART = """\
         most = 0;
         for (int64_t fraction = 0; fraction < INT64_C(1) << {bits}; ++fraction) {{
             state.x[0].hi = (int32_t)fraction;
-            int64_t away = (int64_t){model}_{shape}_rise_mK(&state) * (INT64_C(1) << {bits}) - 1000 * fraction;
+            int64_t away = (int64_t){reading} * (INT64_C(1) << {bits}) - 1000 * fraction;
             if (away < 0) away = -away;
             if (away > most) most = away;
         }}
@@ -88,9 +91,9 @@ _PART = """\
             const int64_t fractions[] = {{0, 1, (INT64_C(1) << {bits}) / 3, (INT64_C(1) << {bits}) - 1}};
             for (int k = 0; k < 4; ++k) {{
                 state.x[0].hi = (int32_t)fractions[k];
-                const int64_t alone = {model}_{shape}_rise_mK(&state);
+                const int64_t alone = {reading};
                 state.x[0].hi = (int32_t)(whole * (INT64_C(1) << {bits}) + fractions[k]);
-                const int64_t both = {model}_{shape}_rise_mK(&state);
+                const int64_t both = {reading};
                 if (both != alone + 1000 * whole) return failed("reading of {name}", (long)whole);
             }}
         }}
@@ -139,50 +142,46 @@ def measure(project: Project, certificate: Certificate) -> dict[str, Measured]:
         If it does not compile, or does not do what it should.
     """
     low, high = certificate.domain_pwm
+    for part in certificate.parts:
+        if part.fraction_bits[0] > _MOST_BITS:
+            raise Refuted(f"{part.name}: {part.fraction_bits[0]} bits after the point of a word of 32")
     parts, model = certificate.parts, certificate.model
+    effects = (project.sources / f"{model}_effects.h").is_file()  # then the words of some are not what is given out
     numbers = {part.name: number for number, part in enumerate(certificate.components)}
     program = _PROGRAM.format(
         model=model,
         low=low,
         high=high,
-        stubs=_EFFECTS.format(model=model) if (project.sources / f"{model}_effects.h").is_file() else "",
-        tables="".join(_TABLE.format(order=part.order, at=_at(part)) for part in parts),
+        stubs=_EFFECTS.format(model=model) if effects else "",
+        tables="".join(_TABLE.format(order=part.order, at=part.at) for part in parts),
         parts="".join(
             _PART.format(
                 model=model,
-                at=_at(part),
+                at=part.at,
                 name=part.name,
                 number=numbers[part.name],
-                shape=part.shape,
+                reading=f"{model}_{part.shape}_rise_mK(&state)"
+                if effects
+                else f"{model}_rise_mK({numbers[part.name]})",
                 order=part.order,
                 low=part.start_mK[0],
                 high=part.start_mK[1],
-                bits=_read_bits(certificate, part),
-                low_bits=_LOW_BITS[certificate.arithmetic],
+                bits=part.fraction_bits[0],
+                low_bits=LOW_BITS[certificate.arithmetic],
             )
             for part in parts
         ),
     )
     lines = _output(project, program).splitlines()
-    if lines and lines[-1].startswith("failed"):
-        raise Refuted(f"the C++ does not do what the proof is about: {lines[-1].removeprefix('failed ')}")
     rows = high - low + 1
     table = ratios([float.fromhex(text) for text in line.split()] for line in lines[:rows])
     found, first = {}, 0
     for part, line in zip(parts, lines[rows:], strict=True):
-        start, reading = (int(text) * Fraction(1, 1000 << _read_bits(certificate, part)) for text in line.split())
-        start /= 1 << _LOW_BITS[certificate.arithmetic]
+        start, reading = (int(text) * Fraction(1, 1000 << part.fraction_bits[0]) for text in line.split())
+        start /= 1 << LOW_BITS[certificate.arithmetic]
         found[part.name] = Measured(table[:, first : first + part.order + 1], low, start, reading)
         first += part.order + 1
     return found
-
-
-def _at(part: Part) -> str:
-    return f"{part.shape.lower()}[{part.place}]"
-
-
-def _read_bits(certificate: Certificate, part: Part) -> int:
-    return part.fraction_bits[0] - (16 if certificate.arithmetic == "fixed" else 0)
 
 
 def _output(project: Project, program: str) -> str:
@@ -193,7 +192,17 @@ def _output(project: Project, program: str) -> str:
         names = (f"{project.model}_schedule.cpp", f"{project.model}_accumulator.cpp")
         others = [str(project.sources / name) for name in names if (project.sources / name).is_file()]
         flags = ["-std=gnu++11", "-O2", "-ffp-contract=off", f"-I{project.sources}", "-o", str(main.with_suffix(""))]
-        made = subprocess.run([compiler, *flags, str(main), *others], capture_output=True, text=True)
+        made = subprocess.run(
+            [compiler, *flags, str(main), *others],
+            env={**os.environ, "TMPDIR": scratch},  # an interrupted compiler's files go with the folder
+            capture_output=True,
+            text=True,
+        )
         if made.returncode:
             raise Refuted(f"the library does not compile: {made.stderr.strip().splitlines()[0]}")
-        return subprocess.run([str(main.with_suffix(""))], capture_output=True, text=True, check=False).stdout
+        ran = subprocess.run([str(main.with_suffix(""))], capture_output=True, text=True, check=False)
+    if ran.returncode:
+        last = ran.stdout.rstrip().rpartition("\n")[2]
+        what = last.removeprefix("failed ") if last.startswith("failed ") else f"it ends with {ran.returncode}"
+        raise Refuted(f"the C++ does not do what the proof is about: {what}")
+    return ran.stdout

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import groupby
 
-from gen.certificate.document import Certificate, Part
+from gen.certificate.document import AnyPart, Certificate, Part
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project, spaced
 
@@ -23,89 +24,173 @@ def check_order(project: Project, certificate: Certificate) -> None:
     Refuted
         If one does something else.
     """
-    others = [part.name for part in certificate.components if not isinstance(part, Part)]
-    for name in ("change", "commanded", "step", "resume"):
+    functions = ("change", "commanded", "step", "resume")
+    for name in functions:
         if name not in project.functions:
             raise Refuted(f"the C++ has no function {name}")
-    expected = {
-        "change": _change(project, certificate),
-        "commanded": _commanded(project),
-        "step": _step(project, certificate),
-        "resume": _resume(project),
-    }
-    for name, wanted in expected.items():
-        found = _statements(project.functions[name], certificate, others)
-        if found != [spaced(statement) for statement in wanted]:
-            differing = next((f for f, w in zip(found, wanted, strict=False) if f != spaced(w)), "its length")
+    sample = _FixedSample if certificate.arithmetic == "fixed" else _FloatSample
+    text = {name: project.functions[name] for name in functions}
+    expected = sample(project.model, certificate.components, text)
+    for name, wanted in (
+        ("change", expected.change()),
+        ("commanded", _commanded(project.model)),
+        ("step", expected.step()),
+        ("resume", _resume(project.model)),
+    ):
+        found = _statements(text[name], project.model)
+        if found != wanted:
+            differing = next((f for f, w in zip(found, wanted, strict=False) if f != w), "its length")
             raise Refuted(f"{name} does not do what the proof is about: {differing}")
 
 
-def _statements(text: str, certificate: Certificate, others: Sequence[str]) -> list[str]:
-    """The function's statements, without what belongs to unproven components, to effects and to the flag of limits."""
-    model = certificate.model
-    body = _MARKS.sub("", text).split("{", 1)[1].rsplit("}", 1)[0]
+def _statements(text: str, model: str) -> list[str]:
+    """A function's statements, without effects and the flag of limits, which come after the recursion."""
+    body = spaced(_MARKS.sub("", text).split("{", 1)[1].rsplit("}", 1)[0])
     effects = rf"{model}_effects_step\(pwm\); if \({model}_model\.effects\.limited\) \{{ [^}}]*\}}"
     saturations = rf"if \({model}_model\.saturations\) \{{ [^}}]*\}}"
-    body = re.sub(f"{effects}|{saturations}", "", spaced(body))
-    found = [spaced(part) for part in re.split(r"(?<=;)|(?<=\{)|(?<=\})", body) if part.strip()]
-    if not others:
-        return found
-    kept: list[str] = []
-    skipping = 0
-    for statement in found:
-        # An unproven component's own loop or call counts its saturations.
-        if "saturations" in statement or any(f"{name}_before" in statement for name in others):
-            if kept and kept[-1].startswith("for (") and kept[-1].endswith("{"):
-                kept.pop()
-                skipping += 1
-            continue
-        if skipping and statement == "}":
-            skipping -= 1
-            continue
-        kept.append(statement)
-    return kept
+    body = re.sub(f"{effects}|{saturations}", "", body)
+    return [spaced(part) for part in re.split(r"(?<=;)|(?<=\{)|(?<=\})", body) if part.strip()]
 
 
-def _shapes(certificate: Certificate) -> dict[str, list[Part]]:
-    shapes: dict[str, list[Part]] = {}
-    for part in certificate.parts:
-        shapes.setdefault(part.shape, []).append(part)
-    return shapes
+class _Sample:
+    """What a sample consists of.
+
+    Parameters
+    ----------
+    model
+        The C++ names' prefix.
+    parts
+        All components, in order.
+    text
+        Of the functions: which of two ways to write the same they take.
+    """
+
+    def __init__(self, model: str, parts: Sequence[AnyPart], text: dict[str, str]) -> None:
+        self.model, self.parts, self.text = model, parts, text
+
+    def change(self) -> list[str]:
+        """A new |PWM|."""
+        model = self.model
+        carried = [part for part in self.parts if self.carries(part)]
+        pointer = f"{model}_State *const state = &{model}_model.state;"
+        lines = [pointer] if carried or pointer in self.text["change"] else []
+        lines.append(f"{model}_Coefficients *const now = &{model}_model.now;")
+        for part in carried:
+            lines.append(f"const {self.kind(part)} {part.name}_before = {self.old_q(part)};")
+        lines.append(f"{model}_schedule(pwm, now);")
+        for part in carried:
+            lines += self.handed_over(part)
+        return lines
+
+    def step(self) -> list[str]:
+        """A sample."""
+        raise NotImplementedError
+
+    def carries(self, part: AnyPart) -> bool:
+        """Whether a component hands q's share over."""
+        raise NotImplementedError
+
+    def handed_over(self, part: AnyPart) -> list[str]:
+        """What does so."""
+        raise NotImplementedError
+
+    def old_q(self, part: AnyPart) -> str:
+        """The expression that gives what is kept of q."""
+        raise NotImplementedError
+
+    def kind(self, part: AnyPart) -> str:
+        """Its type."""
+        raise NotImplementedError
+
+    def call(self, part: AnyPart, function: str, *arguments: str) -> str:
+        """A call of a component's function; an unproven one counts its limits."""
+        counted = () if isinstance(part, Part) else (f"&{self.model}_model.saturations",)
+        return f"{self.model}_{part.shape}_{function}({', '.join((*arguments, *counted))})"
+
+    def guard(self, result: str) -> list[str]:
+        """Whether anything was commanded: either of two ways to write it."""
+        new, first = f"pwm != {self.model}_model.command", f"!({self.model}_model.flags & STARTED)"
+        tests = [f"if ({new} || {first}) {{", f"if (__builtin_expect({first} || {new}, 0)) {{"]
+        test = next((test for test in tests if test in self.text["step"]), tests[0])
+        return [test, f"{result}commanded(pwm);", "}"]
+
+    def advanced(self, shape: str, members: Sequence[AnyPart], *, alone: bool) -> list[str]:
+        """All components of a shape, ``alone`` those that are one without a loop."""
+        at = f"{shape.lower()}[{0 if alone else 'i'}]"
+        call = (
+            self.call(members[0], "advance", f"&{self.model}_model.state.{at}", f"&{self.model}_model.now.{at}") + ";"
+        )
+        if alone:
+            return [call]
+        return ["for (uint8_t i = 0;", f"i < {len(members)};", "++i) {", call, "}"]
+
+    def shapes(self) -> list[tuple[str, list[AnyPart]]]:
+        """Components of one shape together."""
+        ordered = sorted(self.parts, key=lambda part: part.shape)
+        return [(shape, list(members)) for shape, members in groupby(ordered, key=lambda part: part.shape)]
 
 
-def _carried(project: Project, certificate: Certificate) -> list[Part]:
-    return [part for part in certificate.parts if f"{part.shape}_carry" in project.functions]
+class _FixedSample(_Sample):
+    def kind(self, part: AnyPart) -> str:
+        return "int32_t" if isinstance(part, Part) else "int64_t"
+
+    def carries(self, part: AnyPart) -> bool:
+        return part.order > 1 and f"{self.model}_{part.shape}_carry(" in self.text["change"]
+
+    def old_q(self, part: AnyPart) -> str:
+        return self.call(part, "drive", f"&state->{part.at}", f"&now->{part.at}")
+
+    def handed_over(self, part: AnyPart) -> list[str]:
+        return [self.call(part, "carry", f"&state->{part.at}", f"{part.name}_before", self.old_q(part)) + ";"]
+
+    def step(self) -> list[str]:
+        shapes = self.shapes()
+        lines = self.guard("")
+        for proven in (False, True):  # on the AVR what is proven is one block of assembly
+            for shape, members in shapes:
+                if isinstance(members[0], Part) is proven:
+                    lines += self.advanced(shape, members, alone=len(members) == 1)
+        return lines
 
 
-def _place(part: Part) -> str:
-    return f"{part.shape.lower()}[{part.place}]"
+class _FloatSample(_Sample):
+    def kind(self, part: AnyPart) -> str:
+        return "float"
+
+    def carries(self, part: AnyPart) -> bool:
+        return part.order > 1
+
+    def old_q(self, part: AnyPart) -> str:
+        return f"{self.model}_{part.shape}_increment(&state->{part.at}, &now->{part.at})"
+
+    def handed_over(self, part: AnyPart) -> list[str]:
+        carry = self.call(part, "carry", f"&state->{part.at}", f"&now->{part.at}", f"{part.name}_before")
+        return [
+            f"const float {part.name}_q = {carry};",
+            self.call(part, "advance", f"&state->{part.at}", f"{part.name}_q") + ";",
+        ]
+
+    def step(self) -> list[str]:
+        carried = [part for part in self.parts if self.carries(part)]
+        lines = ["uint8_t done = 0;", *self.guard("done = ")] if carried else self.guard("")
+        for part in carried:
+            state, now = f"&{self.model}_model.state.{part.at}", f"&{self.model}_model.now.{part.at}"
+            lines += [
+                "for (uint8_t run = done;",
+                f"run < {part.substeps};",
+                "++run) {",
+                f"const float q = {self.model}_{part.shape}_increment({state}, {now});",
+                self.call(part, "advance", state, "q") + ";",
+                "}",
+            ]
+        for shape, members in self.shapes():
+            if members[0].order == 1:
+                lines += self.advanced(shape, members, alone=False)
+        return lines
 
 
-def _change(project: Project, certificate: Certificate) -> list[str]:
-    model, carried = certificate.model, _carried(project, certificate)
-    pointer = f"{model}_State *const state = &{model}_model.state;"
-    lines = [pointer] if pointer in project.functions["change"] else []
-    lines.append(f"{model}_Coefficients *const now = &{model}_model.now;")
-    single = certificate.arithmetic == "float"
-    kind, kept = ("float", "increment") if single else ("int32_t", "drive")
-    for part in carried:
-        at, function = _place(part), f"{model}_{part.shape}"
-        lines.append(f"const {kind} {part.name}_before = {function}_{kept}(&state->{at}, &now->{at});")
-    lines.append(f"{model}_schedule(pwm, now);")
-    for part in carried:
-        at, function = _place(part), f"{model}_{part.shape}"
-        if single:
-            lines.append(f"const float {part.name}_q = {function}_carry(&state->{at}, &now->{at}, {part.name}_before);")
-            lines.append(f"{function}_advance(&state->{at}, {part.name}_q);")
-        else:
-            lines.append(
-                f"{function}_carry(&state->{at}, {part.name}_before, {function}_drive(&state->{at}, &now->{at}));"
-            )
-    return lines
-
-
-def _commanded(project: Project) -> list[str]:
-    model, flags = project.model, project.model.upper()
+def _commanded(model: str) -> list[str]:
+    flags = model.upper()
     return [
         f"const uint8_t kept = {model}_model.flags & (STARTED | {flags}_START_CLAMPED | {flags}_SATURATED);",
         "const uint8_t within = magnitude(pwm);",
@@ -119,63 +204,10 @@ def _commanded(project: Project) -> list[str]:
     ]
 
 
-def _resume(project: Project) -> list[str]:
-    model = project.model
+def _resume(model: str) -> list[str]:
     return [
         "const uint8_t within = magnitude(pwm);",
         f"{model}_model.command = pwm;",
         f"{model}_model.flags = (uint8_t)(STARTED | pwm_flags(pwm, within));",
         f"{model}_schedule(within, &{model}_model.now);",
-    ]
-
-
-def _step(project: Project, certificate: Certificate) -> list[str]:
-    model, functions = certificate.model, project.functions
-    if certificate.arithmetic == "fixed":
-        return [*_guard(functions["step"], model, ""), *_fixed_runs(certificate)]
-    carried = _carried(project, certificate)
-    lines = ["uint8_t done = 0;"] if "done = 0" in functions["step"] else []
-    lines += _guard(functions["step"], model, "done = " if lines else "")
-    for part in carried:
-        at, function = f"{model}_model.state.{_place(part)}", f"{model}_{part.shape}"
-        lines += [
-            "for (uint8_t run = done;",
-            f"run < {part.substeps};",
-            "++run) {",
-            f"const float q = {function}_increment(&{at}, &{model}_model.now.{_place(part)});",
-            f"{function}_advance(&{at}, q);",
-            "}",
-        ]
-    for shape, members in _shapes(certificate).items():
-        if members[0].order == 1:
-            lines += _loop(model, shape, len(members))
-    return lines
-
-
-def _guard(step: str, model: str, result: str) -> list[str]:
-    """Whether anything was commanded: either of two ways to write it."""
-    new, first = f"pwm != {model}_model.command", f"!({model}_model.flags & STARTED)"
-    tests = [f"if ({new} || {first}) {{", f"if (__builtin_expect({first} || {new}, 0)) {{"]
-    return [next((test for test in tests if test in step), tests[0]), f"{result}commanded(pwm);", "}"]
-
-
-def _fixed_runs(certificate: Certificate) -> list[str]:
-    lines = []
-    for shape, members in _shapes(certificate).items():
-        if len(members) > 1:
-            lines += _loop(certificate.model, shape, len(members))
-        else:
-            at, model = f"{shape.lower()}[0]", certificate.model
-            lines.append(f"{model}_{shape}_advance(&{model}_model.state.{at}, &{model}_model.now.{at});")
-    return lines
-
-
-def _loop(model: str, shape: str, count: int) -> list[str]:
-    at = f"{shape.lower()}[i]"
-    return [
-        "for (uint8_t i = 0;",
-        f"i < {count};",
-        "++i) {",
-        f"{model}_{shape}_advance(&{model}_model.state.{at}, &{model}_model.now.{at});",
-        "}",
     ]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from gen.certificate.exact import Floats, Ratios, floats, ratios
+from gen.certificate.exact import ROUGHLY, Floats, Ratios, floats, ratios
 from gen.certificate.refuted import Refuted
 
 Places = NDArray[np.intp]
@@ -22,8 +22,6 @@ Places = NDArray[np.intp]
 _ENOUGH = -1e-12
 #: Facets that a guess looks at, at most.
 _LONGEST_WALK = 200
-#: Share by which float64 results are rounded up: at most a hundred operations, each right to 2^-53 of its terms.
-ROUGHLY = 1e-13
 
 
 class Directions:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from gen.certificate.affine import Affine, Space
+from gen.certificate.document import LOW_BITS
 from gen.certificate.refuted import Refuted
 
 
@@ -46,8 +47,8 @@ class Cell:
         self.value = space.fits(value.as_kind("word"), 1 << 31 + self.low_bits, what)
 
 
-WORD_BITS = 16
-ACCUMULATOR_BITS = 8
+WORD_BITS = LOW_BITS["fixed"]
+ACCUMULATOR_BITS = LOW_BITS["float"]
 
 
 def _product(space: Space, d: Affine, a: Affine, columns: int) -> Affine:

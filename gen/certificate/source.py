@@ -12,7 +12,12 @@ from pycparser import c_ast, c_parser
 from gen.certificate.refuted import Refuted
 from gen.errors import InputError
 
-_FUNCTION = re.compile(r"^(?:static|extern)[^\n;{]*?\b(\w+)\(([^;{]*)\)\s*\{", re.M)
+_FUNCTION = re.compile(r"^(?:static|extern|void)[^\n;{]*?\b(\w+)\(([^;{]*)\)\s*\{", re.M)
+#: Files whose functions are read as text, by what follows the model's name.
+_READ = ("_step.h", "_word.h", "_accumulator.h", "_accumulator.cpp", ".cpp")
+#: Where constants live, which only the schedule's tables know of.
+_FLASH = ("PROGMEM", "memcpy_P", "pgm_read_byte", "pgm_read_word", "pgm_read_dword", "pgm_read_float")
+_MARK = re.compile(r"(__attribute__\(\((noinline|unused)\)\))?")
 _QUALIFIERS = re.compile(
     r'\b(?:static|inline|__attribute__\(\(noinline\)\)|[A-Z0-9_]+_(?:ONE_COPY|SMALL))\b|extern "C"'
 )
@@ -57,20 +62,39 @@ class Project:
 
     @cached_property
     def functions(self) -> dict[str, str]:
-        """The functions of the recursion's files by name without the prefix, spaces made one."""
-        found = {}
-        names = [path.name.removeprefix(self.model) for path in sorted(self.sources.glob(f"{self.model}*"))]
-        wanted = [
-            name for name in names if name in ("_step.h", "_word.h", "_accumulator.h", "_accumulator.cpp", ".cpp")
-        ]
-        for name in wanted:
-            text = self.text(name)
+        """The functions of the recursion's files by name without the prefix, spaces made one.
+
+        Raises
+        ------
+        Refuted
+            If one is there twice, or a macro could make another text of one.
+        """
+        found: dict[str, str] = {}
+        for path in sorted(self.sources.glob(f"{self.model}*")):
+            text = self.text(path.name.removeprefix(self.model))
+            self._check_macros(text)
+            if path.name.removeprefix(self.model) not in _READ:
+                continue
             for match in _FUNCTION.finditer(text + "\n"):
-                body = _braced(text, match.end() - 1)
-                found[match[1].removeprefix(f"{self.model}_")] = spaced(match[0][:-1] + body)
-            for match in re.finditer(rf"^void {self.model}_(\w+)\(([^;{{]*)\)\s*\{{", text, re.M):
-                found[match[1]] = spaced(match[0][:-1] + _braced(text, match.end() - 1))
+                name = match[1].removeprefix(f"{self.model}_")
+                if name in found:
+                    raise Refuted(f"the C++ has two functions {match[1]}")
+                found[name] = spaced(match[0][:-1] + _braced(text, match.end() - 1))
         return found
+
+    def _check_macros(self, text: str) -> None:
+        """Text is what the compiler sees only if no macro replaces a word of it."""
+        for line in text.splitlines():
+            words = line.split(maxsplit=2)
+            if words[:1] == ["#undef"] or words[:1] == ["#pragma"]:
+                raise Refuted(f"a line that the proof does not know: {line.strip()}")
+            if words[:1] != ["#define"]:
+                continue
+            name, value = words[1], words[2] if len(words) > 2 else ""
+            own = name.startswith(f"{self.model.upper()}_")
+            marks = name.endswith(("_ONE_COPY", "_SMALL", "_UNUSED"))
+            if not (own or name.split("(")[0] in _FLASH) or (marks and not _MARK.fullmatch(value)):
+                raise Refuted(f"a macro that the proof does not know: {line.strip()}")
 
     def parsed(self, name: str) -> c_ast.FuncDef:
         """The syntax tree of a function of the recursion.

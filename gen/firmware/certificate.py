@@ -6,8 +6,6 @@ The room ``certificate`` reads it and trusts nothing of it; it shares no code wi
 from __future__ import annotations
 
 import json
-from fractions import Fraction
-from math import log10
 from typing import Any
 
 import numpy as np
@@ -15,15 +13,14 @@ import numpy as np
 from gen.coefficients import Coefficients
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import RESIDUE_BITS
+from gen.lowering.kinds import OUTPUT_BITS
 from gen.lowering.program import AnyComponent, Program
-from gen.lowering.recursion.guarantee import Invariant
+from gen.lowering.recursion.guarantee import Proof, rounded_up
 from gen.model import Component
 from gen.model.dynamics import MAX_PWM
 from gen.model.schedules import ExponentialSum, Polynomial, Schedule, Table
 
 CERTIFICATE = "certificate.json"
-#: More bits than these of the fraction are left out where a word is given out in thousandths of a kelvin.
-_READ_BITS = 25
 
 
 def certificate_json(coefficients: Coefficients, program: Program) -> str:
@@ -34,11 +31,12 @@ def certificate_json(coefficients: Coefficients, program: Program) -> str:
     }
     components = []
     for number, (component, source) in enumerate(zip(program.components, model.components, strict=True)):
+        shape, place = places[number]
+        placed = {"name": component.name, "shape": shape, "place": place, "substeps": component.substeps}
         if component.proof is None:
-            components.append({"name": component.name, "proof": None})
+            components.append({**placed, "order": component.order, "proof": None})
         else:
-            shape, place = places[number]
-            components.append(_part(component, component.proof.invariant, source, shape, place))
+            components.append({**placed, **_claimed(component, component.proof, source)})
     certificate = {
         "format": "gen-certificate",
         "version": 1,
@@ -58,21 +56,18 @@ def equations(coefficients: Coefficients) -> dict[str, dict[str, Any]]:
     return {component.name: _equation(component) for component in coefficients.model.components}
 
 
-def _part(component: AnyComponent, invariant: Invariant, source: Component, shape: str, place: int) -> dict[str, Any]:
-    bits = component.layout.fraction_bits if isinstance(component, FixedComponent) else component.fraction_bits
-    read_bits = bits[0] - RESIDUE_BITS if isinstance(component, FixedComponent) else bits[0]
-    assert component.proof is not None
-    bound = component.proof.bound_K
-    reading = bound + 0.0005 + (2.0**-_READ_BITS if read_bits > _READ_BITS else 0.0)
+def _claimed(component: AnyComponent, proof: Proof, source: Component) -> dict[str, Any]:
+    if isinstance(component, FixedComponent):
+        bits = [whole - RESIDUE_BITS for whole in component.layout.fraction_bits]
+    else:
+        bits = list(component.fraction_bits)
+    bound, invariant = proof.bound_K, proof.invariant
+    reading = bound + 0.0005 + (2.0**-OUTPUT_BITS if bits[0] > OUTPUT_BITS else 0.0)
     return {
-        "name": component.name,
-        "shape": shape,
-        "place": place,
-        "substeps": component.substeps,
-        "fraction_bits": list(bits),
+        "fraction_bits": bits,
         "start_mK": list(component.start_range_mK),
-        "bound_K": _rounded_up(bound),
-        "reading_K": _rounded_up(reading),
+        "bound_K": rounded_up(bound, 4),
+        "reading_K": rounded_up(reading, 4),
         "equation": _equation(source),
         "map": invariant.map.tolist(),
         "centre": invariant.centre,
@@ -89,13 +84,6 @@ def _with_exact_axes(directions: np.ndarray[Any, np.dtype[np.float64]]) -> np.nd
     n = directions.shape[1]
     exact[:n] = np.diag(np.diag(directions))
     return exact
-
-
-def _rounded_up(value: float) -> float:
-    """Four digits, not below the value."""
-    digits = 3 - int(np.floor(log10(value)))
-    scale = Fraction(10) ** digits
-    return float(-(-Fraction(value) * scale // 1) / scale)
 
 
 def _equation(source: Component) -> dict[str, Any]:

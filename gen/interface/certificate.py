@@ -91,17 +91,18 @@ def check(
     certificate = read(place)  # what is quick to tell is told before anything slow is imported
     if coefficients is not None:
         _check_statement(certificate, coefficients)
-    return _proven(place, progress)
+    return _proven(place, certificate, progress)
 
 
 @one_thread
-def _proven(place: Path, progress: Callable[[str], None]) -> Check:
+def _proven(place: Path, certificate: Certificate, progress: Callable[[str], None]) -> Check:
     """Prove every claim."""
     from gen.certificate.check import check as run
-    from gen.certificate.claims import check_claims
+    from gen.certificate.claims import Claims
 
-    certificate, verdicts = run(place, progress)
-    check_claims(place, certificate.model, verdicts)
+    claims = Claims.of(place, certificate.model)
+    verdicts = run(place, certificate, progress)
+    claims.check(verdicts)
     claimed = {part.name for part in certificate.parts}
     return Check(
         tuple(ProvenPart(v.name, float(v.bound_K), float(v.reading_K)) for v in verdicts),

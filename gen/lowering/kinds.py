@@ -14,3 +14,6 @@ ScheduleKind = Literal["table", "onboard"]
 
 
 Integers = NDArray[np.int64]
+
+#: Bits after the binary point of what is given out in thousandths: times 125 it fits 32 bits.
+OUTPUT_BITS = 25

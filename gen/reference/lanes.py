@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import RESIDUE_BITS
 from gen.lowering.float32 import LOW_BITS, FloatComponent
+from gen.lowering.kinds import OUTPUT_BITS
 from gen.lowering.program import AnyComponent
 from gen.reference.fixed import FixedStep
 from gen.reference.float32 import FloatStep
 
 Integers = NDArray[np.int64]
 Fields = list[tuple[str, str]]
-#: Bits after the binary point whose product with 125 fits 32 bits.
-_OUTPUT_BITS = 25
 
 
 class ComponentLanes(Protocol):
@@ -152,7 +151,7 @@ def thousandths(word: Integers, bits: int) -> Integers:
 
     The board multiplies in 32 bits, so that no more than 25 bits after the binary point take part.
     """
-    kept = min(bits, _OUTPUT_BITS)
+    kept = min(bits, OUTPUT_BITS)
     fraction = (word & ((1 << bits) - 1)) >> (bits - kept)
     result: Integers = (word >> bits) * 1000 + (fraction * 125 + (1 << (kept - 4)) >> (kept - 3))
     return result

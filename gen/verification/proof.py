@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from gen.certificate.check import check
+from gen.certificate.document import read
 from gen.certificate.refuted import Refuted
 from gen.coefficients import Coefficients
 from gen.firmware.certificate import CERTIFICATE, certificate_json
@@ -32,25 +32,19 @@ class ProofResult:
     refuted: str | None = None
 
 
-def proof_of(coefficients: Coefficients, program: Program, files: Mapping[str, str], folder: Path) -> ProofResult:
+def proof_of(coefficients: Coefficients, program: Program, folder: Path) -> ProofResult:
     """Check the certificate of an emitted library.
 
     Parameters
     ----------
     coefficients, program
         What was emitted.
-    files
-        The library's files, by path within a project.
     folder
-        Where there is room for them.
+        The project that holds the library, to which its certificate is added.
     """
-    project = folder / "certified"
-    for path, text in {**files, CERTIFICATE: certificate_json(coefficients, program)}.items():
-        target = project / path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text, encoding="utf-8")
+    (folder / CERTIFICATE).write_text(certificate_json(coefficients, program), encoding="utf-8")
     try:
-        _, verdicts = check(project)
+        verdicts = check(folder, read(folder))
     except Refuted as refuted:
         return ProofResult(refuted=str(refuted))
     return ProofResult(

@@ -186,7 +186,7 @@ def _combination(
     for name, given, difference in compare_alarms(library, rules, ALARM_LANES, length, hosts, board=target != "host"):
         targets.append(_alarm_result(name, given, difference))
     progress(f"{label}: certificate")
-    proven = proof_of(coefficients, program, files, folder)
+    proven = proof_of(coefficients, program, folder)
     progress(f"{label}: exact solution")
     course = _course(coefficients, program, scale)
     bounds, errors = _bounds(program), course.largest()

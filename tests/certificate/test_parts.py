@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from gen.certificate import document
-from gen.certificate.check import Proof
+from gen.certificate.check import PartProof
 from gen.certificate.document import Equation, Pole, Schedule
 from gen.certificate.equation import enclose
 from gen.certificate.exact import BITS, Ratios, inverse, ratios
@@ -114,7 +114,7 @@ def test_no_word_of_the_board_leaves_what_its_cpp_was_read_as(tmp_path: Path, ar
     pwm = np.repeat(generator.integers(DOMAIN[0], DOMAIN[1] + 1, 150), generator.integers(1, 4, 150)).tolist()
     for number, part in enumerate(certificate.parts):
         assert part.substeps == 1
-        proof = Proof(project, certificate, part, measured[part.name])
+        proof = PartProof(project, certificate, part, measured[part.name])
         runs, _ = proof.recursion.runs(proof.enclosing)
         model = ReferenceModel(program, [25_000])
         model.step(np.array(pwm[:1]))

@@ -71,9 +71,9 @@ class Proof:
         }
 
 
-def rounded_up(value: float) -> float:
-    """A positive value with two significant digits, not below it."""
+def rounded_up(value: float, digits: int = 2) -> float:
+    """A positive value with so many significant digits, not below it (but for what float64 hides)."""
     if value <= 0.0:
         return 0.0
-    step = 10.0 ** (floor(log10(value)) - 1)
-    return float(f"{ceil(value / step * (1.0 - 1e-9)) * step:.2g}")
+    step = 10.0 ** (floor(log10(value)) + 1 - digits)
+    return float(f"{ceil(value / step * (1.0 - 1e-9)) * step:.{digits}g}")
