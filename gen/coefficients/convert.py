@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from gen.coefficients.document import ComponentEntry, Document
 from gen.model.dynamics import Component, Pole, ThermalModel
+from gen.model.network import Network
 
 
 def to_model(document: Document) -> ThermalModel:
@@ -26,7 +27,15 @@ def to_model(document: Document) -> ThermalModel:
         ambient_fixed=document.ambient.fixed_degC,
         ambient_channel=document.ambient.channel,
         components=tuple(_component(entry, document) for entry in document.components),
+        network=_network(document),
     )
+
+
+def _network(document: Document) -> Network | None:
+    if document.network is None:
+        return None
+    held = document.validity.pwm if document.validity.outside == "hold" else None
+    return document.network.network(held, document.input.full_scale)
 
 
 def _component(entry: ComponentEntry, document: Document) -> Component:

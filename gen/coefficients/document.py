@@ -1,4 +1,4 @@
-"""The coefficient document, format "gen-coefficients", version 1."""
+"""The coefficient document, format "gen-coefficients", version 2."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from gen.coefficients.alarms import MOST_RULES, AlarmRule
 from gen.coefficients.base import Celsius, CountRange, Name, Part, Positive, fault, ordered
 from gen.coefficients.effects import EffectEntry, check_effects
+from gen.coefficients.network import NetworkEntry
 from gen.coefficients.provenance import Provenance
 from gen.coefficients.references import (
     check_alarm_references,
@@ -116,7 +117,7 @@ class Document(Part):
     """A coefficient file."""
 
     format: Literal["gen-coefficients"]
-    version: Literal[1]
+    version: Literal[1, 2]
     name: Name
     description: str = ""
     sample_time_s: Annotated[Positive, Field(le=3600)]
@@ -125,7 +126,10 @@ class Document(Part):
     validity: Validity
     domain: Domain
     accuracy: Accuracy = Accuracy()
-    components: Annotated[tuple[ComponentEntry, ...], Field(min_length=1, max_length=16)]
+    components: Annotated[
+        tuple[ComponentEntry, ...], Field(min_length=1, max_length=16, description="The parts by transfer functions.")
+    ] = ()
+    network: Annotated[NetworkEntry | None, Field(description="Or the motor as one network.")] = None
     provenance: Provenance | None = None
     wiring: Wiring | None = None
     alarms: Annotated[tuple[AlarmRule, ...], Field(max_length=MOST_RULES)] = ()
@@ -137,9 +141,28 @@ class Document(Part):
     def _check(self) -> Document:
         if self.name.lower() in SKETCH_FILES:
             raise fault(f'"{self.name}" is the name of a file of the sketch; expected another name', "name")
+        self._check_model()
         self._check_ranges()
         self._check_references()
         return self
+
+    def _check_model(self) -> None:
+        if (self.network is None) == (not self.components):
+            found = "neither" if self.network is None else "both"
+            raise fault(f'found {found}, expected one of "components" and "network"')
+        if self.network is None:
+            return
+        if self.effects:
+            raise fault('a network holds effects as its own terms; expected no "effects" beside it', "effects")
+        if self.accuracy.unproven != "refuse":
+            raise fault("a network is built with a guarantee or not at all", "accuracy", "unproven")
+
+    @property
+    def component_names(self) -> list[str]:
+        """Names of the components, or of the network's nodes that have a sensor."""
+        if self.network is not None:
+            return [node.name for node in self.network.nodes if node.sensor is not None]
+        return [component.name for component in self.components]
 
     def _check_ranges(self) -> None:
         ordered(*self.domain.pwm, "domain", "pwm")
@@ -153,7 +176,7 @@ class Document(Part):
             within((fixed, fixed), self.domain.ambient_degC, "the domain", "ambient", "fixed_degC")
 
     def _check_references(self) -> None:
-        names = [component.name for component in self.components]
+        names = self.component_names
         full_scale = self.input.full_scale
         check_component_names(names)
         if self.provenance is not None:
@@ -166,6 +189,6 @@ class Document(Part):
     @property
     def thermocouple_columns(self) -> tuple[str, ...]:
         """Columns with a thermocouple of their own: they are neither a component nor the ambient."""
-        known = {"ambient", *(component.name for component in self.components)}
+        known = {"ambient", *self.component_names}
         wired = self.wiring.thermocouples if self.wiring is not None else ()
         return tuple(thermocouple.channel for thermocouple in wired if thermocouple.channel not in known)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from gen.coefficients import alarms, schedule
+from gen.coefficients import alarms, network, schedule
 from gen.coefficients.base import listed
 from gen.coefficients.jsontext import Path, json_path
 from gen.errors import InputError
@@ -98,7 +98,9 @@ def explained(error: ValidationError) -> tuple[str, Path]:
 def _message(first: ErrorDetails, context: dict[str, Any]) -> str:
     kind, value = first["type"], first["input"]
     if kind == "schedule":
-        return _schedule(value)
+        return _of_a_kind(value, "a schedule", schedule.KINDS)
+    if kind == "curve":
+        return _of_a_kind(value, "a curve", network.CURVES)
     if kind == "alarm":
         return _alarm(value)
     if kind == "value_error":
@@ -113,12 +115,12 @@ def _message(first: ErrorDetails, context: dict[str, Any]) -> str:
     return f"found {described(value)}: {first['msg']}"
 
 
-def _schedule(value: object) -> str:
-    expected = f"a schedule with exactly one of the keys {listed(list(schedule.KINDS))}"
+def _of_a_kind(value: object, what: str, kinds: Sequence[str]) -> str:
+    expected = f"{what} with exactly one of the keys {listed(list(kinds))}"
     if not isinstance(value, dict):
         return f"found {described(value)}, expected {expected}"
     keys = listed([str(key) for key in value], "and") if value else "no key"
-    near = difflib.get_close_matches(str(next(iter(value), "")), schedule.KINDS, n=1)
+    near = difflib.get_close_matches(str(next(iter(value), "")), kinds, n=1)
     hint = f'; did you mean "{near[0]}"?' if len(value) == 1 and near else ""
     return f"found {keys}, expected {expected}{hint}"
 

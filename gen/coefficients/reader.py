@@ -15,6 +15,7 @@ from gen.coefficients.convert import to_model
 from gen.coefficients.document import Accuracy, Document
 from gen.coefficients.effect_checks import check_runaway
 from gen.coefficients.messages import described, first_fault
+from gen.coefficients.network_checks import check_network
 from gen.coefficients.versions import Tree, migrated
 from gen.coefficients.wiring_checks import check_wiring
 from gen.errors import InputError
@@ -109,7 +110,8 @@ def parse(raw: bytes) -> Coefficients:
     """
     document = parse_document(raw)
     model, effects = fold(to_model(document), [entry.applied() for entry in document.effects])
-    warnings = check_model(model) + check_alarms(document) + check_wiring(document)
+    checked = check_model(model) if model.network is None else check_network(model)
+    warnings = checked + check_alarms(document) + check_wiring(document)
     check_runaway(document, model, effects)
     return Coefficients(document, model, warnings, hashlib.sha256(raw).hexdigest(), effects)
 

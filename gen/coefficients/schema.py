@@ -12,7 +12,7 @@ from typing import Any
 from gen.coefficients.document import Document
 from gen.model.effects import catalogue_only
 
-STORED = Path(__file__).parent.parent / "schema" / "gen-coefficients-1.schema.json"
+STORED = Path(__file__).parent.parent / "schema" / "gen-coefficients-2.schema.json"
 
 
 def json_schema() -> dict[str, Any]:
@@ -25,9 +25,9 @@ def json_schema() -> dict[str, Any]:
     made = Document.model_json_schema(mode="validation")
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "$id": "urn:gen:gen-coefficients:1",
+        "$id": "urn:gen:gen-coefficients:2",
         **made,
-        "title": "gen-coefficients 1",
+        "title": "gen-coefficients 2",
     }
 
 

@@ -14,7 +14,7 @@ from gen.coefficients.messages import described
 from gen.errors import InputError
 
 FORMAT: Final = "gen-coefficients"
-VERSION: Final = 1
+VERSION: Final = 2
 """The newest version, which is the one that is written."""
 
 Tree = dict[str, Any]
@@ -22,7 +22,15 @@ Tree = dict[str, Any]
 Migration = Callable[[Tree], Tree]
 """From a file of one version to the same of the next; it gets a copy of its own, and need not set the version."""
 
-MIGRATIONS: tuple[Migration, ...] = ()
+
+def _with_networks(tree: Tree) -> Tree:
+    """Version 2 may hold a network in the place of components; what version 1 holds means the same in it."""
+    if "network" in tree:
+        raise ValueError('"network" needs "version": 2')
+    return tree
+
+
+MIGRATIONS: tuple[Migration, ...] = (_with_networks,)
 """The first makes version 2 of version 1, and so on."""
 
 

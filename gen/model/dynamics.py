@@ -15,6 +15,8 @@ from gen.model.schedules import EXACT, FloatArray, Schedule
 if TYPE_CHECKING:
     import control
 
+    from gen.model.network import Network
+
 Outside = Literal["extrapolate", "hold"]
 MAX_PWM = 255
 """The largest count of an 8-bit PWM."""
@@ -163,7 +165,7 @@ class Component:
 
 @dataclass(frozen=True)
 class ThermalModel:
-    """All components with what they have in common.
+    """A motor: its components by transfer functions, or one network.
 
     Parameters
     ----------
@@ -182,7 +184,9 @@ class ThermalModel:
     ambient_channel
         The column with the measured ambient, or None.
     components
-        In the order of the file.
+        In the order of the file; none where there is a network.
+    network
+        The motor as a network, of which the sensed nodes are the components; None with transfer functions.
     """
 
     name: str
@@ -196,10 +200,13 @@ class ThermalModel:
     ambient_fixed: float | None
     ambient_channel: str | None
     components: tuple[Component, ...]
+    network: Network | None = None
 
     @property
     def component_names(self) -> tuple[str, ...]:
         """The components' names, in order."""
+        if self.network is not None:
+            return tuple(node.name for node in self.network.sensed)
         return tuple(component.name for component in self.components)
 
     def component(self, name: str) -> Component:

@@ -1,0 +1,274 @@
+"""The network in the coefficient document: nodes, paths, heats, and the channels that they read."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from gen.coefficients.base import Celsius, Name, NotNegative, Number, Part, Positive, fault, listed
+from gen.coefficients.schedule import Exp1, Exp2, Poly, Tabulated
+from gen.model.network import AMBIENT, Channel, Curve, Factor, Heat, Network, Node, Path, PowerLaw, Sensor
+from gen.model.schedules import Schedule
+
+MOST_NODES = 16
+CURVES = ("poly", "exp1", "exp2", "table", "power")
+
+ColumnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
+AtRest = Annotated[NotNegative | None, Field(description="The value at PWM 0, where it is not the curve's.")]
+
+
+class PolyCurve(Poly):
+    """A polynomial in |PWM|, and a value of its own at rest."""
+
+    at_rest: AtRest = None
+
+
+class Exp1Curve(Exp1):
+    """An exponential in |PWM|, and a value of its own at rest."""
+
+    at_rest: AtRest = None
+
+
+class Exp2Curve(Exp2):
+    """A sum of two exponentials in |PWM|, and a value of its own at rest."""
+
+    at_rest: AtRest = None
+
+
+class TableCurve(Tabulated):
+    """A table over |PWM|, and a value of its own at rest."""
+
+    at_rest: AtRest = None
+
+
+class PowerEntry(Part):
+    """constant + forced * (|PWM| / full_scale) ** exponent."""
+
+    constant: NotNegative
+    forced: NotNegative
+    exponent: Annotated[Positive, Field(ge=0.05, le=10)]
+
+
+class PowerCurve(Part):
+    """A power law in |PWM|, and a value of its own at rest."""
+
+    power: PowerEntry
+    at_rest: AtRest = None
+
+
+def _kind(data: Any) -> str | None:  # noqa: ANN401
+    if isinstance(data, Part):
+        return f"tag:{next(iter(type(data).model_fields))}"
+    if not isinstance(data, dict):
+        return None
+    present = [kind for kind in CURVES if kind in data]
+    return f"tag:{present[0]}" if len(present) == 1 else None
+
+
+CurveEntry = Annotated[
+    Annotated[PolyCurve, Tag("tag:poly")]
+    | Annotated[Exp1Curve, Tag("tag:exp1")]
+    | Annotated[Exp2Curve, Tag("tag:exp2")]
+    | Annotated[TableCurve, Tag("tag:table")]
+    | Annotated[PowerCurve, Tag("tag:power")],
+    Discriminator(_kind, custom_error_type="curve", custom_error_message="not a curve"),
+]
+
+
+class FactorPoints(Part):
+    """Factors at strictly increasing values of the channel; linear between them, outside the end values hold."""
+
+    at: Annotated[tuple[Number, ...], Field(min_length=2, max_length=16)]
+    value: Annotated[tuple[NotNegative, ...], Field(min_length=2, max_length=16)]
+
+    @model_validator(mode="after")
+    def _check(self) -> FactorPoints:
+        for i in range(1, len(self.at)):
+            if self.at[i] <= self.at[i - 1]:
+                raise fault(f"found {self.at[i]:g} after {self.at[i - 1]:g}, expected strictly increasing", "at", i)
+        if len(self.value) != len(self.at):
+            raise fault(f"found {len(self.value)} values, expected {len(self.at)}, one for each point", "value")
+        return self
+
+
+class FactorEntry(Part):
+    """What a channel multiplies: a polynomial in its value, highest power first, or a table."""
+
+    channel: ColumnName
+    poly: Annotated[tuple[Number, ...], Field(min_length=1, max_length=4)] | None = None
+    table: FactorPoints | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> FactorEntry:
+        if (self.poly is None) == (self.table is None):
+            found = "neither" if self.poly is None else "both"
+            raise fault(f'found {found}, expected one of "poly" and "table"')
+        return self
+
+    def factor(self) -> Factor:
+        """Give the model's factor."""
+        if self.table is not None:
+            return Factor(self.channel, at=self.table.at, value=self.table.value)
+        return Factor(self.channel, polynomial=self.poly or ())
+
+
+class SensorEntry(Part):
+    """What stands between a node and its reading."""
+
+    offset_K: Annotated[float, Field(allow_inf_nan=False, ge=-50, le=50)] = 0.0
+    lag_s: Annotated[NotNegative, Field(le=3600)] = 0.0
+
+
+class NodeEntry(Part):
+    """A heat capacity; with a sensor it is a component, without it is hidden."""
+
+    name: Name
+    description: str = ""
+    capacity_J_per_K: Annotated[Positive, Field(ge=1e-3, le=1e9)]
+    sensor: SensorEntry | None = None
+
+
+class PathEntry(Part):
+    """A way for heat between two nodes, or between a node and the ambient."""
+
+    between: Annotated[tuple[str, str], Field(description='Two nodes, or a node and "ambient".')]
+    conductance_W_per_K: CurveEntry
+    factors: Annotated[tuple[FactorEntry, ...], Field(max_length=4)] = ()
+
+    @model_validator(mode="after")
+    def _check(self) -> PathEntry:
+        if self.between[0] == self.between[1]:
+            raise fault(f'found "{self.between[0]}" twice, expected two different ends', "between", 1)
+        return self
+
+
+class HeatEntry(Part):
+    """A source of heat: P = power * factors * (1 + per_K (T - reference))."""
+
+    node: str
+    power_W: CurveEntry
+    factors: Annotated[tuple[FactorEntry, ...], Field(max_length=4)] = ()
+    per_K: Annotated[float, Field(allow_inf_nan=False, ge=-0.1, le=0.1)] = 0.0
+    reference_degC: Celsius = 25.0
+
+
+class ChannelEntry(Part):
+    """A measured column that conductances or powers depend on."""
+
+    column: ColumnName
+    range: Annotated[tuple[Number, Number], Field(description="To which its values are held.")]
+    neutral: Annotated[Number, Field(description="Its value until it is told.")]
+
+    @model_validator(mode="after")
+    def _check(self) -> ChannelEntry:
+        low, high = self.range
+        if low >= high:
+            raise fault(f"found [{low:g}, {high:g}], expected the lower limit first", "range")
+        if not -2e6 <= low <= high <= 2e6:
+            raise fault(f"found [{low:g}, {high:g}], expected values within +-2e6", "range")
+        if not low <= self.neutral <= high:
+            raise fault(f"found {self.neutral:g}, expected it within the range", "neutral")
+        return self
+
+
+class NetworkEntry(Part):
+    """The motor as one network of heat capacities."""
+
+    channels: Annotated[tuple[ChannelEntry, ...], Field(max_length=8)] = ()
+    nodes: Annotated[tuple[NodeEntry, ...], Field(min_length=1, max_length=MOST_NODES)]
+    paths: Annotated[tuple[PathEntry, ...], Field(min_length=1, max_length=120)]
+    heats: Annotated[tuple[HeatEntry, ...], Field(max_length=64)] = ()
+
+    @model_validator(mode="after")
+    def _check(self) -> NetworkEntry:
+        names = self._check_nodes()
+        columns = [channel.column for channel in self.channels]
+        seen: dict[frozenset[str], int] = {}
+        for i, path in enumerate(self.paths):
+            for k, end in enumerate(path.between):
+                _one_of(end, [*names, AMBIENT], "a node's name", "paths", i, "between", k)
+            first = seen.setdefault(frozenset(path.between), i)
+            if first != i:
+                raise fault(f"joins the same as paths[{first}]; expected one path between two", "paths", i, "between")
+            self._check_factors(path.factors, columns, "paths", i)
+        for i, heat in enumerate(self.heats):
+            _one_of(heat.node, names, "a node's name", "heats", i, "node")
+            self._check_factors(heat.factors, columns, "heats", i)
+        return self
+
+    def _check_nodes(self) -> list[str]:
+        names = [node.name for node in self.nodes]
+        seen: dict[str, int] = {AMBIENT: -1}
+        for i, name in enumerate(names):
+            first = seen.setdefault(name.lower(), i)
+            if first != i:
+                whose = "the surroundings" if first < 0 else f"nodes[{first}]"
+                raise fault(f'"{name}" is taken by {whose}; expected another name', "nodes", i, "name")
+        if not any(node.sensor is not None for node in self.nodes):
+            raise fault('no node has a "sensor"; expected one that is measured', "nodes")
+        for i, channel in enumerate(self.channels):
+            if channel.column in [other.column for other in self.channels[:i]]:
+                raise fault(f'"{channel.column}" is there already', "channels", i, "column")
+        return names
+
+    def _check_factors(self, factors: tuple[FactorEntry, ...], columns: list[str], *at: str | int) -> None:
+        for k, factor in enumerate(factors):
+            _one_of(factor.channel, columns, "a column of network.channels", *at, "factors", k, "channel")
+
+    def network(self, held: tuple[int, int] | None, full_scale: int) -> Network:
+        """Give the model's network.
+
+        Parameters
+        ----------
+        held
+            |PWM| range outside of which curves keep their value at its end; None: they are continued.
+        full_scale
+            The PWM count that is 100 %.
+        """
+        return Network(
+            tuple(
+                Node(
+                    node.name,
+                    node.capacity_J_per_K,
+                    None if node.sensor is None else Sensor(node.sensor.offset_K, node.sensor.lag_s),
+                    node.description,
+                )
+                for node in self.nodes
+            ),
+            tuple(
+                Path(*_ends(path.between), _curve(path.conductance_W_per_K, full_scale), _factors(path.factors))
+                for path in self.paths
+            ),
+            tuple(
+                Heat(h.node, _curve(h.power_W, full_scale), _factors(h.factors), h.per_K, h.reference_degC)
+                for h in self.heats
+            ),
+            tuple(Channel(c.column, *c.range, c.neutral) for c in self.channels),
+            held,
+        )
+
+
+def _ends(between: tuple[str, str]) -> tuple[str, str | None]:
+    if between[0] == AMBIENT:
+        return between[1], None
+    return between[0], None if between[1] == AMBIENT else between[1]
+
+
+def _factors(entries: tuple[FactorEntry, ...]) -> tuple[Factor, ...]:
+    return tuple(entry.factor() for entry in entries)
+
+
+def _curve(entry: CurveEntry, full_scale: int) -> Curve:
+    turning: Schedule
+    if isinstance(entry, PowerCurve):
+        turning = PowerLaw(entry.power.constant, entry.power.forced, entry.power.exponent, full_scale)
+    else:
+        turning = entry.schedule()
+    return Curve(turning, entry.at_rest)
+
+
+def _one_of(found: str, names: list[str], what: str, *at: str | int) -> None:
+    if found not in names:
+        there = f": {listed(names)}" if names else ", and there is none"
+        raise fault(f'found "{found}", expected {what}{there}', *at)

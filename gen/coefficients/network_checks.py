@@ -1,0 +1,169 @@
+"""What a network must satisfy at every |PWM| of its domain before anything is built from it."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.coefficients.checks import FASTEST, HIGHEST
+from gen.errors import InputError
+from gen.model.dynamics import ThermalModel
+from gen.model.network import Factor, Network
+from gen.model.schedules import FloatArray
+
+_GRID = 33
+"""Values of a channel at which its factors are looked at, beside a table's own points."""
+_ROOM_DEGC = 25.0
+
+
+def check_network(model: ThermalModel) -> tuple[str, ...]:
+    """Check signs, ways out, speed and steady state at every integer |PWM| of the domain.
+
+    Returns
+    -------
+    tuple of str
+        Warnings.
+
+    Raises
+    ------
+    InputError
+        With the JSON path; the message names node or path, and the PWM.
+    """
+    network = model.network
+    assert network is not None
+    lo, hi = model.domain_pwm
+    pwm = np.arange(lo, hi + 1)
+    _check_factors(network)
+    _check_signs(network, pwm)
+    _check_reach(network, pwm)
+    for told in corners(network):
+        _check_speed(network, pwm, model.sample_time, told)
+        _check_rise(network, pwm, told)
+    return ()
+
+
+def _check_factors(network: Network) -> None:
+    """A factor below 0 would turn a conductance, or a heat, round."""
+    places = [(f"$.network.paths[{i}]", path.factors) for i, path in enumerate(network.paths)]
+    places += [(f"$.network.heats[{i}]", heat.factors) for i, heat in enumerate(network.heats)]
+    for place, factors in places:
+        for k, factor in enumerate(factors):
+            at = _points(network, factor)
+            values = factor(at)
+            if values.min() < 0.0 or not np.isfinite(values).all():
+                worst = int(np.argmin(values))
+                raise InputError(
+                    f"the factor is {values[worst]:.4g} at {factor.channel} = {at[worst]:g}; "
+                    "expected none below 0 in the channel's range",
+                    place=f"{place}.factors[{k}]",
+                )
+
+
+def _points(network: Network, factor: Factor) -> FloatArray:
+    channel = network.channel(factor.channel)
+    grid = np.linspace(channel.low, channel.high, _GRID)
+    return np.asarray(np.clip(np.unique([*grid, *factor.at]), channel.low, channel.high), dtype=np.float64)
+
+
+def _check_signs(network: Network, pwm: NDArray[np.int64]) -> None:
+    for kind, key, values in (
+        ("paths", "conductance_W_per_K", network.conductances),
+        ("heats", "power_W", network.powers),
+    ):
+        for number in range(values.shape[1]):
+            own = values[pwm, number]
+            bad = ~np.isfinite(own) | (own < 0.0)
+            if bad.any():
+                worst = int(pwm[bad][0])
+                raise InputError(
+                    f"found {values[worst, number]:.4g} at PWM {worst}, expected a finite value of 0 or more "
+                    "everywhere in the domain",
+                    place=f"$.network.{kind}[{number}].{key}",
+                )
+
+
+def _check_reach(network: Network, pwm: NDArray[np.int64]) -> None:
+    """Heat of every node finds a way to the ambient at every |PWM|, whatever the channels say."""
+    least = [_least(network, path.factors) for path in network.paths]
+    open_ = network.conductances[pwm] * np.array(least) > 0.0
+    for pattern in np.unique(open_, axis=0):
+        reached: set[str | None] = {None}
+        ways = [(path.first, path.second) for path, is_open in zip(network.paths, pattern, strict=True) if is_open]
+        while True:
+            more = {end for way in ways for end in way if reached & set(way)} - reached
+            if not more:
+                break
+            reached |= more
+        for i, node in enumerate(network.nodes):
+            if node.name not in reached:
+                at = int(pwm[np.flatnonzero((open_ == pattern).all(axis=1))[0]])
+                raise InputError(
+                    f'heat of "{node.name}" has no way to the ambient at PWM {at}; expected a path with a conductance '
+                    "above 0, also where its factors are smallest",
+                    place=f"$.network.nodes[{i}]",
+                )
+
+
+def _least(network: Network, factors: tuple[Factor, ...]) -> float:
+    return float(np.prod([factor(_points(network, factor)).min() for factor in factors]))
+
+
+def corners(network: Network) -> list[dict[str, float]]:
+    """Channels at each end of their ranges; at the lower ends and the upper ends together where there are many."""
+    ends = [(channel.low, channel.high) for channel in network.channels]
+    names = [channel.column for channel in network.channels]
+    picked = product(*ends) if len(ends) <= 4 else zip(*ends, strict=True)
+    return [dict(zip(names, corner, strict=True)) for corner in picked]
+
+
+def _check_speed(network: Network, pwm: NDArray[np.int64], sample_time: float, told: dict[str, float]) -> None:
+    m, _, _ = network.matrices(pwm, told)
+    own = -np.diagonal(m, axis1=1, axis2=2) * sample_time
+    if own.max(initial=0.0) > FASTEST:
+        at, node = np.unravel_index(int(np.argmax(own)), own.shape)
+        tau = sample_time / own[at, node]
+        raise InputError(
+            f'"{network.nodes[node].name}" follows its neighbours with a time constant of {tau:.3g} s at PWM '
+            f"{pwm[at]}; expected at least {sample_time / FASTEST:g} s, {1 / FASTEST:g} samples: merge it with the "
+            "node that it follows",
+            place=f"$.network.nodes[{node}].capacity_J_per_K",
+        )
+    for i, node_ in enumerate(network.nodes):
+        lag = node_.sensor.lag if node_.sensor is not None else 0.0
+        if 0.0 < lag < sample_time / FASTEST:
+            raise InputError(
+                f"found {lag:g}, expected 0 or at least {sample_time / FASTEST:g}, {1 / FASTEST:g} samples",
+                place=f"$.network.nodes[{i}].sensor.lag_s",
+            )
+
+
+def _check_rise(network: Network, pwm: NDArray[np.int64], told: dict[str, float]) -> None:
+    """Where it settles is finite: heat that grows with temperature stays below what flows away.
+
+    A matrix without negative entries off its diagonal is stable where M v = -1 has a solution v > 0 (it is then minus a
+    non-singular M-matrix; Berman and Plemmons, Nonnegative Matrices in the Mathematical Sciences, chapter 6, I27).
+    """
+    m, a, f = network.matrices(pwm, told)
+    right = np.stack([np.ones_like(f), f + a * _ROOM_DEGC], axis=-1)
+    try:
+        solved = np.linalg.solve(-m, right)
+    except np.linalg.LinAlgError:
+        solved = np.full(right.shape, -1.0)
+    runaway = ~(solved[..., 0] > 0.0)
+    if runaway.any():
+        at, node = np.unravel_index(int(np.argmax(runaway)), runaway.shape)
+        raise InputError(
+            f'runs away at PWM {pwm[at]}: heat at or near "{network.nodes[node].name}" grows faster with temperature '
+            "than it flows away; expected a smaller per_K or larger conductances",
+            place="$.network",
+        )
+    rise = solved[..., 1] - _ROOM_DEGC
+    if rise.max(initial=0.0) > HIGHEST:
+        at, node = np.unravel_index(int(np.argmax(rise)), rise.shape)
+        raise InputError(
+            f'"{network.nodes[node].name}" settles {rise[at, node]:.4g} K over ambient at PWM {pwm[at]}; '
+            f"expected at most {HIGHEST:g} K: the units of powers and conductances do not fit together",
+            place="$.network",
+        )
