@@ -57,7 +57,7 @@ class Validity(Part):
     pwm: Annotated[CountRange, Field(description="[lowest, highest] |PWM| in counts.")]
     outside: Annotated[
         Literal["extrapolate", "hold"],
-        Field(description="hold: outside, gain and poles keep their value at the nearest end."),
+        Field(description="hold: outside, schedules and curves keep their value at the nearest end."),
     ]
 
 
@@ -117,7 +117,7 @@ class Document(Part):
     """A coefficient file."""
 
     format: Literal["gen-coefficients"]
-    version: Literal[1, 2]
+    version: Literal[2]
     name: Name
     description: str = ""
     sample_time_s: Annotated[Positive, Field(le=3600)]
