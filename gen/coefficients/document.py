@@ -7,13 +7,14 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from gen.coefficients.alarms import MOST_RULES, AlarmRule
-from gen.coefficients.base import Celsius, CountRange, Name, Part, Positive, fault, ordered
+from gen.coefficients.base import Celsius, ColumnName, CountRange, Name, Part, Positive, fault, ordered
 from gen.coefficients.effects import EffectEntry, check_effects
 from gen.coefficients.network import NetworkEntry
 from gen.coefficients.provenance import Provenance
 from gen.coefficients.references import (
     check_alarm_references,
     check_component_names,
+    check_network_columns,
     check_provenance,
     check_wiring_references,
     within,
@@ -27,7 +28,6 @@ SKETCH_FILES |= {"channels", "indicator", "memory", "observer", "output", "selft
 """Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
 
 CelsiusRange = tuple[Celsius, Celsius]
-ColumnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 
 
 class Input(Part):
@@ -179,6 +179,9 @@ class Document(Part):
         names = self.component_names
         full_scale = self.input.full_scale
         check_component_names(names)
+        if self.network is not None:
+            columns = [channel.column for channel in self.network.channels]
+            check_network_columns(columns, names, self.ambient.channel)
         if self.provenance is not None:
             check_provenance(self.provenance, names, full_scale)
         check_effects(self.effects, names)

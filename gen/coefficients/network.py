@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from gen.coefficients.base import Celsius, Name, NotNegative, Number, Part, Positive, fault, listed
+from gen.coefficients.base import Celsius, ColumnName, Name, NotNegative, Number, Part, Positive, fault, listed
 from gen.coefficients.schedule import Exp1, Exp2, Poly, Tabulated
 from gen.model.network import AMBIENT, Channel, Curve, Factor, Heat, Network, Node, Path, PowerLaw, Sensor
 from gen.model.schedules import Schedule
@@ -14,7 +14,6 @@ from gen.model.schedules import Schedule
 MOST_NODES = 16
 CURVES = ("poly", "exp1", "exp2", "table", "power")
 
-ColumnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 AtRest = Annotated[NotNegative | None, Field(description="The value at PWM 0, where it is not the curve's.")]
 
 

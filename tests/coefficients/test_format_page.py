@@ -49,9 +49,7 @@ def test_the_table_of_keys_is_complete_and_in_the_order_of_the_file() -> None:
 def test_the_keys_that_are_needed_are_those_that_the_page_names() -> None:
     keys = list(Document.model_fields)
     needed = {key for key in keys if Document.model_fields[key].is_required()}
-    said = re.search(
-        r"Needed are all keys from `(\w+)` to `(\w+)` but `(\w+)`, and either `(\w+)` or `(\w+)`", PAGE
-    )
+    said = re.search(r"Needed are all keys from `(\w+)` to `(\w+)` but `(\w+)`, and either `(\w+)` or `(\w+)`", PAGE)
     assert said is not None
     first, last, without, *either = said.groups()
     named = keys[keys.index(first) : keys.index(last) + 1]

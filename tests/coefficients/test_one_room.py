@@ -42,7 +42,8 @@ OTHER_FORMATS = {
     "firmware/effects_report.py": {"effects"},
     "firmware/render.py": {"name", "effects"},
     "firmware/wiring_svg.py": {"channels", "encoder", "drive", "column", "observe", "direction"},
-    # a frame's attributes, parameters of an optimiser, the rig's own losses, fields of the study's targets, columns of a verification
+    # a frame's attributes, parameters of an optimiser, fields of the study's targets, the rig's own paths, columns of a
+    # verification
     "interface/files.py": {"name"},
     "identification/output_error.py": {"value"},
     "rig/calibrate/targets.py": {"speed_percent", "duration_s"},

@@ -17,8 +17,8 @@ from gen.coefficients.effects import EffectEntry
 from gen.coefficients.schema import STORED, published
 from gen.coefficients.versions import VERSION, Tree, migrated
 from gen.errors import InputError
-from gen.model.effects import registry
 from gen.model import ThermalModel
+from gen.model.effects import registry
 from gen.model.exact import ExactSolution
 from gen.model.network_solution import NetworkSolution
 from tests.coefficients.test_coefficients_errors import BASE
@@ -65,7 +65,10 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
         "4c776f1c2b944548cdf48e7edfb3a11f5743aea1455a32c0728c7f08d79593de",
         {"bearing": 35.0671243637, "brush": 40.8394411256, "magnet": 32.7277564434, "casing": 29.9183633164},
     ),
-    "identified.json": ("f537c879ede233f20f8291be150526a2d52800dfa9ce1f0df3bca059b19f7f3f", FROZEN["identified.json"][1]),
+    "identified.json": (
+        "f537c879ede233f20f8291be150526a2d52800dfa9ce1f0df3bca059b19f7f3f",
+        FROZEN["identified.json"][1],
+    ),
     "my1016.json": ("02aca1a40681f8b1200c5c59221d1935af03134e909873686f2855deb247131f", FROZEN["my1016.json"][1]),
     "network_every_key.json": (
         "b95020364bbe50e4faf186d6ee5bbc0286b6ea4d868542058c8090fa9095d5ac",
