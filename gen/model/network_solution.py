@@ -190,9 +190,9 @@ class NetworkSolution:
             Values of the channels, numbers or shape (k,) each.
         """
         m, a, f = self.with_sensors(*self.network.matrices(pwm, told))
-        phi = _phi(m * step[:, None, None])
+        grown, phi = _exponential(m * step[:, None, None])
         return Steps(
-            m * step[:, None, None] @ phi,
+            grown,
             np.einsum("kij,kj->ki", phi, a * step[:, None]),
             np.einsum("kij,kj->ki", phi, f * step[:, None]),
         )
@@ -208,8 +208,13 @@ class NetworkSolution:
         return grown, np.concatenate([a, pad], axis=1), np.concatenate([f, pad], axis=1)
 
 
-def _phi(m: FloatArray) -> FloatArray:
-    """(exp(m) - 1) / m for each matrix, by its series at m / 2**s and phi(2x) = phi(x) (2 + x phi(x)) / 2."""
+def _exponential(m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """exp(m) - 1 and phi = (exp(m) - 1) / m for each matrix, shape (k, n, n).
+
+    By the series at x = m / 2**s, and then s times phi(2x) = phi(x) (1 + E(x) / 2), E(2x) = E(x) (2 + E(x)). Only E and
+    phi are multiplied, which stay bounded where all decays: with x phi in the place of E, what rounding left in phi
+    would grow by the ratio of the fastest rate to the slowest.
+    """
     norm = float(np.abs(m).sum(axis=-1).max(initial=0.0))
     doublings = max(0, int(np.ceil(np.log2(norm / _SMALL)))) if norm > _SMALL else 0
     x = m * 2.0**-doublings
@@ -217,7 +222,8 @@ def _phi(m: FloatArray) -> FloatArray:
     phi = np.broadcast_to(identity, m.shape).copy()
     for k in range(_TERMS, 1, -1):
         phi = identity + x @ phi / k
+    grown = x @ phi
     for _ in range(doublings):
-        phi = phi + 0.5 * (x @ phi) @ phi
-        x = 2.0 * x
-    return phi
+        phi = phi + 0.5 * (phi @ grown)
+        grown = 2.0 * grown + grown @ grown
+    return grown, phi
