@@ -104,7 +104,7 @@ class Factor:
     channel
         The channel's column.
     polynomial
-        In the channel's value, highest power first; empty where a table says it.
+        In the channel's value, highest power first, of degree 3 at most; empty where a table says it.
     at, value
         Points of a table, strictly increasing, linear between them; outside of the table its end values hold.
     """
@@ -121,6 +121,11 @@ class Factor:
             return np.asarray(np.polyval(np.asarray(self.polynomial), x), dtype=np.float64)
         return np.asarray(np.interp(x, self.at, self.value), dtype=np.float64)
 
+    @property
+    def _cubic(self) -> tuple[float, ...]:
+        """Coefficients of its third, second and first power."""
+        return (0.0, 0.0, 0.0, *self.polynomial)[-4:-1]
+
     def turning_points(self, low: float, high: float) -> FloatArray:
         """Where in a range of the channel it is least and greatest, among others, shape (k,), increasing.
 
@@ -129,14 +134,19 @@ class Factor:
         low, high
             Ends of the range; both are among the points.
         """
-        inner = self.at
-        if self.polynomial:
-            with np.errstate(over="ignore"):
-                slope = np.polyder(np.asarray(self.polynomial))
-            roots = np.roots(slope) if np.isfinite(slope).all() else np.empty(0)
-            # A double root may come out as a pair that is not quite real.
-            inner = tuple(np.real(roots).tolist())
+        inner = self.at or _roots(*(k * c for k, c in zip((3, 2, 1), self._cubic, strict=True)))
         return np.unique([low, *(point for point in inner if low < point < high), high])
+
+
+def _roots(a: float, b: float, c: float) -> tuple[float, ...]:
+    """Real roots of a x^2 + b x + c, and of a double root what rounding leaves of it; not finite where there is none.
+
+    Neither of the two is a difference of close numbers (Press et al., Numerical Recipes, section 5.6).
+    """
+    with np.errstate(all="ignore"):
+        a, b, c = np.array([a, b, c]) / max(abs(a), abs(b), abs(c))
+        q = -0.5 * (b + np.copysign(np.sqrt(np.maximum(b * b - 4.0 * a * c, 0.0)), b))
+        return float(q / a), float(c / q)
 
 
 @dataclass(frozen=True)

@@ -84,10 +84,9 @@ def change(tree: Tree, pwm: int, room: float, told: dict[str, float]) -> Callabl
     nodes = network["nodes"]
     names = [node["name"] for node in nodes]
     sensed = [node for node in nodes if node.get("sensor") is not None]
-    g = [
-        curve(tree, p["conductance_W_per_K"], pwm) * factor(tree, p.get("factors", []), told) for p in network["paths"]
-    ]
-    p = [curve(tree, h["power_W"], pwm) * factor(tree, h.get("factors", []), told) for h in network["heats"]]
+    paths, heats = network["paths"], network["heats"]
+    g = [curve(tree, w["conductance_W_per_K"], pwm) * factor(tree, w.get("factors", []), told) for w in paths]
+    p = [curve(tree, h["power_W"], pwm) * factor(tree, h.get("factors", []), told) for h in heats]
 
     def rate(_: float, state: Array) -> Array:
         t = dict(zip([*names, "ambient"], [*state[: len(names)], room], strict=True))
@@ -133,7 +132,7 @@ def integrated(
 
 
 def a_run(name: str, rows: int, seed: int = 0) -> tuple[Array, NDArray[np.int64], Array, dict[str, Array]]:
-    """Irregular times, a room and channels that move at every row, beyond the channels' ranges, too; both directions."""
+    """Irregular times, a room and channels that move at every row and leave their ranges; both directions."""
     random = np.random.default_rng(seed)
     time = 5.0 + np.concatenate([[0.0], np.cumsum(random.uniform(0.3, 400.0, rows - 1))])
     pwm = random.choice([0, 0, 7, -140, 195, 200], rows)
@@ -254,7 +253,7 @@ def test_it_settles_where_all_flows_balance(name: str) -> None:
 
 
 def test_no_energy_is_lost() -> None:
-    """What the nodes hold more at the end is what heats brought, less what went to the ambient (trapezoids over 1 s)."""
+    """What the nodes hold more at the end is what heats brought, less what the ambient took (trapezoids over 1 s)."""
     tree = tree_of("fan_motor")
     for node in tree["network"]["nodes"]:
         node["sensor"] = {}
@@ -286,7 +285,7 @@ def test_no_energy_is_lost() -> None:
 
 
 def test_a_change_of_the_room_passes_the_masses() -> None:
-    """A noisy ambient sensor does not shake the model: 1 K for a second moves nothing by more than its share of heat."""
+    """A noisy ambient sensor does not shake the model: 1 K for a second moves it by its share of heat at most."""
     time = np.arange(0.0, 3.0)
     pwm = np.zeros(3, dtype=np.int64)
     solution = NetworkSolution(model_of("two_nodes"))
