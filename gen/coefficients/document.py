@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
+from pydantic.config import JsonDict
 
 from gen.coefficients.alarms import MOST_RULES, AlarmRule
 from gen.coefficients.base import Celsius, ColumnName, CountRange, Name, Part, Positive, fault, ordered
@@ -113,8 +114,19 @@ class ComponentEntry(Part):
         return self
 
 
+_EITHER: JsonDict = {
+    "oneOf": [
+        {"required": ["components"], "properties": {"network": {"type": "null"}}},
+        {"required": ["network"], "properties": {"network": {"type": "object"}}, "not": {"required": ["components"]}},
+    ]
+}
+"""What the published schema says of the two kinds of model."""
+
+
 class Document(Part):
     """A coefficient file."""
+
+    model_config = ConfigDict(json_schema_extra=_EITHER)
 
     format: Literal["gen-coefficients"]
     version: Literal[2]

@@ -39,7 +39,7 @@ def check_network(model: ThermalModel) -> tuple[str, ...]:
     _check_lags(network, model.sample_time)
     _check_runaway(network, pwm)
     _check_rise(network, pwm)
-    return _table_warnings(network, model)
+    return _table_warnings(network, model) + _cooling_warnings(network, model)
 
 
 def _check_factors(network: Network) -> None:
@@ -65,7 +65,7 @@ def _points(network: Network, factor: Factor) -> FloatArray:
 
 
 def _extremes(network: Network, factors: tuple[Factor, ...]) -> tuple[float, float]:
-    """Bounds of a product of factors, whatever the channels say."""
+    """Bounds of a product of factors, whatever the channels say: of each factor by itself."""
     values = [factor(_points(network, factor)) for factor in factors]
     return float(np.prod([v.min() for v in values])), float(np.prod([v.max() for v in values]))
 
@@ -116,6 +116,20 @@ def _table_warnings(network: Network, model: ThermalModel) -> tuple[str, ...]:
     return tuple(warning for warning in warnings if warning is not None)
 
 
+def _cooling_warnings(network: Network, model: ThermalModel) -> tuple[str, ...]:
+    """Say of each heat that depends on temperature so much that it cools somewhere in the domain."""
+    warnings = []
+    for i, heat in enumerate(network.heats):
+        share = {degC: 1.0 + heat.per_K * (degC - heat.reference) for degC in model.domain_temperature}
+        worst = min(share, key=lambda degC: share[degC])
+        if share[worst] < 0.0:
+            warnings.append(
+                f'$.network.heats[{i}].per_K: the heat of "{heat.node}" is negative at {worst:g} degC, '
+                "inside the domain: it would cool there"
+            )
+    return tuple(warnings)
+
+
 def _check_speed(network: Network, pwm: NDArray[np.int64], sample_time: float) -> None:
     """No node follows its neighbours too fast where its paths conduct best and its own heat holds it back least."""
     most = [_extremes(network, path.factors)[1] for path in network.paths]
@@ -144,7 +158,7 @@ def _check_lags(network: Network, sample_time: float) -> None:
 
 
 def _check_runaway(network: Network, pwm: NDArray[np.int64]) -> None:
-    """Heat that grows with temperature stays below what flows away, whatever the channels say.
+    """Heat that grows with temperature stays below what flows away, at the worst of each factor by itself.
 
     M is the capacities' inverse times a symmetric matrix, -L + D: L grows (as a quadratic form) with every conductance,
     D with the heats that grow with temperature and against those that shrink. So M is worst where paths conduct least

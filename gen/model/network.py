@@ -353,7 +353,20 @@ class Network:
     def matrices_with(
         self, pwm: NDArray[np.int64], path_factors: Sequence[ArrayLike], heat_factors: Sequence[ArrayLike]
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Give the same for factors of the paths and the heats, each a number or shape (k,), whatever the channels."""
+        """Give the same for given factors, whatever the channels.
+
+        Parameters
+        ----------
+        pwm
+            Integer |PWM|, shape (k,), 0..255.
+        path_factors, heat_factors
+            What multiplies each conductance and each power, a number or shape (k,) each.
+
+        Returns
+        -------
+        M, a, f
+            As :meth:`matrices`.
+        """
         shape = pwm.shape
         n = len(self.nodes)
         m, a, f = np.zeros((*shape, n, n)), np.zeros((*shape, n)), np.zeros((*shape, n))

@@ -107,8 +107,8 @@ FORM: list[tuple[Path_, object, str, str]] = [
         "$.network.paths[4].factors[0].channel",
         'found "fan", expected a column of network.channels: "fan_rpm" or "current_A"',
     ),
-    ((*PATHS, 4, "factors", 0), {"channel": "fan_rpm"}, "$.network.paths[4].factors[0]", "found neither, expected one"),
-    ((*PATHS, 4, "factors", 0, "poly"), [1], "$.network.paths[4].factors[0]", "found both, expected one of"),
+    ((*PATHS, 4, "factors", 0), {"channel": "fan_rpm"}, "$.network.paths[4].factors[0]", 'one of "poly" and "table"'),
+    ((*PATHS, 4, "factors", 0, "poly"), [1], "$.network.paths[4].factors[0]", 'one of "poly" and "table"'),
     (
         (*PATHS, 4, "factors", 0),
         factor(at=[0, 9, 9], value=[1, 1, 1]),
@@ -220,20 +220,12 @@ def test_a_fault_of_meaning_is_said_with_its_place(where: Path_, value: object, 
 
 
 def test_the_schema_takes_the_file_and_rejects_what_it_can_express() -> None:
-    """Not what relates one part to another, nor whether one of components and network is there."""
+    """Not what relates one part to another."""
     assert SCHEMA.is_valid(TREE)
-    related = {
-        "found neither",
-        "found both",
-        'no "effects"',
-        "with a guarantee",
-        "is taken",
-        "win ding",
-        "twice",
-        "is reserved",
-    }
+    assert SCHEMA.is_valid(BASE | {"version": 2, "network": None})
+    related = {'one of "poly" and "table"', 'no "effects"', "with a guarantee", "is taken", "win ding", "twice"}
     related |= {"joins the same", "expected a node's name", "a column of", "strictly increasing", "values, expected"}
-    related |= {"is there already", "lower limit first", "within"}
+    related |= {"is there already", "is reserved", "lower limit first", "within"}
     for where, value, _, message in FORM:
         if not any(part in message for part in related):
             assert not SCHEMA.is_valid(changed((where, value))), (where, value)
@@ -331,6 +323,14 @@ def test_a_table_that_does_not_cover_the_validity_range_is_warned_of() -> None:
         f"$.network.paths[0].{G}",
         "$.network.heats[0].power_W",
     ]
+
+
+def test_a_heat_that_would_cool_in_the_domain_is_warned_of() -> None:
+    for per_K, expected in ((-0.01, "140 degC"), (0.04, "-10 degC"), (0.0039, None)):
+        heat = {"node": "a", "power_W": poly(1), "per_K": per_K, "reference_degC": 25}
+        warnings = parse(json.dumps(bare({"a": 500.0}, [(("a", "ambient"), poly(1))], [heat])).encode()).warnings
+        said = [f'$.network.heats[0].per_K: the heat of "a" is negative at {expected}, inside the domain']
+        assert [warning.rsplit(":", 1)[0] for warning in warnings] == (said if expected else [])
 
 
 def test_what_is_outside_of_the_validity_range_is_held_or_continued() -> None:
