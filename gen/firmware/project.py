@@ -69,7 +69,8 @@ def project_files(
         files[WIRING] = wiring_svg(f"Wiring of {program.model.name}", device)
     if verification is not None:
         files[VERIFICATION] = json.dumps(verification, indent=1) + "\n"
-    files[CERTIFICATE] = certificate_json(coefficients, program)
+    if program.network is None:
+        files[CERTIFICATE] = certificate_json(coefficients, program)
     files[MANIFEST] = json.dumps(_manifest(coefficients, program, files), indent=1) + "\n"
     files[REPORT] = report_html(coefficients, program, verification)
     return files
@@ -121,7 +122,7 @@ def _of_sketch(coefficients: Coefficients, library: LibraryContext, device: Devi
 
 
 def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, str]) -> dict[str, Any]:
-    unproven = {component.name: component.unproven for component in program.components if component.saturates}
+    unproven = {component.name: component.unproven for component in program.parts if component.saturates}
     return {
         "tool": f"gen {__version__}",
         "model": program.model.name,
@@ -131,8 +132,9 @@ def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, 
         "sample_time_s": program.model.sample_time,
         "domain_pwm": list(program.model.domain_pwm),
         "validity_pwm": list(program.model.validity),
-        "components": [component.describe() for component in program.components],
+        "components": [component.describe() for component in program.parts],
         **({"without_proof": unproven} if unproven else {}),
+        **({"network": program.network.describe()} if program.network is not None else {}),
         **({"effects": program.effects.describe()} if program.effects is not None else {}),
         "wiring": _plain(coefficients.document.wiring),
         "alarms": [_plain(alarm) for alarm in coefficients.document.alarms],
