@@ -63,13 +63,14 @@ def _network_clauses(program: Program, network: NetworkProgram) -> tuple[Clause,
         Clause(
             "Between which events",
             f"For every sequence of PWM, {told} as they are told, of any length, from one `{name}_begin()` and "
-            f"`{name}_start()` of all parts to the next. A reset of the board ends it, unless `{name}_resume()` goes on "
-            "with the very words, channels and PWM of the last sample. Time that passes during a reset is not modelled.",
+            f"`{name}_start()` of all parts to the next. A reset of the board ends it, unless `{name}_resume()` goes "
+            "on with the very words, channels and PWM of the last sample. Time that passes during a reset is not "
+            "modelled.",
         ),
         Clause(
             "Under which assumptions",
-            f"Every sample lasts {model.sample_time:g} s. |PWM| and channels are held over a sample; |PWM| is limited to "
-            f"{lowest}..{highest}, channels to their ranges. The exact solution is that of the coefficient file's "
+            f"Every sample lasts {model.sample_time:g} s. |PWM| and channels are held over a sample; |PWM| is limited "
+            f"to {lowest}..{highest}, channels to their ranges. The exact solution is that of the coefficient file's "
             "network. The board computes the same words as the C++ that `gen verify` compares.",
         ),
         Clause(
