@@ -17,7 +17,7 @@ from benchmarks.plants.decoys import CHANNELS, decoys
 from benchmarks.plants.draw import random_plant
 from benchmarks.plants.files import write
 from benchmarks.plants.plant import Plant
-from benchmarks.plants.profiles import DataKind, Profile, fitted, tested
+from benchmarks.plants.profiles import DataKind, Profile, fitted, fresh
 from benchmarks.plants.rooms import Room, RoomKind, random_room
 from benchmarks.plants.sensors import Sensor, random_sensor
 
@@ -177,7 +177,7 @@ def write_case(case: Case, folder: Path) -> Written:
     """Write a case's run files into a folder."""
     stand = bench(case.seed)
     runs = [measure(stand, profile, case.room) for profile in fitted(case.data, profile_chance(stand))]
-    trials = tested_runs(stand, case.room)
+    trials = fresh_runs(stand, case.room)
     paths: list[Path] = []
     for measured in (*runs, *trials):
         paths.append(folder / f"{measured.profile.name}.csv")
@@ -190,9 +190,9 @@ def profile_chance(stand: Bench) -> Callable[[str], np.random.Generator]:
     return lambda name: stand.chance("profile", name)
 
 
-def tested_runs(stand: Bench, room: RoomKind) -> tuple[Measured, ...]:
+def fresh_runs(stand: Bench, room: RoomKind) -> tuple[Measured, ...]:
     """The runs to test with: the same for all data that identification is given."""
-    return tuple(measure(stand, profile, room) for profile in tested(profile_chance(stand)))
+    return tuple(measure(stand, profile, room) for profile in fresh(profile_chance(stand)))
 
 
 def floor(plant: Plant, runs: Iterable[Measured]) -> float:

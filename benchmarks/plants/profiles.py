@@ -70,7 +70,7 @@ def fitted(kind: DataKind, rng: Callable[[str], np.random.Generator]) -> tuple[P
             return tuple(_unsettled(rng(name), name) for name in (f"unsettled_{i}" for i in range(1, 11)))
 
 
-def tested(rng: Callable[[str], np.random.Generator]) -> tuple[Profile, ...]:
+def fresh(rng: Callable[[str], np.random.Generator]) -> tuple[Profile, ...]:
     """Two runs to test with: one that turns all the time, one with stops and reversals."""
     turning = Profile("test_turning", _holds(rng("test_turning"), 4 * HOUR, (4.0, 35.0)))
     stopping = _holds(rng("test_stopping"), 4 * HOUR, (4.0, 35.0), stops=0.25, backwards=0.4)
