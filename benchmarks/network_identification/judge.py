@@ -112,11 +112,11 @@ def judge(written: Written, model: str, folder: Path) -> Judged:
         found = identified(written.fit, model)
         result.seconds = time.perf_counter() - started
         found.model.save(folder / f"{model}.json")
-        result.warnings = list(found.warnings)
+        result.warnings = [warning.replace(f"{folder}/", "") for warning in found.warnings]
         _predict(found.model, written, result)
         _intervals(found, stand, result)
     except (InputError, CheckFailed) as error:
-        result.status, result.message = "refused", str(error)
+        result.status, result.message = "refused", str(error).replace(f"{folder}/", "")
     except Exception as error:  # any other is a defect, and counted: no case is dropped
         place = traceback.extract_tb(error.__traceback__)[-1]
         result.status, result.message = "raised", f"{type(error).__name__}: {error} ({place.name}:{place.lineno})"

@@ -125,6 +125,12 @@ class Measured:
     run: Course
     columns: Columns
 
+    @property
+    def notes(self) -> dict[str, str]:
+        """What whoever ran it wrote down: the room, to a kelvin, where neither a column nor a cold start tells it."""
+        told = self.room.measured or not self.profile.before
+        return {} if told else {"ambient_degC": f"{self.run.ambient[0]:.0f}"}
+
 
 def measure(bench: Bench, profile: Profile, kind: RoomKind) -> Measured:
     """Run a motor and log it."""
@@ -181,7 +187,7 @@ def write_case(case: Case, folder: Path) -> Written:
     paths: list[Path] = []
     for measured in (*runs, *trials):
         paths.append(folder / f"{measured.profile.name}.csv")
-        write(paths[-1], measured.columns)
+        write(paths[-1], measured.columns, measured.notes)
     return Written(case, stand, tuple(paths[: len(runs)]), tuple(paths[len(runs) :]), floor(stand.plant, trials))
 
 

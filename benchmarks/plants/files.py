@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 
 
-def write(path: Path, columns: Mapping[str, FloatArray | NDArray[np.int64]]) -> None:
+def write(
+    path: Path, columns: Mapping[str, FloatArray | NDArray[np.int64]], comments: Mapping[str, str] | None = None
+) -> None:
     """Write a run file.
 
     Parameters
@@ -20,10 +22,13 @@ def write(path: Path, columns: Mapping[str, FloatArray | NDArray[np.int64]]) -> 
         Where.
     columns
         By their names in the file; NaN is a missing sample.
+    comments
+        Lines `# key: value` at its head.
     """
     fields = [_fields(name, np.asarray(values)) for name, values in columns.items()]
     rows = "\n".join(map(",".join, zip(*fields, strict=True)))
-    path.write_text(f"{','.join(columns)}\n{rows}\n", encoding="utf-8")
+    head = "".join(f"# {key}: {value}\n" for key, value in (comments or {}).items())
+    path.write_text(f"{head}{','.join(columns)}\n{rows}\n", encoding="utf-8")
 
 
 def _fields(name: str, values: NDArray[np.generic]) -> list[str]:

@@ -327,6 +327,20 @@ def test_gen_reads_the_files_and_finds_what_was_measured(room: RoomKind, tmp_pat
     assert 0.05 < files.floor_K < 0.7
 
 
+def test_only_who_starts_warm_in_a_room_that_is_not_measured_notes_its_temperature() -> None:
+    stand = bench(0)
+    runs = fitted(DataKind.UNSETTLED, profile_chance(stand))
+    assert any(run.before for run in runs)
+    assert not all(run.before for run in runs)
+    for profile in runs:
+        for room in RoomKind:
+            measured = measure(stand, profile, room)
+            if profile.before and room is RoomKind.UNMEASURED:
+                assert float(measured.notes["ambient_degC"]) == pytest.approx(measured.run.ambient[0], abs=0.5)
+            else:
+                assert measured.notes == {}
+
+
 def spread(run: Measured) -> float:
     return float(np.ptp(run.run.ambient))
 
