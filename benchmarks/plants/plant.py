@@ -164,7 +164,7 @@ class Running:
             self.radiating[surface.node] += surface.radiating * STEFAN_BOLTZMANN
         self.matrix -= np.diag(self.outlet)
         for source in plant.sources:
-            watts = source.share * float(getattr(plant.losses, source.kind)(duty)) if duty else 0.0
+            watts = source.share * float(getattr(plant.losses, source.kind)(duty))
             self.power[source.node] += watts
             self.growth[source.node] += watts * source.per_K
 

@@ -115,6 +115,10 @@ def test_declared_errors_are_held_against_means_at_their_speeds(
     turning = judged(files, monkeypatch, declare(0.5, 4.0, (1, 255)), tmp_path, off=2.0)
     assert turning.undeclared > 0
     assert turning.declared.of + turning.undeclared == wide.declared.of
+    level = fresh_runs(files.bench, CASE.room)[0].profile.holds[0][0]
+    single = judged(files, monkeypatch, declare(0.5, 4.0, (level, level)), tmp_path, off=2.0)
+    assert single.declared.of > 0  # both ends of a range belong to it
+    assert single.declared.of + single.undeclared == wide.declared.of
 
 
 def test_intervals_are_held_against_the_plants_own_rises(

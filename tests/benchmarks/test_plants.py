@@ -341,6 +341,15 @@ def test_only_who_starts_warm_in_a_room_that_is_not_measured_notes_its_temperatu
                 assert measured.notes == {}
 
 
+def test_a_logger_that_loses_rows_loses_no_change_of_pwm() -> None:
+    losing = next(bench(seed) for seed in SEEDS if bench(seed).lost > 0.0)
+    profile = Profile("run", tuple((60 + 10 * (i % 15), 8.0) for i in range(450)))
+    run = measure(replace(losing, lost=0.3), profile, RoomKind.HELD).run
+    assert run.time.size < 0.9 * (3600.0 / losing.row_s)
+    changes = run.time[1:][run.pwm[1:] != run.pwm[:-1]]
+    assert changes.tolist() == [8.0 * i for i in range(1, 450)]
+
+
 def spread(run: Measured) -> float:
     return float(np.ptp(run.run.ambient))
 
