@@ -6,5 +6,6 @@ its model predicts two runs of 4 h that took no part. Errors are those of single
 in noise floors: the root mean square of read minus true in the same samples. So 1 is a perfect model of the
 temperatures, and a little less one that knows the sensors' biases, too.
 
-``--case SEED:DATA:ROOM --keep FOLDER`` leaves one case's run files, model and figures to look at.
+``--case SEED:DATA:ROOM --keep FOLDER`` leaves one case's run files, model and figures to look at, and in
+``plant.json`` the truth.
 """

@@ -21,7 +21,7 @@ import gen
 from benchmarks import network_identification
 from benchmarks.network_identification.judge import Judged, judge
 from benchmarks.network_identification.table import rows, text
-from benchmarks.plants.cases import Case, matrix, write_case
+from benchmarks.plants.cases import Case, bench, matrix, write_case
 from benchmarks.plants.profiles import DataKind
 from benchmarks.plants.rooms import RoomKind
 
@@ -110,6 +110,8 @@ def main() -> None:
         made = as_json(found)
         if options.keep:
             (options.keep / "judged.json").write_text(made, encoding="utf-8")
+            drawn = json.dumps(asdict(bench(options.case.seed)), indent=1)
+            (options.keep / "plant.json").write_text(drawn + "\n", encoding="utf-8")
         print(made + text(found))
         return
     cases = matrix(range(options.seed, options.seed + options.plants), options.data, options.room)[: options.first]

@@ -226,6 +226,20 @@ def test_the_command_judges_the_cases_that_were_asked_for(
     assert "parts    steps      moving          2" in capsys.readouterr().out
 
 
+def test_one_case_is_left_to_look_at(
+    files: Written, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(gen, "identify", lambda runs, **_: Found(Oracle(tuple(names(files)))))
+    monkeypatch.setattr(gen, "simulate", truth(files))
+    monkeypatch.setattr("sys.argv", ["network_identification", "--case", str(CASE), "--keep", str(tmp_path / "kept")])
+    command.main()
+    left = {path.name for path in (tmp_path / "kept").iterdir()}
+    assert {"parts.json", "judged.json", "plant.json", *(path.name for path in (*files.fit, *files.test))} == left
+    drawn = json.loads((tmp_path / "kept" / "plant.json").read_text(encoding="utf-8"))
+    assert tuple(drawn["plant"]["capacity"]) == files.bench.plant.capacity
+    assert "parts    unsettled  held            1" in capsys.readouterr().out
+
+
 def test_a_plant_that_cannot_be_written_is_counted_too(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def fails(case: Case, folder: Path) -> Written:
         raise RuntimeError("no plant within the limits")
