@@ -17,6 +17,7 @@ from gen.model.extended import ExtendedSolution
 from gen.model.network import Network
 from gen.model.network_solution import NetworkSolution
 from gen.reference.board import record_type, reference_of, state_names
+from gen.reference.network import ReferenceNetwork
 from gen.replay import Inputs, check_inputs, inputs_of
 from gen.runs import Run
 
@@ -118,7 +119,9 @@ def _on_board(
     kept: dict[int, tuple[Array, np.void]] = {}
     for step in range(length + 1):
         if step in wanted:
-            kept[step] = (model.rises[:, 0], model.state_record()[0])
+            # A network holds temperatures, whatever the ambient was when they were reached.
+            shown = model.readings if isinstance(model, ReferenceNetwork) else model.rises
+            kept[step] = (shown[:, 0], model.state_record()[0])
         if step < length:
             if told is not None:
                 model.set_channels(told[:, acting[step] : acting[step] + 1])
@@ -127,7 +130,9 @@ def _on_board(
     records = np.array([kept[int(step)][1] for step in grid], dtype=record_type(program))
     names = state_names(program)
     words = {name: records[name].astype(np.int64) for name in names}
-    if told is not None:
+    if program.network is not None:
+        rises = rises - inputs.ambient[:, None]
+    elif told is not None:
         rises = rises + (told[0] / 1000.0 - inputs.ambient)[:, None]
     return {name: rises[:, i] for i, name in enumerate(program.model.component_names)}, words
 
