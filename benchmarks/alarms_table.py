@@ -8,7 +8,8 @@ sensors, each off by up to 1.1 K; noise, ambient and load are others than in the
 
 Cold: all parts at 30 degC when power comes on. Warm: the motor has run at 60 % for three hours before. Moving: the
 ambient swings by 1 K to either side within two hours, with 1 % of the rated torque as load. The faults begin an hour
-after a cold start. `--room`: in every run the ambient swings by 5 K within two hours, and jumps by 4 K after 90 minutes. Default are four speeds; `--all` are all ten and a line that changes speed every 15 to 45 minutes.
+after a cold start. `--room`: in every run the ambient swings by 5 K within two hours, and jumps by 4 K after 90
+minutes. Default are four speeds; `--all` are all ten and a line that changes speed every 15 to 45 minutes.
 `twin` judges with the references of model and rules, which `gen verify` proves equal to the board's; `emulated` runs
 the firmware itself on the emulated Mega, some 100 s for a run.
 """
