@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import log2
 
 import numpy as np
+from markupsafe import Markup
 
 from gen.firmware.model_charts import ends_text
 from gen.lowering.network import fixed, float32
@@ -15,10 +16,35 @@ from gen.lowering.recursion.dynamics import domain_rows
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model.network import Network
 from gen.pages.charts import Chart, Series, power, scientific
+from gen.pages.network_drawing import DrawnNode, DrawnPath, network_svg
 
 Cells = tuple[str, ...]
-_LINES = 8
-"""Curves in one chart: as many as there are colours."""
+_LINES = 3
+"""Curves in one chart: as many as its legend has room for."""
+
+
+def drawing(program: Program) -> Markup:
+    """The network at full speed, each factor at its channel's neutral value."""
+    network = program.model.network
+    assert network is not None
+    top = np.array([program.model.domain_pwm[1]])
+    told = network.neutral()
+    heats = np.zeros(len(network.nodes))
+    for number, heat in enumerate(network.heats):
+        factor = float(network.factor_values(heat.factors, told, (1,))[0])
+        heats[network.index(heat.node)] += float(network.powers[top[0], number]) * factor
+    nodes = [
+        DrawnNode(node.name, node.sensor is not None, float(power))
+        for node, power in zip(network.nodes, heats, strict=True)
+    ]
+    paths = []
+    for number, path in enumerate(network.paths):
+        factor = float(network.factor_values(path.factors, told, (1,))[0])
+        conductance = float(network.conductances[top[0], number]) * factor
+        if conductance > 0.0:
+            other = None if path.second is None else network.index(path.second)
+            paths.append(DrawnPath(network.index(path.first), other, conductance))
+    return network_svg("network", f"The network at |PWM| {top[0]}: W/K by thickness", nodes, paths)
 
 
 def curve_charts(program: Program) -> list[Chart]:

@@ -16,7 +16,7 @@ from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.contract import contract
 from gen.firmware.effects_report import effect_rows
 from gen.firmware.model_charts import course_chart, response_charts, schedule_charts
-from gen.firmware.network_report import curve_charts, network_constants, state_words, tabulated
+from gen.firmware.network_report import curve_charts, drawing, network_constants, state_words, tabulated
 from gen.firmware.step_responses import levels, responses
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import RESIDUE_BITS, WORD_BITS
@@ -86,6 +86,7 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
             responses=[
                 (part, response_charts(part.name, labels, step)) for part, step in zip(parts, steps, strict=True)
             ],
+            drawing=drawing(program) if network is not None else None,
             curves=curve_charts(program) if network is not None else [],
             schedules=[(part, schedule_charts(program.model, part)) for part in program.model.components],
             words=[row for component in program.components for row in words(component)],
