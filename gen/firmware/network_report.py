@@ -19,8 +19,8 @@ from gen.pages.charts import Chart, Series, power, scientific
 from gen.pages.network_drawing import DrawnNode, DrawnPath, network_svg
 
 Cells = tuple[str, ...]
-_LINES = 3
-"""Curves in one chart: as many as its legend has room for."""
+_LETTERS, _GAP = 60, 6
+"""Letters that a chart's legend has room for, and what each entry takes beside its own."""
 
 
 def drawing(program: Program) -> Markup:
@@ -70,13 +70,24 @@ def _charts(
     program: Program,
 ) -> list[Chart]:
     made = []
-    for first in range(0, len(curves), _LINES):
-        lines = [Series(name, pwm, own, i) for i, (name, own) in enumerate(curves[first : first + _LINES])]
+    for first, last in _groups([name for name, _ in curves]):
+        lines = [Series(name, pwm, own, i) for i, (name, own) in enumerate(curves[first:last])]
         text = f"{title} over |PWM| {pwm[0]} to {pwm[-1]}, each factor 1. {ends_text(lines)}"
         made.append(
             Chart(f"{kind}-{first}", title, text, "|PWM| (counts)", *y, tuple(lines), shade=program.model.validity)
         )
     return made
+
+
+def _groups(names: Sequence[str]) -> list[tuple[int, int]]:
+    """Neighbours whose legend fits one chart, as ranges."""
+    found, first, used = [], 0, 0
+    for number, name in enumerate(names):
+        used += len(name) + _GAP
+        if number > first and used > _LETTERS:
+            found.append((first, number))
+            first, used = number, len(name) + _GAP
+    return [*found, (first, len(names))] if names else []
 
 
 def state_words(network: NetworkProgram) -> list[Cells]:

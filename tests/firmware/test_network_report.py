@@ -53,11 +53,13 @@ def test_the_tables_name_every_constant_with_its_place_in_the_file(name: str) ->
     program = lower(example(name), "fixed", "table")
     assert program.network is not None
     rows = network_constants(program)
-    words = [word for state in program.network.states for word in (*state.terms, *state.heats)]
-    assert len(rows) >= len(words)
+    states = program.network.states
+    constant = [term.constant for state in states for term in state.terms]
+    constant += [heat.constant for state in states for heat in state.heats]
+    assert len(rows) >= len(constant)
     assert all(row[4].startswith("$.network") for row in rows)
     assert len(state_words(program.network)) == len(program.network.states)
-    varying = sum(not word.constant for word in words)
+    varying = constant.count(False)
     lines = tabulated(program).splitlines()
     assert len(lines) == 257
     assert {len(line.split()) for line in lines[1:]} == {1 + varying}
