@@ -64,10 +64,8 @@ def measured_range(result: NetworkFound) -> tuple[int, int]:
 def rest_was_measured(result: NetworkFound) -> bool:
     """Whether PWM 0 was held for long enough to say how the motor cools: a minute at least, or a 50th of the time."""
     inputs = result.inputs
-    valid = np.arange(inputs.level.shape[1])[None, :] < inputs.length[:, None]
-    width = np.where(valid, inputs.levels.width[inputs.level], 0.0)
-    rest = float(np.sum(width * (inputs.levels.rest > 0.99)[inputs.level]))
-    return rest >= max(60.0, 0.02 * float(width.sum()))
+    rest = float(inputs.width[inputs.rest > 0.99].sum())
+    return rest >= max(60.0, 0.02 * float(inputs.width.sum()))
 
 
 def _document(result: NetworkFound, settings: Settings) -> Document:
@@ -166,11 +164,12 @@ def _domain(result: NetworkFound, steady: Steady, full_scale: int) -> Domain:
 
 
 def _figures(result: NetworkFound) -> dict[str, dict[str, float]]:
-    inputs, residual = result.found.problem.inputs, result.residual
+    covered = result.found.problem.inputs.covered
+    total = np.maximum(covered.sum(axis=0), 1e-9)
+    rms = np.sqrt(np.sum(covered * result.residual**2, axis=0) / total)
     made = {}
     for s, name in enumerate(result.data.names):
-        cover = np.where(inputs.weight[:, :, s] > 0.0, inputs.levels.width[inputs.level], 0.0)
-        own = float(np.sqrt(np.sum(cover * residual[:, :, s] ** 2) / max(float(cover.sum()), 1e-9)))
+        own = float(rms[s])
         left = float(np.sqrt(np.nanmean(result.judged.by_fold[:, s])))
         made[name] = {"rms_K": _round(own)} | ({"left_out_rms_K": _round(left)} if math.isfinite(left) else {})
     return made

@@ -64,7 +64,7 @@ def approach(problem: Problem, start: FloatArray, most: int, tolerance: float = 
     unit = 1.0 / np.sqrt(np.diag(problem.prior.precision))
     vector = start
     evaluated, normal = problem.linearised(vector)
-    cost = float(evaluated.cost.sum()) + problem.penalty(vector)
+    cost = evaluated.cost + problem.penalty(vector)
     damping, growth = FIRST_DAMPING, 2.0
     iteration = 1
     while iteration < most:
@@ -74,7 +74,7 @@ def approach(problem: Problem, start: FloatArray, most: int, tolerance: float = 
             factor = cho_factor(matrix + np.diag(damping * np.diag(matrix)), check_finite=False)
             step = np.clip(cho_solve(factor, right, check_finite=False), -unit, unit)
             trial = vector + step
-            new = float(problem.evaluate(trial).cost.sum()) + problem.penalty(trial)
+            new = problem.evaluate(trial).cost + problem.penalty(trial)
             expected = float(step @ (2.0 * right - matrix @ step))
             ratio = (cost - new) / expected if expected > 0.0 else -1.0
             improved = bool(new < cost and ratio > WORTH)
@@ -98,7 +98,7 @@ def settle(problem: Problem, start: FloatArray, most: int, tolerance: float = TO
     """Go to the minimum; parameters as for :func:`approach`."""
     vector = start
     evaluated, normal = problem.linearised(vector)
-    cost = float(evaluated.cost.sum()) + problem.penalty(vector)
+    cost = evaluated.cost + problem.penalty(vector)
     radius = FIRST_RADIUS
     deviation = 1.0 / np.sqrt(np.diag(problem.prior.precision))
     small = 0
@@ -111,7 +111,7 @@ def settle(problem: Problem, start: FloatArray, most: int, tolerance: float = TO
             step = trust.step(radius)
             trial = vector + step
             tried = problem.evaluate(trial)
-            new = float(tried.cost.sum()) + problem.penalty(trial)
+            new = tried.cost + problem.penalty(trial)
             expected = float(step @ (2.0 * right - matrix @ step))
             ratio = (cost - new) / expected if expected > 0.0 and np.isfinite(new) else -1.0
             length = float(np.max(np.abs(step) / deviation))

@@ -9,10 +9,12 @@ import numpy as np
 
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Inputs
-from gen.identification.network.left_out import LeftOut
+from gen.identification.network.left_out import LeftOut, Mask
 
 WINDOW_S = 600.0
 """Errors are means over this time (or an eighth of the run): a sensor's noise is not the model's error."""
+LEAST_SHARE = 0.2
+"""Windows that are covered less than others by this factor do not count."""
 MOST_BANDS = 6
 
 
@@ -38,11 +40,9 @@ class Band:
 
 def bands(inputs: Inputs, judged: LeftOut, full_scale: int) -> list[Band]:
     """Give the errors by speed, rest first where it was measured."""
-    level = inputs.level
-    valid = np.arange(level.shape[1])[None, :] < inputs.length[:, None]
-    at_rest = (inputs.levels.rest > 0.99)[level] & valid
-    pwm = np.rint(inputs.levels.speed * full_scale)[level]
-    turning = valid & (inputs.levels.rest < 0.5)[level]
+    at_rest = inputs.rest > 0.99
+    pwm = np.rint(inputs.speed * full_scale)
+    turning = inputs.rest < 0.5
     made = []
     if at_rest.any():
         made.append(_band(inputs, judged, at_rest, (0, 0)))
@@ -65,26 +65,23 @@ def _ranges(pwm: FloatArray) -> list[tuple[int, int]]:
     return list(zip(lows, highs, strict=True))
 
 
-def _band(
-    inputs: Inputs, judged: LeftOut, mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]], pwm: tuple[int, int]
-) -> Band:
-    sensors = judged.error.shape[2]
+def _band(inputs: Inputs, judged: LeftOut, mask: Mask, pwm: tuple[int, int]) -> Band:
+    sensors = judged.error.shape[1]
     low, high, rms = (np.full(sensors, np.nan) for _ in range(3))
     for s in range(sensors):
         means: list[float] = []
         square = time = 0.0
-        for r, run in enumerate(inputs.runs):
-            k = run.width.size
-            error = -judged.error[r, :k, s]
-            used = mask[r, :k] & np.isfinite(error)
-            if not used.any():
+        for run, row in zip(inputs.runs, inputs.rows, strict=True):
+            used = row[mask[row] & np.isfinite(judged.error[row, s])]
+            if not used.size:
                 continue
+            error, cover = -judged.error[used, s], inputs.covered[used, s]
             window = max(min(WINDOW_S, run.duration / 8.0), 1.0)
-            index = (run.edges[:-1][used] // window).astype(np.int64)
-            cover = run.covered[used, s] + 1e-9
-            total, weight = np.bincount(index, error[used] * cover), np.bincount(index, cover)
-            means += (total[weight > 0.2 * weight.max()] / weight[weight > 0.2 * weight.max()]).tolist()
-            square += float(np.sum(cover * error[used] ** 2))
+            index = (inputs.begins[used] // window).astype(np.int64)
+            total, weight = np.bincount(index, error * cover), np.bincount(index, cover)
+            whole = weight > LEAST_SHARE * weight.max()
+            means += (total[whole] / weight[whole]).tolist()
+            square += float(np.sum(cover * error**2))
             time += float(cover.sum())
         if means:
             low[s], high[s] = min(means), max(means)

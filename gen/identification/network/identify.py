@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from gen.identification.network.scale import Scale, scale_of
 from gen.identification.network.search import Found, search, tightened
 from gen.identification.network.starts import taken_over
 from gen.identification.network.structure import full
-from gen.identification.network.weights import first_density, weights
 
 MOST_HIDDEN = 3
 MOST_NODES = 10
@@ -75,7 +74,7 @@ class NetworkFound:
 
     @property
     def residual(self) -> FloatArray:
-        """Reading minus model in each fine bin, shape (R, T, S), K; 0 where nothing was read."""
+        """Reading minus model in each fine bin, shape (N, S), K; 0 where nothing was read."""
         return self.found.fit.evaluated.residual
 
 
@@ -93,7 +92,7 @@ def identify_network(
     most_hidden
         Most hidden nodes to try.
     """
-    inputs = _weighed(inputs_of(data.coarse))
+    inputs = inputs_of(data.coarse)
     scale = scale_of(inputs)
     folds = folds_of(inputs)
     noise = float(np.sqrt(np.mean([run.noise_K**2 for run in data.coarse])))
@@ -103,6 +102,8 @@ def identify_network(
         one = search(full(data.names, hidden), inputs, scale)
         progress(f"{hidden} hidden node(s): left-out error")
         tried.append((one, left_out(one, folds)))
+        if _enough([out.score_K for _, out in tried], SLACK * noise):
+            break
     candidates = tuple(Candidate(one.structure.hidden, out.score_K, one.structure.size) for one, out in tried)
     found, judged = tried[_choice([out.score_K for _, out in tried], SLACK * noise)]
     progress("paths")
@@ -111,19 +112,22 @@ def identify_network(
     return NetworkFound(data, _polished(data, found, scale), judged, inputs, candidates)
 
 
+def _enough(scores: list[float], slack: float) -> bool:
+    """Whether one more hidden node is not worth a trial: none could be chosen, or the last two brought nothing."""
+    if scores[-1] <= slack:
+        return True
+    return len(scores) > 2 and scores[-1] > scores[-2] / BETTER
+
+
 def _choice(scores: list[float], slack: float) -> int:
     """The first that is about as good as the best."""
     limit = (BETTER * min(scores)) ** 2 + slack**2
     return next(k for k, score in enumerate(scores) if score**2 <= limit)
 
 
-def _weighed(inputs: Inputs) -> Inputs:
-    return replace(inputs, weight=weights(inputs, first_density(inputs)))
-
-
 def _polished(data: NetworkData, found: Found, scale: Scale) -> Found:
     """The same network on the fine bins."""
-    inputs = _weighed(inputs_of(data.fine))
+    inputs = inputs_of(data.fine)
     problem = Problem(found.structure, inputs, prior_of(found.structure, inputs, scale))
     start = taken_over(problem, found.problem, found.vector)
     return tightened(problem, start, found.density, AT_LAST, rounds=2)
@@ -140,11 +144,10 @@ def curves(result: NetworkFound) -> dict[str, tuple[FloatArray, dict[str, FloatA
     """
     inputs = result.found.problem.inputs
     made = {}
-    for r, run in enumerate(inputs.runs):
-        k = run.width.size
-        read = inputs.weight[r, :k] > 0.0
-        measured = np.where(read, inputs.target[r, :k], np.nan)
-        modelled = measured - np.where(read, result.residual[r, :k], np.nan)
+    for run, row in zip(inputs.runs, inputs.rows, strict=True):
+        read = inputs.covered[row] > 0.0
+        measured = np.where(read, inputs.target[row], np.nan)
+        modelled = measured - np.where(read, result.residual[row], np.nan)
         columns = {}
         for s, name in enumerate(result.data.names):
             columns[f"{name}_degC"] = measured[:, s]

@@ -5,8 +5,9 @@ PWM takes few values and bins few widths, so few matrix exponentials are needed:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,6 +17,7 @@ MOST_LEVELS = 1500
 """Where more distinct inputs occur, speeds are rounded."""
 ROOM_S = 3600.0
 """Distance of the points between which the unknown part of an unmeasured ambient is a straight line."""
+MOST_HATS = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,24 +53,32 @@ def held(pwm: FloatArray, full_scale: int) -> Levels:
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """R runs of at most T bins; L distinct inputs.
+    """All bins of all runs in one row: the first bin of each run, then the second of each, and so on.
+
+    N bins, R runs, S sensed nodes. The longest run comes first, so those that still go on stand together.
 
     Attributes
     ----------
     runs
         Where they come from.
-    level
-        Which distinct input holds in each bin, shape (R, T); 0 behind a run's end.
-    length
-        Bins of each run, shape (R,).
-    ambient
-        Mean ambient over each bin, shape (R, T), degC.
-    room
-        The unknown part of the ambient: the mean over each bin of each of its hats, shape (R, T, B); B may be 0.
+    order
+        The runs, longest first, shape (R,).
+    first
+        Where each step begins, shape (T + 1,): at step k the first ``first[k + 1] - first[k]`` runs of the order go on.
+    run, level
+        Of each bin: the run that it belongs to, and which distinct input holds, shape (N,).
+    begins
+        When it begins, shape (N,), s.
     levels
         The distinct inputs.
+    ambient
+        Mean ambient over it, shape (N,), degC.
+    room
+        The unknown part of the ambient: mean over the bin of each of its hats, shape (N, B); B may be 0.
     target, share, weight
-        Readings, where in the bin their time lies, and how much they count (1/K^2), shape (R, T, S).
+        Readings, where in the bin their time lies, and how much they count (1/K^2), shape (N, S).
+    covered
+        The time that they stand for, shape (N, S), s.
     begin
         Temperatures that the nodes begin at, before any parameter, shape (R, S), degC.
     loose
@@ -76,69 +86,96 @@ class Inputs:
     """
 
     runs: tuple[Binned, ...]
+    order: IntArray
+    first: IntArray
+    run: IntArray
     level: IntArray
-    length: IntArray
+    begins: FloatArray
+    levels: Levels
     ambient: FloatArray
     room: FloatArray
-    levels: Levels
     target: FloatArray
     share: FloatArray
     weight: FloatArray
+    covered: FloatArray
     begin: FloatArray
     loose: FloatArray
 
+    @cached_property
+    def rows(self) -> tuple[IntArray, ...]:
+        """The bins of each run, in time."""
+        return tuple(np.flatnonzero(self.run == r) for r in range(len(self.runs)))
+
+    @property
+    def width(self) -> FloatArray:
+        """Length of each bin, shape (N,), s."""
+        return self.levels.width[self.level]
+
+    @property
+    def rest(self) -> FloatArray:
+        """Share of each bin at PWM 0, shape (N,)."""
+        return self.levels.rest[self.level]
+
+    @property
+    def speed(self) -> FloatArray:
+        """Mean |PWM| over full scale while it turns, shape (N,)."""
+        return self.levels.speed[self.level]
+
 
 def inputs_of(runs: Sequence[Binned]) -> Inputs:
-    """Put runs beside each other; the readings weigh nothing yet."""
-    most = max(run.width.size for run in runs)
-    count, sensors = len(runs), runs[0].reading.shape[1]
-    level, distinct = _levels(runs)
-    ambient = np.zeros((count, most))
-    target, share = np.zeros((count, most, sensors)), np.full((count, most, sensors), 0.5)
-    for r, run in enumerate(runs):
-        k = run.width.size
-        ambient[r, :k] = run.ambient
-        ambient[r, k:] = run.ambient[-1]
-        target[r, :k] = np.where(run.covered > 0, run.reading, 0.0)
-        share[r, :k] = run.share
-    starts = [_begin(run) for run in runs]
+    """Put all runs in one row; the readings weigh nothing yet."""
+    lengths = np.array([run.width.size for run in runs])
+    order = np.argsort(-lengths, kind="stable")
+    step = np.concatenate([np.arange(lengths[r]) for r in order])
+    # By step, and within it in the order of the runs.
+    row = np.argsort(step, kind="stable")
+    run = np.repeat(order, lengths[order])[row]
+
+    def flat(values: Callable[[Binned], FloatArray]) -> FloatArray:
+        return np.ascontiguousarray(np.concatenate([values(runs[r]) for r in order])[row])
+
+    level, distinct = _levels(flat(lambda r: np.column_stack([r.width, r.rest, r.speed, r.square])))
+    covered = flat(lambda r: r.covered)
+    starts = [_begin(own) for own in runs]
+    hats = _hats(runs)
     return Inputs(
         runs=tuple(runs),
+        order=order,
+        first=np.concatenate([[0], np.cumsum(np.bincount(step))]),
+        run=run,
         level=level,
-        length=np.array([run.width.size for run in runs]),
-        ambient=ambient,
-        room=_room(runs, most),
+        begins=flat(lambda r: r.edges[:-1]),
         levels=Levels(*(np.ascontiguousarray(column) for column in distinct.T)),
-        target=target,
-        share=share,
-        weight=np.zeros_like(target),
+        ambient=flat(lambda r: r.ambient),
+        room=flat(lambda r: _room(r, hats)),
+        target=np.where(covered > 0.0, flat(lambda r: r.reading), 0.0),
+        share=flat(lambda r: r.share),
+        weight=np.zeros_like(covered),
+        covered=covered,
         begin=np.array([start for start, _ in starts]),
         loose=np.array([loose for _, loose in starts]),
     )
 
 
-def _levels(runs: Sequence[Binned]) -> tuple[IntArray, FloatArray]:
-    """Number the distinct inputs; where there are too many, those that are alike share their mean."""
-    table = np.concatenate([np.column_stack([run.width, run.rest, run.speed, run.square]) for run in runs])
+def _levels(table: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Number the distinct inputs; where there are too many, those that are alike share their mean.
+
+    Parameters
+    ----------
+    table
+        Width, rest, speed and square of each bin, shape (N, 4).
+    """
     key = np.round(table, 6)
+    index = np.zeros(len(table), dtype=np.int64)
     for coarse in (1.0, 4.0, 16.0, 64.0):
-        _, index = np.unique(key, axis=0, return_inverse=True)
-        index = np.ravel(index)
+        index = np.ravel(np.unique(key, axis=0, return_inverse=True)[1])
         if index.max() < MOST_LEVELS:
             break
-        steps = np.array([1e-6, 0.002, 0.004, 0.004]) * coarse
-        key = np.round(np.column_stack([table[:, 0], table[:, 1:] / steps[1:]]))
         # A width has to stay as it is: only the inputs are rounded.
-        key[:, 0] = np.round(table[:, 0], 6)
+        steps = np.array([0.002, 0.004, 0.004]) * coarse
+        key = np.column_stack([np.round(table[:, 0], 6), np.round(table[:, 1:] / steps)])
     number = np.bincount(index).astype(np.float64)
-    distinct = np.column_stack([np.bincount(index, column) / number for column in table.T])
-    most = max(run.width.size for run in runs)
-    level = np.zeros((len(runs), most), dtype=np.int64)
-    at = 0
-    for r, run in enumerate(runs):
-        level[r, : run.width.size] = index[at : at + run.width.size]
-        at += run.width.size
-    return level, distinct
+    return index, np.column_stack([np.bincount(index, column) / number for column in table.T])
 
 
 def _begin(run: Binned) -> tuple[FloatArray, float]:
@@ -151,19 +188,16 @@ def _begin(run: Binned) -> tuple[FloatArray, float]:
     return begin, 0.3 + 0.5 * spread
 
 
-def _room(runs: Sequence[Binned], most: int) -> FloatArray:
-    """Hats over time for runs whose ambient was not measured."""
-    unknown = [run for run in runs if not run.ambient_known]
-    if not unknown:
-        return np.zeros((len(runs), most, 0))
-    knots = max(2, 1 + int(np.ceil(max(run.duration for run in unknown) / ROOM_S)))
-    knots = min(knots, 12)
-    room = np.zeros((len(runs), most, knots))
-    for r, run in enumerate(runs):
-        if run.ambient_known:
-            continue
-        at = np.linspace(0.0, run.duration, knots)
-        middle = 0.5 * (run.edges[1:] + run.edges[:-1])
-        for b in range(knots):
-            room[r, : middle.size, b] = np.interp(middle, at, np.eye(knots)[b])
-    return room
+def _hats(runs: Sequence[Binned]) -> int:
+    """How many hats the longest run without a measured ambient needs."""
+    unknown = [run.duration for run in runs if not run.ambient_known]
+    return min(max(2, 1 + int(np.ceil(max(unknown) / ROOM_S))), MOST_HATS) if unknown else 0
+
+
+def _room(run: Binned, hats: int) -> FloatArray:
+    """Hats over the run's time where its ambient was not measured, else nothing, shape (K, hats)."""
+    if run.ambient_known or not hats:
+        return np.zeros((run.width.size, hats))
+    at = np.linspace(0.0, run.duration, hats)
+    middle = 0.5 * (run.edges[1:] + run.edges[:-1])
+    return np.column_stack([np.interp(middle, at, own) for own in np.eye(hats)])

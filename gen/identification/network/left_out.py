@@ -15,7 +15,7 @@ from gen.identification.network.search import Found
 MOST_FOLDS = 5
 STRETCHES = 8
 """A run that is alone is cut into so many; each fold leaves out every fourth."""
-AT_EACH = 6
+AT_EACH = 5
 """Linearisations of a fold, from where all runs lead."""
 
 Mask = NDArray[np.bool_]
@@ -28,7 +28,7 @@ class LeftOut:
     Attributes
     ----------
     error
-        Reading minus prediction, shape (R, T, S), K; NaN where nothing was predicted.
+        Reading minus prediction, shape (N, S), K; NaN where nothing was predicted.
     by_fold
         Mean square by fold and sensed node, shape (F, S), K^2.
     """
@@ -43,44 +43,34 @@ class LeftOut:
 
 
 def folds_of(inputs: Inputs) -> list[Mask]:
-    """Give what each fold leaves out, shape (R, T) each."""
-    runs, bins = inputs.level.shape
-    made = []
+    """Give what each fold leaves out, shape (N,) each."""
+    runs = len(inputs.runs)
     if runs == 1:
-        part = np.arange(bins) * STRETCHES // bins
-        return [((part % (STRETCHES // 2)) == k)[None, :] for k in range(STRETCHES // 2)]
+        part = (inputs.begins / inputs.runs[0].duration * STRETCHES).astype(np.int64)
+        return [(part % (STRETCHES // 2)) == k for k in range(STRETCHES // 2)]
     # Neighbours in the list are often alike (speeds in order): a fold takes runs from all over it.
     count = min(runs, MOST_FOLDS)
-    for k in range(count):
-        mask = np.zeros((runs, bins), dtype=bool)
-        mask[k::count] = True
-        made.append(mask)
-    return made
+    return [inputs.run % count == k for k in range(count)]
 
 
 def left_out(found: Found, folds: list[Mask]) -> LeftOut:
     """Fit without each fold and predict it."""
     problem, inputs = found.problem, found.problem.inputs
     structure = problem.structure
-    cover = inputs.weight > 0.0
     error = np.full(inputs.target.shape, np.nan)
     by_fold = np.full((len(folds), len(structure.sensed)), np.nan)
-    time = inputs.levels.width[inputs.level]
     for f, mask in enumerate(folds):
-        without = problem.weighed(np.where(mask[:, :, None], 0.0, inputs.weight))
+        without = problem.weighed(np.where(mask[:, None], 0.0, inputs.weight))
         start = found.vector.copy()
-        whole = np.flatnonzero(mask.all(axis=1))
-        for r in whole.tolist():
-            # A new run: nothing is known of it but where it begins.
-            own = without.columns(r)[structure.size :]
-            start[own] = problem.prior.mean[own]
-        vector = settle(without, start, AT_EACH).vector
-        evaluated = problem.evaluate(vector)
-        shown = mask[:, :, None] & cover
-        error[shown] = evaluated.residual[shown]
-        for s in range(len(structure.sensed)):
-            weight = np.where(shown[:, :, s], time, 0.0)
-            total = float(weight.sum())
-            if total > 0.0:
-                by_fold[f, s] = float(np.sum(weight * evaluated.residual[:, :, s] ** 2)) / total
+        for r, row in enumerate(inputs.rows):
+            if mask[row].all():
+                # A new run: nothing is known of it but where it begins.
+                own = without.columns(r)[structure.size :]
+                start[own] = problem.prior.mean[own]
+        evaluated = problem.evaluate(settle(without, start, AT_EACH).vector)
+        cover = np.where(mask[:, None], inputs.covered, 0.0)
+        error[cover > 0.0] = evaluated.residual[cover > 0.0]
+        total = cover.sum(axis=0)
+        square = np.sum(cover * evaluated.residual**2, axis=0)
+        by_fold[f] = np.where(total > 0.0, square / np.maximum(total, 1e-9), np.nan)
     return LeftOut(error, by_fold)

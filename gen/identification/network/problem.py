@@ -24,16 +24,16 @@ class Evaluated:
     Attributes
     ----------
     residual
-        Reading minus model, shape (R, T, S), K; 0 where nothing was read.
+        Reading minus model, shape (N, S), K; 0 where nothing was read.
     cost
-        Of each run, without the prior, shape (R,).
-    states
-        Temperatures at the ends of the bins, shape (R, T + 1, n), degC.
+        Sum of the weighed squares, without the prior.
+    after
+        Temperatures at the ends of the bins, shape (N, n), degC.
     """
 
     residual: FloatArray
-    cost: FloatArray
-    states: FloatArray
+    cost: float
+    after: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,12 +85,12 @@ class Problem:
         return vector[self.structure.size :].reshape(self.runs, self.own)
 
     def _begin(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Temperatures at the start, shape (R, n), and the unknown part of the ambient, shape (R, T)."""
+        """Temperatures at the start, shape (R, n), and the unknown part of the ambient, shape (N,)."""
         own = self.per_run(vector)
         nodes, sensors = self.structure.nodes, len(self.structure.sensed)
         begin = np.repeat(self.inputs.begin.mean(axis=1)[:, None], nodes, axis=1)
         begin[:, :sensors] = self.inputs.begin
-        room = np.einsum("rtb,rb->rt", self.inputs.room, own[:, nodes:])
+        room = np.einsum("nb,nb->n", self.inputs.room, own[self.inputs.run, nodes:])
         return begin + own[:, :nodes], room
 
     def evaluate(self, vector: FloatArray) -> Evaluated:
@@ -98,67 +98,42 @@ class Problem:
         found = physical(self.structure, self.inputs.levels, vector)
         steps = steps_of(self.structure, self.inputs.levels, found)
         start, room = self._begin(vector)
-        states = simulate(self.inputs, steps, found, start, room)
-        return self._evaluated(vector, states)
+        return self._evaluated(vector, *simulate(self.inputs, steps, found, start, room))
 
-    def _evaluated(self, vector: FloatArray, states: FloatArray) -> Evaluated:
+    def _evaluated(self, vector: FloatArray, before: FloatArray, after: FloatArray) -> Evaluated:
         inputs, sensors = self.inputs, len(self.structure.sensed)
-        shown = states[..., :sensors]
-        model = shown[:, :-1] * (1.0 - inputs.share) + shown[:, 1:] * inputs.share + vector[self.structure.offsets]
-        residual = np.where(inputs.weight > 0.0, inputs.target - model, 0.0)
-        cost = np.einsum("rts,rts->r", inputs.weight, residual**2)
-        return Evaluated(residual, cost, states)
+        old, new = before[:, :sensors], after[:, :sensors]
+        model = old + inputs.share * (new - old) + vector[self.structure.offsets]
+        residual = np.where(inputs.covered > 0.0, inputs.target - model, 0.0)
+        return Evaluated(residual, float(np.einsum("ns,ns->", inputs.weight, residual**2)), after)
 
     def linearised(self, vector: FloatArray) -> tuple[Evaluated, Normal]:
         """Simulate, and give the normal equations."""
+        evaluated, slopes = self.slopes(vector)
+        root = np.sqrt(self.inputs.weight)
+        count = self.structure.size + self.own
+        matrix, right = np.empty((self.runs, count, count)), np.empty((self.runs, count))
+        weighed = root * evaluated.residual
+        for r, row in enumerate(self.inputs.rows):
+            lines = (slopes[row] * root[row][:, :, None]).reshape(-1, count)
+            matrix[r] = lines.T @ lines
+            right[r] = lines.T @ weighed[row].ravel()
+        return evaluated, Normal(matrix, right)
+
+    def slopes(self, vector: FloatArray) -> tuple[Evaluated, Slopes]:
+        """Simulate, and give the derivatives of the modelled readings.
+
+        Returns
+        -------
+        evaluated, slopes
+            Derivatives by the shared parameters and the own ones of the bin's run, shape (N, S, p).
+        """
         structure, inputs = self.structure, self.inputs
         found = physical(structure, inputs.levels, vector)
         steps = steps_of(structure, inputs.levels, found)
         start, room = self._begin(vector)
-        states = simulate(inputs, steps, found, start, room)
-        evaluated = self._evaluated(vector, states)
-        slopes = sensitivities(structure, inputs, found, steps, states, room)
-        root = np.sqrt(inputs.weight)
-        count = self.structure.size + self.own
-        matrix, right = np.empty((self.runs, count, count)), np.empty((self.runs, count))
-        for r in range(self.runs):
-            k = int(inputs.length[r])
-            used = root[r, :k] > 0.0
-            rows = self._shown(slopes[: k + 1, r], inputs.share[r, :k])[used] * root[r, :k][used][:, None]
-            matrix[r] = rows.T @ rows
-            right[r] = rows.T @ (evaluated.residual[r, :k][used] * root[r, :k][used])
-        return evaluated, Normal(matrix, right)
-
-    def jacobian(self, vector: FloatArray) -> FloatArray:
-        """Derivatives of the modelled readings by the shared parameters and each run's own, shape (R, T, S, p)."""
-        found = physical(self.structure, self.inputs.levels, vector)
-        steps = steps_of(self.structure, self.inputs.levels, found)
-        start, room = self._begin(vector)
-        states = simulate(self.inputs, steps, found, start, room)
-        slopes = sensitivities(self.structure, self.inputs, found, steps, states, room)
-        shares = self.inputs.share
-        return np.array([self._shown(slopes[:, r], shares[r]) for r in range(self.runs)])
-
-    def _shown(self, slopes: Slopes, share: FloatArray) -> FloatArray:
-        """From temperatures at the ends of one run's bins to readings in them, the offsets' columns put in.
-
-        Parameters
-        ----------
-        slopes
-            Shape (T + 1, S, own columns).
-        share
-            Shape (T, S).
-        """
-        structure = self.structure
-        shared = structure.size - len(structure.sensed)
-        late = share[..., None].astype(np.float32)
-        between = slopes[:-1] + late * (slopes[1:] - slopes[:-1])
-        made = np.zeros((*share.shape, structure.size + self.own))
-        made[..., :shared] = between[..., :shared]
-        made[..., structure.size :] = between[..., shared:]
-        for s, column in enumerate(structure.offsets.tolist()):
-            made[:, s, column] = 1.0
-        return made
+        before, after = simulate(inputs, steps, found, start, room)
+        return self._evaluated(vector, before, after), sensitivities(structure, inputs, found, steps, before, room)
 
     def assembled(self, normal: Normal, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Normal equations of all parameters with priors.

@@ -14,7 +14,7 @@ from gen.identification.network.simulation import physical
 from gen.identification.network.starts import taken_over
 from gen.identification.network.structure import Structure
 
-SHARES = (0.03, 0.01, 0.003)
+SHARES = (0.02, 0.005)
 """Of the whole heat: paths and heats that never carry more are candidates; the boldest cut that does no harm stays."""
 AT_EACH = 12
 """Linearisations after a cut."""
@@ -63,13 +63,11 @@ def flows(found: Found) -> tuple[FloatArray, FloatArray]:
     problem = found.problem
     structure, inputs = problem.structure, problem.inputs
     physics = physical(structure, inputs.levels, found.vector)
-    states = found.fit.evaluated.states[:, 1:]
-    ends = np.concatenate([states, inputs.ambient[:, :, None]], axis=-1)
-    valid = np.arange(inputs.level.shape[1])[None, :] < inputs.length[:, None]
-    most = []
-    for q, (i, j) in enumerate(structure.paths):
-        flow = np.abs(physics.conductance[inputs.level, q] * (ends[..., i] - ends[..., j]))
-        most.append(float(np.max(flow[valid])))
+    ends = np.column_stack([found.fit.evaluated.after, inputs.ambient])
+    conductance = physics.conductance[inputs.level]
+    most = [
+        float(np.max(np.abs(conductance[:, q] * (ends[:, i] - ends[:, j])))) for q, (i, j) in enumerate(structure.paths)
+    ]
     total = max(float(np.max(physics.heat.sum(axis=1))), 1e-12)
     heats = physics.heat[:, list(structure.heated)].max(axis=0)
     return np.array(most) / total, np.asarray(heats / total)

@@ -7,6 +7,7 @@ squares for each.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -49,30 +50,30 @@ def scale_of(inputs: Inputs) -> Scale:
     decay = np.exp(-inputs.levels.width[:, None] / taus)  # (L, G)
     turning = 1.0 - inputs.levels.rest
     drive = np.stack([turning * inputs.levels.speed, turning * inputs.levels.square], axis=-1)  # (L, 2)
-    runs, bins = inputs.level.shape
     # Filtered: ambient, w, w^2, and what is left of the start.
-    state = np.zeros((runs, taus.size, 4))
+    into = np.column_stack([inputs.ambient, drive[inputs.level], np.zeros(inputs.level.size)])[:, None, :]
+    keep = decay[inputs.level][:, :, None]
+    state = np.zeros((len(inputs.runs), taus.size, 4))
     state[:, :, 3] = 1.0
-    middle = np.empty((runs, bins, taus.size, 4))
-    for k in range(bins):
-        level = inputs.level[:, k]
-        into = np.column_stack([inputs.ambient[:, k], drive[level], np.zeros(runs)])[:, None, :]
-        after = into + decay[level][:, :, None] * (state - into)
-        middle[:, k] = 0.5 * (state + after)
+    middle = np.empty((inputs.level.size, taus.size, 4))
+    for low, high in pairwise(inputs.first.tolist()):
+        state = state[: high - low]
+        after = into[low:high] + keep[low:high] * (state - into[low:high])
+        middle[low:high] = 0.5 * (state + after)
         state = after
     settling, rise = [], []
-    for s in range(inputs.target.shape[2]):
-        weight = np.sqrt(inputs.weight[:, :, s])
+    for s in range(inputs.target.shape[1]):
+        weight = np.sqrt(inputs.covered[:, s])
         used = weight > 0.0
         if not used.any():
             settling.append(longest / 3.0)
             rise.append(10.0)
             continue
-        begin = inputs.begin[:, s][:, None, None]
+        begin = inputs.begin[inputs.run, s]
         errors, rises = [], []
         for g in range(taus.size):
-            target = inputs.target[:, :, s] - middle[:, :, g, 0] - begin[..., 0] * middle[:, :, g, 3]
-            columns = middle[:, :, g, 1:3][used] * weight[used][:, None]
+            target = inputs.target[:, s] - middle[:, g, 0] - begin * middle[:, g, 3]
+            columns = middle[:, g, 1:3][used] * weight[used][:, None]
             right = target[used] * weight[used]
             ridge = 1e-4 * np.sqrt(np.sum(columns**2) / 2.0) * np.eye(2)
             solved = np.linalg.lstsq(np.vstack([columns, ridge]), np.append(right, [0.0, 0.0]), rcond=None)[0]

@@ -19,7 +19,7 @@ from gen.identification.network.weights import density, weights
 LOOSE = (3000.0, 300.0, 80.0)
 """Densities of the errors with which the search begins, K^2 s: 2 K for ten minutes, and less each time."""
 FIRST_AT = 20.0
-AT_EACH, AT_LAST = 6, 30
+AT_EACH, AT_LAST = 6, 24
 """Linearisations."""
 SAME = 0.25
 """Logarithm of the densities within which they agree with the residual's own."""

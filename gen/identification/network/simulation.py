@@ -9,6 +9,7 @@ A path changes A by a matrix of rank one, so its derivative is a heat that flows
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,38 +121,37 @@ def steps_of(structure: Structure, levels: Levels, found: Physical) -> Steps:
     )
 
 
-def simulate(inputs: Inputs, steps: Steps, found: Physical, start: FloatArray, room: FloatArray) -> FloatArray:
-    """Temperatures at the ends of the bins.
+def simulate(
+    inputs: Inputs, steps: Steps, found: Physical, start: FloatArray, room: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Temperatures at the beginning and at the end of each bin.
 
     Parameters
     ----------
     start
         Shape (R, n), degC.
     room
-        Added to the ambient, shape (R, T), K.
+        Added to the ambient, shape (N,), K.
 
     Returns
     -------
-    array
-        Shape (R, T + 1, n), degC.
+    before, after
+        Shape (N, n), degC.
     """
     level = inputs.level
-    ambient = inputs.ambient + room
     # The gain's rows times what comes from outside and from the heats, for each distinct input once.
     from_ambient = np.einsum("lij,lj->li", steps.gain, steps.outside)
     from_heat = np.einsum("lij,lj->li", steps.gain, found.heat)
-    driven = from_ambient[level] * ambient[..., None] + from_heat[level]
-    runs, bins = level.shape
-    states = np.empty((runs, bins + 1, start.shape[1]))
-    states[:, 0] = start
-    matrix = steps.matrix[level.T]
-    driven = np.ascontiguousarray(np.swapaxes(driven, 0, 1))[..., None]
-    current = start[:, :, None]
-    for k in range(bins):
-        current = matrix[k] @ current
-        current += driven[k]
-        states[:, k + 1] = current[..., 0]
-    return states
+    driven = (from_ambient[level] * (inputs.ambient + room)[:, None] + from_heat[level])[:, :, None]
+    before, after = np.empty_like(driven), np.empty_like(driven)
+    matrix = steps.matrix[level]
+    current = start[inputs.order][:, :, None]
+    for low, high in pairwise(inputs.first.tolist()):
+        current = current[: high - low]
+        before[low:high] = current
+        current = np.matmul(matrix[low:high], current, out=after[low:high])
+        current += driven[low:high]
+    return before[..., 0], after[..., 0]
 
 
 def sensitivities(
@@ -159,82 +159,83 @@ def sensitivities(
     inputs: Inputs,
     found: Physical,
     steps: Steps,
-    states: FloatArray,
+    before: FloatArray,
     room: FloatArray,
 ) -> Slopes:
-    """Derivatives of the sensed temperatures at the ends of the bins.
+    """Derivatives of the modelled readings.
 
     Returns
     -------
     array
-        Shape (T + 1, R, S, p): by capacities, free path terms, heat terms (in the structure's order, without the
-        offsets), each node's start and the hats of the room. Single precision: they point the way only.
+        Shape (N, S, p): by the parameters that all runs share, in the structure's order, then by each node's start and
+        by the hats of the room. Single precision: they only point the way.
     """
-    runs, bins = inputs.level.shape
-    sources = _sources(structure, inputs, found, steps, states, room)
-    nodes, free, sensors = structure.nodes, sources.shape[-1], len(structure.sensed)
-    shared = structure.size - sensors
-    made = np.empty((bins + 1, runs, sensors, free), dtype=np.float32)
-    current = np.zeros((runs, nodes, free), dtype=np.float32)
-    current[:, :, shared : shared + nodes] = np.eye(nodes)
-    made[0] = current[:, :sensors]
-    matrix = steps.matrix.astype(np.float32)[inputs.level.T]
-    for k in range(bins):
-        current = np.matmul(matrix[k], current)
-        current += sources[k]
-        made[k + 1] = current[:, :sensors]
+    sources = _sources(structure, inputs, found, steps, before, room)
+    nodes, sensors = structure.nodes, len(structure.sensed)
+    made = np.empty((inputs.level.size, sensors, sources.shape[-1]), dtype=np.float32)
+    current = np.zeros((len(inputs.runs), nodes, sources.shape[-1]), dtype=np.float32)
+    current[:, :, structure.size : structure.size + nodes] = np.eye(nodes)
+    matrix = steps.matrix.astype(np.float32)[inputs.level]
+    late = inputs.share.astype(np.float32)[:, :, None]
+    early = np.float32(1.0) - late
+    for low, high in pairwise(inputs.first.tolist()):
+        shown = made[low:high]
+        np.multiply(early[low:high], current[: high - low, :sensors], out=shown)
+        current = np.matmul(matrix[low:high], current[: high - low])
+        current += sources[low:high]
+        shown += late[low:high] * current[:, :sensors]
+    for s, column in enumerate(structure.offsets.tolist()):
+        made[:, s, column] = 1.0
     return made
 
 
 def _sources(
-    structure: Structure, inputs: Inputs, found: Physical, steps: Steps, states: FloatArray, room: FloatArray
+    structure: Structure, inputs: Inputs, found: Physical, steps: Steps, before: FloatArray, room: FloatArray
 ) -> Slopes:
-    """What each parameter adds to the temperatures within one bin, shape (T, R, n, p)."""
-    level = inputs.level.T
-    bins, runs = level.shape
+    """What each parameter adds to the temperatures within one bin, shape (N, n, p)."""
+    level = inputs.level
     nodes = structure.nodes
     root = np.sqrt(found.capacity)
-    ambient = (inputs.ambient + room).T
-    turned = np.swapaxes(steps.vectors, 1, 2)[level]
-    outside = steps.outside[level] * ambient[..., None] + found.heat[level]
-    before = np.swapaxes(states[:, :-1], 0, 1)
-    modal = (turned @ (before * root)[..., None])[..., 0]
-    forced = (turned @ (outside / root)[..., None])[..., 0]
+    ambient = inputs.ambient + room
+    turned = np.swapaxes(steps.vectors, 1, 2)
+    outside = steps.outside[level] * ambient[:, None] + found.heat[level]
+    own = turned[level]
+    modal = (own @ (before * root)[..., None])[..., 0]
+    forced = (own @ (outside / root)[..., None])[..., 0]
     rate = steps.rates[level] * modal + forced
     single = np.float32
     first, second = (part.astype(single)[level] for part in _divided(steps, inputs.levels.width))
     by_path = ((structure.incidence / root) @ steps.vectors).astype(single)[level]
     by_node = steps.vectors.astype(single)[level]
     phi = steps.phi.astype(single)[level]
-    # The ambient is taken out of the modes: at its own level nothing flows to it.
-    modal, forced, rate = modal.astype(single), forced.astype(single), rate.astype(single)
+    state, drive, change = (part.astype(single)[:, None, :] for part in (modal, forced, rate))
     # A path takes heat where it is warmer: -v (D (v z) + D' (v q)), and from the ambient gives back v phi T_ambient.
-    inner = (by_path * modal[:, :, None, :]) @ first
-    inner += (by_path * forced[:, :, None, :]) @ second
-    back = structure.outer.astype(single)[:, None] * (phi * ambient.astype(single)[..., None])[:, :, None, :]
+    inner = (by_path * state) @ first
+    inner += (by_path * drive) @ second
+    back = structure.outer.astype(single)[:, None] * (phi * ambient.astype(single)[:, None])[:, None, :]
     flow = by_path * (back - inner)
-    stored = -by_node * ((by_node * rate[:, :, None, :]) @ first)
+    stored = -by_node * ((by_node * change) @ first)
     heated = list(structure.heated)
-    warmed = by_node[:, :, heated] * phi[:, :, None, :] / root.astype(single)[heated][:, None]
-    count = structure.size - len(structure.sensed)
-    sources = np.zeros((bins, runs, nodes, count + nodes + inputs.room.shape[-1]), dtype=single)
-    to_nodes = np.swapaxes(turned, 2, 3).astype(single) / root.astype(single)[:, None]
+    warmed = by_node[:, heated] * phi[:, None, :] / root.astype(single)[heated][:, None]
+    size = structure.size
+    sources = np.zeros((level.size, nodes, size + nodes + inputs.room.shape[-1]), dtype=single)
+    to_nodes = np.swapaxes(turned, 1, 2).astype(single)[level] / root.astype(single)[:, None]
 
     def temperatures(columns: Slopes | FloatArray) -> Slopes:
-        return np.asarray(to_nodes @ np.swapaxes(columns, 2, 3), dtype=single)
+        return np.asarray(to_nodes @ np.swapaxes(columns, 1, 2), dtype=single)
 
     sources[..., :nodes] = temperatures(stored)
     path, _ = structure.free
     last = nodes + path.size
     by_term = found.by_term.astype(single)[level]
-    np.multiply(temperatures(flow)[..., path], by_term[:, :, None], out=sources[..., nodes:last])
+    np.multiply(temperatures(flow)[..., path], by_term[:, None], out=sources[..., nodes:last])
     if heated:
         by_heat = found.by_heat_term.astype(single)[level]
-        each = temperatures(warmed)[..., None] * by_heat[:, :, None]
-        sources[..., last:count] = each.reshape(bins, runs, nodes, -1)
+        each = temperatures(warmed)[..., None] * by_heat[:, None]
+        sources[..., last : structure.offsets[0]] = each.reshape(level.size, nodes, -1)
     if inputs.room.shape[-1]:
         reach = np.einsum("lij,lj->li", steps.gain, steps.outside)[level]
-        sources[..., count + nodes :] = reach[..., None] * np.swapaxes(inputs.room, 0, 1)[:, :, None, :]
+        sources[..., size + nodes :] = reach[..., None] * inputs.room[:, None, :]
     return sources
 
 

@@ -45,8 +45,7 @@ class Summary:
     def speeds(self) -> list[int]:
         """|PWM| that were held for longest, increasing, without rest."""
         inputs = self.result.inputs
-        valid = np.arange(inputs.level.shape[1])[None, :] < inputs.length[:, None]
-        time = np.bincount(inputs.level[valid], inputs.levels.width[inputs.level][valid], inputs.levels.count)
+        time = np.bincount(inputs.level, inputs.width, inputs.levels.count)
         pwm = np.rint(inputs.levels.speed * self.result.data.full_scale).astype(np.int64)
         total = np.bincount(pwm, np.where(inputs.levels.rest < 0.5, time, 0.0))
         total[0] = 0.0
@@ -61,12 +60,9 @@ class Summary:
     @cached_property
     def rms_K(self) -> FloatArray:
         """Of the residual, by run and part, shape (R, S), K; NaN where nothing was read."""
-        result = self.result
-        inputs = result.found.problem.inputs
-        width = inputs.levels.width[inputs.level][:, :, None]
-        cover = np.where(inputs.weight > 0.0, width, 0.0)
-        total = cover.sum(axis=1)
-        square = np.sum(cover * result.residual**2, axis=1)
+        inputs, residual = self.result.found.problem.inputs, self.result.residual
+        total = np.array([inputs.covered[row].sum(axis=0) for row in inputs.rows])
+        square = np.array([np.sum(inputs.covered[row] * residual[row] ** 2, axis=0) for row in inputs.rows])
         return np.where(total > 0.0, np.sqrt(square / np.maximum(total, 1e-9)), np.nan)
 
     @cached_property
