@@ -1,7 +1,19 @@
 """The coefficient file: the only place that knows its format, for reading and for writing."""
 
 from gen.coefficients.document import Document
+from gen.coefficients.kinds import transfer_functions_only
 from gen.coefficients.reader import Coefficients, check_form, load, parse
 from gen.coefficients.writer import as_json, dump, with_effects, with_rules
 
-__all__ = ["Coefficients", "Document", "as_json", "check_form", "dump", "load", "parse", "with_effects", "with_rules"]
+__all__ = [
+    "Coefficients",
+    "Document",
+    "as_json",
+    "check_form",
+    "dump",
+    "load",
+    "parse",
+    "transfer_functions_only",
+    "with_effects",
+    "with_rules",
+]

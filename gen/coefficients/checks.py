@@ -156,15 +156,19 @@ def _check_dropped(component: Component, pwm: NDArray[np.int64], place: str) -> 
 
 
 def _check_tables(component: Component, model: ThermalModel, place: str) -> list[str]:
-    lo, hi = model.validity
-    warnings = []
-    for key, schedule in _schedules(component):
-        if isinstance(schedule, Table) and (schedule.pwm[0] > lo or schedule.pwm[-1] < hi):
-            warnings.append(
-                f"{place}.{key}: the table covers PWM {schedule.pwm[0]}..{schedule.pwm[-1]} only; "
-                f"in the rest of the validity range {lo}..{hi} its end values hold"
-            )
-    return warnings
+    warnings = (table_warning(schedule, model.validity, f"{place}.{key}") for key, schedule in _schedules(component))
+    return [warning for warning in warnings if warning is not None]
+
+
+def table_warning(schedule: Schedule, validity: tuple[int, int], place: str) -> str | None:
+    """Say of a table that it does not cover the validity range; None of one that does, and of every other schedule."""
+    lo, hi = validity
+    if not isinstance(schedule, Table) or (schedule.pwm[0] <= lo and schedule.pwm[-1] >= hi):
+        return None
+    return (
+        f"{place}: the table covers PWM {schedule.pwm[0]}..{schedule.pwm[-1]} only; "
+        f"in the rest of the validity range {lo}..{hi} its end values hold"
+    )
 
 
 def _schedules(component: Component) -> list[tuple[str, Schedule]]:

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
+from pydantic.config import JsonDict
 
 from gen.coefficients.alarms import MOST_RULES, AlarmRule
-from gen.coefficients.base import Celsius, CountRange, Name, Part, Positive, fault, ordered
+from gen.coefficients.base import Celsius, ColumnName, CountRange, Name, Part, Positive, fault, ordered
 from gen.coefficients.effects import EffectEntry, check_effects
 from gen.coefficients.network import NetworkEntry
 from gen.coefficients.provenance import Provenance
 from gen.coefficients.references import (
     check_alarm_references,
     check_component_names,
+    check_network_columns,
     check_provenance,
     check_wiring_references,
     within,
@@ -27,7 +29,6 @@ SKETCH_FILES |= {"channels", "indicator", "memory", "observer", "output", "selft
 """Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
 
 CelsiusRange = tuple[Celsius, Celsius]
-ColumnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 
 
 class Input(Part):
@@ -57,7 +58,7 @@ class Validity(Part):
     pwm: Annotated[CountRange, Field(description="[lowest, highest] |PWM| in counts.")]
     outside: Annotated[
         Literal["extrapolate", "hold"],
-        Field(description="hold: outside, gain and poles keep their value at the nearest end."),
+        Field(description="hold: outside, schedules and curves keep their value at the nearest end."),
     ]
 
 
@@ -113,11 +114,22 @@ class ComponentEntry(Part):
         return self
 
 
+_EITHER: JsonDict = {
+    "oneOf": [
+        {"required": ["components"], "properties": {"network": {"type": "null"}}},
+        {"required": ["network"], "properties": {"network": {"type": "object"}}, "not": {"required": ["components"]}},
+    ]
+}
+"""What the published schema says of the two kinds of model."""
+
+
 class Document(Part):
     """A coefficient file."""
 
+    model_config = ConfigDict(json_schema_extra=_EITHER)
+
     format: Literal["gen-coefficients"]
-    version: Literal[1, 2]
+    version: Literal[2]
     name: Name
     description: str = ""
     sample_time_s: Annotated[Positive, Field(le=3600)]
@@ -179,6 +191,9 @@ class Document(Part):
         names = self.component_names
         full_scale = self.input.full_scale
         check_component_names(names)
+        if self.network is not None:
+            columns = [channel.column for channel in self.network.channels]
+            check_network_columns(columns, names, self.ambient.channel)
         if self.provenance is not None:
             check_provenance(self.provenance, names, full_scale)
         check_effects(self.effects, names)

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from gen.coefficients.base import Celsius, Name, NotNegative, Number, Part, Positive, fault, listed
+from gen.coefficients.base import Celsius, ColumnName, Name, NotNegative, Number, Part, fault, listed
 from gen.coefficients.schedule import Exp1, Exp2, Poly, Tabulated
 from gen.model.network import AMBIENT, Channel, Curve, Factor, Heat, Network, Node, Path, PowerLaw, Sensor
 from gen.model.schedules import Schedule
@@ -14,7 +14,6 @@ from gen.model.schedules import Schedule
 MOST_NODES = 16
 CURVES = ("poly", "exp1", "exp2", "table", "power")
 
-ColumnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 AtRest = Annotated[NotNegative | None, Field(description="The value at PWM 0, where it is not the curve's.")]
 
 
@@ -47,7 +46,7 @@ class PowerEntry(Part):
 
     constant: NotNegative
     forced: NotNegative
-    exponent: Annotated[Positive, Field(ge=0.05, le=10)]
+    exponent: Annotated[Number, Field(ge=0.05, le=10)]
 
 
 class PowerCurve(Part):
@@ -116,7 +115,7 @@ class FactorEntry(Part):
 class SensorEntry(Part):
     """What stands between a node and its reading."""
 
-    offset_K: Annotated[float, Field(allow_inf_nan=False, ge=-50, le=50)] = 0.0
+    offset_K: Annotated[Number, Field(ge=-50, le=50)] = 0.0
     lag_s: Annotated[NotNegative, Field(le=3600)] = 0.0
 
 
@@ -125,7 +124,7 @@ class NodeEntry(Part):
 
     name: Name
     description: str = ""
-    capacity_J_per_K: Annotated[Positive, Field(ge=1e-3, le=1e9)]
+    capacity_J_per_K: Annotated[Number, Field(ge=1e-3, le=1e9)]
     sensor: SensorEntry | None = None
 
 
@@ -149,7 +148,7 @@ class HeatEntry(Part):
     node: str
     power_W: CurveEntry
     factors: Annotated[tuple[FactorEntry, ...], Field(max_length=4)] = ()
-    per_K: Annotated[float, Field(allow_inf_nan=False, ge=-0.1, le=0.1)] = 0.0
+    per_K: Annotated[Number, Field(ge=-0.1, le=0.1)] = 0.0
     reference_degC: Celsius = 25.0
 
 
@@ -199,12 +198,12 @@ class NetworkEntry(Part):
 
     def _check_nodes(self) -> list[str]:
         names = [node.name for node in self.nodes]
-        seen: dict[str, int] = {AMBIENT: -1}
+        seen: dict[str, int] = {}
         for i, name in enumerate(names):
             first = seen.setdefault(name.lower(), i)
             if first != i:
-                whose = "the surroundings" if first < 0 else f"nodes[{first}]"
-                raise fault(f'"{name}" is taken by {whose}; expected another name', "nodes", i, "name")
+                taken = f'"{name}" is taken by nodes[{first}] ("{names[first]}")'
+                raise fault(f"{taken}; expected names that differ in more than case", "nodes", i, "name")
         if not any(node.sensor is not None for node in self.nodes):
             raise fault('no node has a "sensor"; expected one that is measured', "nodes")
         for i, channel in enumerate(self.channels):

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.coefficients.checks import FASTEST, HIGHEST
+from gen.coefficients.checks import FASTEST, HIGHEST, table_warning
 from gen.errors import InputError
 from gen.model.dynamics import ThermalModel
 from gen.model.network import Factor, Network
 from gen.model.schedules import FloatArray
 
-_GRID = 33
-"""Values of a channel at which its factors are looked at, beside a table's own points."""
 _ROOM_DEGC = 25.0
+"""Ambient at which the steady rise is looked at; heat that depends on temperature depends on it."""
 
 
 def check_network(model: ThermalModel) -> tuple[str, ...]:
@@ -38,10 +35,11 @@ def check_network(model: ThermalModel) -> tuple[str, ...]:
     _check_factors(network)
     _check_signs(network, pwm)
     _check_reach(network, pwm)
-    for told in corners(network):
-        _check_speed(network, pwm, model.sample_time, told)
-        _check_rise(network, pwm, told)
-    return ()
+    _check_speed(network, pwm, model.sample_time)
+    _check_lags(network, model.sample_time)
+    _check_runaway(network, pwm)
+    _check_rise(network, pwm)
+    return _table_warnings(network, model) + _cooling_warnings(network, model)
 
 
 def _check_factors(network: Network) -> None:
@@ -63,8 +61,13 @@ def _check_factors(network: Network) -> None:
 
 def _points(network: Network, factor: Factor) -> FloatArray:
     channel = network.channel(factor.channel)
-    grid = np.linspace(channel.low, channel.high, _GRID)
-    return np.asarray(np.clip(np.unique([*grid, *factor.at]), channel.low, channel.high), dtype=np.float64)
+    return factor.turning_points(channel.low, channel.high)
+
+
+def _extremes(network: Network, factors: tuple[Factor, ...]) -> tuple[float, float]:
+    """Bounds of a product of factors, whatever the channels say: of each factor by itself."""
+    values = [factor(_points(network, factor)) for factor in factors]
+    return float(np.prod([v.min() for v in values])), float(np.prod([v.max() for v in values]))
 
 
 def _check_signs(network: Network, pwm: NDArray[np.int64]) -> None:
@@ -86,7 +89,7 @@ def _check_signs(network: Network, pwm: NDArray[np.int64]) -> None:
 
 def _check_reach(network: Network, pwm: NDArray[np.int64]) -> None:
     """Heat of every node finds a way to the ambient at every |PWM|, whatever the channels say."""
-    least = [_least(network, path.factors) for path in network.paths]
+    least = [_extremes(network, path.factors)[0] for path in network.paths]
     open_ = network.conductances[pwm] * np.array(least) > 0.0
     for pattern in np.unique(open_, axis=0):
         reached: set[str | None] = {None}
@@ -106,20 +109,32 @@ def _check_reach(network: Network, pwm: NDArray[np.int64]) -> None:
                 )
 
 
-def _least(network: Network, factors: tuple[Factor, ...]) -> float:
-    return float(np.prod([factor(_points(network, factor)).min() for factor in factors]))
+def _table_warnings(network: Network, model: ThermalModel) -> tuple[str, ...]:
+    curves = [(f"paths[{i}].conductance_W_per_K", path.curve) for i, path in enumerate(network.paths)]
+    curves += [(f"heats[{i}].power_W", heat.curve) for i, heat in enumerate(network.heats)]
+    warnings = (table_warning(curve.turning, model.validity, f"$.network.{place}") for place, curve in curves)
+    return tuple(warning for warning in warnings if warning is not None)
 
 
-def corners(network: Network) -> list[dict[str, float]]:
-    """Channels at each end of their ranges; at the lower ends and the upper ends together where there are many."""
-    ends = [(channel.low, channel.high) for channel in network.channels]
-    names = [channel.column for channel in network.channels]
-    picked = product(*ends) if len(ends) <= 4 else zip(*ends, strict=True)
-    return [dict(zip(names, corner, strict=True)) for corner in picked]
+def _cooling_warnings(network: Network, model: ThermalModel) -> tuple[str, ...]:
+    """Say of each heat that depends on temperature so much that it cools somewhere in the domain."""
+    warnings = []
+    for i, heat in enumerate(network.heats):
+        share = {degC: 1.0 + heat.per_K * (degC - heat.reference) for degC in model.domain_temperature}
+        worst = min(share, key=lambda degC: share[degC])
+        if share[worst] < 0.0:
+            warnings.append(
+                f'$.network.heats[{i}].per_K: the heat of "{heat.node}" is negative at {worst:g} degC, '
+                "inside the domain: it would cool there"
+            )
+    return tuple(warnings)
 
 
-def _check_speed(network: Network, pwm: NDArray[np.int64], sample_time: float, told: dict[str, float]) -> None:
-    m, _, _ = network.matrices(pwm, told)
+def _check_speed(network: Network, pwm: NDArray[np.int64], sample_time: float) -> None:
+    """No node follows its neighbours too fast where its paths conduct best and its own heat holds it back least."""
+    most = [_extremes(network, path.factors)[1] for path in network.paths]
+    heats = [_extremes(network, heat.factors)[heat.per_K < 0.0] for heat in network.heats]
+    m, _, _ = network.matrices_with(pwm, most, heats)
     own = -np.diagonal(m, axis1=1, axis2=2) * sample_time
     if own.max(initial=0.0) > FASTEST:
         at, node = np.unravel_index(int(np.argmax(own)), own.shape)
@@ -130,8 +145,11 @@ def _check_speed(network: Network, pwm: NDArray[np.int64], sample_time: float, t
             "node that it follows",
             place=f"$.network.nodes[{node}].capacity_J_per_K",
         )
-    for i, node_ in enumerate(network.nodes):
-        lag = node_.sensor.lag if node_.sensor is not None else 0.0
+
+
+def _check_lags(network: Network, sample_time: float) -> None:
+    for i, node in enumerate(network.nodes):
+        lag = node.sensor.lag if node.sensor is not None else 0.0
         if 0.0 < lag < sample_time / FASTEST:
             raise InputError(
                 f"found {lag:g}, expected 0 or at least {sample_time / FASTEST:g}, {1 / FASTEST:g} samples",
@@ -139,19 +157,19 @@ def _check_speed(network: Network, pwm: NDArray[np.int64], sample_time: float, t
             )
 
 
-def _check_rise(network: Network, pwm: NDArray[np.int64], told: dict[str, float]) -> None:
-    """Where it settles is finite: heat that grows with temperature stays below what flows away.
+def _check_runaway(network: Network, pwm: NDArray[np.int64]) -> None:
+    """Heat that grows with temperature stays below what flows away, at the worst of each factor by itself.
 
-    A matrix without negative entries off its diagonal is stable where M v = -1 has a solution v > 0 (it is then minus a
-    non-singular M-matrix; Berman and Plemmons, Nonnegative Matrices in the Mathematical Sciences, chapter 6, I27).
+    M is the capacities' inverse times a symmetric matrix, -L + D: L grows (as a quadratic form) with every conductance,
+    D with the heats that grow with temperature and against those that shrink. So M is worst where paths conduct least
+    and these heats are largest and smallest. A matrix without negative entries off its diagonal is stable where
+    M v = -1 has a solution v > 0: it is then minus a non-singular M-matrix (Berman and Plemmons, Nonnegative Matrices
+    in the Mathematical Sciences, chapter 6, I27).
     """
-    m, a, f = network.matrices(pwm, told)
-    right = np.stack([np.ones_like(f), f + a * _ROOM_DEGC], axis=-1)
-    try:
-        solved = np.linalg.solve(-m, right)
-    except np.linalg.LinAlgError:
-        solved = np.full(right.shape, -1.0)
-    runaway = ~(solved[..., 0] > 0.0)
+    least = [_extremes(network, path.factors)[0] for path in network.paths]
+    heats = [_extremes(network, heat.factors)[heat.per_K >= 0.0] for heat in network.heats]
+    m, _, f = network.matrices_with(pwm, least, heats)
+    runaway = ~(_solved(-m, np.ones_like(f)) > 0.0)
     if runaway.any():
         at, node = np.unravel_index(int(np.argmax(runaway)), runaway.shape)
         raise InputError(
@@ -159,7 +177,14 @@ def _check_rise(network: Network, pwm: NDArray[np.int64], told: dict[str, float]
             "than it flows away; expected a smaller per_K or larger conductances",
             place="$.network",
         )
-    rise = solved[..., 1] - _ROOM_DEGC
+
+
+def _check_rise(network: Network, pwm: NDArray[np.int64]) -> None:
+    """Most heat and least conductance settle at what can be a motor."""
+    least = [_extremes(network, path.factors)[0] for path in network.paths]
+    most = [_extremes(network, heat.factors)[1] for heat in network.heats]
+    m, a, f = network.matrices_with(pwm, least, most)
+    rise = np.linalg.solve(-m, (f + a * _ROOM_DEGC)[..., None])[..., 0] - _ROOM_DEGC
     if rise.max(initial=0.0) > HIGHEST:
         at, node = np.unravel_index(int(np.argmax(rise)), rise.shape)
         raise InputError(
@@ -167,3 +192,13 @@ def _check_rise(network: Network, pwm: NDArray[np.int64], told: dict[str, float]
             f"expected at most {HIGHEST:g} K: the units of powers and conductances do not fit together",
             place="$.network",
         )
+
+
+def _solved(matrices: FloatArray, right: FloatArray) -> FloatArray:
+    """Solve each, shapes (k, n, n) and (k, n); NaN for a singular one."""
+    try:
+        return np.asarray(np.linalg.solve(matrices, right[..., None])[..., 0], dtype=np.float64)
+    except np.linalg.LinAlgError:
+        if len(matrices) == 1:
+            return np.full(right.shape, np.nan)
+        return np.concatenate([_solved(m, r) for m, r in zip(matrices[:, None], right[:, None], strict=True)])

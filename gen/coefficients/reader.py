@@ -130,8 +130,8 @@ def parse_document(raw: bytes) -> Document:
         return Document.model_validate(newest)
     except ValidationError as error:
         fault = first_fault(error)
-        if newest is tree:
-            raise fault from error
+        if newest | {"version": None} == tree | {"version": None}:
+            raise fault from error  # nothing was moved: the place is the file's own
         brought = f"(the place is that of version {newest['version']}, to which this file was brought)"
         raise InputError(f"{fault.message} {brought}", place=fault.place) from error
 

@@ -24,6 +24,16 @@ def check_component_names(names: Sequence[str]) -> None:
     _unique(names, "components")
 
 
+def check_network_columns(columns: Sequence[str], names: Sequence[str], ambient: str | None) -> None:
+    """Check that what a network's channels read is no column of a run that has a meaning of its own."""
+    taken = {"time_s", "pwm", "flags", "sensors", "alarms", ambient or "ambient_degC"}
+    taken |= {f"{name}{end}" for name in names for end in ("_degC", "_model_degC")}
+    for i, column in enumerate(columns):
+        if column in taken:
+            at = ("network", "channels", i, "column")
+            raise fault(f'"{column}" is a column of a run with a meaning of its own; expected another', *at)
+
+
 def check_provenance(provenance: Provenance, names: list[str], full_scale: int) -> None:
     """Check error bands and figures against the components' names and the input's full scale."""
     for i, band in enumerate(provenance.error):

@@ -10,9 +10,19 @@ from pathlib import Path
 from typing import Any
 
 from gen.coefficients.document import Document
+from gen.coefficients.versions import FORMAT, VERSION
 from gen.model.effects import catalogue_only
 
-STORED = Path(__file__).parent.parent / "schema" / "gen-coefficients-2.schema.json"
+_FOLDER = Path(__file__).parent.parent / "schema"
+
+
+def published(version: int) -> Path:
+    """Where the schema of a version is stored; those of versions before the newest are never written anew."""
+    return _FOLDER / f"gen-coefficients-{version}.schema.json"
+
+
+STORED = published(VERSION)
+"""That of the newest version."""
 
 
 def json_schema() -> dict[str, Any]:
@@ -25,9 +35,9 @@ def json_schema() -> dict[str, Any]:
     made = Document.model_json_schema(mode="validation")
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "$id": "urn:gen:gen-coefficients:2",
+        "$id": f"urn:gen:{FORMAT}:{VERSION}",
         **made,
-        "title": "gen-coefficients 2",
+        "title": f"{FORMAT} {VERSION}",
     }
 
 

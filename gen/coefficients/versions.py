@@ -26,7 +26,7 @@ Migration = Callable[[Tree], Tree]
 def _with_networks(tree: Tree) -> Tree:
     """Version 2 may hold a network in the place of components; what version 1 holds means the same in it."""
     if "network" in tree:
-        raise ValueError('"network" needs "version": 2')
+        raise InputError('found "network" in a file of version 1; a network needs "version": 2', place="$.network")
     return tree
 
 
@@ -58,7 +58,7 @@ def version_of(tree: Tree) -> int:
 
 
 def migrated(tree: Tree) -> Tree:
-    """Bring a file to the newest version; one of the newest is given back as it is.
+    """Bring a file to the newest version; one of the newest, or that does not say its version, stays as it is.
 
     Parameters
     ----------
@@ -68,9 +68,12 @@ def migrated(tree: Tree) -> Tree:
     Raises
     ------
     InputError
-        As :func:`version_of`, or when the file is so far from valid that it cannot be brought to the next version.
+        As :func:`version_of`; when the file is so far from valid that it cannot be brought to the next version; for a
+        key of a later version where an unknown one would mislead.
     """
     first = version_of(tree)
+    if "version" not in tree:
+        return tree  # the checks that follow say so, or name the key that was meant
     for version, migration in enumerate(MIGRATIONS[first - 1 :], start=first):
         try:
             tree = migration(copy.deepcopy(tree)) | {"version": version + 1}

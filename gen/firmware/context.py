@@ -10,6 +10,7 @@ from gen.firmware.contexts.alarms import AlarmsContext, alarms_context
 from gen.firmware.contexts.effects import EffectsContext, effects_context
 from gen.firmware.contexts.identity import Identity, identity
 from gen.firmware.contexts.model import ModelContext, model_context
+from gen.firmware.contexts.network import NetworkContext, network_context
 from gen.firmware.contexts.schedule import ScheduleContext, schedule_context
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.program import Program
@@ -28,13 +29,16 @@ class LibraryContext:
         For every template.
     model, schedule, alarms, effects
         For the group of that name; `effects` is None without any, which the model's own templates ask for, too.
+    network
+        A network's own; None with transfer functions, whose schedule is then None.
     """
 
     identity: Identity
     model: ModelContext
-    schedule: ScheduleContext
+    schedule: ScheduleContext | None
     alarms: AlarmsContext
     effects: EffectsContext | None
+    network: NetworkContext | None = None
 
     @property
     def name(self) -> str:
@@ -43,11 +47,12 @@ class LibraryContext:
 
     def of_model(self) -> Names:
         """For interface, state and recursion."""
-        return {**self.identity, **self.model, "effects": self.effects}
+        own: Names = self.network if self.network is not None else {}
+        return {**self.identity, **self.model, **own, "effects": self.effects}
 
     def of_schedule(self) -> Names:
         """For the schedule."""
-        return {**self.identity, **self.schedule}
+        return {**self.identity, **(self.schedule or {})}
 
     def of_alarms(self) -> Names:
         """For the alarm rules."""
@@ -55,7 +60,7 @@ class LibraryContext:
 
     def of_effects(self) -> Names:
         """For the effects."""
-        return {**self.identity, "effects": self.effects}
+        return {**self.identity, "channels": self.model["channels"], "effects": self.effects}
 
 
 def project_context(coefficients: Coefficients, program: Program, source_name: str) -> LibraryContext:
@@ -76,7 +81,8 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
     return LibraryContext(
         identity(coefficients, program, source_name),
         model_context(program),
-        schedule_context(program),
+        schedule_context(program) if program.network is None else None,
         alarms_context(lower_alarms(coefficients), program.model),
         effects_context(program),
+        network_context(program) if program.network is not None else None,
     )

@@ -29,7 +29,7 @@ class Clause:
 
 def contract(program: Program) -> tuple[Clause, ...]:
     """The guarantee's clauses for a project; none where no part has one."""
-    if all(component.proof is None for component in program.components):
+    if all(part.proof is None for part in program.parts):
         return ()
     model = program.model
     lowest, highest = model.domain_pwm
@@ -91,7 +91,7 @@ def clauses(name: str, sample_time: str, domain: str, exceptions: str = "") -> t
 def _exceptions(program: Program) -> str:
     """Of which parts less is guaranteed, in sentences with a space before each."""
     text = ""
-    without = [component.name for component in program.components if component.proof is None]
+    without = [part.name for part in program.parts if part.proof is None]
     if without:
         text += f" Nothing is guaranteed of {_listed(without)}."
     affected = [part.name for part in program.effects.components] if program.effects is not None else []

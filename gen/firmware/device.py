@@ -25,7 +25,7 @@ from gen.firmware.contexts.board import (
     SensorsContext,
     ThermocoupleContext,
 )
-from gen.firmware.contexts.effects import channel_names
+from gen.firmware.contexts.channels import channel_names
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
 from gen.lowering.alarms import COLD_mK
 from gen.lowering.program import Program
@@ -41,6 +41,7 @@ from gen.lowering.sensors import (
 )
 from gen.reference.effects import effect_fields
 from gen.reference.lanes import state_fields
+from gen.reference.network import state_fields as network_state_fields
 from gen.version import __version__
 
 #: Modules of the sketch that every project has.
@@ -260,11 +261,9 @@ def _stuck_text(limits: SensorLimits, sample_time: float) -> str:
 
 
 def _told(program: Program) -> dict[str, str]:
-    """Names in the C++ of the columns that effects are told."""
-    if program.effects is None:
-        return {}
-    columns = [channel.column for channel in program.effects.channels]
-    return dict(zip(columns, channel_names(program.effects), strict=True))
+    """Names in the C++ of the columns that the model is told."""
+    columns = [channel.column for channel in program.channels]
+    return dict(zip(columns, channel_names(program.channels), strict=True))
 
 
 def _conversions(voltages: int, sample_ms: int) -> int:
@@ -277,8 +276,7 @@ def _conversions(voltages: int, sample_ms: int) -> int:
 
 def _channels(wired: Sequence[ChannelInput], program: Program, sample_ms: int) -> list[InputContext]:
     """Inputs of the wiring; a voltage's value is zero + (sum of conversions times scale >> shift), in thousandths."""
-    effects = program.effects
-    told = {channel.column: channel for channel in effects.channels} if effects is not None else {}
+    told = {channel.column: channel for channel in program.channels}
     names = _told(program)
     conversions = _conversions(sum(channel.analog_pin is not None for channel in wired), sample_ms)
     found: list[InputContext] = []
@@ -405,6 +403,8 @@ def _latch() -> LatchContext:
 
 def state_bytes(program: Program) -> int:
     """Bytes of the model's states on the board (checked there at compile time)."""
+    if program.network is not None:
+        return int(np.dtype(network_state_fields(program.network)).itemsize)
     effects = effect_fields(program.effects, program.components) if program.effects is not None else []
     return sum(np.dtype(fields).itemsize for fields in (*map(state_fields, program.components), effects) if fields)
 

@@ -23,14 +23,17 @@ _BODY: Mapping[Arithmetic, Mapping[str, str]] = {
     "fixed": {"lib/NAME/src/NAME.cpp": "lib/model/src/model_fixed.cpp.j2"},
     "float": {"lib/NAME/src/NAME.cpp": "lib/model/src/model_float.cpp.j2"},
 }
+_ACCUMULATOR = {
+    "lib/NAME/src/NAME_accumulator.h": "lib/model/src/accumulator.h.j2",
+    "lib/NAME/src/NAME_accumulator.cpp": "lib/model/src/accumulator.cpp.j2",
+}
 _RECURSION: Mapping[Arithmetic, Mapping[str, str]] = {
     "fixed": {
         "lib/NAME/src/NAME_word.h": "lib/model/src/word.h.j2",
         "lib/NAME/src/NAME_step.h": "lib/model/src/step_fixed.h.j2",
     },
     "float": {
-        "lib/NAME/src/NAME_accumulator.h": "lib/model/src/accumulator.h.j2",
-        "lib/NAME/src/NAME_accumulator.cpp": "lib/model/src/accumulator.cpp.j2",
+        **_ACCUMULATOR,
         "lib/NAME/src/NAME_step.h": "lib/model/src/step_float.h.j2",
     },
 }
@@ -45,6 +48,16 @@ _ONBOARD = {
 _EFFECTS = {
     "lib/NAME/src/NAME_effects.h": "lib/model/src/effects.h.j2",
     "lib/NAME/src/NAME_effects.cpp": "lib/model/src/effects.cpp.j2",
+}
+_NETWORK = {
+    "lib/NAME/src/NAME.h": "lib/model/src/model.h.j2",
+    "lib/NAME/src/NAME_model.h": "lib/model/src/network_state.h.j2",
+    "lib/NAME/src/NAME_platform.h": "lib/model/src/platform.h.j2",
+    "lib/NAME/src/NAME.cpp": "lib/model/src/network.cpp.j2",
+    "lib/NAME/src/NAME_step.h": "lib/model/src/network_step.h.j2",
+    "lib/NAME/src/NAME_step.cpp": "lib/model/src/network_advance.cpp.j2",
+    "lib/NAME/src/NAME_schedule.h": "lib/model/src/network_schedule.h.j2",
+    "lib/NAME/src/NAME_schedule.cpp": "lib/model/src/network_schedule.cpp.j2",
 }
 #: Templates that control every line break themselves, with {%- and -%}.
 _OWN_LINE_BREAKS = ("lib/model/src/onboard_math.h.j2",)
@@ -63,6 +76,9 @@ def render(templates: Mapping[str, str], names: Names) -> dict[str, str]:
 def library(context: LibraryContext) -> dict[str, str]:
     """The model's library for the context's arithmetic and schedule."""
     arithmetic = context.identity["arithmetic"]
+    if context.network is not None:
+        sums = _ACCUMULATOR if arithmetic == "float" else {"lib/NAME/src/NAME_sum.h": "lib/model/src/network_sum.h.j2"}
+        return render(_NETWORK | sums, context.of_model()) | render(_ALARMS, context.of_alarms())
     schedule = _ONBOARD if context.identity["schedule"] == "onboard" else _TABLE[arithmetic]
     return (
         render(_MODEL, context.of_model())

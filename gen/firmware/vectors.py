@@ -7,8 +7,7 @@ from typing import TypedDict
 import numpy as np
 
 from gen.lowering.program import Program
-from gen.reference.lanes import state_fields
-from gen.reference.model import ReferenceModel
+from gen.reference.board import reference_of, state_names
 
 _SEGMENTS = 24
 _LONGEST = 90
@@ -42,12 +41,11 @@ def reference_vectors(program: Program) -> Vectors:
     scale = program.model.full_scale
     levels = [0, scale, 1, 0, scale // 2, -scale, *random.integers(-scale, scale + 1, _SEGMENTS - 6).tolist()]
     lengths = [3, 60, 1, 1, *random.integers(1, _LONGEST, _SEGMENTS - 4).tolist()]
-    low = max(component.start_range_mK[0] for component in program.components)
-    high = min(component.start_range_mK[1] for component in program.components)
+    low = max(part.start_range_mK[0] for part in program.parts)
+    high = min(part.start_range_mK[1] for part in program.parts)
     start = int(np.clip(20_250, low, high))
-    model = ReferenceModel(program, [start])
-    members = [program.components[member] for shape in program.shapes for member in shape.members]
-    names = [name for component in members for name, _ in state_fields(component)]
+    model = reference_of(program, [start])
+    names = state_names(program)
     segments: list[Segment] = []
     for pwm, samples in zip(levels, lengths, strict=True):
         for _ in range(samples):

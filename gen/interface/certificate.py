@@ -75,7 +75,7 @@ def check(
     Raises
     ------
     InputError
-        If a file is missing or is not what `gen.build` writes, or a tool is missing.
+        If a file is missing or is not what `gen.build` writes, or a tool is missing; if `coefficients` is a network.
     CheckFailed
         If a claim does not follow.
 
@@ -87,6 +87,8 @@ def check(
     """
     from gen.certificate.document import read
 
+    if coefficients is not None:
+        coefficients.transfer_functions_only("gen check --coefficients")
     place = a_path("folder", folder)
     certificate = read(place)  # what is quick to tell is told before anything slow is imported
     if coefficients is not None:

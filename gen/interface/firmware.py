@@ -89,7 +89,7 @@ def build(
     Raises
     ------
     InputError
-        If the folder holds what is not the project's own, or cannot be written.
+        If the folder holds what is not the project's own, or cannot be written; if the model is a network.
     CheckFailed
         If a part cannot be lowered or its proven error exceeds the file's limit.
 
@@ -109,6 +109,9 @@ def build(
 
     one_of("arithmetic", arithmetic, ("fixed", "float"))
     one_of("schedule", schedule, ("table", "onboard"))
+    if schedule == "onboard":
+        model.transfer_functions_only("gen build --schedule onboard")
+    model.transfer_functions_only("gen build")
     folder, loaded = a_path("out", out), model.coefficients
     name = shown_name(model.path or Path(f"{model.name}.json"))
     warnings = (*loaded.warnings, *unwired(loaded))
@@ -241,7 +244,7 @@ def verify(
     Raises
     ------
     InputError
-        If a tool is missing.
+        If a tool is missing; if the model is a network.
     CheckFailed
         If the model cannot be lowered. A difference is no exception: see :meth:`Verification.check`.
 
@@ -260,6 +263,7 @@ def verify(
     one_of("arithmetic", arithmetic, ("fixed", "float", "all"))
     one_of("schedule", schedule, ("table", "onboard", "all"))
     one_of("target", target, ("host", "avr", "all"))
+    model.transfer_functions_only("gen verify")
     within("scale", scale, 0.001, 10.0)
     used = host_compilers(tuple(compilers or ())) if target != "avr" else []
     results = run(

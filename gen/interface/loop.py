@@ -445,7 +445,7 @@ def refine(
     Raises
     ------
     InputError
-        If a run is none or is given twice, or no run can be fitted.
+        If a run is none or is given twice, or no run can be fitted; if the model is a network.
 
     Examples
     --------
@@ -457,6 +457,7 @@ def refine(
     from gen.coefficients import parse
     from gen.refinement.refine import refine as run
 
+    model.transfer_functions_only("gen refine")
     several("fit", fit)
     several("test", test)
     if {id(run) for run in fit} & {id(run) for run in test if not isinstance(run, (str, Path))}:

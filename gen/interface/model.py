@@ -56,6 +56,23 @@ class Model:
         """What is allowed and yet worth a look, one sentence each."""
         return self.coefficients.warnings
 
+    def transfer_functions_only(self, what: str) -> None:
+        """Refuse a network.
+
+        Parameters
+        ----------
+        what
+            What cannot take one, for the message.
+
+        Raises
+        ------
+        InputError
+            If the model is a network.
+        """
+        from gen.coefficients import transfer_functions_only
+
+        transfer_functions_only(self.coefficients, what, None if self.path is None else str(self.path))
+
     def transfer_function(self, component: str, pwm: int) -> control.TransferFunction:
         """Temperature rise (K) over PWM (counts) at a speed, as a python-control system without effects.
 
@@ -70,13 +87,24 @@ class Model:
         ------
         KeyError
             If the model has no such part.
+        InputError
+            If the model is a network.
         """
+        self.transfer_functions_only("transfer_function()")
         return self.coefficients.model.transfer_function(component, pwm)
 
     def steady_rise(self) -> pd.DataFrame:
-        """Steady temperature rise in K of each part (columns) at |PWM| (rows) within the domain, without effects."""
+        """Steady temperature rise in K of each part (columns) at |PWM| (rows) within the domain, without effects.
+
+        Raises
+        ------
+        InputError
+            If the model is a network.
+        """
         import numpy as np
         import pandas as pd
+
+        self.transfer_functions_only("steady_rise()")
 
         model = self.coefficients.model
         rows = np.arange(model.domain_pwm[0], model.domain_pwm[1] + 1)

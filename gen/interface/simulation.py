@@ -30,7 +30,7 @@ def simulate(
         ``exact`` solves the differential equation; ``fixed`` and ``float`` compute the board's own words.
     start
         ``measured`` starts each part from its first measured temperature, ``ambient`` from ambient, ``auto`` from the
-        measured one where there is one.
+        measured one where there is one. A network's hidden nodes start where they would rest between these.
 
     Returns
     -------
@@ -41,7 +41,7 @@ def simulate(
     Raises
     ------
     InputError
-        If the run is none, or lacks what the model needs.
+        If the run is none, or lacks what the model needs; for a network and another arithmetic than ``exact``.
     CheckFailed
         If the model cannot be lowered to the board's arithmetic.
 
@@ -59,6 +59,8 @@ def simulate(
     from gen.replay import read_for
 
     loaded = model.coefficients
+    if arithmetic != "exact":
+        model.transfer_functions_only(f"gen simulate --arithmetic {arithmetic}")
     with run_files([run]) as (path,):
         measured = read_for(loaded, path)
         from gen.reference.simulate import simulate_run  # slow to import: what is wrong with the file was told before

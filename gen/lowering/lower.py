@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
-from gen.errors import CheckFailed
+from gen.errors import CheckFailed, InputError
 from gen.lowering import float32
 from gen.lowering.effects import lower_effects
 from gen.lowering.fixed import lower as fixed
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.kinds import Arithmetic, ScheduleKind
+from gen.lowering.network.lower import lower_network
 from gen.lowering.onboard import OnboardComponent, compile_component, tuned
 from gen.lowering.onboard.evaluate import RangeError, evaluate
 from gen.lowering.onboard.interpolate import NoPolynomialError
@@ -38,8 +39,14 @@ def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: Schedule
         If a component cannot be lowered, if its proven error exceeds the file's limit, or if nothing can be proven of
         it and the file does not accept that; the message names it. Also if the file holds an effect that no firmware
         is emitted for.
+    InputError
+        If a network is asked for with a schedule that the board computes.
     """
     model = coefficients.model
+    if model.network is not None:
+        if schedule == "onboard":
+            raise InputError("a network is built with tables alone; expected --schedule table")
+        return Program(arithmetic, schedule, model, (), (), network=lower_network(coefficients, arithmetic))
     limit, entry = coefficients.accuracy.limit(arithmetic)
     components: list[FixedComponent | FloatComponent] = []
     onboard: list[OnboardComponent] = []

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from gen.lowering.effects import EffectsProgram
+from gen.lowering.effects.program import Channel
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.kinds import Arithmetic, ScheduleKind
+from gen.lowering.network.program import NetworkProgram, NodeComponent
 from gen.lowering.onboard import OnboardComponent
 from gen.model import ThermalModel
 
@@ -53,6 +55,8 @@ class Program:
         How the board computes each component's coefficients; empty for a table.
     effects
         What runs after the baseline's step; None without effects.
+    network
+        The whole model, where it is a network; then there are no components and no shapes.
     """
 
     arithmetic: Arithmetic
@@ -62,6 +66,19 @@ class Program:
     shapes: tuple[Shape, ...]
     onboard: tuple[OnboardComponent, ...] = ()
     effects: EffectsProgram | None = None
+    network: NetworkProgram | None = None
+
+    @property
+    def parts(self) -> tuple[AnyComponent | NodeComponent, ...]:
+        """What temperatures are given out of: components, or a network's sensed nodes."""
+        return self.components if self.network is None else self.network.components()
+
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """What the board is told beside the PWM, the ambient first; empty where it is told nothing."""
+        if self.network is not None:
+            return self.network.channels
+        return self.effects.channels if self.effects is not None else ()
 
     @property
     def label(self) -> str:

@@ -96,7 +96,7 @@ class ExactSolution:
             Rise in K by component, shape (N,), at the given times.
         """
         time = np.asarray(time_s, dtype=np.float64)
-        counts = _magnitude(pwm)
+        counts = magnitude(pwm)
         if time.shape != counts.shape or time.ndim != 1:
             raise ValueError(f"time {time.shape} and pwm {counts.shape} must be vectors of one length")
         step = np.diff(time)
@@ -119,7 +119,7 @@ class ExactSolution:
     def _states(
         self, pwm_samples: ArrayLike, initial_rise: Mapping[str, ArrayLike] | None, keep: int
     ) -> tuple[dict[str, FloatArray], dict[str, float]]:
-        counts = _magnitude(pwm_samples)
+        counts = magnitude(pwm_samples)
         start = self._start(initial_rise)
         used = np.unique(counts)
         solved: dict[str, FloatArray] = {}
@@ -160,7 +160,14 @@ class ExactSolution:
         return table
 
 
-def _magnitude(pwm: ArrayLike) -> NDArray[np.int64]:
+def magnitude(pwm: ArrayLike) -> NDArray[np.int64]:
+    """|PWM| of integer PWM, -255..255, any shape.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is none.
+    """
     array = np.asarray(pwm)
     if array.dtype.kind not in "iu":
         raise TypeError(f"PWM is an integer, not {array.dtype}")

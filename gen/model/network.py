@@ -9,7 +9,7 @@ proven of it rests on that (:mod:`gen.lowering.network`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from functools import cached_property
@@ -104,7 +104,7 @@ class Factor:
     channel
         The channel's column.
     polynomial
-        In the channel's value, highest power first; empty where a table says it.
+        In the channel's value, highest power first, of degree 3 at most; empty where a table says it.
     at, value
         Points of a table, strictly increasing, linear between them; outside of the table its end values hold.
     """
@@ -120,6 +120,33 @@ class Factor:
         if self.polynomial:
             return np.asarray(np.polyval(np.asarray(self.polynomial), x), dtype=np.float64)
         return np.asarray(np.interp(x, self.at, self.value), dtype=np.float64)
+
+    @property
+    def _cubic(self) -> tuple[float, ...]:
+        """Coefficients of its third, second and first power."""
+        return (0.0, 0.0, 0.0, *self.polynomial)[-4:-1]
+
+    def turning_points(self, low: float, high: float) -> FloatArray:
+        """Where in a range of the channel it is least and greatest, among others, shape (k,), increasing.
+
+        Parameters
+        ----------
+        low, high
+            Ends of the range; both are among the points.
+        """
+        inner = self.at or _roots(*(k * c for k, c in zip((3, 2, 1), self._cubic, strict=True)))
+        return np.unique([low, *(point for point in inner if low < point < high), high])
+
+
+def _roots(a: float, b: float, c: float) -> tuple[float, ...]:
+    """Real roots of a x^2 + b x + c, and of a double root what rounding leaves of it; not finite where there is none.
+
+    Neither of the two is a difference of close numbers (Press et al., Numerical Recipes, section 5.6).
+    """
+    with np.errstate(all="ignore"):
+        a, b, c = np.array([a, b, c]) / max(abs(a), abs(b), abs(c))
+        q = -0.5 * (b + np.copysign(np.sqrt(np.maximum(b * b - 4.0 * a * c, 0.0)), b))
+        return float(q / a), float(c / q)
 
 
 @dataclass(frozen=True)
@@ -269,14 +296,22 @@ class Network:
     def _within(self, pwm: int, curve: Curve) -> int:
         if self.held is None or (pwm == 0 and curve.at_rest is not None):
             return pwm
-        # What is said of rest is no value of turning: the lowest speed that holds is above it.
-        lowest = max(self.held[0], 1) if curve.at_rest is not None else self.held[0]
-        return min(max(pwm, lowest), self.held[1])
+        return min(max(pwm, self.held[0]), self.held[1])
 
     def factor_values(
         self, factors: tuple[Factor, ...], told: Mapping[str, ArrayLike], shape: tuple[int, ...]
     ) -> FloatArray:
-        """Product of factors at told values, each held to its channel's range; `shape` without any."""
+        """Product of factors at told values, each held to its channel's range; 1 without any.
+
+        Parameters
+        ----------
+        factors
+            Of a path or a heat.
+        told
+            A value for every channel, in its column's unit: a number, or of that shape.
+        shape
+            Of the result.
+        """
         product = np.ones(shape)
         for factor in factors:
             channel = self.channel(factor.channel)
@@ -285,7 +320,7 @@ class Network:
         return product
 
     def channel(self, column: str) -> Channel:
-        """The channel that reads a column."""
+        """The channel that reads a column, which must be there."""
         return next(channel for channel in self.channels if channel.column == column)
 
     def neutral(self) -> dict[str, float]:
@@ -311,10 +346,32 @@ class Network:
         """
         values = {**self.neutral(), **(told or {})}
         shape = pwm.shape
+        path_factors = [self.factor_values(path.factors, values, shape) for path in self.paths]
+        heat_factors = [self.factor_values(heat.factors, values, shape) for heat in self.heats]
+        return self.matrices_with(pwm, path_factors, heat_factors)
+
+    def matrices_with(
+        self, pwm: NDArray[np.int64], path_factors: Sequence[ArrayLike], heat_factors: Sequence[ArrayLike]
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Give the same for given factors, whatever the channels.
+
+        Parameters
+        ----------
+        pwm
+            Integer |PWM|, shape (k,), 0..255.
+        path_factors, heat_factors
+            What multiplies each conductance and each power, a number or shape (k,) each.
+
+        Returns
+        -------
+        M, a, f
+            As :meth:`matrices`.
+        """
+        shape = pwm.shape
         n = len(self.nodes)
         m, a, f = np.zeros((*shape, n, n)), np.zeros((*shape, n)), np.zeros((*shape, n))
         for number, path in enumerate(self.paths):
-            conductance = self.conductances[pwm, number] * self.factor_values(path.factors, values, shape)
+            conductance = self.conductances[pwm, number] * path_factors[number]
             i = self.index(path.first)
             m[..., i, i] -= conductance / self.capacities[i]
             if path.second is None:
@@ -325,7 +382,7 @@ class Network:
             m[..., j, j] -= conductance / self.capacities[j]
             m[..., j, i] += conductance / self.capacities[j]
         for number, heat in enumerate(self.heats):
-            power = self.powers[pwm, number] * self.factor_values(heat.factors, values, shape)
+            power = self.powers[pwm, number] * heat_factors[number]
             i = self.index(heat.node)
             m[..., i, i] += power * heat.per_K / self.capacities[i]
             f[..., i] += power * (1.0 - heat.per_K * heat.reference) / self.capacities[i]

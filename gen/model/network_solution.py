@@ -14,19 +14,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gen.model.dynamics import ThermalModel
+from gen.model.exact import magnitude
 from gen.model.network import Network
 from gen.model.schedules import FloatArray
 
-_CHUNK = 1 << 14
-"""Matrices exponentiated at once, to bound the memory of long irregular runs."""
+_CHUNK = 1 << 21
+"""Entries of the matrices exponentiated at once, to bound the memory of long irregular runs: 16 MB an array."""
 _SMALL = 2.0**-6
 """Norm below which the series of phi is summed."""
 _TERMS = 9
-"""Terms of it: the first one left out is below 2**-6**9 / 10! < 2e-23 of the first."""
+"""Terms of it: the first one left out is below (2**-6)**9 / 10! < 2e-23 of the first."""
 
 
 class Steps(NamedTuple):
-    """T += increment[k] T + ambient[k] T_ambient + heat[k]: shapes (k, n, n), (k, n), (k, n)."""
+    """x += increment[k] x + ambient[k] T_ambient + heat[k]: shapes (k, n, n), (k, n), (k, n).
+
+    The states x are the nodes' temperatures and those that sensors with a lag show, degC.
+    """
 
     increment: FloatArray
     ambient: FloatArray
@@ -43,16 +47,26 @@ class NetworkSolution:
     """
 
     def __init__(self, model: ThermalModel) -> None:
-        assert model.network is not None
+        if model.network is None:
+            raise ValueError(f"{model.name} is no network")
         self.model = model
         self.network: Network = model.network
+        sensed = [(node.name, node.sensor) for node in self.network.nodes if node.sensor is not None]
+        lagging = [name for name, sensor in sensed if sensor.lag > 0.0]
+        #: Of each sensor with a lag: its node's position, and its time constant in s.
+        self._lags = [(self.network.index(name), sensor.lag) for name, sensor in sensed if name in lagging]
+        self._offsets = {name: sensor.offset for name, sensor in sensed}
+        first = len(self.network.nodes)
+        self._places = {
+            name: first + lagging.index(name) if name in lagging else self.network.index(name) for name, _ in sensed
+        }
 
     def simulate_times(
         self,
         time_s: ArrayLike,
         pwm: ArrayLike,
         ambient: ArrayLike,
-        channels: Mapping[str, FloatArray] | None = None,
+        channels: Mapping[str, ArrayLike] | None = None,
         start: Mapping[str, float] | None = None,
     ) -> dict[str, FloatArray]:
         """Solve at the irregular times of a run, its inputs held until the next row.
@@ -64,46 +78,57 @@ class NetworkSolution:
         pwm
             Integer PWM, -255..255, shape (N,); the last one has no effect.
         ambient
-            degC, shape (N,).
+            degC, a number or shape (N,).
         channels
-            Columns in their own units, shape (N,) each; neutral where not given.
+            Columns in their own units, a number or shape (N,) each; neutral where not given. Others are let pass.
         start
-            First readings by sensed node, degC; the ambient where not given. Hidden nodes rest between them.
+            First readings by sensed node, degC; nodes at the ambient where not given. Hidden nodes rest between them.
 
         Returns
         -------
         dict
             Reading in degC by sensed node, shape (N,).
+
+        Raises
+        ------
+        ValueError
+            If shapes differ, the time does not increase, or the PWM is none.
         """
         time = np.asarray(time_s, dtype=np.float64)
+        counts = magnitude(pwm)
+        if time.shape != counts.shape or time.ndim != 1 or not time.size:
+            raise ValueError(f"time {time.shape} and pwm {counts.shape} must be vectors of one length, with a row")
         step = np.diff(time)
         if np.any(step <= 0.0):
             raise ValueError("time must increase strictly")
         room = np.broadcast_to(np.asarray(ambient, dtype=np.float64), time.shape)
-        told = {name: np.asarray(values)[:-1] for name, values in (channels or {}).items() if self._reads(name)}
-        states = self.start(start or {}, float(room[0]))[None]
-        out = np.empty((time.size, states.shape[1]))
-        out[0] = states[0]
-        names = tuple(told)
-        inputs = np.column_stack([np.abs(np.asarray(pwm))[:-1].astype(np.float64), step, *(told[n] for n in names)])
+        known = {channel.column for channel in self.network.channels}
+        told = {
+            name: np.broadcast_to(np.asarray(values, dtype=np.float64), time.shape)[:-1]
+            for name, values in (channels or {}).items()
+            if name in known
+        }
+        inputs = np.column_stack([counts[:-1].astype(np.float64), step, *told.values()])
+        out = np.empty((time.size, len(self.network.nodes) + len(self._lags)))
+        out[0] = self.start(start or {}, float(room[0]))
         distinct, index = np.unique(inputs, axis=0, return_inverse=True)
         index = index.ravel()
-        if distinct.shape[0] <= _CHUNK:
-            self._march(self._steps(distinct, names), index, room, out)
+        most = max(1, _CHUNK // out.shape[1] ** 2)
+        if distinct.shape[0] <= most:
+            self._march(self._steps(distinct, tuple(told)), index, room, out)
         else:
-            for first in range(0, index.size, _CHUNK):
-                part = slice(first, min(first + _CHUNK, index.size))
+            # Nearly every row differs: step matrices are made where they are needed, and dropped.
+            for first in range(0, index.size, most):
+                part = slice(first, min(first + most, index.size))
                 own = np.arange(part.stop - part.start)
-                self._march(self._steps(inputs[part], names), own, room[part], out[part.start : part.stop + 1])
-        readings = zip(self.network.sensed, self.readings, strict=True)
-        return {node.name: out[:, k] + offset for node, (k, offset) in readings}
+                steps = self._steps(inputs[part], tuple(told))
+                self._march(steps, own, room[part], out[part.start : part.stop + 1])
+        return {name: out[:, place] + self._offsets[name] for name, place in self._places.items()}
 
-    def _reads(self, column: str) -> bool:
-        return any(channel.column == column for channel in self.network.channels)
-
-    def _steps(self, distinct: FloatArray, names: tuple[str, ...]) -> Steps:
-        told = {name: distinct[:, 2 + k] for k, name in enumerate(names)}
-        return self.steps(distinct[:, 0].astype(np.int64), distinct[:, 1], told)
+    def _steps(self, inputs: FloatArray, names: tuple[str, ...]) -> Steps:
+        """For rows of |PWM|, length in s, and channels."""
+        told = {name: inputs[:, 2 + k] for k, name in enumerate(names)}
+        return self.steps(inputs[:, 0].astype(np.int64), inputs[:, 1], told)
 
     @staticmethod
     def _march(steps: Steps, index: NDArray[np.int64], room: FloatArray, out: FloatArray) -> None:
@@ -115,33 +140,42 @@ class NetworkSolution:
     @property
     def readings(self) -> list[tuple[int, float]]:
         """Of each sensed node: the position of its reading among the states, and what is added, K."""
-        lagging = len(self.network.nodes)
-        places = []
-        for node in self.network.sensed:
-            assert node.sensor is not None
-            if node.sensor.lag > 0.0:
-                places.append((lagging, node.sensor.offset))
-                lagging += 1
-            else:
-                places.append((self.network.index(node.name), node.sensor.offset))
-        return places
+        return [(place, self._offsets[name]) for name, place in self._places.items()]
 
     def start(self, readings: Mapping[str, ArrayLike], ambient: ArrayLike) -> FloatArray:
-        """States, shape (..., n + lagging sensors), degC, for first readings by sensed node and an ambient, degC."""
+        """States at the start.
+
+        Parameters
+        ----------
+        readings
+            First readings by sensed node, degC, of any one shape; a node without one starts at the ambient.
+        ambient
+            degC, of that shape.
+
+        Returns
+        -------
+        FloatArray
+            Nodes and then sensors that lag, which are in balance with their nodes, degC, shape (..., states).
+
+        Raises
+        ------
+        KeyError
+            If a reading is of no sensed node.
+        """
         network = self.network
+        unknown = set(readings) - set(self._places)
+        if unknown:
+            raise KeyError(f"no sensed node {', '.join(sorted(unknown))}")
         room = np.asarray(ambient, dtype=np.float64)
-        shown = {node.name: np.asarray(readings.get(node.name, room), dtype=np.float64) for node in network.sensed}
         sensed = [
-            shown[node.name] - (node.sensor.offset if node.sensor and node.name in readings else 0.0)
-            for node in network.sensed
+            np.asarray(readings[name], dtype=np.float64) - offset if name in readings else room
+            for name, offset in self._offsets.items()
         ]
         given = np.stack(np.broadcast_arrays(*sensed, room), axis=-1)
-        hidden = given @ network.rest_of_hidden.T
-        states = np.empty((*given.shape[:-1], len(network.nodes)))
-        states[..., [network.index(node.name) for node in network.sensed]] = given[..., :-1]
-        states[..., [network.index(node.name) for node in network.hidden]] = hidden
-        lagging = [k for k, node in enumerate(network.sensed) if node.sensor and node.sensor.lag > 0.0]
-        return np.concatenate([states, given[..., lagging]], axis=-1)
+        nodes = np.empty((*given.shape[:-1], len(network.nodes)))
+        nodes[..., [network.index(node.name) for node in network.sensed]] = given[..., :-1]
+        nodes[..., [network.index(node.name) for node in network.hidden]] = given @ network.rest_of_hidden.T
+        return np.concatenate([nodes, nodes[..., [node for node, _ in self._lags]]], axis=-1)
 
     def steps(self, pwm: NDArray[np.int64], step: FloatArray, told: Mapping[str, ArrayLike] | None = None) -> Steps:
         """Step matrices of intervals.
@@ -156,28 +190,31 @@ class NetworkSolution:
             Values of the channels, numbers or shape (k,) each.
         """
         m, a, f = self.with_sensors(*self.network.matrices(pwm, told))
-        phi = _phi(m * step[:, None, None])
+        grown, phi = _exponential(m * step[:, None, None])
         return Steps(
-            m * step[:, None, None] @ phi,
+            grown,
             np.einsum("kij,kj->ki", phi, a * step[:, None]),
             np.einsum("kij,kj->ki", phi, f * step[:, None]),
         )
 
     def with_sensors(self, m: FloatArray, a: FloatArray, f: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Append a state for each sensor that lags, which follows its node and takes nothing from it."""
-        network = self.network
-        lags = [(network.index(s.name), s.sensor.lag) for s in network.sensed if s.sensor and s.sensor.lag > 0.0]
-        n, size = len(network.nodes), len(network.nodes) + len(lags)
+        n, size = len(self.network.nodes), len(self.network.nodes) + len(self._lags)
         grown = np.zeros((m.shape[0], size, size))
         grown[:, :n, :n] = m
-        for k, (node, lag) in enumerate(lags, start=n):
+        for k, (node, lag) in enumerate(self._lags, start=n):
             grown[:, k, node], grown[:, k, k] = 1.0 / lag, -1.0 / lag
-        pad = np.zeros((m.shape[0], len(lags)))
+        pad = np.zeros((m.shape[0], len(self._lags)))
         return grown, np.concatenate([a, pad], axis=1), np.concatenate([f, pad], axis=1)
 
 
-def _phi(m: FloatArray) -> FloatArray:
-    """(exp(m) - 1) / m for each matrix, by its series at m / 2**s and phi(2x) = phi(x) (2 + x phi(x)) / 2."""
+def _exponential(m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """exp(m) - 1 and phi = (exp(m) - 1) / m for each matrix, shape (k, n, n).
+
+    By the series at x = m / 2**s, and then s times phi(2x) = phi(x) (1 + E(x) / 2), E(2x) = E(x) (2 + E(x)). Only E and
+    phi are multiplied, which stay bounded where all decays: with x phi in the place of E, what rounding left in phi
+    would grow by the ratio of the fastest rate to the slowest.
+    """
     norm = float(np.abs(m).sum(axis=-1).max(initial=0.0))
     doublings = max(0, int(np.ceil(np.log2(norm / _SMALL)))) if norm > _SMALL else 0
     x = m * 2.0**-doublings
@@ -185,7 +222,8 @@ def _phi(m: FloatArray) -> FloatArray:
     phi = np.broadcast_to(identity, m.shape).copy()
     for k in range(_TERMS, 1, -1):
         phi = identity + x @ phi / k
+    grown = x @ phi
     for _ in range(doublings):
-        phi = phi + 0.5 * (x @ phi) @ phi
-        x = 2.0 * x
-    return phi
+        phi = phi + 0.5 * (phi @ grown)
+        grown = 2.0 * grown + grown @ grown
+    return grown, phi

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import RESIDUE_BITS
 from gen.lowering.float32 import LOW_BITS, FloatComponent
-from gen.lowering.kinds import OUTPUT_BITS
 from gen.lowering.program import AnyComponent
 from gen.reference.fixed import FixedStep
 from gen.reference.float32 import FloatStep
+from gen.reference.thousandths import thousandths
 
 Integers = NDArray[np.int64]
 Fields = list[tuple[str, str]]
@@ -144,17 +144,6 @@ class FloatLanes:
 
     def _coefficients(self, row: Integers) -> tuple[list[NDArray[np.float32]], Integers]:
         return [self._rates[row, i] for i in range(self._component.order)], self._component.steady[row]
-
-
-def thousandths(word: Integers, bits: int) -> Integers:
-    """A word of 2^-bits K in thousandths of a kelvin, to nearest, halves upwards.
-
-    The board multiplies in 32 bits, so that no more than 25 bits after the binary point take part.
-    """
-    kept = min(bits, OUTPUT_BITS)
-    fraction = (word & ((1 << bits) - 1)) >> (bits - kept)
-    result: Integers = (word >> bits) * 1000 + (fraction * 125 + (1 << (kept - 4)) >> (kept - 3))
-    return result
 
 
 def lanes_of(component: AnyComponent, start_mK: Sequence[int]) -> ComponentLanes:

@@ -12,14 +12,13 @@ from gen.lowering.effects.program import KELVIN_BITS
 from gen.lowering.program import Program
 from gen.lowering.recursion.dynamics import domain_rows
 from gen.reference.effects import ReferenceEffects, effect_fields
-from gen.reference.lanes import coefficient_fields, lanes_of, state_fields, thousandths, word_bits
+from gen.reference.flags import GAIN_ZEROED, OUTSIDE_VALIDITY, PWM_CLAMPED, SATURATED, START_CLAMPED, STARTED
+from gen.reference.lanes import coefficient_fields, lanes_of, state_fields, word_bits
+from gen.reference.thousandths import thousandths
 
 Integers = NDArray[np.int64]
 Record = NDArray[np.void]
 
-OUTSIDE_VALIDITY, PWM_CLAMPED, GAIN_ZEROED, START_CLAMPED, SATURATED = 0x01, 0x02, 0x04, 0x08, 0x10
-#: Set in the board's own flags after the first sample; not shown to its user.
-STARTED = 0x80
 _SATURATION_LIMIT = 0xFFFF
 
 

@@ -14,6 +14,7 @@ from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.model.exact import ExactSolution
 from gen.model.extended import ExtendedSolution
+from gen.model.network_solution import NetworkSolution
 from gen.reference.lanes import state_fields
 from gen.reference.model import ReferenceModel, record_type
 from gen.replay import Inputs, check_inputs, inputs_of
@@ -44,7 +45,8 @@ def simulate_run(
         starts at the run's first row, and give the last grid value at times off the grid.
     start
         ``measured`` starts every component from its first measured temperature, ``ambient`` from ambient; ``auto``
-        from the measured one where there is one. Derivatives start at zero.
+        from the measured one where there is one. Derivatives start at zero, and a network's hidden nodes where they
+        would rest between the others and the ambient.
     file
         The run file's name for messages.
 
@@ -56,26 +58,38 @@ def simulate_run(
     Raises
     ------
     InputError
-        If no ambient is known, an effect's column is missing, or `measured` is asked for where nothing was measured.
+        If no ambient is known, a column that the model reads is missing, or `measured` is asked for where nothing was
+        measured.
     """
     inputs = inputs_of(coefficients, run, file, as_declared=False)
     check_inputs(coefficients, inputs.channels, inputs.measured_ambient is not None, file)
     rise = {name: _initial_rise(name, inputs, start, file) for name in coefficients.model.component_names}
     columns: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {"time_s": run.time_s}
-    if arithmetic == "exact" and coefficients.effects:
-        shown = ExtendedSolution(coefficients.model, coefficients.effects).simulate_times(
-            run.time_s, run.pwm, inputs.ambient, _sensed(inputs), inputs.channels, rise
-        )
-        return columns | {f"{name}_degC": values for name, values in shown.items()}
     if arithmetic == "exact":
-        solved = ExactSolution(coefficients.model).simulate_times(run.time_s, run.pwm, rise)
-        for name, values in solved.items():
-            columns[f"{name}_degC"] = values + inputs.ambient
-        return columns
+        shown = _exact(coefficients, run, inputs, rise, start)
+        return columns | {f"{name}_degC": values for name, values in shown.items()}
     board, words = _on_board(coefficients, arithmetic, run, inputs, rise)
     for name, values in board.items():
         columns[f"{name}_degC"] = values + inputs.ambient
     return columns | words
+
+
+def _exact(
+    coefficients: Coefficients, run: Run, inputs: Inputs, rise: dict[str, float], start: Start
+) -> dict[str, Array]:
+    """Temperatures by component, degC."""
+    model = coefficients.model
+    if model.network is not None:
+        # Where nothing was measured a node starts at ambient, and its reading then shows the sensor's offset.
+        measured = {} if start == "ambient" else inputs.first_rise
+        first = {name: value + float(inputs.ambient[0]) for name, value in measured.items()}
+        return NetworkSolution(model).simulate_times(run.time_s, run.pwm, inputs.ambient, inputs.channels, first)
+    if coefficients.effects:
+        return ExtendedSolution(model, coefficients.effects).simulate_times(
+            run.time_s, run.pwm, inputs.ambient, _sensed(inputs), inputs.channels, rise
+        )
+    solved = ExactSolution(model).simulate_times(run.time_s, run.pwm, rise)
+    return {name: values + inputs.ambient for name, values in solved.items()}
 
 
 def _on_board(

@@ -111,10 +111,14 @@ def check_inputs(coefficients: Coefficients, channels: Collection[str], ambient:
     Raises
     ------
     InputError
-        With the effect and the column that is missing.
+        With the column that is missing, and the effect that reads it.
     """
     if coefficients.model.ambient_fixed is None and not ambient:
         raise _no_ambient(coefficients, file)
+    network = coefficients.model.network
+    for channel in network.channels if network is not None else ():
+        if channel.column not in channels:
+            raise InputError(f"the network needs the column {channel.column}", file=file, place="header")
     for applied in coefficients.effects:
         missing = [column for column in applied.columns(coefficients.model.component_names) if column not in channels]
         if not ambient:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.program import Program
-from gen.reference.model import ReferenceModel, record_type
+from gen.reference.board import record_type, reference_of
 from gen.verification.profiles import Profile
 
 Records = NDArray[np.void]
@@ -52,7 +52,7 @@ class Mismatch:
 def reference_run(program: Program, profile: Profile) -> Records:
     """The reference's records for a profile, shape (L, N)."""
     told = None if profile.channels is None else np.moveaxis(profile.channels, (1, 2), (0, 1))  # (N + 1, channels, L)
-    model = ReferenceModel(program, [int(rise) for rise in profile.start_mK], None if told is None else told[0])
+    model = reference_of(program, [int(rise) for rise in profile.start_mK], None if told is None else told[0])
     records = np.zeros(profile.pwm.shape, dtype=record_type(program))
     for step in range(profile.pwm.shape[1]):
         if told is not None:

@@ -81,7 +81,7 @@ def _cost(coefficients: Coefficients, program: Program, folder: Path) -> Cost:
     folder.mkdir()
     context = project_context(coefficients, program, coefficients.name)
     library = write_library(program, context, render.library(context), folder)
-    profile = with_channels(campaign(program.model, _LANES, _LENGTH, seed=99), program.effects)
+    profile = with_channels(campaign(program.model, _LANES, _LENGTH, seed=99), program.channels)
     board = AvrRunner(library, folder.parent / "cache")
     board.run(profile)
     return board.cost(profile)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.effects import EffectsProgram
+from gen.lowering.effects.program import Channel
 from gen.lowering.program import Program
 from gen.model.effects import Applied
 from gen.reference.model import ReferenceModel
@@ -27,17 +28,17 @@ _CHANGES = 0.02
 _BEYOND = 0.05
 
 
-def with_channels(profile: Profile, effects: EffectsProgram | None, seed: int = 17) -> Profile:
+def with_channels(profile: Profile, channels: Sequence[Channel], seed: int = 17) -> Profile:
     """The profile with values for every channel, some beyond their ranges.
 
     Lanes hold a value for long, jump between the ends at every sample, draw anew at every sample, or stay neutral.
     """
-    if effects is None:
+    if not channels:
         return profile
     random = np.random.default_rng(seed)
     lanes, length = profile.pwm.shape
-    made = np.zeros((lanes, length + 1, len(effects.channels)), dtype=np.int64)
-    for number, channel in enumerate(effects.channels):
+    made = np.zeros((lanes, length + 1, len(channels)), dtype=np.int64)
+    for number, channel in enumerate(channels):
         beyond = int((channel.high - channel.low) * _BEYOND) + 1
         for lane in range(lanes):
             match (lane + number) % 4:

@@ -26,7 +26,7 @@ from gen.avr.simulator import MAILBOX_FOLDER, MARKER_OVERHEAD, EmulatedMega
 from gen.errors import CheckFailed
 from gen.firmware.context import LibraryContext
 from gen.lowering.program import Program
-from gen.reference.model import record_type
+from gen.reference.board import record_type
 from gen.templating import environment
 from gen.verification.profiles import Profile
 from gen.verification.profiles import record_type as input_type
@@ -69,11 +69,10 @@ def write_library(program: Program, context: LibraryContext, files: Mapping[str,
         target.write_text(text)
         if target.suffix == ".cpp":
             sources.append(target)
-    channels = len(program.effects.channels) if program.effects is not None else 0
     harness = {
         **context.of_model(),
         "record_size": record_type(program).itemsize,
-        "input_size": input_type(channels).itemsize,
+        "input_size": input_type(len(program.channels)).itemsize,
     }
     for name in ("verify_host.cpp", "verify_avr.cpp"):
         text = environment("harness").get_template(f"{name}.j2").render(harness)

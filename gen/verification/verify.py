@@ -155,10 +155,10 @@ def _combination(
     cost: Cost | None = None
     helpers: list[str] = []
     effects: list[EffectCost] = []
-    commands = with_channels(every_command(program.model), program.effects, seed=511)
+    commands = with_channels(every_command(program.model), program.channels, seed=511)
     if target in ("host", "all"):
         profile = campaign(program.model, HOST_LANES, max(600, int(HOST_LENGTH * scale)))
-        profile = with_channels(profile, program.effects)
+        profile = with_channels(profile, program.channels)
         progress(f"{label}: reference, {profile.samples} samples")
         expected = compare.reference_run(program, profile)
         schedule = compare.reference_run(program, commands)
@@ -169,7 +169,7 @@ def _combination(
             targets.append(_compared(program, f"{name}, every command", host.run, commands, schedule))
     if target in ("avr", "all"):
         profile = campaign(program.model, AVR_LANES, max(600, int(AVR_LENGTH * scale)), seed=2560)
-        profile = with_channels(profile, program.effects, seed=2561)
+        profile = with_channels(profile, program.channels, seed=2561)
         progress(f"{label}: reference, {profile.samples} samples")
         expected = compare.reference_run(program, profile)
         progress(f"{label}: emulated Mega")
@@ -220,7 +220,7 @@ def _bounds(program: Program) -> dict[str, float | None]:
     changed = {part.name for part in program.effects.components} if program.effects is not None else set()
     return {
         component.name: component.proof.bound_K if component.proof and component.name not in changed else None
-        for component in program.components
+        for component in program.parts
     }
 
 

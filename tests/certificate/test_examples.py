@@ -11,8 +11,8 @@ import pytest
 import gen
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from tests.certificate.projects import ROOT
+from tests.examples import WITH_TRANSFER_FUNCTIONS
 
-EXAMPLES = sorted(path.parent.name for path in (ROOT / "examples").glob("*/coeffs.json"))
 FORMS: list[tuple[Arithmetic, ScheduleKind]] = [("fixed", "table"), ("float", "onboard")]
 OTHERS: list[tuple[str, Arithmetic, ScheduleKind]] = [
     ("my1016", "fixed", "onboard"),
@@ -22,7 +22,8 @@ OTHERS: list[tuple[str, Arithmetic, ScheduleKind]] = [
 
 
 @pytest.mark.parametrize(
-    ("name", "arithmetic", "schedule"), [*((name, *form) for name in EXAMPLES for form in FORMS), *OTHERS]
+    ("name", "arithmetic", "schedule"),
+    [*((name, *form) for name in WITH_TRANSFER_FUNCTIONS for form in FORMS), *OTHERS],
 )
 def test_an_example_is_proven(tmp_path: Path, name: str, arithmetic: Arithmetic, schedule: ScheduleKind) -> None:
     model = gen.load(ROOT / "examples" / name / "coeffs.json")

@@ -18,7 +18,8 @@ from hypothesis import strategies as st
 from gen.coefficients import Document, parse
 from gen.coefficients.checks import _hurwitz, spans
 from gen.coefficients.names import reserved
-from gen.coefficients.schema import STORED, json_schema, schema_text
+from gen.coefficients.schema import STORED, json_schema, published, schema_text
+from gen.coefficients.versions import VERSION
 from gen.errors import InputError
 from gen.model import ExponentialSum, Polynomial, Table
 from tests.coefficients.test_coefficients_errors import BASE, FAULTS, changed
@@ -52,7 +53,9 @@ def test_examples(name: str) -> None:
     assert (loaded.accuracy.fixed_limit_K, loaded.accuracy.float_limit_K) == (1e-5, 1e-3)
     assert loaded.model.sample_time == 0.25
     assert loaded.model.domain_pwm == (0, 255)
-    jsonschema.validate(json.loads(raw), json_schema())
+    tree = json.loads(raw)
+    for version in range(tree["version"], VERSION + 1):
+        jsonschema.validate(tree | {"version": version}, schema_of(version))
 
 
 def test_my1016_is_the_study() -> None:
@@ -145,11 +148,31 @@ def test_stored_schema_is_what_the_models_make() -> None:
     jsonschema.Draft202012Validator.check_schema(json_schema())
 
 
+def schema_of(version: int) -> dict[str, Any]:
+    return dict(json.loads(published(version).read_text(encoding="utf-8")))
+
+
+def test_the_schema_of_version_1_is_that_of_0_1_0() -> None:
+    """What others check their files with; it is never written anew."""
+    digest = hashlib.sha256(published(1).read_bytes()).hexdigest()
+    assert digest == "7cad550ab89820a693736f79f1c02ee8300e7854169d77fe72ad1d5f3784a47b"
+    jsonschema.Draft202012Validator.check_schema(schema_of(1))
+
+
+def test_a_schema_takes_files_of_its_own_version_only() -> None:
+    for version in range(1, VERSION + 1):
+        validator = jsonschema.Draft202012Validator(schema_of(version))
+        taken = [found for found in range(VERSION + 2) if validator.is_valid(BASE | {"version": found})]
+        assert taken == [version]
+
+
+@pytest.mark.parametrize("version", range(1, VERSION + 1))
 @pytest.mark.parametrize(("where", "value", "place", "message"), FAULTS)
 def test_schema_rejects_what_it_can_express(
-    where: tuple[str | int, ...], value: object, place: str, message: str
+    where: tuple[str | int, ...], value: object, place: str, message: str, version: int
 ) -> None:
-    valid = jsonschema.Draft202012Validator(json_schema()).is_valid(changed((where, value)))
+    validator = jsonschema.Draft202012Validator(schema_of(version))
+    valid = validator.is_valid(changed((("version",), version), (where, value)))
     expressible = not any(part in message for part in BEYOND_SCHEMA)
     # 'found "' also begins the messages about a schedule's keys, which the schema does express.
     expressible |= "expected a schedule" in message
@@ -217,7 +240,7 @@ def test_a_rule_relative_to_another_component_where_there_is_none() -> None:
 
 def test_document_built_in_python_is_checked_too() -> None:
     """What identifies a model builds documents without a file."""
-    tree: dict[str, Any] = changed((("components", 0, "name"), "SP"))
+    tree: dict[str, Any] = changed((("version",), VERSION), (("components", 0, "name"), "SP"))
     with pytest.raises(ValueError, match="macro"):
         Document.model_validate(tree)
     with pytest.raises(InputError):

@@ -37,20 +37,23 @@ OTHER_FORMATS = {
     "emulate/results.py": {"alarms"},
     # contexts of templates, and lists of names in them
     "firmware/context.py": {"name"},
-    "firmware/contexts/effects.py": {"name"},
+    "firmware/contexts/effects.py": {"name", "heats"},
     "firmware/device.py": {"ambient", "channels", "encoder", "observe", "memory", "column", "direction"},
     "firmware/effects_report.py": {"effects"},
     "firmware/render.py": {"name", "effects"},
     "firmware/wiring_svg.py": {"channels", "encoder", "drive", "column", "observe", "direction"},
-    # a frame's attributes, parameters of an optimiser, fields of the study's targets, columns of a verification
+    # a frame's attributes, parameters of an optimiser, fields of the study's targets, the rig's own paths, columns of a
+    # verification
     "interface/files.py": {"name"},
     "identification/output_error.py": {"value"},
     "rig/calibrate/targets.py": {"speed_percent", "duration_s"},
+    "rig/calibrate/unknowns.py": {"forced"},
     "verification/profiles.py": {"channels"},
     "verification/runners.py": {"name"},
 }
-#: Where a dict with such keys is no object of the file: an effect's values, which may be a channel alone.
-OTHER_DICTS = {f"model/effects/catalogue/{name}.py" for name in ("airflow", "load_heating", "supply_voltage")} | {
+#: Where a dict with such keys is no object of the file: an effect's values, which may be a channel or an offset alone.
+VALUES = ("airflow", "load_heating", "sensor_offset", "supply_voltage")
+OTHER_DICTS = {f"model/effects/catalogue/{name}.py" for name in VALUES} | {
     "firmware/certificate.py"  # the certificate's own form of an equation
 }
 
@@ -118,7 +121,7 @@ def test_no_other_room_builds_an_object_of_the_file_from_keys() -> None:
         ('if "threshold_K" not in rule: pass', ["threshold_K"], []),
         ('{"component": a, "pwm": b, "model_minus_measured_K": c, "note": d}', [], ["ErrorBand"]),
         ("dict(component=a, pwm=b, model_minus_measured_K=c)", [], ["ErrorBand"]),
-        ('{"poly": c}', [], ["Poly"]),
+        ('{"poly": c}', [], ["Poly", "PolyCurve"]),
         ('{"real": r, **more}', [], ["PoleEntry"]),
         ('columns["pwm"]; band.pwm; {"colour": 1}; x["colour"]', [], []),
     ],

@@ -13,16 +13,18 @@ from pydantic import Field
 
 from gen.coefficients import Document, dump, load, parse, reader, versions, with_effects
 from gen.coefficients.base import Part
-from gen.coefficients.document import ComponentEntry
 from gen.coefficients.effects import EffectEntry
-from gen.coefficients.schema import STORED
+from gen.coefficients.schema import STORED, published
 from gen.coefficients.versions import VERSION, Tree, migrated
 from gen.errors import InputError
+from gen.model import ThermalModel
 from gen.model.effects import registry
 from gen.model.exact import ExactSolution
+from gen.model.network_solution import NetworkSolution
 from tests.coefficients.test_coefficients_errors import BASE
 
 VERSION_1 = Path(__file__).parent / "version1"
+VERSION_2 = Path(__file__).parent / "version2"
 
 #: Written once and never again: SHA-256, and each component's rise in K after an hour at PWM 140 from cold.
 FROZEN: dict[str, tuple[str, dict[str, float]]] = {
@@ -56,6 +58,36 @@ FROZEN: dict[str, tuple[str, dict[str, float]]] = {
     ),
 }
 
+#: The same of version 2; of a network its readings in degC, from 25 degC, its channels at 70 % of their ranges, by
+#: `integrated` in tests/model/test_network.py.
+FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
+    "every_key.json": ("45572e247e729fda594960be5f6b20949500ae0d7de15bace488ecc1c276ec55", FROZEN["every_key.json"][1]),
+    "fan_motor.json": (
+        "4c776f1c2b944548cdf48e7edfb3a11f5743aea1455a32c0728c7f08d79593de",
+        {"bearing": 35.0671243637, "brush": 40.8394482248, "magnet": 32.7277564434, "casing": 29.9183633164},
+    ),
+    "identified.json": (
+        "f537c879ede233f20f8291be150526a2d52800dfa9ce1f0df3bca059b19f7f3f",
+        FROZEN["identified.json"][1],
+    ),
+    "my1016.json": ("02aca1a40681f8b1200c5c59221d1935af03134e909873686f2855deb247131f", FROZEN["my1016.json"][1]),
+    "network_every_key.json": (
+        "b95020364bbe50e4faf186d6ee5bbc0286b6ea4d868542058c8090fa9095d5ac",
+        {"bearing": 42.8842947737, "casing": 35.9995573126, "cover": 34.1647372114},
+    ),
+    "observed.json": ("a0a2944e2273b3fd259da2e6b7dbecdc79cf266a2fd12772628574cd6e0ca7c2", FROZEN["observed.json"][1]),
+}
+
+
+def after_an_hour(model: ThermalModel) -> dict[str, float]:
+    time, pwm = np.array([0.0, 3600.0]), np.array([140, 140])
+    if model.network is None:
+        solved = ExactSolution(model).simulate_times(time, pwm)
+    else:
+        told = {c.column: np.full(2, c.low + 0.7 * (c.high - c.low)) for c in model.network.channels}
+        solved = NetworkSolution(model).simulate_times(time, pwm, 25.0, told)
+    return {name: float(values[-1]) for name, values in solved.items()}
+
 
 @pytest.mark.parametrize("name", sorted(FROZEN))
 def test_a_file_of_version_1_loads_for_ever_and_means_what_it_meant(name: str) -> None:
@@ -67,12 +99,22 @@ def test_a_file_of_version_1_loads_for_ever_and_means_what_it_meant(name: str) -
     assert {component: rise[-1] for component, rise in found.items()} == pytest.approx(rises, rel=1e-9)
 
 
+@pytest.mark.parametrize("name", sorted(FROZEN_2))
+def test_a_file_of_version_2_loads_for_ever_and_means_what_it_meant(name: str) -> None:
+    path = VERSION_2 / name
+    sha256, readings = FROZEN_2[name]
+    assert hashlib.sha256(path.read_bytes()).hexdigest() == sha256, "this file is a witness; do not write it anew"
+    assert after_an_hour(load(path).model) == pytest.approx(readings, rel=1e-9)
+
+
 def test_the_frozen_files_are_all_there() -> None:
     assert {path.name for path in VERSION_1.glob("*.json")} == set(FROZEN)
+    assert {path.name for path in VERSION_2.glob("*.json")} == set(FROZEN_2)
 
 
-def test_together_they_hold_every_key_and_every_effect_of_version_1() -> None:
-    """By the published schema of version 1, so that no key can be dropped unnoticed."""
+@pytest.mark.parametrize("version", [1, 2])
+def test_together_they_hold_every_key_and_every_effect_of_their_version(version: int) -> None:
+    """By the published schema of that version, so that no key can be dropped unnoticed."""
     said: set[tuple[str, str]] = set()
     effects: set[tuple[str, str]] = set()
 
@@ -84,11 +126,12 @@ def test_together_they_hold_every_key_and_every_effect_of_version_1() -> None:
                 if isinstance(item, Part):
                     walk(item)
 
-    for path in VERSION_1.glob("*.json"):
+    for path in (Path(__file__).parent / f"version{version}").glob("*.json"):
+        assert json.loads(path.read_text(encoding="utf-8"))["version"] == version
         document = load(path).document
         walk(document)
         effects |= {(effect.name, key) for effect in document.effects for key in effect.parameters}
-    schema = json.loads(STORED.read_text(encoding="utf-8"))
+    schema = json.loads(published(version).read_text(encoding="utf-8"))
     objects = {"Document": schema, **schema["$defs"]}
     known = {(name, key) for name, part in objects.items() for key in part.get("properties", {})}
     assert known - said == set()
@@ -100,91 +143,91 @@ def test_the_newest_version_is_the_one_that_is_written_and_published() -> None:
     assert len(versions.MIGRATIONS) + 1 == VERSION
     assert get_args(Document.model_fields["version"].annotation) == (VERSION,)
     assert STORED.name == f"gen-coefficients-{VERSION}.schema.json"
+    assert [published(version).is_file() for version in range(1, VERSION + 2)] == [True] * VERSION + [False]
 
 
-class Node(Part):
-    """A made-up part of a made-up version 2."""
+class Gearbox(Part):
+    """A made-up part of a made-up version 3."""
 
-    name: str
-    capacity_J_per_K: float
-
-
-class Network(Part):
-    """Another made-up part."""
-
-    nodes: tuple[Node, ...]
+    ratio: float
 
 
-class Version2(Document):
-    """Either transfer functions, or a made-up network; what was called fast_limit_K is gone."""
+class Version3(Document):
+    """It may hold a made-up gearbox; what was called fast_limit_K is gone."""
 
-    version: Literal[2]  # type: ignore[assignment]
-    components: tuple[ComponentEntry, ...] = ()
-    network: Network | None = None
+    version: Literal[3]  # type: ignore[assignment]
+    gearbox: Gearbox | None = None
     note: str = Field(default="")
 
 
-def to_version_2(tree: Tree) -> Tree:
+def to_version_3(tree: Tree) -> Tree:
     """What a later version may do: drop a key, and give a new one what the old files meant."""
     tree.get("accuracy", {}).pop("fast_limit_K", None)
     return tree | {"note": f"was {tree['name']}"}
 
 
 @pytest.fixture
-def version_2(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(versions, "MIGRATIONS", (*versions.MIGRATIONS, to_version_2))
-    monkeypatch.setattr(reader, "Document", Version2)
+def version_3(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(versions, "MIGRATIONS", (*versions.MIGRATIONS, to_version_3))
+    monkeypatch.setattr(reader, "Document", Version3)
 
 
 def as_bytes(tree: Any) -> bytes:  # noqa: ANN401
     return json.dumps(tree).encode()
 
 
-@pytest.mark.usefixtures("version_2")
+@pytest.mark.usefixtures("version_3")
 @pytest.mark.parametrize("name", sorted(FROZEN))
-def test_a_file_of_version_1_loads_as_the_made_up_version_2(name: str) -> None:
+def test_a_file_of_version_1_loads_as_the_made_up_version_3(name: str) -> None:
     loaded = load(VERSION_1 / name)
-    assert isinstance(loaded.document, Version2)
-    assert loaded.document.version == 2
+    assert isinstance(loaded.document, Version3)
+    assert loaded.document.version == 3
     assert loaded.document.note == f"was {loaded.name}"
     found = ExactSolution(loaded.model).simulate_times(np.array([0.0, 3600.0]), np.array([140, 140]), {})
     assert {component: rise[-1] for component, rise in found.items()} == pytest.approx(FROZEN[name][1], rel=1e-9)
     assert loaded.sha256 == FROZEN[name][0]
 
 
-@pytest.mark.usefixtures("version_2")
-def test_a_file_of_the_made_up_version_2_loads_without_migration() -> None:
-    network = {"nodes": [{"name": "rotor", "capacity_J_per_K": 120.0}]}
-    tree = {key: BASE[key] for key in ("format", "name", "sample_time_s", "input", "ambient", "validity", "domain")}
-    tree |= {"version": 2, "network": network}
-    document = reader.parse_document(as_bytes(tree))
-    assert isinstance(document, Version2)
+@pytest.mark.usefixtures("version_3")
+@pytest.mark.parametrize("name", sorted(FROZEN_2))
+def test_a_file_of_version_2_loads_as_the_made_up_version_3(name: str) -> None:
+    loaded = load(VERSION_2 / name)
+    assert isinstance(loaded.document, Version3)
+    assert (loaded.document.version, loaded.document.note) == (3, f"was {loaded.name}")
+    assert after_an_hour(loaded.model) == pytest.approx(FROZEN_2[name][1], rel=1e-9)
+    assert loaded.sha256 == FROZEN_2[name][0]
+
+
+@pytest.mark.usefixtures("version_3")
+def test_a_file_of_the_made_up_version_3_loads_without_migration() -> None:
+    document = reader.parse_document(as_bytes(BASE | {"version": 3, "gearbox": {"ratio": 12.5}}))
+    assert isinstance(document, Version3)
     assert document.note == ""
-    assert document.network is not None
-    assert document.network.nodes[0].capacity_J_per_K == 120.0
+    assert document.gearbox is not None
+    assert document.gearbox.ratio == 12.5
 
 
-@pytest.mark.usefixtures("version_2")
+@pytest.mark.usefixtures("version_3")
 def test_a_fault_in_a_migrated_file_says_which_version_its_place_is_of() -> None:
     with pytest.raises(InputError, match="expected a number") as caught:
         parse(as_bytes(BASE | {"sample_time_s": "x"}))
     assert caught.value.place == "$.sample_time_s"
-    assert "the place is that of version 2" in caught.value.message
+    assert "the place is that of version 3" in caught.value.message
 
 
-@pytest.mark.usefixtures("version_2")
+@pytest.mark.usefixtures("version_3")
 @pytest.mark.parametrize("fault", [{"accuracy": 3}, {"accuracy": None}])
 def test_a_file_that_no_migration_understands_is_refused_and_no_traceback(fault: dict[str, Any]) -> None:
-    with pytest.raises(InputError, match="cannot be brought from version 1 to 2") as caught:
+    with pytest.raises(InputError, match="cannot be brought from version 2 to 3") as caught:
         parse(as_bytes(BASE | fault))
     assert caught.value.place == "$"
 
 
-@pytest.mark.usefixtures("version_2")
+@pytest.mark.usefixtures("version_3")
 def test_what_is_added_to_an_older_file_makes_it_one_of_the_newest_version() -> None:
     entry = EffectEntry(name="drift", component="casing", parameters={"drift_K_per_h": 0.5})
     made = json.loads(with_effects(json.dumps(BASE), [entry]))
-    assert (made["version"], made["note"]) == (2, "was my1016")
+    assert (made["version"], made["note"]) == (3, "was my1016")
     assert list(made)[:2] == ["format", "version"]
     assert [effect.name for effect in parse(as_bytes(made)).document.effects] == ["drift"]
 
@@ -205,23 +248,39 @@ def test_migrations_are_applied_in_order_and_leave_what_they_were_given_alone(
         assert tree == {"version": first}
 
 
-@pytest.mark.parametrize("version", [2, 17])
+@pytest.mark.parametrize("version", [3, 17])
 def test_a_file_of_a_later_version_is_refused_in_one_line(tmp_path: Path, version: int) -> None:
     path = tmp_path / "later.json"
     path.write_bytes(as_bytes(BASE | {"version": version, "network": {}}))
     with pytest.raises(InputError) as caught:
         load(path)
     assert str(caught.value) == (
-        f"{path}: $.version: found {version}, expected 1: a newer gen wrote this file; install a newer gen "
+        f"{path}: $.version: found {version}, expected 1 to 2: a newer gen wrote this file; install a newer gen "
         "(docs/format.md)"
     )
 
 
-@pytest.mark.usefixtures("version_2")
+@pytest.mark.usefixtures("version_3")
 def test_the_range_of_versions_is_named() -> None:
-    with pytest.raises(InputError, match="found 3, expected 1 to 2"):
-        parse(as_bytes(BASE | {"version": 3}))
+    with pytest.raises(InputError, match="found 4, expected 1 to 3"):
+        parse(as_bytes(BASE | {"version": 4}))
 
 
 def test_a_document_s_own_text_is_of_the_newest_version() -> None:
     assert json.loads(dump(load(VERSION_1 / "two_mass.json").document))["version"] == VERSION
+
+
+def test_what_version_2_brought_is_no_key_of_version_1() -> None:
+    with pytest.raises(InputError) as caught:
+        parse(as_bytes(BASE | {"network": {}}))
+    assert (caught.value.place, caught.value.message) == (
+        "$.network",
+        'found "network" in a file of version 1; a network needs "version": 2',
+    )
+
+
+def test_a_fault_in_a_file_of_version_1_has_the_place_that_it_has_there() -> None:
+    """Nothing moved between version 1 and 2, so that nothing is said of it."""
+    with pytest.raises(InputError) as caught:
+        parse(as_bytes(BASE | {"sample_time_s": "x"}))
+    assert str(caught.value) == '$.sample_time_s: found the text "x", expected a number'

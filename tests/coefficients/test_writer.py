@@ -8,22 +8,26 @@ from typing import Any
 
 import pytest
 
-from gen.coefficients import as_json, dump, load, parse, with_effects, with_rules
+from gen.coefficients import Document, as_json, dump, load, parse, with_effects, with_rules
 from gen.coefficients.document import Ambient
 from gen.coefficients.effects import EffectEntry
 from gen.coefficients.messages import building
 from gen.coefficients.provenance import ErrorBand
 from gen.coefficients.rules import RuleDraft, Rules
+from gen.coefficients.versions import VERSION
 from gen.coefficients.wiring import Wiring
 from gen.errors import InputError
 from tests.coefficients.test_coefficients_errors import BASE
 
-FILES = sorted((Path(__file__).parent / "version1").glob("*.json"))
+OLD = sorted((Path(__file__).parent / "version1").glob("*.json"))
+FILES = [*OLD, *sorted((Path(__file__).parent / "version2").glob("*.json"))]
+WITH_COMPONENTS = [path for path in FILES if load(path).document.network is None]
+by_name = pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.stem}")
 DRIFT = EffectEntry(name="drift", component="casing", parameters={"drift_K_per_h": 0.5}, evidence={"level": 0.01})
 LAG = EffectEntry(name="sensor_lag", component="brush", parameters={"lag_s": 20.0})
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+@by_name
 def test_a_document_survives_writing_and_reading(path: Path) -> None:
     loaded = load(path)
     text = dump(loaded.document)
@@ -33,7 +37,7 @@ def test_a_document_survives_writing_and_reading(path: Path) -> None:
     assert dump(again.document) == text
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+@by_name
 def test_what_is_written_is_what_the_file_says_and_no_more(path: Path) -> None:
     """By JSON alone: the same keys and numbers; only a null that means the same as a missing key is gone."""
 
@@ -42,12 +46,17 @@ def test_what_is_written_is_what_the_file_says_and_no_more(path: Path) -> None:
             return {k: said(v) for k, v in value.items() if v is not None or k == "memory"}
         return [said(item) for item in value] if isinstance(value, list) else value
 
-    assert said(json.loads(dump(load(path).document))) == said(json.loads(path.read_text(encoding="utf-8")))
+    written = said(json.loads(dump(load(path).document)))
+    assert written.pop("version") == VERSION
+    read = said(json.loads(path.read_text(encoding="utf-8")))
+    assert read.pop("version") == int(path.parent.name.removeprefix("version"))
+    assert list(written) == [key for key in Document.model_fields if key in read]
+    assert written == read
 
 
 def test_the_layout_is_stable() -> None:
-    text = dump(load(next(path for path in FILES if path.stem == "two_mass")).document)
-    assert text.startswith('{\n "format": "gen-coefficients",\n "version": 1,\n "name": "two_mass",\n')
+    text = dump(load(next(path for path in OLD if path.stem == "two_mass")).document)
+    assert text.startswith('{\n "format": "gen-coefficients",\n "version": 2,\n "name": "two_mass",\n')
     assert text.endswith("\n}\n")
 
 
@@ -67,7 +76,7 @@ def test_names_of_all_languages_stay_readable() -> None:
     assert parse(text.encode()).document.description == "Lüfter 冷却"
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", WITH_COMPONENTS, ids=lambda path: f"{path.parent.name}/{path.stem}")
 def test_effects_are_added_and_the_rest_stays_as_it_was_written(path: Path) -> None:
     raw = path.read_text(encoding="utf-8")
     before = json.loads(raw, object_pairs_hook=list, parse_float=str, parse_int=str)
@@ -79,7 +88,8 @@ def test_effects_are_added_and_the_rest_stays_as_it_was_written(path: Path) -> N
     assert added == [("name", "drift"), ("component", names[0]), ("parameters", [("drift_K_per_h", 0.0625)])]
     assert [key for key, _ in before] == [key for key in after if key in dict(before)]
     # Whole numbers without a point stay so, and every other number is the same.
-    assert _with_numbers(before) == _with_numbers(
+    newest = [(key, str(VERSION) if key == "version" else value) for key, value in before]
+    assert _with_numbers(newest) == _with_numbers(
         [(key, value) for key, value in after.items() if key != "effects" or value]
     )
     assert parse(text.encode()).document.effects[-1] == entry
@@ -159,5 +169,5 @@ def test_a_part_that_cannot_be_built_is_said_with_its_place() -> None:
         ErrorBand(component="a", pwm=(9, 0), model_minus_measured_K=(0.0, 0.0))
     assert caught.value.place == "ErrorBand.pwm"
     with pytest.raises(InputError, match="name of a file of the sketch") as caught, building():
-        type(load(FILES[0]).document).model_validate(BASE | {"name": "board"})
+        type(load(FILES[0]).document).model_validate(BASE | {"version": VERSION, "name": "board"})
     assert caught.value.place == "$.name"

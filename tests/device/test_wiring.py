@@ -14,6 +14,7 @@ import pytest
 from gen import toolchain
 from gen.coefficients import parse
 from gen.coefficients.schema import json_schema
+from gen.coefficients.versions import VERSION
 from gen.errors import InputError
 from gen.firmware.device import device_context
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, label, port_bit
@@ -101,7 +102,7 @@ def test_a_direction_may_be_on_any_free_pin(direction: int) -> None:
         "encoder": {"pin": 47, "pulses_per_revolution": 5},
         "drive": {"pwm_pin": 4, "direction_pin": direction},
     }
-    jsonschema.validate(tree, json_schema())
+    jsonschema.validate(tree | {"version": VERSION}, json_schema())
     assert parse(json.dumps(tree).encode())
 
 
@@ -141,7 +142,7 @@ def test_the_schema_knows_every_variants_wiring() -> None:
     for name, change in VARIANTS.items():
         tree = copy.deepcopy(BASE)
         change(tree)
-        jsonschema.validate(tree, json_schema())
+        jsonschema.validate(tree | {"version": VERSION}, json_schema())
         assert variant(name)
 
 

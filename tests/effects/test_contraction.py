@@ -31,12 +31,11 @@ from gen.model.effects.spans import Span
 from gen.model.extended import ExtendedSolution, own_rate
 from gen.verification.held import HeldSolution
 from tests.effects.cases import CASES, case, effect, lowered
-from tests.examples import ROOT
+from tests.examples import ROOT, WITH_TRANSFER_FUNCTIONS
 
 Array = NDArray[np.float64]
 Entry = dict[str, Any]
 TS = 0.25
-EXAMPLES = sorted(path.parent.name for path in (ROOT / "examples").glob("*/coeffs.json"))
 
 
 def part(name: str, settles_K: float, *rates: float) -> Entry:
@@ -359,7 +358,7 @@ def test_cooling_that_is_too_fast_for_the_sample_time_is_refused_by_build() -> N
         lower(made, "float", "table")
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", WITH_TRANSFER_FUNCTIONS)
 def test_every_example_is_proven_to_contract(name: str) -> None:
     made = load(ROOT / "examples" / name / "coeffs.json")
     found = contraction(made.model, made.effects, domain_of(made.model, made.effects, {"fan": (0.0, 1.0)}))

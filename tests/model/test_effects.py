@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients, parse
 from gen.coefficients.schema import json_schema
+from gen.coefficients.versions import VERSION
 from gen.errors import InputError
 from gen.lowering.lower import lower
 from gen.model.effects import registry
@@ -235,7 +236,8 @@ def test_every_effect_is_described_and_named_as_users_know_it() -> None:
 
 def test_published_schema_knows_each_effect() -> None:
     validator = Draft202012Validator(json_schema())
-    document = json.loads(COEFFICIENTS.read_text(encoding="utf-8"))
+    document = json.loads(COEFFICIENTS.read_text(encoding="utf-8")) | {"version": VERSION}
+    assert validator.is_valid(document)
     for name, (parameters, _, _) in HEATS.items():
         entry = {"name": name, "component": "casing", "parameters": parameters}
         assert validator.is_valid({**document, "effects": [entry]}), name

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
-from gen.reference.lanes import thousandths
+from gen.reference.thousandths import thousandths
 from gen.reference.model import ReferenceModel
 from tests.examples import example
 

@@ -9,6 +9,7 @@ from gen.lowering.fixed.corrected_format import FIRST_DROPPED
 from gen.lowering.fixed.formats import GAIN_FACTOR
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.float32.start import start_factor
+from gen.lowering.network.program import NodeComponent
 from gen.lowering.program import AnyComponent, Program, Shape
 from gen.lowering.recursion.guarantee import rounded_up
 
@@ -74,6 +75,8 @@ class SingleShape(TypedDict):
 
 def component_contexts(program: Program) -> list[ComponentContext]:
     """The components in the order of the coefficient file."""
+    if program.network is not None:
+        return _sensed_nodes(program)
     places = places_of(program)
     return [
         {
@@ -88,6 +91,26 @@ def component_contexts(program: Program) -> list[ComponentContext]:
             "bound": bound_text(lowered),
         }
         for number, (component, lowered) in enumerate(zip(program.model.components, program.components, strict=True))
+    ]
+
+
+def _sensed_nodes(program: Program) -> list[ComponentContext]:
+    """A network's sensed nodes; what only transfer functions have is empty."""
+    network = program.model.network
+    assert network is not None
+    return [
+        {
+            "name": node.name,
+            "description": node.description,
+            "order": 1,
+            "carried": False,
+            "substeps": 1,
+            "shape": "",
+            "place": "",
+            "saturates": False,
+            "bound": bound_text(part),
+        }
+        for node, part in zip(network.sensed, program.parts, strict=True)
     ]
 
 
@@ -158,7 +181,7 @@ def carries(component: AnyComponent) -> bool:
     return component.carries if isinstance(component, FixedComponent) else component.order > 1
 
 
-def bound_text(component: AnyComponent) -> str:
+def bound_text(component: AnyComponent | NodeComponent) -> str:
     """The guaranteed error for people."""
     return f"{rounded_up(component.proof.bound_K):.1e} K" if component.proof else "none proven: it saturates"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import TypedDict
 
 from gen.firmware.contexts.components import places_of
@@ -87,16 +86,6 @@ class Tracked(TypedDict):
     part: Part | None
 
 
-class ChannelContext(TypedDict):
-    """A channel: its name in the C++ enumeration, and its range in thousandths."""
-
-    id: str
-    column: str
-    low: int
-    high: int
-    neutral: int
-
-
 class TrackedContext(TypedDict):
     """The components whose rises are kept.
 
@@ -117,7 +106,6 @@ class TrackedContext(TypedDict):
 class EffectsContext(TrackedContext):
     """All effects."""
 
-    channels: list[ChannelContext]
     elapsed_limit: int
     kelvin_bits: int
     start_end: int
@@ -125,15 +113,6 @@ class EffectsContext(TrackedContext):
     carry_factor: int
     chain_bits: int
     word_bits: int
-
-
-def channel_names(effects: EffectsProgram) -> list[str]:
-    """Each channel's name in the C++ enumeration; columns that differ in case or other signs alone are numbered."""
-    names = ["AMBIENT"]
-    for number, channel in enumerate(effects.channels[1:], start=1):
-        name = re.sub(r"[^A-Z0-9]+", "_", channel.column.upper()).strip("_") or "COLUMN"
-        names.append(f"{name}_{number}" if name in names else name)
-    return names
 
 
 def effects_context(program: Program) -> EffectsContext | None:
@@ -149,7 +128,6 @@ def effects_context(program: Program) -> EffectsContext | None:
         return None
     return {
         **_of_tracked(_tracked(program, effects)),
-        "channels": _channels(effects),
         "elapsed_limit": effects.elapsed_limit,
         "kelvin_bits": KELVIN_BITS,
         "start_end": KELVIN_LIMIT * 1000,
@@ -172,19 +150,6 @@ def _of_tracked(tracked: list[Tracked]) -> TrackedContext:
         "finer": [component["name"] for component in felt if component["part"] and component["part"]["sixth"]],
         "shown": [name for name, _ in parts],
     }
-
-
-def _channels(effects: EffectsProgram) -> list[ChannelContext]:
-    return [
-        {
-            "id": name,
-            "column": channel.column,
-            "low": channel.low,
-            "high": channel.high,
-            "neutral": channel.neutral,
-        }
-        for name, channel in zip(channel_names(effects), effects.channels, strict=True)
-    ]
 
 
 def _tracked(program: Program, effects: EffectsProgram) -> list[Tracked]:

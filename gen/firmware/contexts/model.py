@@ -9,6 +9,7 @@ from typing import TypedDict
 import numpy as np
 
 from gen.firmware.avr.block import Block, block
+from gen.firmware.contexts.channels import ChannelContext, channel_contexts
 from gen.firmware.contexts.components import ComponentContext, ShapeContext, component_contexts, shape_contexts
 from gen.firmware.contract import Clause, as_comment, contract
 from gen.lowering.fixed.component import FixedComponent
@@ -25,8 +26,9 @@ class ModelContext(TypedDict):
     Keys that need a word: `carried`, the components that hand something over when PWM changes; `avr`, the assembly of
     the recursion (None in float32); `zeroed`, ranges of |PWM| at which a negative gain counts as 0; `start_members`,
     limits and factors of start values as literals, and whose they are; `shifts`, by how many bits words are shifted;
-    `limit_bits` and `limit_literals`, the ends of a float32 accumulator's range; `contract`, what the guarantee says,
-    and `contract_comment`, the same as a comment.
+    `limit_bits` and `limit_literals`, the ends of a float32 accumulator's range; `channels`, what the board is told
+    beside the PWM; `is_network`, whether there are nodes and paths in the place of transfer functions; `contract`, what
+    the guarantee says, and `contract_comment`, the same as a comment.
     """
 
     components: list[ComponentContext]
@@ -42,6 +44,8 @@ class ModelContext(TypedDict):
     shifts: list[int]
     limit_bits: int
     limit_literals: Callable[[int], str]
+    channels: list[ChannelContext]
+    is_network: bool
     contract: tuple[Clause, ...]
     contract_comment: list[str]
 
@@ -60,11 +64,13 @@ def model_context(program: Program) -> ModelContext:
         "outside_validity": _outside(model.validity, model.domain_pwm),
         "zeroed": _zeroed(program),
         "start_members": _start_members(program),
-        "avr": block(program) if program.arithmetic == "fixed" else None,
+        "avr": block(program) if program.arithmetic == "fixed" and program.network is None else None,
         "carry_factor": CARRY_FACTOR,
         "shifts": _shift_totals(program),
         "limit_bits": LIMIT_BITS,
         "limit_literals": _limit_literals,
+        "channels": channel_contexts(program.channels),
+        "is_network": program.network is not None,
         "contract": promised,
         "contract_comment": as_comment(promised),
     }

@@ -1,0 +1,172 @@
+"""What one sample adds to the error of each state, and what all samples together can make of it.
+
+Per state and row of the domain, in kelvins: coefficients that are rounded, states that are read without their lower
+word, sums that are rounded, and the terms of the series that are left out. Everything is bounded by magnitudes, with
+each factor at its largest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.network.ranges import Ranges, matrix_row
+from gen.lowering.network.terms import Term, Terms
+
+Array = NDArray[np.float64]
+MOST_ORDERS = 5
+SHARES = (1.0, 0.3, 0.1, 0.02)
+"""Shares of what a sample adds to the error anyway that terms of the series may be left out for: the first with which
+the bound is small enough."""
+_THIRD_ERROR = 2.0**-15
+"""Relative error of a third and a fifth as the board takes them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Roundings:
+    """What an arithmetic does to a sum; all by row of the domain, shape (rows,), or numbers.
+
+    Attributes
+    ----------
+    first
+        Error of y1 = h (M T + f) by state, K, shape (rows, n).
+    rate
+        By a term, largest error of its rate, per sample.
+    sum
+        By state and the sum of magnitudes of a series' term, the rounding of the sum itself.
+    kept
+        What a y loses when it is handed on, K, by order from 1.
+    added
+        What is lost where the state takes up its change, K; a number, or shape (rows, n).
+    """
+
+    first: Array
+    rate: Callable[[Term], Array]
+    sum: Callable[[int, Array], Array]
+    kept: tuple[float, ...]
+    added: float | Array
+
+
+def magnitudes(terms: Terms, first: Array, order: int) -> list[Array]:
+    """Bounds on y1..y_order, each of shape (rows, n), K, from a bound on y1."""
+    found = [first]
+    for k in range(2, order + 1):
+        found.append(_next(terms, found[-1], [1.0] * len(terms.terms)) / k)
+    return found
+
+
+def _next(terms: Terms, before: Array, weights: Sequence[float | Array]) -> Array:
+    """Sum over terms of rate (|y_source| + |y_target|), each rate weighted."""
+    total = np.zeros_like(before)
+    for term, weight in zip(terms.terms, weights, strict=True):
+        source = before[:, term.other] if term.source == "state" else 0.0
+        rate = term.rate * terms.largest(term.factors) * weight
+        total[:, term.target] += rate * (before[:, term.target] + source)
+    return total
+
+
+def choose_orders(terms: Terms, first: Array, floor: Array, share: float) -> tuple[list[int], Array]:
+    """How many terms of the series each state takes part in, and what leaving out the rest costs.
+
+    Parameters
+    ----------
+    terms
+        The network.
+    first
+        Bound on y1, K, shape (rows, n).
+    floor
+        What a sample adds to the error anyway, K, shape (rows, n).
+    share
+        Of that, what may be left out.
+
+    Returns
+    -------
+    orders, left
+        By state; and K by row and state.
+    """
+    size = len(terms.states)
+    bounds = magnitudes(terms, first, MOST_ORDERS + 1)
+    ratio = max(float(_next(terms, np.ones_like(first), [1.0] * len(terms.terms)).max()) / (MOST_ORDERS + 2), 0.0)
+    tail = bounds[MOST_ORDERS] + bounds[MOST_ORDERS].max(axis=1, keepdims=True) * ratio / max(1e-9, 1.0 - ratio)
+    orders = [MOST_ORDERS] * size
+    left = tail.copy()
+    for k in range(MOST_ORDERS, 1, -1):
+        for state in range(size):
+            more = left[:, state] + bounds[k - 1][:, state]
+            if orders[state] == k and np.all(more <= share * floor[:, state]):
+                orders[state], left[:, state] = k - 1, more
+    return orders, left
+
+
+def defects(terms: Terms, first: Array, orders: Sequence[int], left: Array, rounding: Roundings) -> Array:
+    """What one sample adds to the error by row and state, K.
+
+    Parameters
+    ----------
+    terms, first
+        The network, and a bound on y1.
+    orders, left
+        As :func:`choose_orders` gives them.
+    rounding
+        Of the arithmetic.
+    """
+    bounds = magnitudes(terms, first, max(orders))
+    error = rounding.first + rounding.kept[0]
+    total = rounding.first + left + rounding.added
+    for k in range(2, max(orders) + 1):
+        before = bounds[k - 2]
+        if k in (3, 5):
+            error = error + _THIRD_ERROR * before + 3.0 * rounding.kept[k - 2]
+        grown = _next(terms, error, [1.0] * len(terms.terms)) / k
+        for term in terms.terms:
+            source = before[:, term.other] if term.source == "state" else 0.0
+            grown[:, term.target] += rounding.rate(term) * (before[:, term.target] + source) / k
+        summed = _next(terms, before, [1.0] * len(terms.terms))
+        for state in range(len(terms.states)):
+            grown[:, state] += rounding.sum(state, summed[:, state]) / k
+        partakes = np.array([k <= own for own in orders])
+        if k > 2:
+            grown = grown + rounding.kept[k - 1]  # the word itself is taken up
+        total = total + np.where(partakes, grown, 0.0)
+        # A state that takes no part hands on nothing: what it would have is its error there.
+        error = np.where(partakes, grown + rounding.kept[min(k, len(rounding.kept)) - 1], bounds[k - 1])
+    return np.asarray(total, dtype=np.float64)
+
+
+def error_bound(terms: Terms, ranges: Ranges, defect: Array) -> Array | None:
+    """The least u with -h M u exp(-h |M_ii|) >= defect for every row and all that channels may say; K, shape (n,).
+
+    With e' = exp(h M) e + d, |d| <= defect, and |e| <= u: exp(h M) has no negative entry, so |e'| <= exp(h M) u +
+    defect. The integral of exp(s M) (-M u) over a sample is u - exp(h M) u, and exp(s M) >= exp(-s |M_ii|) on the
+    diagonal where -M u >= 0. So |e'| <= u again, whatever came before.
+    """
+    from scipy.optimize import linprog
+
+    rows, right = [], []
+    for target in range(len(terms.states)):
+        for corner in terms.corners(target):
+            left, _ = matrix_row(terms, target, corner, ranges.ambient[0])
+            own = np.exp(-np.abs(left[:, target]))
+            rows.append(left * own[:, None])
+            right.append(-defect[:, target])
+    matrix, limit = np.concatenate(rows), np.concatenate(right)
+    # Entries near 1: the programme's tolerances are absolute.
+    scale = np.abs(matrix).sum(axis=1)
+    unit = float(defect.max(initial=0.0) / scale.max())
+    matrix, limit = matrix / scale[:, None], limit / (scale * unit)
+    solved = linprog(
+        np.ones(matrix.shape[1]),
+        A_ub=matrix,
+        b_ub=limit * (1.0 + 1e-6),
+        bounds=[(0.0, None)] * matrix.shape[1],
+        method="highs",
+    )
+    if solved.status != 0:
+        return None
+    found = np.asarray(solved.x, dtype=np.float64) * (1.0 + 1e-6)
+    if not np.all(matrix @ found <= limit):
+        return None
+    return found * unit

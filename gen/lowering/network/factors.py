@@ -1,0 +1,155 @@
+"""Factors as the board evaluates them: a channel's value in thousandths to a whole number of 2^-bits.
+
+A table is a chain of straight pieces, a polynomial is Horner's scheme in t = (value - low) / (high - low). Both are
+integer arithmetic, so that float32 builds share them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, comb, log2
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.kinds import Integers
+from gen.model.network import Channel, Factor
+
+#: No factor's word reaches this many bits: its products are of a signed with an unsigned 32-bit number.
+WORD_BITS = 30
+SHARE_BITS = 31
+"""Fraction bits of t."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Up to a channel's value: ``value + sign * ((told - at) * slope >> shift)``.
+
+    Attributes
+    ----------
+    end
+        The first told value that it is not for, in thousandths.
+    at, value
+        Its beginning, in thousandths, and the factor's word there.
+    slope, shift
+        Words per thousandth in 2^-shift, a magnitude.
+    falling
+        Whether it is taken off.
+    """
+
+    end: int
+    at: int
+    value: int
+    slope: int
+    shift: int
+    falling: bool
+
+
+@dataclass(frozen=True)
+class FactorProgram:
+    """One factor.
+
+    Attributes
+    ----------
+    channel
+        Index of its channel; the ambient is 0.
+    bits
+        Fraction bits of its word.
+    pieces, last
+        A table's pieces, and its word from the last one's end on; no pieces for a polynomial.
+    coefficients
+        A polynomial's in t, as words, highest power first; empty for a table.
+    low, scale, shift
+        ``t = (told - low) * scale >> shift`` in 2^-31.
+    error
+        Largest difference from the factor itself, anywhere in the channel's range.
+    label
+        What it is, for people.
+    """
+
+    channel: int
+    bits: int
+    pieces: tuple[Piece, ...]
+    last: int
+    coefficients: tuple[int, ...]
+    low: int
+    scale: int
+    shift: int
+    error: float
+    label: str
+
+    def word(self, told: Integers) -> Integers:
+        """The factor's word for told values in thousandths, any shape."""
+        if self.coefficients:
+            return self._horner(told)
+        made = np.full(told.shape, self.last, dtype=np.int64)
+        for piece in reversed(self.pieces):
+            change = (told - piece.at) * piece.slope >> piece.shift
+            value = piece.value - change if piece.falling else piece.value + change
+            made = np.where(told < piece.end, value, made)
+        return made
+
+    def _horner(self, told: Integers) -> Integers:
+        share = (told - self.low) * self.scale >> self.shift
+        value: NDArray[np.int64] = np.full(told.shape, self.coefficients[0], dtype=np.int64)
+        for coefficient in self.coefficients[1:]:
+            value = coefficient + (value * share >> SHARE_BITS)
+        return np.maximum(value, 0)
+
+
+def lower_factor(factor: Factor, channels: tuple[Channel, ...], largest: float, index: int) -> FactorProgram:
+    """Choose a factor's words.
+
+    Parameters
+    ----------
+    factor
+        What to evaluate.
+    channels
+        The network's.
+    largest
+        Its largest value.
+    index
+        Of the factor, for its label.
+    """
+    number = next(k for k, channel in enumerate(channels) if channel.column == factor.channel)
+    channel = channels[number]
+    label = f"factor {index}: of {factor.channel}"
+    low, high = round(channel.low * 1000.0), round(channel.high * 1000.0)
+    if factor.polynomial:
+        return _polynomial(factor, number + 1, low, high, label)
+    bits = WORD_BITS - max(0, ceil(log2(max(largest, 1e-9)) + 1e-9))
+    at = [round(value * 1000.0) for value in factor.at]
+    words = [round(value * 2.0**bits) for value in factor.value]
+    pieces = [Piece(at[0], at[0], words[0], 0, 0, False)]
+    for k in range(len(at) - 1):
+        change, width = abs(words[k + 1] - words[k]), at[k + 1] - at[k]
+        shift = 0
+        while shift < 31 and round(change * 2 ** (shift + 1) / width) < 1 << 32:
+            shift += 1
+        slope = round(Fraction(change * 2**shift, width))
+        pieces.append(Piece(at[k + 1], at[k], words[k], slope, shift, words[k + 1] < words[k]))
+    # A slope is off by half a unit over the piece's width, its product is rounded down, and both ends are rounded.
+    off = max((piece.end - piece.at) * 0.5 / 2**piece.shift for piece in pieces) + 1.5
+    return FactorProgram(number + 1, bits, tuple(pieces), words[-1], (), 0, 0, 0, off * 2.0**-bits, label)
+
+
+def _polynomial(factor: Factor, channel: int, low: int, high: int, label: str) -> FactorProgram:
+    """Expand about the range's lower end, in exact arithmetic, and round once."""
+    given = [Fraction(c) for c in reversed(factor.polynomial)]
+    start, width = Fraction(low, 1000), Fraction(high - low, 1000)
+    expanded = [
+        sum((given[n] * comb(n, k) * start ** (n - k) for n in range(k, len(given))), Fraction(0)) * width**k
+        for k in range(len(given))
+    ]
+    total = float(sum(abs(c) for c in expanded))
+    bits = WORD_BITS - max(0, ceil(log2(max(total, 1e-9)) + 1e-9))
+    words = tuple(round(c * 2**bits) for c in reversed(expanded))
+    shift = 0
+    while shift < 31 and round(Fraction(2 ** (SHARE_BITS + shift + 1), high - low)) < 1 << 32:
+        shift += 1
+    scale = (2 ** (SHARE_BITS + shift)) // (high - low)  # down, so that t never passes 1
+    share = ((high - low) / 2**shift + 1.0) * 2.0**-SHARE_BITS
+    slope = float(sum(k * abs(c) for k, c in enumerate(expanded)))
+    error = slope * share + (1.5 * len(words)) * 2.0**-bits
+    return FactorProgram(channel, bits, (), 0, words, low, scale, shift, error, label)

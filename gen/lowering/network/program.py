@@ -1,0 +1,260 @@
+"""What the board holds of a network: the one description that the templates print and the reference executes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.effects.program import Channel
+from gen.lowering.kinds import Arithmetic, Integers
+from gen.lowering.network.factors import FactorProgram
+from gen.lowering.network.terms import Term, Warmth
+from gen.lowering.recursion.guarantee import rounded_up
+
+Array = NDArray[np.float64]
+Words = Integers | NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class TermProgram:
+    """A term with its rate as the board holds it.
+
+    Attributes
+    ----------
+    term
+        What it stands for.
+    words
+        Rate by row of the domain: whole numbers of 2^-(32 + row's shift), or float32.
+    reference
+        A fixed source's temperature in words of a state.
+    """
+
+    term: Term
+    words: Words
+    reference: int
+
+    @property
+    def constant(self) -> bool:
+        """Whether |PWM| has no part in it."""
+        return bool((self.words == self.words[0]).all())
+
+
+@dataclass(frozen=True, eq=False)
+class HeatProgram:
+    """A heat as the board holds it.
+
+    Attributes
+    ----------
+    heat
+        What it stands for.
+    words
+        By row of the domain. In fixed point times `unit`, or times the factor's word, it counts in units of the row's
+        sum; in float32 in words of a state per sample.
+    unit
+        A power of two; of no use with a factor or in float32.
+    """
+
+    heat: Warmth
+    words: Words
+    unit: int
+
+    @property
+    def constant(self) -> bool:
+        """Whether |PWM| has no part in it."""
+        return bool((self.words == self.words[0]).all())
+
+
+@dataclass(frozen=True, eq=False)
+class StateProgram:
+    """A state and how it advances.
+
+    Attributes
+    ----------
+    name
+        A node's, or that of a reading that lags.
+    terms, heats
+        What its sum is made of, in order.
+    shift
+        Its sum counts in 2^-(bits of a state's whole word + shift) K; 0 in float32.
+    orders
+        Terms of the exponential's series that it takes part in, at least 1.
+    """
+
+    name: str
+    terms: tuple[TermProgram, ...]
+    heats: tuple[HeatProgram, ...]
+    shift: int
+    orders: int
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a sensor shows.
+
+    Attributes
+    ----------
+    name
+        The component.
+    node, state
+        The node that is measured, and the state that is read: another one where the sensor lags.
+    offset
+        Added to what is read, in words of a state.
+    """
+
+    name: str
+    node: int
+    state: int
+    offset: int
+
+
+@dataclass(frozen=True, eq=False)
+class NetworkProof:
+    """What is guaranteed for every sequence of PWM, ambient and channels in the domain, of any length.
+
+    Attributes
+    ----------
+    low, high
+        Ends of what each state can reach, degC, shape (n,).
+    error
+        Largest difference between each state and the exact solution, K, shape (n,); no longer than any sample makes it:
+        -h M error >= defect for every |PWM| and all that channels may say.
+    defect
+        Largest of what one sample adds to the error, by state, K, shape (n,).
+    """
+
+    low: Array
+    high: Array
+    error: Array
+    defect: Array
+
+
+@dataclass(frozen=True)
+class NodeProof:
+    """The guarantee of one component.
+
+    Attributes
+    ----------
+    bound_K
+        Largest difference between its reading, as a word, and the exact solution's.
+    range_degC
+        What its reading can reach.
+    """
+
+    bound_K: float
+    range_degC: tuple[float, float]
+
+    def describe(self) -> dict[str, Any]:
+        """The proof for the manifest, rounded outwards."""
+        low, high = self.range_degC
+        return {
+            "temperature_range_degC": [float(np.floor(low)), float(np.ceil(high))],
+            "bound_K": rounded_up(self.bound_K),
+        }
+
+
+@dataclass(frozen=True)
+class NodeComponent:
+    """A sensed node, as the rest of the project knows components.
+
+    Attributes
+    ----------
+    name
+        The node's.
+    proof
+        Its guarantee; a network is built with one or not at all.
+    fraction_bits
+        Of its word.
+    start_range_mK
+        Ends of its rise at the start over the ambient that holds until one is told, in thousandths of a kelvin.
+    """
+
+    name: str
+    proof: NodeProof
+    fraction_bits: int
+    start_range_mK: tuple[int, int]
+    saturates: bool = False
+    unproven: str | None = None
+
+    def describe(self) -> dict[str, Any]:
+        """The component for the manifest."""
+        return {"name": self.name, "fraction_bits": self.fraction_bits, "proof": self.proof.describe()}
+
+
+@dataclass(frozen=True, eq=False)
+class NetworkProgram:
+    """A network as the board computes it.
+
+    Attributes
+    ----------
+    arithmetic
+        Of its sums; states are whole numbers in both.
+    fraction_bits
+        Of a state's upper word: 2^-bits degC.
+    series_bits
+        Fraction bits of y1, y2, .. (fixed point): how the terms of the series are handed on.
+    states
+        Nodes, then readings that lag.
+    readings
+        By component.
+    rest
+        Weights of the sensed nodes and the ambient in each hidden node's start, in 2^-32, shape (hidden, sensed + 1).
+    hidden
+        Those nodes' states.
+    factors, channels
+        What is told; channel 0 is the ambient.
+    start_mC
+        Ends of a temperature at the start, in thousandths.
+    proof
+        Of all states.
+    """
+
+    arithmetic: Arithmetic
+    fraction_bits: int
+    series_bits: tuple[int, ...]
+    states: tuple[StateProgram, ...]
+    readings: tuple[Reading, ...]
+    rest: Integers
+    hidden: tuple[int, ...]
+    factors: tuple[FactorProgram, ...]
+    channels: tuple[Channel, ...]
+    start_mC: tuple[int, int]
+    proof: NetworkProof
+
+    @property
+    def orders(self) -> int:
+        """Terms of the series."""
+        return max(state.orders for state in self.states)
+
+    def components(self) -> tuple[NodeComponent, ...]:
+        """The sensed nodes."""
+        lsb = 2.0**-self.fraction_bits
+        made = []
+        for reading in self.readings:
+            offset = reading.offset * lsb
+            low, high = (float(ends[reading.state]) + offset for ends in (self.proof.low, self.proof.high))
+            bound = (
+                float(self.proof.error[reading.state]) + 1.5 * lsb
+            )  # the upper word alone, and the offset's rounding
+            room = self.channels[0].neutral
+            start = (self.start_mC[0] - room, self.start_mC[1] - room)
+            made.append(NodeComponent(reading.name, NodeProof(bound, (low, high)), self.fraction_bits, start))
+        return tuple(made)
+
+    def describe(self) -> dict[str, Any]:
+        """For the manifest."""
+        return {
+            "states": [
+                {
+                    "name": state.name,
+                    "range_degC": [float(np.floor(self.proof.low[i])), float(np.ceil(self.proof.high[i]))],
+                    "bound_K": rounded_up(float(self.proof.error[i])),
+                    "orders": state.orders,
+                }
+                for i, state in enumerate(self.states)
+            ],
+            "fraction_bits": self.fraction_bits,
+            "channels": [channel.column for channel in self.channels],
+        }

@@ -1,0 +1,127 @@
+"""What temperatures a network can reach, and how fast they change, whatever PWM, ambient and channels do.
+
+The comparison principle for systems without negative entries off their diagonal (Smith, Monotone Dynamical Systems,
+chapter 3): a vector U with M U + f <= 0 for every |PWM| and all that channels may say, and not below the start, stays
+above every solution. Each row is affine in its factors, so that their ends are all that has to be looked at.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.network.terms import Term, Terms, scaled
+from gen.model import ThermalModel
+
+Array = NDArray[np.float64]
+MARGIN_K = 0.01
+"""By which the board's own temperatures may lie outside of the exact ones' range; errors stay far below it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ranges:
+    """Ends of everything that the board holds.
+
+    Attributes
+    ----------
+    low, high
+        Temperatures by state, degC, shape (n,).
+    ambient
+        Ends of the ambient, degC.
+    """
+
+    low: Array
+    high: Array
+    ambient: tuple[float, float]
+
+    def ends(self, term: Term) -> tuple[float, float]:
+        """Least and largest temperature of a term's source, degC."""
+        if term.source == "state":
+            return float(self.low[term.other]), float(self.high[term.other])
+        return self.ambient if term.source == "ambient" else (term.reference, term.reference)
+
+    def difference(self, term: Term) -> float:
+        """Largest magnitude of the difference that a term multiplies, K."""
+        low, high = self.ends(term)
+        return max(high - float(self.low[term.target]), float(self.high[term.target]) - low)
+
+
+def reachable(model: ThermalModel, terms: Terms) -> Ranges | None:
+    """Ranges for every sequence of PWM, ambient and channels in the domain; None where nothing bounds them."""
+    ambient, start = model.domain_ambient, model.domain_temperature
+    high = _bounding(terms, ambient[1], max(ambient[1], start[1]))
+    low = _bounding(terms, ambient[0], min(ambient[0], start[0]), upper=False)
+    if high is None or low is None:
+        return None
+    return Ranges(low - MARGIN_K, high + MARGIN_K, ambient)
+
+
+def _bounding(terms: Terms, ambient: float, start: float, *, upper: bool = True) -> Array | None:
+    """The least U >= start with M U + a ambient + f <= 0, or the greatest L <= start with the other sign."""
+    rows, right = [], []
+    for target in range(len(terms.states)):
+        for corner in terms.corners(target):
+            left, constant = matrix_row(terms, target, corner, ambient)
+            rows.append(left)
+            right.append(-constant)
+    matrix, limit = np.concatenate(rows), np.concatenate(right)
+    scale = np.abs(matrix).sum(axis=1)
+    matrix, limit = matrix / scale[:, None], limit / scale
+    return _least(matrix, limit, start) if upper else _negated(_least(matrix, -limit, -start))
+
+
+def _negated(found: Array | None) -> Array | None:
+    return None if found is None else -found
+
+
+def _least(matrix: Array, limit: Array, start: float) -> Array | None:
+    """The least U with matrix U <= limit and U >= start, all entries at once; none larger than 1e6."""
+    from scipy.optimize import linprog  # slow to import: reading and checking a file does without
+
+    size = matrix.shape[1]
+    matrix, index = np.unique(np.column_stack([matrix, limit]), axis=0, return_index=True)
+    solved = linprog(
+        np.ones(size), A_ub=matrix[:, :-1], b_ub=limit[index], bounds=[(start, 1e6)] * size, method="highs"
+    )
+    return np.asarray(solved.x, dtype=np.float64) if solved.status == 0 else None
+
+
+def matrix_row(terms: Terms, target: int, corner: dict[int, float], ambient: float) -> tuple[Array, Array]:
+    """One state's row of h M, shape (rows, n), and the rest h (a T_ambient + f), shape (rows,)."""
+    own = terms.of(target)
+    count = own[0].rate.size if own else terms.terms[0].rate.size
+    row, rest = np.zeros((count, len(terms.states))), np.zeros(count)
+    for term in own:
+        rate = scaled(term, corner) * (-1.0 if term.growing else 1.0)
+        row[:, target] -= rate
+        if term.source == "state":
+            row[:, term.other] += rate
+        else:
+            rest += rate * (ambient if term.source == "ambient" else term.reference)
+    for heat in terms.heats_of(target):
+        rest += scaled(heat, corner)
+    return row, rest
+
+
+def speeds(terms: Terms, ranges: Ranges) -> Array:
+    """Largest magnitude of h (M T + f) in the ranges by row of the domain and state, K per sample, shape (rows, n)."""
+    found = []
+    for target in range(len(terms.states)):
+        worst = np.zeros(terms.terms[0].rate.size)
+        for corner in terms.corners(target):
+            warmth = sum((scaled(heat, corner) for heat in terms.heats_of(target)), np.zeros_like(worst))
+            # Affine in the target's own temperature, whose ends are tried; sources stand where it is worst.
+            for end in (ranges.low[target], ranges.high[target]):
+                rising, falling = warmth.copy(), warmth.copy()
+                for term in terms.of(target):
+                    rate, (low, high) = scaled(term, corner), ranges.ends(term)
+                    first, second = sorted((low - end, high - end))
+                    if term.growing:
+                        first, second = -second, -first
+                    falling += rate * first
+                    rising += rate * second
+                worst = np.maximum(worst, np.maximum(np.abs(rising), np.abs(falling)))
+        found.append(worst)
+    return np.stack(found, axis=1)

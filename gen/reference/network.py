@@ -1,0 +1,319 @@
+"""A network, word for word as the board computes it, over many lanes at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.network import fixed, float32
+from gen.lowering.network.factors import FactorProgram
+from gen.lowering.network.program import NetworkProgram, StateProgram, TermProgram
+from gen.lowering.network.series import EXTRA_SHIFT, WEIGHT
+from gen.lowering.network.start import degrees, scale_of
+from gen.reference.flags import OUTSIDE_VALIDITY, PWM_CLAMPED, SATURATED, START_CLAMPED, STARTED
+from gen.reference.float32 import accumulated
+from gen.reference.thousandths import thousandths
+
+Integers = NDArray[np.int64]
+Singles = NDArray[np.float32]
+Record = NDArray[np.void]
+_LIMIT = 0xFFFF
+
+
+class ReferenceNetwork:
+    """A program's network, advanced over L independent lanes.
+
+    Parameters
+    ----------
+    program
+        What the board holds.
+    domain, validity
+        Ranges of |PWM|.
+    start_mK
+        Reading over the ambient at the start, in thousandths of a kelvin, by component: one for each lane.
+    channels
+        What is told at the start, in thousandths, shape (channels, L), the ambient first; None: the neutral values.
+    """
+
+    def __init__(
+        self,
+        program: NetworkProgram,
+        domain: tuple[int, int],
+        validity: tuple[int, int],
+        start_mK: Mapping[str, Sequence[int]],
+        channels: Integers | None = None,
+    ) -> None:
+        self._program = program
+        self._domain, self._validity = domain, validity
+        self.lanes = len(start_mK[program.readings[0].name])
+        self._low_bits = fixed.LOW_BITS if program.arithmetic == "fixed" else float32.LOW_BITS
+        self._limited: Integers = np.zeros(self.lanes, dtype=np.int64)
+        neutral = np.array([channel.neutral for channel in program.channels], dtype=np.int64)
+        self._channels: Integers = np.repeat(neutral[:, None], self.lanes, axis=1)
+        if channels is not None:
+            self.set_channels(channels)
+        self._flags: Integers = np.zeros(self.lanes, dtype=np.int64)
+        self._command: Integers = np.zeros(self.lanes, dtype=np.int64)
+        self._sums = (FixedSums if program.arithmetic == "fixed" else FloatSums)(program)
+        self._state: Integers = np.zeros((len(program.states), self.lanes), dtype=np.int64)
+        #: Readings over the ambient at the start, in thousandths of a kelvin, before their limits.
+        self.starts_mK = {name: np.asarray(given, dtype=np.int64) for name, given in start_mK.items()}
+        self._start()
+
+    def _start(self) -> None:
+        program, room = self._program, self._channels[0]
+        ambient = self._ambient()
+        high = np.repeat(ambient[None], len(program.states), axis=0)
+        sensed = []
+        for reading in program.readings:
+            low_mC, high_mC = program.start_mC
+            asked = self.starts_mK[reading.name] + room
+            self._flags |= np.where((asked < low_mC) | (asked > high_mC), START_CLAMPED, 0)
+            word = degrees(np.clip(asked, low_mC, high_mC), scale_of(program.fraction_bits)) - reading.offset
+            high[reading.node] = high[reading.state] = word
+            sensed.append(word)
+        for weights, node in zip(program.rest, program.hidden, strict=True):
+            total = sum(((word - ambient) * int(w) for word, w in zip(sensed, weights, strict=False)), 0 * ambient)
+            high[node] = ambient + (total >> 32)
+        self._state = high << self._low_bits
+
+    def _ambient(self) -> Integers:
+        return degrees(self._channels[0], scale_of(self._program.fraction_bits))
+
+    @property
+    def within_ranges(self) -> NDArray[np.bool_]:
+        """Lanes in which no channel was held to its range so far, shape (L,)."""
+        return np.asarray(self._limited == 0)
+
+    @property
+    def saturations(self) -> Integers:
+        """How often a told value was held to its range, as the board's 16-bit counter has it."""
+        return self._limited
+
+    def set_channels(self, values: Integers) -> None:
+        """Tell the channels' values from now on, in thousandths, shape (channels, L)."""
+        for number, channel in enumerate(self._program.channels):
+            held = np.clip(values[number], channel.low, channel.high)
+            self._limited = np.minimum(self._limited + (held != values[number]), _LIMIT)
+            self._channels[number] = held
+
+    def step(self, pwm: Integers) -> None:
+        """Advance by one sample with the PWM of each lane, shape (L,)."""
+        (first, last), (low, high) = self._domain, self._validity
+        magnitude = np.abs(pwm)
+        within = np.clip(magnitude, first, last)
+        flags = np.where(within != magnitude, PWM_CLAMPED, 0)
+        flags |= np.where((within < low) | (within > high), OUTSIDE_VALIDITY, 0)
+        self._flags = (self._flags & START_CLAMPED) | flags | np.where(self._limited > 0, SATURATED, 0)
+        self._command = pwm
+        factors = [factor.word(self._channels[factor.channel]) for factor in self._program.factors]
+        upper = self._state >> self._low_bits
+        self._state = self._sums.advance(self._state, upper, self._ambient(), within - first, factors)
+
+    @property
+    def _rise_words(self) -> Integers:
+        upper = self._state >> self._low_bits
+        ambient = self._ambient()
+        return np.array([upper[r.state] + r.offset - ambient for r in self._program.readings])
+
+    @property
+    def readings(self) -> NDArray[np.float64]:
+        """Reading of every component as its word, shape (components, L), in degC."""
+        upper = self._state >> self._low_bits
+        words = np.array([upper[r.state] + r.offset for r in self._program.readings])
+        return np.asarray(words * 2.0**-self._program.fraction_bits, dtype=np.float64)
+
+    @property
+    def rises(self) -> NDArray[np.float64]:
+        """Reading of every component over the ambient that was told last, shape (components, L), in K."""
+        return np.asarray(self._rise_words * 2.0**-self._program.fraction_bits, dtype=np.float64)
+
+    @property
+    def rises_mK(self) -> Integers:
+        """The same in thousandths of a kelvin, to nearest."""
+        return thousandths(self._rise_words, self._program.fraction_bits)
+
+    def state_record(self) -> Record:
+        """The state words alone, shape (L,); the record's other fields are 0."""
+        record = np.zeros(self.lanes, dtype=record_type(self._program))
+        for state, words in zip(self._program.states, self._state, strict=True):
+            if self._program.arithmetic == "fixed":
+                record[f"{state.name}.T"] = words
+            else:
+                record[f"{state.name}.T.lo"] = words & 0xFF
+                record[f"{state.name}.T.hi"] = words >> float32.LOW_BITS
+        return record
+
+    def record(self) -> Record:
+        """Everything that the board keeps after a sample, shape (L,), see :func:`record_type`."""
+        record = self.state_record()
+        for channel, values in zip(self._program.channels, self._channels, strict=True):
+            record[f"channel.{channel.column}"] = values
+        record["command"] = self._command
+        record["flags"] = self._flags | STARTED
+        record["limited"] = self._limited
+        return record
+
+
+def state_fields(program: NetworkProgram) -> list[tuple[str, str]]:
+    """Names and types of the states' words, in the order of the board's structure."""
+    if program.arithmetic == "fixed":
+        return [(f"{state.name}.T", "<i8") for state in program.states]
+    parts = (("lo", "u1"), ("hi", "<i4"))
+    return [(f"{state.name}.T.{half}", kind) for state in program.states for half, kind in parts]
+
+
+def record_type(program: NetworkProgram) -> np.dtype[np.void]:
+    """The board's model structure, byte by byte: states, channels, PWM and flags, packed and little endian."""
+    channels = [(f"channel.{channel.column}", "<i4") for channel in program.channels]
+    return np.dtype([*state_fields(program), *channels, ("command", "<i2"), ("flags", "u1"), ("limited", "<u2")])
+
+
+class _Layout:
+    """All terms as arrays, sorted by target: who is read, who is changed."""
+
+    def __init__(self, program: NetworkProgram) -> None:
+        self.program = program
+        own = [(k, term) for k, state in enumerate(program.states) for term in state.terms]
+        self.terms: list[TermProgram] = [term for _, term in own]
+        self.target = np.array([k for k, _ in own])
+        size = len(program.states)
+        sources = {"state": 0, "ambient": size, "reference": size + 1}
+        self.source = np.array(
+            [t.term.other if t.term.source == "state" else sources[t.term.source] for t in self.terms]
+        )
+        self.reference = np.array([t.reference for t in self.terms], dtype=np.int64)[:, None]
+        self.is_reference = self.source == size + 1
+        self.growing = np.array([t.term.growing for t in self.terms])[:, None]
+        self.first = np.flatnonzero(np.diff(self.target, prepend=-1))
+        self.orders = np.array([state.orders for state in program.states])
+
+    def differences(self, temperatures: Integers, ambient: Integers) -> Integers:
+        """Source less target of each term; the other way round where it grows with temperature."""
+        sources = np.concatenate([temperatures, ambient[None], np.zeros((1, ambient.size), dtype=np.int64)])
+        given = sources[self.source] + np.where(self.is_reference[:, None], self.reference, 0)
+        made = given - temperatures[self.target]
+        return np.asarray(np.where(self.growing, -made, made), dtype=np.int64)
+
+    def of_series(self, y: NDArray[Any]) -> NDArray[Any]:
+        """The same of a term of the series, which neither the ambient nor a fixed temperature has."""
+        padded = np.concatenate([y, np.zeros((2, y.shape[1]), dtype=y.dtype)])
+        made = padded[self.source] - y[self.target]
+        return np.asarray(np.where(self.growing, -made, made))
+
+
+class FixedSums:
+    """Sums in fixed point."""
+
+    def __init__(self, program: NetworkProgram) -> None:
+        self._layout = _Layout(program)
+        self._program = program
+        self._words = np.stack([term.words for term in self._layout.terms]).astype(np.int64)
+        self._shift = np.array([state.shift for state in program.states])[:, None]
+
+    def advance(
+        self, state: Integers, upper: Integers, ambient: Integers, row: Integers, factors: list[Integers]
+    ) -> Integers:
+        """States after one sample, shape (n, L)."""
+        program, layout = self._program, self._layout
+        rates = self._words[:, row]
+        for k, term in enumerate(layout.terms):
+            rates[k] = _scaled(rates[k], term.term.factors, factors, program.factors)
+        total = np.add.reduceat(layout.differences(upper, ambient) * rates, layout.first, axis=0)
+        for k, own in enumerate(program.states):
+            total[k] += self._heat(own, row, factors)
+        bits, series, g = program.fraction_bits, program.series_bits, self._shift
+        change = total >> g
+        y = total >> (fixed.LOW_BITS + bits - series[0]) + g
+        for order in range(2, program.orders + 1):
+            before = weighted(y, order)
+            total = np.add.reduceat(np.asarray(layout.of_series(before), dtype=np.int64) * rates, layout.first, axis=0)
+            own_shift = g + EXTRA_SHIFT[order]
+            partakes = (layout.orders >= order)[:, None]
+            to_next = fixed.LOW_BITS + series[order - 2] - series[order - 1]
+            y = np.where(partakes, total >> (own_shift + to_next), 0)
+            if order == 2:
+                change = change + np.where(partakes, total >> (own_shift + series[0] - bits), 0)
+            else:
+                change = change + (y << (fixed.LOW_BITS + bits - series[order - 1]))
+        return np.asarray(state + change, dtype=np.int64)
+
+    def _heat(self, state: StateProgram, row: Integers, factors: list[Integers]) -> Integers:
+        total = np.zeros(row.size, dtype=np.int64)
+        for heat in state.heats:
+            word = np.asarray(heat.words, dtype=np.int64)[row]
+            own = heat.heat.factors
+            if own:
+                total += factors[own[0]] * _scaled(word, own[1:], factors, self._program.factors)
+            else:
+                total += word * heat.unit
+        return total
+
+
+def weighted(y: Integers, order: int) -> Integers:
+    """A third or a fifth of y: 85/256 or 51/256 of its upper 24 bits, and a 256th of that more; y for other orders."""
+    if order not in WEIGHT:
+        return y
+    part = (y >> 8) * WEIGHT[order]
+    return part + (part >> 8)
+
+
+def _scaled(
+    word: Integers, own: Sequence[int], factors: list[Integers], programs: tuple[FactorProgram, ...]
+) -> Integers:
+    for k in own:
+        word = factors[k] * word >> programs[k].bits
+    return word
+
+
+class FloatSums:
+    """Sums in float32, one operation after the other in the board's order."""
+
+    def __init__(self, program: NetworkProgram) -> None:
+        self._layout = _Layout(program)
+        self._program = program
+        self._rates = np.stack([np.asarray(term.words, dtype=np.float32) for term in self._layout.terms])
+        starts = self._layout.first
+        #: Which terms are the first, second, .. of their states.
+        counts = np.diff(np.append(starts, len(self._layout.terms)))
+        self._places = [(starts[counts > k] + k, np.flatnonzero(counts > k)) for k in range(int(counts.max()))]
+
+    def advance(
+        self, state: Integers, upper: Integers, ambient: Integers, row: Integers, factors: list[Integers]
+    ) -> Integers:
+        """States after one sample, shape (n, L)."""
+        program, layout = self._program, self._layout
+        singles = [
+            word.astype(np.float32) * np.float32(2.0**-own.bits)
+            for word, own in zip(factors, program.factors, strict=True)
+        ]
+        rates = self._rates[:, row]
+        for k, term in enumerate(layout.terms):
+            for factor in term.term.factors:
+                rates[k] = rates[k] * singles[factor]
+        total = np.zeros((len(program.states), row.size), dtype=np.float32)
+        for k, own in enumerate(program.states):
+            for heat in own.heats:
+                warmth = np.asarray(heat.words, dtype=np.float32)[row]
+                for factor in heat.heat.factors:
+                    warmth = warmth * singles[factor]
+                total[k] = total[k] + warmth
+        y = self._gathered(total, layout.differences(upper, ambient).astype(np.float32), rates)
+        change = y
+        for order in range(2, program.orders + 1):
+            before = np.asarray(layout.of_series(y), dtype=np.float32)
+            total = self._gathered(np.zeros_like(total), before, rates)
+            partakes = (layout.orders >= order)[:, None]
+            y = np.where(partakes, total * np.float32(1.0 / order), np.float32(0.0))
+            change = np.where(partakes, change + y, change)
+        return accumulated(state, change, 0)
+
+    def _gathered(self, total: Singles, differences: Singles, rates: Singles) -> Singles:
+        products = differences * rates
+        total = total.copy()
+        for terms, targets in self._places:
+            total[targets] = total[targets] + products[terms]
+        return total
