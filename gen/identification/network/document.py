@@ -5,35 +5,37 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients, Document, dump, parse
 from gen.coefficients.document import Accuracy, Ambient, Domain, Input, Validity
 from gen.coefficients.messages import building
 from gen.coefficients.network import (
     CurveEntry,
+    Exp1Curve,
     HeatEntry,
     NetworkEntry,
     NodeEntry,
     PathEntry,
-    PolyCurve,
-    PowerCurve,
-    PowerEntry,
     SensorEntry,
+    TableCurve,
 )
 from gen.coefficients.provenance import ErrorBand, Provenance
+from gen.coefficients.schedule import Points
 from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.forecast import Band, bands
 from gen.identification.network.identify import NetworkFound
-from gen.identification.network.structure import SLOW
+from gen.identification.network.inputs import held
+from gen.identification.network.simulation import physical
 from gen.identification.network.uncertainty import Steady, spread_of, steady_of
 
 FASTEST = 20.0
 """No node follows its neighbours within fewer steps of the board: its capacity is raised to this."""
-LEAST = 1e-6
-"""Of a path's conductance or a node's heat: smaller terms are not written."""
+POINT = 5
+"""Distance of a table's points, counts: pchip through them is within 1e-4 of the curve."""
 
 
 def network_text(result: NetworkFound, settings: Settings) -> tuple[str, Coefficients]:
@@ -107,47 +109,42 @@ def _ambient(result: NetworkFound) -> Ambient:
 def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     structure, vector = result.found.structure, result.found.vector
     names = (*structure.names, "ambient")
-    terms = structure.path_terms(vector)
+    # The curves at rest, then at the points of their tables.
+    pwm = np.unique([*range(POINT, settings.full_scale, POINT), settings.full_scale])
+    levels = held(np.concatenate([[0.0], pwm.astype(np.float64)]), settings.full_scale)
+    physics = physical(structure, levels, vector)
     paths = []
     loss = np.zeros(structure.nodes)
-    for (i, j), own in zip(structure.paths, terms, strict=True):
-        curve, most = _conductance(own, structure_is_outer=j < 0)
+    for q, (i, j) in enumerate(structure.paths):
+        own = physics.conductance[:, q]
+        curve = _table(pwm, own[1:], float(own[0])) if j < 0 else _exponential(own, settings.full_scale)
         paths.append(PathEntry(between=(names[i], names[j]), conductance_W_per_K=curve))
-        loss[i] += most
-        if j >= 0:
-            loss[j] += most
-    capacity = np.maximum(np.exp(vector[structure.capacities]), FASTEST * settings.sample_time_s * loss)
+        loss[[k for k in (i, j) if k >= 0]] += own.max()
+    capacity = np.maximum(physics.capacity, FASTEST * settings.sample_time_s * loss)
     nodes = []
     for i, name in enumerate(structure.names):
-        own = _round(float(capacity[i]))
+        mass = _round(float(capacity[i]))
         if i < len(structure.sensed):
             offset = _round(float(vector[structure.offsets[i]]))
-            nodes.append(NodeEntry(name=name, capacity_J_per_K=own, sensor=SensorEntry(offset_K=offset)))
+            nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, sensor=SensorEntry(offset_K=offset)))
         else:
-            nodes.append(NodeEntry(name=name, capacity_J_per_K=own))
+            nodes.append(NodeEntry(name=name, capacity_J_per_K=mass))
     heats = tuple(
-        HeatEntry(node=names[node], power_W=_power(vector[structure.heats[h]], settings.full_scale))
-        for h, node in enumerate(structure.heated)
+        HeatEntry(node=names[node], power_W=_table(pwm, physics.heat[1:, node], 0.0)) for node in structure.heated
     )
     return NetworkEntry(nodes=tuple(nodes), paths=tuple(paths), heats=heats)
 
 
-def _conductance(terms: FloatArray, *, structure_is_outer: bool) -> tuple[CurveEntry, float]:
-    """Give the curve of a path and its largest value, W/K."""
-    ratio, constant, forced, exponent = (float(value) for value in np.exp(terms))
-    rest = ratio * (constant + forced * SLOW**exponent)
-    most = max(constant + forced, rest)
-    if forced < LEAST * most:
-        forced = 0.0
-    if constant < LEAST * most:
-        constant = 0.0
-    power = PowerEntry(constant=_round(constant), forced=_round(forced), exponent=_round(exponent))
-    return PowerCurve(power=power, at_rest=_round(rest)), most
+def _table(pwm: NDArray[np.int64], value: FloatArray, rest: float) -> CurveEntry:
+    """A curve through points; at rest a value of its own."""
+    points = Points(pwm=tuple(int(x) for x in pwm), value=tuple(_round(float(y)) for y in value), interpolation="pchip")
+    return TableCurve(table=points, at_rest=_round(rest))
 
 
-def _power(terms: FloatArray, full_scale: int) -> CurveEntry:
-    linear, square, hump = (float(value) for value in np.exp(terms))
-    return PolyCurve(poly=(_round((square - hump) / full_scale**2), _round((linear + hump) / full_scale), 0.0))
+def _exponential(value: FloatArray, full_scale: int) -> CurveEntry:
+    """What is straight in its logarithm, from its values at rest and at full speed."""
+    rate = float(np.log(value[-1] / value[0])) / full_scale
+    return Exp1Curve(exp1=(_round(float(value[0])), _round(rate)))
 
 
 def _domain(result: NetworkFound, steady: Steady, full_scale: int) -> Domain:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
+from gen.identification.network.forms import HEAT, OUTSIDE, WITHIN
 from gen.identification.network.inputs import Inputs
 from gen.identification.network.scale import Scale
 from gen.identification.network.structure import Structure
@@ -21,10 +22,6 @@ FACTOR = 2.0
 """Standard deviation of a logarithm."""
 CAPACITY = 100.0
 """J/K."""
-REST = 0.4
-"""Standard deviation of the logarithm of a conductance at rest over that at a tenth of full speed."""
-EXPONENT = 0.3
-"""Of the logarithm of the exponent of forced convection about 0.8."""
 OFFSET_K = 0.3
 """Standard deviation of a sensor's offset, K."""
 START_K = 0.3
@@ -62,23 +59,18 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
     own = nodes + inputs.room.shape[-1]
     size = shared + len(inputs.runs) * own
     mean, deviation = np.zeros(size), np.full(size, FACTOR)
-    mean[structure.capacities] = np.log(CAPACITY)
+    mean[structure.capacities], deviation[structure.capacities] = np.log(CAPACITY), FACTOR
     loss = CAPACITY / scale.settling_s
-    path, _ = structure.free
-    outer = structure.outer[path] > 0.0
-    links = max(nodes - 1, 1)
-    typical = [
-        (-0.1, -0.1, REST),
-        (np.log(0.5 * loss), np.log(2.0 * loss / links), FACTOR),
-        (np.log(0.5 * loss), np.log(0.5 * loss / links), FACTOR),
-        (np.log(0.8), np.log(0.8), EXPONENT),
-    ]
-    first = nodes
-    for outside, inside, wide in (typical[term] for term in structure.free[1]):
-        mean[first] = outside if outer[first - nodes] else inside
-        deviation[first] = wide
-        first += 1
-    mean[structure.heats] = np.log(0.5 * loss * scale.rise_K)
+    levels = {OUTSIDE: np.log(loss), WITHIN: np.log(2.0 * loss / max(nodes - 1, 1))}
+    blocks: list[tuple[slice, FloatArray]] = []
+    for form, at in zip(structure.forms, structure.conductances, strict=True):
+        mean[at] = form.mean
+        mean[at.start + form.level] = levels[form]
+        blocks.append((at, form.precision))
+    for at in structure.heats:
+        mean[at] = HEAT.mean
+        mean[at.start + HEAT.level] = np.log(loss * scale.rise_K / 2.0)
+        blocks.append((at, HEAT.precision))
     mean[structure.offsets], deviation[structure.offsets] = 0.0, OFFSET_K
     precision = np.zeros((size, size))
     for r in range(len(inputs.runs)):
@@ -88,6 +80,9 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
         deviation[first : first + known.size] = np.where(known, START_K, inputs.loose[r])
         deviation[first + nodes : first + own] = ROOM_K if not inputs.runs[r].ambient_known else 1e-3
     precision[np.diag_indices(size)] = 1.0 / deviation**2
+    for at, block in blocks:
+        level = np.diag(block) == 0.0
+        precision[at, at] = block + np.diag(np.where(level, FACTOR**-2, 0.0))
     for r in range(len(inputs.runs)):
         at = shared + r * own + nodes
         for b in range(own - nodes - 1):

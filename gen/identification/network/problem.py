@@ -12,6 +12,7 @@ import numpy as np
 
 from gen.identification.network.bins import FloatArray, IntArray
 from gen.identification.network.inputs import Inputs
+from gen.identification.network.plausible import off
 from gen.identification.network.priors import Prior
 from gen.identification.network.simulation import Slopes, physical, sensitivities, simulate, steps_of
 from gen.identification.network.structure import Structure
@@ -150,12 +151,17 @@ class Problem:
             right[at] += normal.vector[r]
         matrix += self.prior.precision
         right -= self.prior.precision @ (vector - self.prior.mean)
+        implausible, slopes = off(self.structure, vector)
+        shared = self.structure.size
+        matrix[:shared, :shared] += slopes.T @ slopes
+        right[:shared] -= slopes.T @ implausible
         return matrix, right
 
     def penalty(self, vector: FloatArray) -> float:
         """Give the prior's part of the cost."""
-        off = vector - self.prior.mean
-        return float(off @ self.prior.precision @ off)
+        away = vector - self.prior.mean
+        implausible, _ = off(self.structure, vector)
+        return float(away @ self.prior.precision @ away + implausible @ implausible)
 
     def weighed(self, weight: FloatArray) -> Problem:
         """Give the same problem with other weights of the readings."""

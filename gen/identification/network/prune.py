@@ -89,7 +89,6 @@ def _cut(found: Found, share: float) -> Structure:
         structure.hidden,
         tuple(structure.paths[q] for q in kept),
         tuple(heated),
-        tuple(structure.terms[q] for q in kept),
     )
 
 

@@ -15,10 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.identification.network.bins import FloatArray
+from gen.identification.network.forms import HEAT, OUTSIDE, SLOW, WITHIN
 from gen.identification.network.inputs import Inputs, Levels
-from gen.identification.network.structure import SLOW, Structure
+from gen.identification.network.structure import Structure
 
 Slopes = NDArray[np.float32]
+LARGEST = 60.0
+"""Of a logarithm: what a search tries must not overflow."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +35,7 @@ class Physical:
     conductance, by_term
         Shape (L, Q), W/K, and derivatives by the free terms, shape (L, F).
     heat, by_heat_term
-        Shape (L, n), W, and derivatives, shape (L, heated, 3).
+        Shape (L, n), W, and derivatives, shape (L, heated, k).
     """
 
     capacity: FloatArray
@@ -73,27 +76,26 @@ class Steps:
 
 def physical(structure: Structure, levels: Levels, vector: FloatArray) -> Physical:
     """Evaluate capacities, conductances and heats at each distinct input."""
-    terms = structure.path_terms(vector)
-    ratio, constant, forced, power = np.exp(terms).T
     rest, turn = levels.rest[:, None], 1.0 - levels.rest[:, None]
-    speed = np.maximum(levels.speed[:, None], 1e-9)
-    slow = forced * SLOW**power
-    still, moved = rest * ratio, turn * forced * speed**power
-    conductance = still * (constant + slow) + turn * constant + moved
-    by_power = (still * slow * np.log(SLOW) + moved * np.log(speed)) * power
-    by_term = [still * (constant + slow), (still + turn) * constant, still * slow + moved, by_power]
-    path, term = structure.free
-    by_free = np.stack(by_term, axis=-1)[:, path, term]
-    base = turn[:, :, None] * heat_basis(levels.speed, levels.square)[:, None, :]
-    by_heat = base * np.exp(vector[structure.heats])
+    curves = {form: (form.usual(levels.speed), form.turning(levels.speed)) for form in (OUTSIDE, WITHIN, HEAT)}
+    conductance = np.empty((levels.count, len(structure.paths)))
+    by_term = np.empty((levels.count, structure.path_of.size))
+    for q, (form, at) in enumerate(zip(structure.forms, structure.conductances, strict=True)):
+        usual, functions = curves[form]
+        own = vector[at]
+        moved = turn * np.exp(np.minimum(usual + functions @ own, LARGEST))[:, None]
+        slow = float(form.usual(np.array([SLOW]))[0])
+        still = rest * np.exp(np.minimum(slow + form.at_rest @ own, LARGEST))
+        conductance[:, q] = (moved + still)[:, 0]
+        by_term[:, at.start - structure.nodes : at.stop - structure.nodes] = moved * functions + still * form.at_rest
+    usual, functions = curves[HEAT]
     heat = np.zeros((levels.count, structure.nodes))
-    heat[:, list(structure.heated)] = by_heat.sum(axis=-1)
-    return Physical(np.exp(vector[structure.capacities]), conductance, by_free, heat, by_heat)
-
-
-def heat_basis(speed: FloatArray, square: FloatArray) -> FloatArray:
-    """Give w, w^2 and w (1 - w), shape (..., 3)."""
-    return np.stack([speed, square, np.maximum(speed - square, 0.0)], axis=-1)
+    by_heat = np.empty((levels.count, len(structure.heated), HEAT.size))
+    for h, (node, at) in enumerate(zip(structure.heated, structure.heats, strict=True)):
+        given = turn * np.exp(np.minimum(usual + functions @ vector[at], LARGEST))[:, None]
+        heat[:, node] = given[:, 0]
+        by_heat[:, h] = given * functions
+    return Physical(np.exp(vector[structure.capacities]), conductance, by_term, heat, by_heat)
 
 
 def steps_of(structure: Structure, levels: Levels, found: Physical) -> Steps:
@@ -225,7 +227,7 @@ def _sources(
         return np.asarray(to_nodes @ np.swapaxes(columns, 1, 2), dtype=single)
 
     sources[..., :nodes] = temperatures(stored)
-    path, _ = structure.free
+    path = structure.path_of
     last = nodes + path.size
     by_term = found.by_term.astype(single)[level]
     np.multiply(temperatures(flow)[..., path], by_term[:, None], out=sources[..., nodes:last])

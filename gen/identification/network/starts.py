@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
+from gen.identification.network.forms import HEAT, OUTSIDE
 from gen.identification.network.problem import Problem
 from gen.identification.network.scale import Scale
 
@@ -14,13 +15,12 @@ def from_parts(problem: Problem, scale: Scale) -> FloatArray:
     structure = problem.structure
     vector = problem.prior.mean.copy()
     capacity = np.exp(vector[0])
-    for q, (i, j) in enumerate(structure.paths):
+    for (i, j), at in zip(structure.paths, structure.conductances, strict=True):
         if j < 0 and i < len(structure.sensed):
-            loss = capacity / scale.settling[i]
-            vector[structure.conductances[q, 1:3]] = np.log(0.5 * loss)
-    for h, i in enumerate(structure.heated):
+            vector[at.start + OUTSIDE.level] = np.log(capacity / scale.settling[i])
+    for i, at in zip(structure.heated, structure.heats, strict=True):
         if i < len(structure.sensed):
-            vector[structure.heats[h]] = np.log(capacity / scale.settling[i] * scale.rise[i] / 3.0)
+            vector[at.start + HEAT.level] = np.log(capacity / scale.settling[i] * scale.rise[i])
     return vector
 
 
@@ -45,9 +45,7 @@ def taken_over(problem: Problem, before: Problem, found: FloatArray) -> FloatArr
     for q, path in enumerate(structure.paths):
         same = frozenset(number.get(i, -2) if i >= 0 else -1 for i in path)
         if same in paths:
-            at, there = structure.conductances[q], old.conductances[paths[same]]
-            both = (at >= 0) & (there >= 0)
-            vector[at[both]] = found[there[both]]
+            vector[structure.conductances[q]] = found[old.conductances[paths[same]]]
     heats = {node: h for h, node in enumerate(old.heated)}
     for h, node in enumerate(structure.heated):
         if number.get(node, -2) in heats:

@@ -8,15 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from gen.identification.network.bins import FloatArray, IntArray
-
-PATH_TERMS = ("at rest", "constant", "forced", "exponent")
-"""Logarithms: conductance at rest over that at `SLOW`, W/K, W/K at full speed, power of the speed."""
-FIXED_TERMS = (0.0, -30.0, -30.0, float(np.log(0.8)))
-"""What holds for a term that is not free: at rest as slowly turning; none; none; forced convection's usual exponent."""
-SLOW = 0.1
-"""Speed over full scale to which the conductance at rest is compared."""
-HEAT_TERMS = ("w", "w^2", "w (1 - w)")
-"""Logarithms of the coefficients, W."""
+from gen.identification.network.forms import HEAT, OUTSIDE, WITHIN, Form
 
 
 @dataclass(frozen=True)
@@ -33,15 +25,12 @@ class Structure:
         Pairs of nodes; the ambient is -1 and stands second.
     heated
         Nodes with a heat of their own.
-    terms
-        For each path which of its `PATH_TERMS` are free.
     """
 
     sensed: tuple[str, ...]
     hidden: int
     paths: tuple[tuple[int, int], ...]
     heated: tuple[int, ...]
-    terms: tuple[tuple[bool, bool, bool, bool], ...]
 
     @property
     def nodes(self) -> int:
@@ -84,44 +73,41 @@ class Structure:
         return np.arange(self.nodes)
 
     @cached_property
-    def free(self) -> tuple[IntArray, IntArray]:
-        """Path and term of each free term of a path, in the vector's order, shape (F,) each."""
-        path, term = np.nonzero(np.array(self.terms, dtype=bool).reshape(-1, 4))
-        return path.astype(np.int64), term.astype(np.int64)
+    def forms(self) -> tuple[Form, ...]:
+        """How each path goes with speed."""
+        return tuple(OUTSIDE if j < 0 else WITHIN for _, j in self.paths)
 
     @cached_property
-    def conductances(self) -> IntArray:
-        """Of the terms of each path, shape (Q, 4); -1 where one is fixed."""
-        made = np.full((len(self.paths), 4), -1, dtype=np.int64)
-        made[self.free] = self.nodes + np.arange(self.free[0].size)
-        return made
+    def conductances(self) -> tuple[slice, ...]:
+        """Of the free numbers of each path."""
+        return _slices(self.nodes, [form.size for form in self.forms])
 
     @cached_property
-    def heats(self) -> IntArray:
-        """Of the terms of each heat, shape (heated, 3)."""
-        first = self.nodes + self.free[0].size
-        return first + np.arange(3 * len(self.heated)).reshape(-1, 3)
+    def heats(self) -> tuple[slice, ...]:
+        """Of the free numbers of each heat."""
+        first = self.conductances[-1].stop if self.paths else self.nodes
+        return _slices(first, [HEAT.size] * len(self.heated))
+
+    @cached_property
+    def path_of(self) -> IntArray:
+        """The path that each free number of a path belongs to, shape (F,)."""
+        return np.repeat(np.arange(len(self.paths)), [form.size for form in self.forms])
 
     @cached_property
     def offsets(self) -> IntArray:
         """Of the sensors' offsets, shape (S,)."""
-        first = self.nodes + self.free[0].size + 3 * len(self.heated)
+        first = self.nodes + self.path_of.size + HEAT.size * len(self.heated)
         return first + np.arange(len(self.sensed))
 
     @property
     def size(self) -> int:
         """Parameters that all runs share."""
-        return self.nodes + self.free[0].size + 3 * len(self.heated) + len(self.sensed)
-
-    def path_terms(self, vector: FloatArray) -> FloatArray:
-        """Give the terms of each path, those that are fixed included, shape (Q, 4)."""
-        made = np.tile(np.array(FIXED_TERMS), (len(self.paths), 1))
-        made[self.free] = vector[self.nodes : self.nodes + self.free[0].size]
-        return made
+        return self.nodes + self.path_of.size + HEAT.size * len(self.heated) + len(self.sensed)
 
 
-OUTER, INNER = (True, True, True, True), (False, True, True, False)
-"""Free terms of paths to the ambient and of others: air around the motor, metal and the gap within it."""
+def _slices(first: int, sizes: list[int]) -> tuple[slice, ...]:
+    ends = first + np.cumsum(sizes)
+    return tuple(slice(int(end) - size, int(end)) for end, size in zip(ends, sizes, strict=True))
 
 
 def full(sensed: tuple[str, ...], hidden: int) -> Structure:
@@ -129,5 +115,4 @@ def full(sensed: tuple[str, ...], hidden: int) -> Structure:
     count = len(sensed) + hidden
     inner = [(i, j) for i in range(count) for j in range(i + 1, count)]
     paths = (*inner, *((i, -1) for i in range(count)))
-    terms = tuple(OUTER if j < 0 else INNER for _, j in paths)
-    return Structure(sensed, hidden, paths, tuple(range(count)), terms)
+    return Structure(sensed, hidden, paths, tuple(range(count)))

@@ -225,14 +225,14 @@ class Summary:
         conductance = physical(structure, levels, vector).conductance
         made = []
         for q, (i, j) in enumerate(structure.paths):
-            share = self.spread.share[structure.conductances[q, 1:3]]
+            level = structure.conductances[q].start + structure.forms[q].level
             made.append(
                 {
                     "between": [names[i], names[j]],
                     "conductance_W_per_K": dict(
                         zip(("at_rest", "at_half_speed", "at_full_speed"), conductance[:, q].tolist(), strict=True)
                     ),
-                    "determined_share": float(1.0 - min(float(np.min(share)), 1.0)),
+                    "determined_share": float(1.0 - min(self.spread.share[level], 1.0)),
                 }
             )
         return made

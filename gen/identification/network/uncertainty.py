@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gen.identification.network.bins import FloatArray
+from gen.identification.network.forms import HEAT
 from gen.identification.network.inputs import held
 from gen.identification.network.search import Found
-from gen.identification.network.simulation import physical
+from gen.identification.network.steady import settled
 
 UNDETERMINED = 0.7
 """A parameter whose standard deviation is still this share of its prior's is not determined by the runs."""
@@ -79,25 +80,13 @@ def steady_of(found: Found, spread: Spread, pwm: ArrayLike, full_scale: int) -> 
     """
     structure = found.structure
     levels = held(np.asarray(pwm, dtype=np.float64), full_scale)
-    physics = physical(structure, levels, found.vector)
-    incidence = structure.incidence
-    laplacian = np.einsum("lq,qi,qj->lij", physics.conductance, incidence, incidence, optimize=True)
-    inverse = np.linalg.inv(laplacian)
-    rise = np.einsum("lij,lj->li", inverse, physics.heat)
-    nodes, sensors = structure.nodes, len(structure.sensed)
-    slopes = np.zeros((levels.count, sensors, found.problem.size))
-    # A path takes out what flows through it.
-    flow = rise @ incidence.T
-    path, _ = structure.free
-    by_flow = -(inverse @ incidence.T)[:, :sensors] * flow[:, None, :]
-    slopes[..., nodes : nodes + path.size] = by_flow[..., path] * physics.by_term[:, None, :]
-    if structure.heated:
-        into = inverse[:, :sensors, list(structure.heated), None] * physics.by_heat_term[:, None]
-        slopes[..., structure.heats.ravel()] = into.reshape(levels.count, sensors, -1)
-    variance = np.einsum("lsp,pq,lsq->ls", slopes, spread.covariance, slopes, optimize=True)
-    root = np.sqrt(physics.capacity)
-    rates = np.linalg.eigvalsh(laplacian / (root * root[:, None]))
-    return Steady(rise, np.sqrt(np.maximum(variance, 0.0)), 1.0 / np.maximum(rates[:, 0], 1e-12))
+    at = settled(structure, levels, found.vector)
+    slopes = at.slopes[:, : len(structure.sensed)]
+    shared = spread.covariance[: structure.size, : structure.size]
+    variance = np.einsum("lsp,pq,lsq->ls", slopes, shared, slopes, optimize=True)
+    root = np.sqrt(at.physics.capacity)
+    rates = np.linalg.eigvalsh(at.laplacian / (root * root[:, None]))
+    return Steady(at.rise, np.sqrt(np.maximum(variance, 0.0)), 1.0 / np.maximum(rates[:, 0], 1e-12))
 
 
 def undetermined(found: Found, spread: Spread) -> list[str]:
@@ -106,9 +95,10 @@ def undetermined(found: Found, spread: Spread) -> list[str]:
     names = (*structure.names, "ambient")
     open_ = spread.share > UNDETERMINED
     said = [f"capacity of {names[i]}" for i in range(structure.nodes) if open_[structure.capacities[i]]]
-    for q, (i, j) in enumerate(structure.paths):
-        constant, forced = structure.conductances[q, 1:3]
-        if open_[constant] and open_[forced]:
+    for (i, j), form, at in zip(structure.paths, structure.forms, structure.conductances, strict=True):
+        if open_[at.start + form.level]:
             said.append(f"path {names[i]} - {names[j]}")
-    said += [f"heat of {names[node]}" for h, node in enumerate(structure.heated) if np.all(open_[structure.heats[h]])]
+    for node, at in zip(structure.heated, structure.heats, strict=True):
+        if open_[at.start + HEAT.level]:
+            said.append(f"heat of {names[node]}")
     return said
