@@ -17,9 +17,9 @@ from gen.identification.network.bins import FloatArray
 KNOTS = np.array([0.2, 0.4, 0.6, 0.8, 1.0])
 BEND, SMOOTH = 0.6, 0.35
 """Standard deviation of the logarithm of the bend, and the share of full speed over which it stays alike."""
-SLOW = 0.1
-"""Speed to which the conductance at rest is compared."""
-REST, REST_WITHIN = -0.25, 0.35
+SLOW = float(KNOTS[0])
+"""Speed to which the conductance at rest is compared; the bend is held below it."""
+REST, REST_WITHIN = -0.1, 0.3
 """Logarithm of a conductance to the ambient at rest over that at `SLOW`, and its standard deviation."""
 SLOPE = 0.5
 """Standard deviation of the change of a path's logarithm from rest to full speed, for paths within the motor."""

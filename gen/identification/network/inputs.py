@@ -18,6 +18,12 @@ MOST_LEVELS = 1500
 ROOM_S = 3600.0
 """Distance of the points between which the unknown part of an unmeasured ambient is a straight line."""
 MOST_HATS = 12
+COLD_K = 1.5
+"""A motor whose parts all read the ambient to within this began cold: sensors may be off by as much."""
+START_K = 0.2
+"""Standard deviation of a start about what is said of it, K."""
+WARM_K = 10.0
+"""Of the start of a node of which nothing is known, K."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +86,9 @@ class Inputs:
     covered
         The time that they stand for, shape (N, S), s.
     begin
-        Temperatures that the nodes begin at, before any parameter, shape (R, S), degC.
+        Temperatures that the nodes begin at, before any parameter, shape (R, S + 1), degC; the last is a hidden one's.
     loose
-        How far the inner temperatures may be from the sensed ones at the beginning, shape (R,), K.
+        How far sensed nodes, and hidden ones, may be from that, shape (R, 2), K.
     """
 
     runs: tuple[Binned, ...]
@@ -178,14 +184,20 @@ def _levels(table: FloatArray) -> tuple[IntArray, FloatArray]:
     return index, np.column_stack([np.bincount(index, column) / number for column in table.T])
 
 
-def _begin(run: Binned) -> tuple[FloatArray, float]:
-    """Temperatures that sensed nodes begin at, and how far those that nobody sees may be from them."""
+def _begin(run: Binned) -> tuple[FloatArray, tuple[float, float]]:
+    """Temperatures that the sensed nodes begin at, then a hidden one, and how far they may be from that."""
     known = np.isfinite(run.begin)
     ambient = float(run.ambient[0])
-    level = float(np.mean(run.begin[known])) if known.any() else ambient
-    begin = np.where(known, run.begin, level)
-    spread = float(np.max(np.abs(run.begin[known] - ambient))) if known.any() else 5.0
-    return begin, 0.3 + 0.5 * spread
+    if not known.any():
+        return np.full(known.size + 1, ambient), (WARM_K, WARM_K)
+    spread = float(np.max(np.abs(run.begin[known] - ambient)))
+    if spread < COLD_K:
+        # It has stood for long: all parts are as warm as the room, and what sensors read beside that is their offset.
+        within = START_K if run.ambient_known else 2.0 * START_K
+        return np.full(known.size + 1, ambient), (within, within)
+    level = float(np.mean(run.begin[known]))
+    begin = np.append(np.where(known, run.begin, level), level)
+    return begin, (2.0 * START_K if known.all() else WARM_K, START_K + 0.5 * spread)
 
 
 def _hats(runs: Sequence[Binned]) -> int:

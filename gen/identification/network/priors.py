@@ -24,8 +24,6 @@ CAPACITY = 100.0
 """J/K."""
 OFFSET_K = 0.3
 """Standard deviation of a sensor's offset, K."""
-START_K = 0.3
-"""Of a sensed node's start about its first readings, K."""
 ROOM_K = 1.5
 """Of the level of an unmeasured ambient about what is assumed, K."""
 ROOM_STEP_K = 0.5
@@ -75,9 +73,9 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
     precision = np.zeros((size, size))
     for r in range(len(inputs.runs)):
         first = shared + r * own
-        known = np.isfinite(inputs.runs[r].begin)
-        deviation[first : first + nodes] = inputs.loose[r]
-        deviation[first : first + known.size] = np.where(known, START_K, inputs.loose[r])
+        sensed, hidden = inputs.loose[r]
+        deviation[first : first + len(structure.sensed)] = sensed
+        deviation[first + len(structure.sensed) : first + nodes] = hidden
         deviation[first + nodes : first + own] = ROOM_K if not inputs.runs[r].ambient_known else 1e-3
     precision[np.diag_indices(size)] = 1.0 / deviation**2
     for at, block in blocks:

@@ -89,8 +89,8 @@ class Problem:
         """Temperatures at the start, shape (R, n), and the unknown part of the ambient, shape (N,)."""
         own = self.per_run(vector)
         nodes, sensors = self.structure.nodes, len(self.structure.sensed)
-        begin = np.repeat(self.inputs.begin.mean(axis=1)[:, None], nodes, axis=1)
-        begin[:, :sensors] = self.inputs.begin
+        begin = np.repeat(self.inputs.begin[:, -1:], nodes, axis=1)
+        begin[:, :sensors] = self.inputs.begin[:, :sensors]
         room = np.einsum("nb,nb->n", self.inputs.room, own[self.inputs.run, nodes:])
         return begin + own[:, :nodes], room
 

@@ -13,7 +13,7 @@ from gen.identification.network.inputs import Inputs
 
 WINDOW_S = 600.0
 """Errors are averaged over this time (or an eighth of the run); the scatter of the means is the density."""
-LEAST_K, LEAST_S = 0.02, 60.0
+LEAST_K, LEAST_S = 0.05, 600.0
 """No residual is taken for better than errors of this size that last for this long."""
 
 
