@@ -27,13 +27,16 @@ from gen.errors import CheckFailed, InputError
 from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.forecast import Band, bands
+from gen.identification.network.foresight import Foresight, foresight
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.inputs import held
 from gen.identification.network.simulation import physical
-from gen.identification.network.uncertainty import Steady, spread_of, steady_of
+from gen.identification.network.uncertainty import Spread, Steady, spread_of, steady_of
 
 FASTEST = 20.0
 """No node follows its neighbours within fewer steps of the board: its capacity is raised to this."""
+TWICE = 2.0
+"""Standard deviations by which a declared error is widened."""
 POINT = 5
 """Distance of a table's points, counts: pchip through them is within 1e-4 of the curve."""
 
@@ -56,11 +59,15 @@ def network_text(result: NetworkFound, settings: Settings) -> tuple[str, Coeffic
 
 def measured_range(result: NetworkFound) -> tuple[int, int]:
     """Lowest and highest |PWM| that was measured, 0 where rest was held."""
-    levels, scale = result.inputs.levels, result.data.full_scale
-    turning = levels.rest < 0.5
-    pwm = np.rint(levels.speed[turning] * scale)
-    low = 0 if rest_was_measured(result) else int(pwm.min())
-    return low, int(pwm.max())
+    low, high = turned_range(result)
+    return (0 if rest_was_measured(result) else low), high
+
+
+def turned_range(result: NetworkFound) -> tuple[int, int]:
+    """Lowest and highest |PWM| that turned."""
+    levels = result.inputs.levels
+    pwm = np.rint(levels.speed[levels.rest < 0.5] * result.data.full_scale)
+    return int(pwm.min()), int(pwm.max())
 
 
 def rest_was_measured(result: NetworkFound) -> bool:
@@ -93,7 +100,7 @@ def _document(result: NetworkFound, settings: Settings) -> Document:
             "weak physical priors; hidden nodes and paths by the error on runs left out",
             data=tuple(source.path.rsplit("/", 1)[-1] for source in result.data.sources),
             fit=_figures(result),
-            error=tuple(_error_bands(result, steady)),
+            error=tuple(_error_bands(result, spread)),
         ),
     )
 
@@ -172,25 +179,27 @@ def _figures(result: NetworkFound) -> dict[str, dict[str, float]]:
     return made
 
 
-def _error_bands(result: NetworkFound, steady: Steady) -> list[ErrorBand]:
+def _error_bands(result: NetworkFound, spread: Spread) -> list[ErrorBand]:
+    turning = turned_range(result)
+    ahead = foresight(result.found, spread, turning, result.data.full_scale)
+    own = bands(result.inputs, result.judged, result.data.full_scale)
     made = []
     for s, name in enumerate(result.data.names):
-        for band in bands(result.inputs, result.judged, result.data.full_scale):
+        for band in own:
             if math.isfinite(band.low[s]):
-                made.append(_error_band(name, s, band, steady))
+                made.append(_error_band(name, s, band, ahead))
     return made
 
 
-def _error_band(name: str, s: int, band: Band, steady: Steady) -> ErrorBand:
-    first, last = band.pwm
-    unknown = 2.0 * float(np.max(steady.deviation[first : last + 1, s]))
+def _error_band(name: str, s: int, band: Band, ahead: Foresight) -> ErrorBand:
+    unknown = TWICE * float(ahead.within(*band.pwm)[s])
     low, high = min(float(band.low[s]), 0.0), max(float(band.high[s]), 0.0)
     return ErrorBand(
         component=name,
         pwm=band.pwm,
         model_minus_measured_K=(_round(low - unknown), _round(high + unknown)),
-        note=f"on data left out: {band.low[s]:+.2f}..{band.high[s]:+.2f} K in means over ten minutes, "
-        f"{band.rms[s]:.2f} K rms; widened by {unknown:.2f} K for what is not known of where it settles",
+        note=f"on data left out: {band.low[s]:+.2f}..{band.high[s]:+.2f} K in means over a 60th of a run, "
+        f"{band.rms[s]:.2f} K rms; widened by {unknown:.2f} K for what the runs do not determine on other profiles",
     )
 
 

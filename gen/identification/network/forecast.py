@@ -11,8 +11,8 @@ from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Inputs
 from gen.identification.network.left_out import LeftOut, Mask
 
-WINDOW_S = 600.0
-"""Errors are means over this time (or an eighth of the run): a sensor's noise is not the model's error."""
+WINDOWS = 60
+"""Errors are means over this share of a run: a sensor's noise is not the model's error."""
 LEAST_SHARE = 0.2
 """Windows that are covered less than others by this factor do not count."""
 MOST_BANDS = 6
@@ -76,7 +76,7 @@ def _band(inputs: Inputs, judged: LeftOut, mask: Mask, pwm: tuple[int, int]) -> 
             if not used.size:
                 continue
             error, cover = -judged.error[used, s], inputs.covered[used, s]
-            window = max(min(WINDOW_S, run.duration / 8.0), 1.0)
+            window = run.duration / WINDOWS
             index = (inputs.begins[used] // window).astype(np.int64)
             total, weight = np.bincount(index, error * cover), np.bincount(index, cover)
             whole = weight > LEAST_SHARE * weight.max()

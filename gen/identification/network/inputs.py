@@ -20,6 +20,8 @@ ROOM_S = 3600.0
 MOST_HATS = 12
 COLD_K = 1.5
 """A motor whose parts all read the ambient to within this began cold: sensors may be off by as much."""
+STILL_K = 0.5
+"""In a room that moves by more (standard deviation) parts lag behind it: then they are not as warm as the room."""
 START_K = 0.2
 """Standard deviation of a start about what is said of it, K."""
 WARM_K = 10.0
@@ -191,13 +193,14 @@ def _begin(run: Binned) -> tuple[FloatArray, tuple[float, float]]:
     if not known.any():
         return np.full(known.size + 1, ambient), (WARM_K, WARM_K)
     spread = float(np.max(np.abs(run.begin[known] - ambient)))
-    if spread < COLD_K:
+    moves = float(np.std(run.ambient))
+    if spread < COLD_K and moves < STILL_K:
         # It has stood for long: all parts are as warm as the room, and what sensors read beside that is their offset.
         within = START_K if run.ambient_known else 2.0 * START_K
         return np.full(known.size + 1, ambient), (within, within)
     level = float(np.mean(run.begin[known]))
     begin = np.append(np.where(known, run.begin, level), level)
-    return begin, (2.0 * START_K if known.all() else WARM_K, START_K + 0.5 * spread)
+    return begin, (2.0 * START_K if known.all() else WARM_K, START_K + 0.5 * (spread + moves))
 
 
 def _hats(runs: Sequence[Binned]) -> int:

@@ -17,6 +17,9 @@ from gen.identification.network.inputs import held
 from gen.identification.network.search import Found
 from gen.identification.network.steady import settled
 
+SENSOR_K, FORM = 0.15, 0.01
+"""What the covariance does not hold, as standard deviations: a sensor's own error over its range, K; and, as a share of
+the rise, what a network lacks whose conductances do not depend on temperature (natural convection, radiation)."""
 UNDETERMINED = 0.7
 """A parameter whose standard deviation is still this share of its prior's is not determined by the runs."""
 
@@ -86,7 +89,8 @@ def steady_of(found: Found, spread: Spread, pwm: ArrayLike, full_scale: int) -> 
     variance = np.einsum("lsp,pq,lsq->ls", slopes, shared, slopes, optimize=True)
     root = np.sqrt(at.physics.capacity)
     rates = np.linalg.eigvalsh(at.laplacian / (root * root[:, None]))
-    return Steady(at.rise, np.sqrt(np.maximum(variance, 0.0)), 1.0 / np.maximum(rates[:, 0], 1e-12))
+    whole = np.maximum(variance, 0.0) + SENSOR_K**2 + (FORM * at.rise[:, : len(structure.sensed)]) ** 2
+    return Steady(at.rise, np.sqrt(whole), 1.0 / np.maximum(rates[:, 0], 1e-12))
 
 
 def undetermined(found: Found, spread: Spread) -> list[str]:
