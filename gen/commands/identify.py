@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Literal
 
 import click
 
@@ -35,6 +36,20 @@ _FULL_PWM = 255
     help="The count that is 100 %.",
 )
 @click.option("--rpm", type=Finite(1e-3), default=2650.0, show_default=True, help="Speed at full scale.")
+@click.option(
+    "--model",
+    type=click.Choice(["parts", "network"]),
+    default="parts",
+    show_default=True,
+    help="A transfer function for each part, or one thermal network for all.",
+)
+@click.option(
+    "--max-hidden",
+    type=click.IntRange(0, 3),
+    default=3,
+    show_default=True,
+    help="Of a network: most nodes without a sensor.",
+)
 @click.option("--max-order", type=click.IntRange(1, 4), default=4, show_default=True)
 def identify(
     runs: tuple[Path, ...],
@@ -47,6 +62,8 @@ def identify(
     full_scale: int,
     rpm: float,
     max_order: int,
+    model: Literal["parts", "network"],
+    max_hidden: int,
 ) -> None:
     """Identify a speed-scheduled model from measured runs and write its coefficient file."""
     from gen.coefficients.names import name_fault
@@ -71,6 +88,8 @@ def identify(
             full_scale=full_scale,
             rpm=rpm,
             max_order=max_order,
+            model=model,
+            max_hidden=max_hidden,
             progress=progress,
         )
         progress("report")
@@ -83,4 +102,4 @@ def identify(
     click.echo(found.text())
     for warning in found.model.warnings:
         click.echo(f"warning: {out}: {warning}", err=True)
-    click.echo(f"{out}: {len(found.found)} component(s)")
+    click.echo(f"{out}: {len(found.model.components)} component(s)")

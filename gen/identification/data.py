@@ -91,12 +91,12 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     if not any(np.any(source.run.pwm != 0) for source in sources):
         raise InputError("found PWM 0 in every row, expected runs in which the motor turns", file=sources[0].path)
-    names = _components(sources)
+    names = components_of(sources)
     for source in sources:
         if len(source.run.time_s) < FEWEST:
             count = len(source.run.time_s)
             raise InputError(f"found {count} row(s), expected at least {FEWEST} to identify from", file=source.path)
-    ambients = [_ambient(source, ambient, warnings) for source in sources]
+    ambients = [ambient_of(source, ambient, warnings) for source in sources]
     records = _records(sources, names, ambients, warnings)
     warnings += _fahrenheit(records)
     measured = all(s.run.ambient is not None and np.isfinite(s.run.ambient).any() for s in sources)
@@ -128,7 +128,14 @@ def _records(
     return records
 
 
-def _components(sources: Sequence[Source]) -> list[str]:
+def components_of(sources: Sequence[Source]) -> list[str]:
+    """Names of the measured components, in the order of the files.
+
+    Raises
+    ------
+    InputError
+        When there are none, or one has a name that cannot be built.
+    """
     names: dict[str, str] = {}
     for source in sources:
         for name in source.run.temps:
@@ -145,8 +152,23 @@ def _components(sources: Sequence[Source]) -> list[str]:
     return list(names)
 
 
-def _ambient(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float:
-    """The ambient at every row, or one number."""
+def ambient_of(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float:
+    """Give the ambient of a run: at every row, or one number.
+
+    Parameters
+    ----------
+    source
+        The run.
+    fixed
+        The ambient in degC where it was not measured, or None.
+    warnings
+        Added to.
+
+    Raises
+    ------
+    InputError
+        When nothing says it.
+    """
     run = source.run
     if run.ambient is not None and np.isfinite(run.ambient).any():
         good = np.isfinite(run.ambient)

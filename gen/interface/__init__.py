@@ -6,7 +6,7 @@ The commands call these functions, too. Everything slow to import is imported by
 from gen.interface.certificate import Check, check
 from gen.interface.files import load, read_run
 from gen.interface.firmware import Build, Verification, build, verify
-from gen.interface.loop import Identification, Refinement, identify, refine
+from gen.interface.loop import Identification, NetworkIdentification, Refinement, identify, refine
 from gen.interface.model import Model
 from gen.interface.simulation import simulate
 
@@ -15,6 +15,7 @@ __all__ = [
     "Check",
     "Identification",
     "Model",
+    "NetworkIdentification",
     "Refinement",
     "Verification",
     "build",

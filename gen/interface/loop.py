@@ -6,10 +6,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 from gen.errors import InputError
-from gen.interface.arguments import several, within
+from gen.interface.arguments import one_of, several, within
 from gen.interface.files import RunLike, run_files
 from gen.interface.model import Model
 from gen.interface.threads import one_thread
@@ -17,8 +17,11 @@ from gen.interface.threads import one_thread
 if TYPE_CHECKING:
     import pandas as pd
 
+    from gen.identification.coefficient_file import Settings
     from gen.identification.data import Data
     from gen.identification.identify import Identified
+    from gen.identification.network.identify import NetworkFound
+    from gen.identification.network.summary import Summary
     from gen.refinement.refine import Refinement as Found
 
 Progress = Callable[[str], None]
@@ -125,24 +128,157 @@ class Identification(Reported):
         return report_html(self.data, self.found, self.model.coefficients)
 
 
-@one_thread
+@dataclass(frozen=True, eq=False)
+class NetworkIdentification(Reported):
+    """One network for the whole motor.
+
+    Parameters
+    ----------
+    model
+        The model, as :func:`gen.load` would give it.
+    result
+        The runs, the network and how it was judged.
+    """
+
+    model: Model
+    result: NetworkFound
+
+    @property
+    def _said(self) -> Summary:
+        from gen.identification.network.summary import Summary
+
+        return Summary(self.result)
+
+    def details(self) -> dict[str, Any]:
+        """All that was found as plain numbers and words, as ``gen identify --json`` writes it."""
+        from gen.identification.summary import without_nan
+
+        details: dict[str, Any] = without_nan(self._said.as_json())
+        return details
+
+    @property
+    def verdict(self) -> str:
+        """Whether the model is good to be built, in one line."""
+        return self._said.verdict
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What to look at, one sentence each."""
+        return tuple(self._said.warnings())
+
+    def summary(self) -> pd.DataFrame:
+        """A row for each part and |PWM| that was held.
+
+        Columns: ``steady_rise_K`` with its 95 % interval (``_low``, ``_high``), and ``left_out_rms_K``, the root mean
+        square error of the part on data that took no part in the fit.
+        """
+        import pandas as pd
+
+        rows = []
+        for name, part in self.details()["components"].items():
+            for pwm, entry in part["speeds"].items():
+                low, high = entry["steady_rise_K"]["interval"]
+                rows.append(
+                    {
+                        "component": name,
+                        "pwm": int(pwm),
+                        "steady_rise_K": entry["steady_rise_K"]["value"],
+                        "steady_rise_K_low": low,
+                        "steady_rise_K_high": high,
+                        "left_out_rms_K": part["left_out_rms_K"],
+                    }
+                )
+        return pd.DataFrame(rows).set_index(["component", "pwm"])
+
+    def curves(self) -> dict[str, pd.DataFrame]:
+        """Measured and modelled readings of each run, means over bins.
+
+        Returns
+        -------
+        dict of pandas.DataFrame
+            By run, indexed by ``time_s`` (middle of the bin, s): ``<part>_degC`` and ``<part>_model_degC``; NaN where
+            nothing was read.
+        """
+        import pandas as pd
+
+        from gen.identification.network.identify import curves
+
+        return {
+            name: pd.DataFrame(columns, index=pd.Index(time, name="time_s"))
+            for name, (time, columns) in curves(self.result).items()
+        }
+
+    def text(self) -> str:
+        """What the command prints."""
+        return self._said.text()
+
+    def html(self) -> str:
+        """The report as one HTML page.
+
+        Raises
+        ------
+        InputError
+            Always: there is none for networks yet.
+        """
+        raise InputError(
+            "there is no report for networks yet; --json holds everything that was found", place="--report"
+        )
+
+
+@overload
 def identify(
     runs: Sequence[RunLike],
     *,
+    model: Literal["parts"] = "parts",
     name: str = "motor",
     ambient: float | None = None,
     sample_time: float = 0.25,
     full_scale: int = 255,
     rpm: float = 2650.0,
     max_order: int = 4,
+    max_hidden: int = 3,
     progress: Progress = _silent,
-) -> Identification:
+) -> Identification: ...
+
+
+@overload
+def identify(
+    runs: Sequence[RunLike],
+    *,
+    model: Literal["network"],
+    name: str = "motor",
+    ambient: float | None = None,
+    sample_time: float = 0.25,
+    full_scale: int = 255,
+    rpm: float = 2650.0,
+    max_order: int = 4,
+    max_hidden: int = 3,
+    progress: Progress = _silent,
+) -> NetworkIdentification: ...
+
+
+@one_thread
+def identify(
+    runs: Sequence[RunLike],
+    *,
+    model: Literal["parts", "network"] = "parts",
+    name: str = "motor",
+    ambient: float | None = None,
+    sample_time: float = 0.25,
+    full_scale: int = 255,
+    rpm: float = 2650.0,
+    max_order: int = 4,
+    max_hidden: int = 3,
+    progress: Progress = _silent,
+) -> Identification | NetworkIdentification:
     """Identify a speed-scheduled model from measured runs.
 
     Parameters
     ----------
     runs
         Run files or frames.
+    model
+        ``parts``: a transfer function for each part. ``network``: one network of heat capacities for all of them.
     name
         The model's name.
     ambient
@@ -154,7 +290,9 @@ def identify(
     rpm
         Speed at full scale.
     max_order
-        Highest order to try, 1..4.
+        Highest order of a part to try, 1..4.
+    max_hidden
+        Most hidden nodes of a network to try, 0..3.
     progress
         Called with what is being done.
 
@@ -177,23 +315,40 @@ def identify(
     from gen.identification.identify import identify as run
 
     several("runs", runs)
+    one_of("model", model, ("parts", "network"))
     if ambient is not None:
         within("ambient", ambient, -273.15, 1000.0)
     within("sample_time", sample_time, 0.001, 3600.0)
     within("full_scale", full_scale, 1, 255)
     within("rpm", rpm, 1e-3, 1e9)
     within("max_order", max_order, 1, 4)
+    within("max_hidden", max_hidden, 0, 3)
     fault = name_fault(name)
     if fault:
         raise InputError(fault, place="name")
+    settings = Settings(name, sample_time, full_scale, rpm)
     with run_files(runs) as paths:
         progress("reading")
+        if model == "network":
+            return _network(paths, ambient, settings, max_hidden, progress)
         data = read_data(paths, ambient)
         found = run(data, progress, max_order, sample_time)
-        settings = Settings(name, sample_time, full_scale, rpm)
         data, found = usable(data, found, settings)
         text, loaded = coefficient_text(data, found, settings)
     return Identification(Model(loaded, text), data, found)
+
+
+def _network(
+    paths: Sequence[Path], ambient: float | None, settings: Settings, max_hidden: int, progress: Progress
+) -> NetworkIdentification:
+    from gen.identification.network.data import read_network_data
+    from gen.identification.network.document import network_text
+    from gen.identification.network.identify import identify_network
+
+    data = read_network_data(paths, ambient, settings.full_scale)
+    result = identify_network(data, progress, max_hidden)
+    text, loaded = network_text(result, settings)
+    return NetworkIdentification(Model(loaded, text), result)
 
 
 @dataclass(frozen=True, eq=False)

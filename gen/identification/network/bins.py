@@ -1,0 +1,221 @@
+"""Runs condensed for the fit: means of the readings over bins of 5 to 30 s, and what drove the motor in each.
+
+A bin begins wherever PWM changes and is short after a change, so that PWM is constant within it. Where PWM changes
+more often than every few seconds (ramps, chopping) a bin holds the mean of what occurs in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.identification.records import quantiser_bias, resolution, scatter
+from gen.runs import Run
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+SHORTEST_S, LONGEST_S = 5.0, 30.0
+"""Widths of the bins: short after a change of PWM, then growing."""
+GROWTH = 0.15
+"""Largest bin, as a share of the time since PWM changed."""
+MOST_BINS = 12_000
+"""Of all runs together; more are made longer."""
+WINDOW_S = 60.0
+"""The start is the mean of the readings over this time, or over the first reading alone."""
+
+
+@dataclass(frozen=True, eq=False)
+class Binned:
+    """One run over K bins; S sensed nodes.
+
+    Attributes
+    ----------
+    name
+        The run's.
+    edges
+        Ends of the bins, shape (K + 1,), s since the first row.
+    rest
+        Share of time at PWM 0, shape (K,).
+    speed
+        Mean |PWM| while it turns over full scale, shape (K,).
+    square
+        Mean square of the same, shape (K,).
+    ambient
+        Mean ambient, shape (K,), degC.
+    reading
+        Mean of each sensor's readings, shape (K, S), degC; NaN where there is none.
+    share
+        Where in the bin the mean of their times lies, 0..1, shape (K, S).
+    covered
+        Time that the readings stand for, shape (K, S), s; 0 where there is none.
+    begin
+        First readings, shape (S,), degC; NaN for a node that this run does not measure.
+    noise_K
+        Standard deviation of a single reading, shape (S,), K.
+    sample_s
+        Distance of the readings, shape (S,), s.
+    ambient_known
+        Whether the ambient was measured.
+    """
+
+    name: str
+    edges: FloatArray
+    rest: FloatArray
+    speed: FloatArray
+    square: FloatArray
+    ambient: FloatArray
+    reading: FloatArray
+    share: FloatArray
+    covered: FloatArray
+    begin: FloatArray
+    noise_K: FloatArray
+    sample_s: FloatArray
+    ambient_known: bool
+
+    @property
+    def width(self) -> FloatArray:
+        """Length of each bin, shape (K,), s."""
+        return np.asarray(np.diff(self.edges))
+
+    @property
+    def duration(self) -> float:
+        """Of the run, s."""
+        return float(self.edges[-1])
+
+
+def binned(
+    name: str, run: Run, names: Sequence[str], ambient: FloatArray | float, full_scale: int, longest: float = LONGEST_S
+) -> Binned:
+    """Condense one run.
+
+    Parameters
+    ----------
+    name
+        The run's.
+    run
+        Its rows.
+    names
+        The sensed nodes.
+    ambient
+        At each row, or one for all, degC.
+    full_scale
+        The count that is 100 %.
+    longest
+        Longest bin, s.
+    """
+    time = run.time_s - run.time_s[0]
+    level = np.abs(run.pwm).astype(np.float64)
+    edges = _edges(time, level, longest)
+    around = np.broadcast_to(np.asarray(ambient, dtype=np.float64), time.shape)
+    turning = level > 0.0
+    share = _means(edges, time, turning.astype(np.float64))
+    driven = np.maximum(share, 1e-12)
+    speed = np.where(share > 0.0, _means(edges, time, level) / driven, 0.0) / full_scale
+    square = np.where(share > 0.0, _means(edges, time, level**2) / driven, 0.0) / full_scale**2
+    columns = [_readings(edges, time, run.temps.get(n)) for n in names]
+    return Binned(
+        name=name,
+        edges=edges,
+        rest=np.clip(1.0 - share, 0.0, 1.0),
+        speed=speed,
+        square=square,
+        ambient=_means(edges, time, around),
+        reading=np.column_stack([c[0] for c in columns]),
+        share=np.column_stack([c[1] for c in columns]),
+        covered=np.column_stack([c[2] for c in columns]),
+        begin=np.array([_begin(time, run.temps.get(n)) for n in names]),
+        noise_K=np.array([_noise(run.temps.get(n)) for n in names]),
+        sample_s=np.array([_distance(time, run.temps.get(n)) for n in names]),
+        ambient_known=not isinstance(ambient, float),
+    )
+
+
+def longest_bin(runs: Sequence[Run]) -> float:
+    """Give the longest bin with which all runs together keep to `MOST_BINS`, s."""
+    total = sum(float(run.time_s[-1] - run.time_s[0]) for run in runs)
+    return max(LONGEST_S, 1.5 * total / MOST_BINS)
+
+
+def _edges(time: FloatArray, level: FloatArray, longest: float) -> FloatArray:
+    """Ends of the bins; each is at least as long as the distance of the rows."""
+    end = float(time[-1])
+    row = float(np.median(np.diff(time)))
+    shortest = max(SHORTEST_S * longest / LONGEST_S, row)
+    longest = max(longest, shortest)
+    changes = time[np.flatnonzero(np.diff(level)) + 1]
+    kept = [0.0]
+    for at in changes.tolist():
+        if at - kept[-1] >= shortest and end - at >= 0.5 * shortest:
+            kept.append(at)
+    edges: list[float] = []
+    for start, stop in zip(kept, [*kept[1:], end], strict=True):
+        edges.append(start)
+        at, width = start, shortest
+        while stop - at >= 1.5 * width:
+            at += width
+            if stop - at < 1e-9:
+                break
+            edges.append(at)
+            while 2.0 * width <= longest and GROWTH * (at - start) >= 2.0 * width:
+                width *= 2.0
+            if 2.0 * width > longest and GROWTH * (at - start) >= longest:
+                width = longest
+    edges.append(end)
+    return np.array(edges)
+
+
+def _means(edges: FloatArray, time: FloatArray, values: FloatArray) -> FloatArray:
+    """Mean over each bin of what is held from row to row, shape (K,)."""
+    total = np.concatenate([[0.0], np.cumsum(values[:-1] * np.diff(time))])
+    at = np.interp(edges, time, total)
+    return np.asarray(np.diff(at) / np.diff(edges))
+
+
+def _readings(
+    edges: FloatArray, time: FloatArray, values: FloatArray | None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Mean reading, its place in the bin and the time covered, shape (K,) each."""
+    count = edges.size - 1
+    if values is None:
+        return np.full(count, np.nan), np.full(count, 0.5), np.zeros(count)
+    good = np.isfinite(values)
+    at, value = time[good], values[good]
+    owner = np.clip(np.searchsorted(edges, at, side="right") - 1, 0, count - 1)
+    number = np.bincount(owner, minlength=count).astype(np.float64)
+    some = np.maximum(number, 1.0)
+    width = np.diff(edges)
+    mean = np.where(number > 0, np.bincount(owner, value, count) / some, np.nan)
+    place = (np.bincount(owner, at - edges[owner], count) / some) / width
+    covered = np.minimum(number * _distance(time, values), width)
+    return mean, np.where(number > 0, place, 0.5), covered
+
+
+def _distance(time: FloatArray, values: FloatArray | None) -> float:
+    good = np.isfinite(values) if values is not None else np.zeros(time.size, dtype=bool)
+    return float(np.median(np.diff(time[good]))) if np.count_nonzero(good) > 1 else float(np.median(np.diff(time)))
+
+
+def _begin(time: FloatArray, values: FloatArray | None) -> float:
+    if values is None or not np.isfinite(values).any():
+        return float("nan")
+    good = np.flatnonzero(np.isfinite(values))
+    early = good[time[good] <= time[good[0]] + WINDOW_S]
+    # The line through the first minute, at its beginning: a part may warm from the first second on.
+    if early.size < 5:
+        return float(values[good[0]])
+    slope, level = np.polyfit(time[early] - time[good[0]], values[early], 1)
+    spread = float(np.std(values[early]))
+    return float(level) if abs(slope) * WINDOW_S > 2.0 * spread else float(np.mean(values[early]))
+
+
+def _noise(values: FloatArray | None) -> float:
+    """Scatter of a reading and what the quantiser leaves, standard deviation, K."""
+    if values is None:
+        return 0.1
+    value = values[np.isfinite(values)]
+    noise, step = scatter(value), resolution(value)
+    return float(max(np.hypot(noise, quantiser_bias(noise, step)), 0.02))

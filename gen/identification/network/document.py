@@ -1,0 +1,207 @@
+"""The coefficient file of an identified network."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.coefficients import Coefficients, Document, dump, parse
+from gen.coefficients.document import Accuracy, Ambient, Domain, Input, Validity
+from gen.coefficients.messages import building
+from gen.coefficients.network import (
+    CurveEntry,
+    Exp1Curve,
+    HeatEntry,
+    NetworkEntry,
+    NodeEntry,
+    PathEntry,
+    SensorEntry,
+    TableCurve,
+)
+from gen.coefficients.provenance import ErrorBand, Provenance
+from gen.coefficients.schedule import Points
+from gen.coefficients.versions import FORMAT, VERSION
+from gen.errors import CheckFailed, InputError
+from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.forecast import Band, bands
+from gen.identification.network.foresight import Foresight, foresight
+from gen.identification.network.identify import NetworkFound
+from gen.identification.network.inputs import held
+from gen.identification.network.simulation import physical
+from gen.identification.network.uncertainty import Spread, Steady, spread_of, steady_of
+
+FASTEST = 20.0
+"""No node follows its neighbours within fewer steps of the board: its capacity is raised to this."""
+TWICE = 2.0
+"""Standard deviations by which a declared error is widened."""
+POINT = 5
+"""Distance of a table's points, counts: pchip through them is within 1e-4 of the curve."""
+
+
+def network_text(result: NetworkFound, settings: Settings) -> tuple[str, Coefficients]:
+    """Write the coefficient file's text, and read it back with every check.
+
+    Raises
+    ------
+    CheckFailed
+        When the model that the runs led to is none that can be built.
+    """
+    try:
+        with building():
+            text = dump(_document(result, settings))
+        return text, parse(text.encode())
+    except InputError as error:
+        raise CheckFailed(f"the identified network is not one that can be built: {error}") from error
+
+
+def measured_range(result: NetworkFound) -> tuple[int, int]:
+    """Lowest and highest |PWM| that was measured, 0 where rest was held."""
+    low, high = turned_range(result)
+    return (0 if rest_was_measured(result) else low), high
+
+
+def turned_range(result: NetworkFound) -> tuple[int, int]:
+    """Lowest and highest |PWM| that turned."""
+    levels = result.inputs.levels
+    pwm = np.rint(levels.speed[levels.rest < 0.5] * result.data.full_scale)
+    return int(pwm.min()), int(pwm.max())
+
+
+def rest_was_measured(result: NetworkFound) -> bool:
+    """Whether PWM 0 was held for long enough to say how the motor cools: a minute at least, or a 50th of the time."""
+    inputs = result.inputs
+    rest = float(inputs.width[inputs.rest > 0.99].sum())
+    return rest >= max(60.0, 0.02 * float(inputs.width.sum()))
+
+
+def _document(result: NetworkFound, settings: Settings) -> Document:
+    low, high = measured_range(result)
+    top = settings.full_scale
+    spread = spread_of(result.found)
+    steady = steady_of(result.found, spread, np.arange(top + 1), top)
+    return Document(
+        format=FORMAT,
+        version=VERSION,
+        name=settings.name,
+        description=f"One thermal network, identified from {len(result.data.sources)} run(s).",
+        sample_time_s=settings.sample_time_s,
+        input=Input(name="pwm", full_scale=top, nominal_speed_rpm=settings.nominal_speed_rpm),
+        ambient=_ambient(result),
+        validity=Validity(pwm=(low, high), outside="extrapolate"),
+        domain=_domain(result, steady, top),
+        accuracy=Accuracy(fixed_limit_K=FIXED_LIMIT_K, float_limit_K=FLOAT_LIMIT_K),
+        network=_network(result, settings),
+        provenance=Provenance(
+            source="gen identify --model network",
+            method="One network of heat capacities fitted to all runs at once by the error of its simulation, with "
+            "weak physical priors; hidden nodes and paths by the error on runs left out",
+            data=tuple(source.path.rsplit("/", 1)[-1] for source in result.data.sources),
+            fit=_figures(result),
+            error=tuple(_error_bands(result, spread)),
+        ),
+    )
+
+
+def _ambient(result: NetworkFound) -> Ambient:
+    data = result.data
+    return Ambient(
+        fixed_degC=None if data.ambient_fixed is None else _round(data.ambient_fixed),
+        channel="ambient_degC" if data.ambient_measured else None,
+    )
+
+
+def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
+    structure, vector = result.found.structure, result.found.vector
+    names = (*structure.names, "ambient")
+    # The curves at rest, then at the points of their tables.
+    pwm = np.unique([*range(POINT, settings.full_scale, POINT), settings.full_scale])
+    levels = held(np.concatenate([[0.0], pwm.astype(np.float64)]), settings.full_scale)
+    physics = physical(structure, levels, vector)
+    paths = []
+    loss = np.zeros(structure.nodes)
+    for q, (i, j) in enumerate(structure.paths):
+        own = physics.conductance[:, q]
+        curve = _table(pwm, own[1:], float(own[0])) if j < 0 else _exponential(own, settings.full_scale)
+        paths.append(PathEntry(between=(names[i], names[j]), conductance_W_per_K=curve))
+        loss[[k for k in (i, j) if k >= 0]] += own.max()
+    capacity = np.maximum(physics.capacity, FASTEST * settings.sample_time_s * loss)
+    nodes = []
+    for i, name in enumerate(structure.names):
+        mass = _round(float(capacity[i]))
+        if i < len(structure.sensed):
+            offset = _round(float(vector[structure.offsets[i]]))
+            nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, sensor=SensorEntry(offset_K=offset)))
+        else:
+            nodes.append(NodeEntry(name=name, capacity_J_per_K=mass))
+    heats = tuple(
+        HeatEntry(node=names[node], power_W=_table(pwm, physics.heat[1:, node], 0.0)) for node in structure.heated
+    )
+    return NetworkEntry(nodes=tuple(nodes), paths=tuple(paths), heats=heats)
+
+
+def _table(pwm: NDArray[np.int64], value: FloatArray, rest: float) -> CurveEntry:
+    """A curve through points; at rest a value of its own."""
+    points = Points(pwm=tuple(int(x) for x in pwm), value=tuple(_round(float(y)) for y in value), interpolation="pchip")
+    return TableCurve(table=points, at_rest=_round(rest))
+
+
+def _exponential(value: FloatArray, full_scale: int) -> CurveEntry:
+    """What is straight in its logarithm, from its values at rest and at full speed."""
+    rate = float(np.log(value[-1] / value[0])) / full_scale
+    return Exp1Curve(exp1=(_round(float(value[0])), _round(rate)))
+
+
+def _domain(result: NetworkFound, steady: Steady, full_scale: int) -> Domain:
+    data = result.data
+    ambients = [float(value) for run in data.fine for value in (run.ambient.min(), run.ambient.max())]
+    cold, warm = min([-10.0, *ambients]), max([50.0, *ambients])
+    hottest = max(float(np.nanmax(run.reading)) for run in data.fine if np.isfinite(run.reading).any())
+    top = max(150.0, 1.1 * hottest, 1.1 * (float(np.max(steady.rise)) + warm))
+    return Domain(
+        pwm=(0, full_scale),
+        ambient_degC=(math.floor(cold), math.ceil(warm)),
+        temperature_degC=(math.floor(cold), min(10.0 * math.ceil(top / 10.0), 5000.0)),
+    )
+
+
+def _figures(result: NetworkFound) -> dict[str, dict[str, float]]:
+    covered = result.found.problem.inputs.covered
+    total = np.maximum(covered.sum(axis=0), 1e-9)
+    rms = np.sqrt(np.sum(covered * result.residual**2, axis=0) / total)
+    made = {}
+    for s, name in enumerate(result.data.names):
+        own = float(rms[s])
+        left = float(np.sqrt(np.nanmean(result.judged.by_fold[:, s])))
+        made[name] = {"rms_K": _round(own)} | ({"left_out_rms_K": _round(left)} if math.isfinite(left) else {})
+    return made
+
+
+def _error_bands(result: NetworkFound, spread: Spread) -> list[ErrorBand]:
+    turning = turned_range(result)
+    ahead = foresight(result.found, spread, turning, result.data.full_scale)
+    own = bands(result.inputs, result.judged, result.data.full_scale)
+    made = []
+    for s, name in enumerate(result.data.names):
+        for band in own:
+            if math.isfinite(band.low[s]):
+                made.append(_error_band(name, s, band, ahead))
+    return made
+
+
+def _error_band(name: str, s: int, band: Band, ahead: Foresight) -> ErrorBand:
+    unknown = TWICE * float(ahead.within(*band.pwm)[s])
+    low, high = min(float(band.low[s]), 0.0), max(float(band.high[s]), 0.0)
+    return ErrorBand(
+        component=name,
+        pwm=band.pwm,
+        model_minus_measured_K=(_round(low - unknown), _round(high + unknown)),
+        note=f"on data left out: {band.low[s]:+.2f}..{band.high[s]:+.2f} K in means over a 60th of a run, "
+        f"{band.rms[s]:.2f} K rms; widened by {unknown:.2f} K for what the runs do not determine on other profiles",
+    )
+
+
+def _round(value: float) -> float:
+    return float(f"{value:.6g}")

@@ -1,0 +1,165 @@
+"""Damped Gauss-Newton, twice.
+
+Far from the minimum `approach` damps each parameter by its own curvature and cuts each step (Levenberg, Marquardt).
+Near it `settle` works in a trust region in units of the prior's standard deviations: directions that the runs do not
+determine are damped first, those that they determine well take their whole step (Nocedal and Wright, Numerical
+Optimization, 4.3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, eigh
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.problem import Evaluated, Normal, Problem
+
+FIRST_RADIUS, LARGEST_RADIUS = 0.5, 4.0
+"""How far one iteration may go, in standard deviations of the prior, for every single parameter."""
+FIRST_DAMPING = 1e-2
+TOLERANCE = 1e-4
+"""Relative decrease of the cost below which the search ends."""
+TRIALS = 8
+WORTH = 1e-3
+"""Least share of the expected decrease with which a step is taken."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A minimum.
+
+    Attributes
+    ----------
+    vector
+        Parameters, shape (P,).
+    cost
+        With the priors.
+    evaluated, normal
+        There.
+    iterations
+        How many linearisations it took.
+    """
+
+    vector: FloatArray
+    cost: float
+    evaluated: Evaluated
+    normal: Normal
+    iterations: int
+
+
+def approach(problem: Problem, start: FloatArray, most: int, tolerance: float = TOLERANCE) -> Fit:
+    """Go down from afar, each parameter by at most its prior's standard deviation at once.
+
+    Parameters
+    ----------
+    start
+        Shape (P,).
+    most
+        Linearisations.
+    tolerance
+        Relative decrease of the cost at which to end.
+    """
+    unit = 1.0 / np.sqrt(np.diag(problem.prior.precision))
+    vector = start
+    evaluated, normal = problem.linearised(vector)
+    cost = evaluated.cost + problem.penalty(vector)
+    damping, growth = FIRST_DAMPING, 2.0
+    iteration = 1
+    while iteration < most:
+        matrix, right = problem.assembled(normal, vector)
+        improved, new, ratio, trial = False, cost, 0.0, vector
+        for _ in range(TRIALS):
+            factor = cho_factor(matrix + np.diag(damping * np.diag(matrix)), check_finite=False)
+            step = np.clip(cho_solve(factor, right, check_finite=False), -unit, unit)
+            trial = vector + step
+            new = problem.evaluate(trial).cost + problem.penalty(trial)
+            expected = float(step @ (2.0 * right - matrix @ step))
+            ratio = (cost - new) / expected if expected > 0.0 else -1.0
+            improved = bool(new < cost and ratio > WORTH)
+            if improved:
+                break
+            damping, growth = damping * growth, growth * 2.0
+        if not improved:
+            break
+        # Nielsen's rule.
+        damping, growth = max(damping * max(0.2, 1.0 - (2.0 * ratio - 1.0) ** 3), 1e-8), 2.0
+        small = cost - new < tolerance * cost
+        vector, cost = trial, new
+        evaluated, normal = problem.linearised(vector)
+        iteration += 1
+        if small:
+            break
+    return Fit(vector, cost, evaluated, normal, iteration)
+
+
+def settle(problem: Problem, start: FloatArray, most: int, tolerance: float = TOLERANCE) -> Fit:
+    """Go to the minimum; parameters as for :func:`approach`."""
+    vector = start
+    evaluated, normal = problem.linearised(vector)
+    cost = evaluated.cost + problem.penalty(vector)
+    radius = FIRST_RADIUS
+    deviation = 1.0 / np.sqrt(np.diag(problem.prior.precision))
+    small = 0
+    iteration = 1
+    while iteration < most:
+        matrix, right = problem.assembled(normal, vector)
+        trust = Trust(matrix, right, deviation)
+        improved = False
+        for _ in range(TRIALS):
+            step = trust.step(radius)
+            trial = vector + step
+            tried = problem.evaluate(trial)
+            new = tried.cost + problem.penalty(trial)
+            expected = float(step @ (2.0 * right - matrix @ step))
+            ratio = (cost - new) / expected if expected > 0.0 and np.isfinite(new) else -1.0
+            length = float(np.max(np.abs(step) / deviation))
+            if ratio < 0.25:
+                radius = 0.3 * min(radius, length)
+            elif ratio > 0.75:
+                radius = min(max(radius, 2.0 * length), LARGEST_RADIUS)
+            if ratio > WORTH:
+                improved = True
+                break
+        if not improved:
+            break
+        small = small + 1 if cost - new < tolerance * cost else 0
+        vector, cost = trial, new
+        evaluated, normal = problem.linearised(vector)
+        iteration += 1
+        if small >= 2:
+            break
+    return Fit(vector, cost, evaluated, normal, iteration)
+
+
+class Trust:
+    """The minimum of the linearised problem within a radius.
+
+    Parameters
+    ----------
+    matrix, right
+        Normal equations, shapes (P, P) and (P,).
+    deviation
+        Unit of each parameter, shape (P,).
+    """
+
+    def __init__(self, matrix: FloatArray, right: FloatArray, deviation: FloatArray) -> None:
+        self._deviation = deviation
+        self._values, self._vectors = eigh(matrix * deviation * deviation[:, None], check_finite=False)
+        self._right = self._vectors.T @ (right * deviation)
+
+    def step(self, radius: float) -> FloatArray:
+        """Give the step, no entry longer than `radius` units; shape (P,)."""
+        step = self._damped(0.0)
+        if np.max(np.abs(step)) <= radius:
+            return step * self._deviation
+        low, high = -6.0, 16.0
+        for _ in range(24):
+            middle = 0.5 * (low + high)
+            long = np.max(np.abs(self._damped(10.0**middle))) > radius
+            low, high = (middle, high) if long else (low, middle)
+        return self._damped(10.0**high) * self._deviation
+
+    def _damped(self, damping: float) -> FloatArray:
+        return np.asarray(self._vectors @ (self._right / (np.maximum(self._values, 1e-9) + damping)))

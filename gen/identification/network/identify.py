@@ -1,0 +1,156 @@
+"""Identify one thermal network from all runs together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.data import NetworkData
+from gen.identification.network.inputs import Inputs, inputs_of
+from gen.identification.network.left_out import LeftOut, folds_of, left_out
+from gen.identification.network.priors import prior_of
+from gen.identification.network.problem import Problem
+from gen.identification.network.prune import pruned
+from gen.identification.network.scale import Scale, scale_of
+from gen.identification.network.search import Found, search, tightened
+from gen.identification.network.starts import taken_over
+from gen.identification.network.structure import full
+
+MOST_HIDDEN = 3
+MOST_NODES = 10
+BETTER = 1.03
+"""Left-out errors within this factor of the best are as good."""
+SLACK = 0.2
+"""Nor does a difference count that is below this share of a single reading's noise."""
+AT_LAST = 8
+"""Linearisations on the fine bins."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A number of hidden nodes that was tried.
+
+    Attributes
+    ----------
+    hidden
+        How many.
+    left_out_K
+        Root mean square error on what was left out, K.
+    parameters
+        Free numbers that all runs share.
+    """
+
+    hidden: int
+    left_out_K: float
+    parameters: int
+
+
+@dataclass(frozen=True, eq=False)
+class NetworkFound:
+    """What was identified.
+
+    Attributes
+    ----------
+    data
+        The runs.
+    found
+        The network, on the fine bins.
+    judged
+        Errors on what was left out, on the coarse bins; `inputs` are those.
+    inputs
+        The coarse bins.
+    candidates
+        What else was tried.
+    """
+
+    data: NetworkData
+    found: Found
+    judged: LeftOut
+    inputs: Inputs
+    candidates: tuple[Candidate, ...]
+
+    @property
+    def residual(self) -> FloatArray:
+        """Reading minus model in each fine bin, shape (N, S), K; 0 where nothing was read."""
+        return self.found.fit.evaluated.residual
+
+
+def identify_network(
+    data: NetworkData, progress: Callable[[str], None], most_hidden: int = MOST_HIDDEN
+) -> NetworkFound:
+    """Identify the network.
+
+    Parameters
+    ----------
+    data
+        The runs.
+    progress
+        Told what is being done.
+    most_hidden
+        Most hidden nodes to try.
+    """
+    inputs = inputs_of(data.coarse)
+    scale = scale_of(inputs)
+    folds = folds_of(inputs)
+    noise = float(np.sqrt(np.mean([run.noise_K**2 for run in data.coarse])))
+    tried: list[tuple[Found, LeftOut]] = []
+    for hidden in range(max(0, min(most_hidden, MOST_NODES - len(data.names))) + 1):
+        progress(f"{hidden} hidden node(s): fit")
+        one = search(full(data.names, hidden), inputs, scale)
+        progress(f"{hidden} hidden node(s): left-out error")
+        tried.append((one, left_out(one, folds)))
+        if _enough([out.score_K for _, out in tried], SLACK * noise):
+            break
+    candidates = tuple(Candidate(one.structure.hidden, out.score_K, one.structure.size) for one, out in tried)
+    found, judged = tried[_choice([out.score_K for _, out in tried], SLACK * noise)]
+    progress("paths")
+    found, judged = pruned(found, judged, folds, scale, SLACK * noise)
+    progress("last fit")
+    return NetworkFound(data, _polished(data, found, scale), judged, inputs, candidates)
+
+
+def _enough(scores: list[float], slack: float) -> bool:
+    """Whether one more hidden node is not worth a trial: none could be chosen, or the last two brought nothing."""
+    if scores[-1] <= slack:
+        return True
+    return len(scores) > 2 and scores[-1] > scores[-2] / BETTER
+
+
+def _choice(scores: list[float], slack: float) -> int:
+    """The first that is about as good as the best."""
+    limit = (BETTER * min(scores)) ** 2 + slack**2
+    return next(k for k, score in enumerate(scores) if score**2 <= limit)
+
+
+def _polished(data: NetworkData, found: Found, scale: Scale) -> Found:
+    """The same network on the fine bins."""
+    inputs = inputs_of(data.fine)
+    problem = Problem(found.structure, inputs, prior_of(found.structure, inputs, scale))
+    start = taken_over(problem, found.problem, found.vector)
+    return tightened(problem, start, found.density, AT_LAST, rounds=2)
+
+
+def curves(result: NetworkFound) -> dict[str, tuple[FloatArray, dict[str, FloatArray]]]:
+    """Give the measured and modelled readings of each run.
+
+    Returns
+    -------
+    dict
+        By run: middles of the bins, shape (K,), s; and columns ``<part>_degC`` and ``<part>_model_degC``, shape (K,),
+        degC, NaN where nothing was read.
+    """
+    inputs = result.found.problem.inputs
+    made = {}
+    for run, row in zip(inputs.runs, inputs.rows, strict=True):
+        read = inputs.covered[row] > 0.0
+        measured = np.where(read, inputs.target[row], np.nan)
+        modelled = measured - np.where(read, result.residual[row], np.nan)
+        columns = {}
+        for s, name in enumerate(result.data.names):
+            columns[f"{name}_degC"] = measured[:, s]
+            columns[f"{name}_model_degC"] = modelled[:, s]
+        made[run.name] = (0.5 * (run.edges[1:] + run.edges[:-1]), columns)
+    return made

@@ -1,0 +1,76 @@
+"""The error on runs that took no part in the fit, or on stretches where there are too few runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.fit import settle
+from gen.identification.network.inputs import Inputs
+from gen.identification.network.search import Found
+
+MOST_FOLDS = 5
+STRETCHES = 8
+"""A run that is alone is cut into so many; each fold leaves out every fourth."""
+AT_EACH = 5
+"""Linearisations of a fold, from where all runs lead."""
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOut:
+    """Errors of predictions.
+
+    Attributes
+    ----------
+    error
+        Reading minus prediction, shape (N, S), K; NaN where nothing was predicted.
+    by_fold
+        Mean square by fold and sensed node, shape (F, S), K^2.
+    """
+
+    error: FloatArray
+    by_fold: FloatArray
+
+    @property
+    def score_K(self) -> float:
+        """Root of the mean square over folds and nodes, K."""
+        return float(np.sqrt(np.nanmean(self.by_fold)))
+
+
+def folds_of(inputs: Inputs) -> list[Mask]:
+    """Give what each fold leaves out, shape (N,) each."""
+    runs = len(inputs.runs)
+    if runs == 1:
+        part = (inputs.begins / inputs.runs[0].duration * STRETCHES).astype(np.int64)
+        return [(part % (STRETCHES // 2)) == k for k in range(STRETCHES // 2)]
+    # Neighbours in the list are often alike (speeds in order): a fold takes runs from all over it.
+    count = min(runs, MOST_FOLDS)
+    return [inputs.run % count == k for k in range(count)]
+
+
+def left_out(found: Found, folds: list[Mask]) -> LeftOut:
+    """Fit without each fold and predict it."""
+    problem, inputs = found.problem, found.problem.inputs
+    structure = problem.structure
+    error = np.full(inputs.target.shape, np.nan)
+    by_fold = np.full((len(folds), len(structure.sensed)), np.nan)
+    for f, mask in enumerate(folds):
+        without = problem.weighed(np.where(mask[:, None], 0.0, inputs.weight))
+        start = found.vector.copy()
+        for r, row in enumerate(inputs.rows):
+            if mask[row].all():
+                # A new run: nothing is known of it but where it begins.
+                own = without.columns(r)[structure.size :]
+                start[own] = problem.prior.mean[own]
+        evaluated = problem.evaluate(settle(without, start, AT_EACH).vector)
+        cover = np.where(mask[:, None], inputs.covered, 0.0)
+        error[cover > 0.0] = evaluated.residual[cover > 0.0]
+        total = cover.sum(axis=0)
+        square = np.sum(cover * evaluated.residual**2, axis=0)
+        by_fold[f] = np.where(total > 0.0, square / np.maximum(total, 1e-9), np.nan)
+    return LeftOut(error, by_fold)

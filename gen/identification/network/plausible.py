@@ -1,0 +1,39 @@
+"""What a node that nobody sees may be: as warm as the sensed ones, within a factor of two.
+
+Without this a hidden node can stand for a source of current: a thousand kelvin behind a thousandth of a watt per
+kelvin, which fits each step alone and nothing else.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.inputs import held
+from gen.identification.network.steady import settled
+from gen.identification.network.structure import Structure
+
+WITHIN = 0.7
+"""Standard deviation of the logarithm of a hidden node's steady rise over the mean of the sensed ones."""
+SPEEDS = held(np.array([0.25, 0.5, 0.75, 1.0]), 1)
+
+
+def off(structure: Structure, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """How far hidden nodes are from that, in standard deviations.
+
+    Returns
+    -------
+    residual, slopes
+        Shapes (k,) and (k, p): by the parameters that all runs share.
+    """
+    sensors = len(structure.sensed)
+    if structure.hidden == 0:
+        return np.zeros(0), np.zeros((0, structure.size))
+    found = settled(structure, SPEEDS, vector)
+    rise = np.maximum(found.rise, 1e-6)
+    logs, slopes = np.log(rise), found.slopes / rise[:, :, None]
+    # The four speeds say the same thing: together they count once.
+    unit = WITHIN * np.sqrt(SPEEDS.count)
+    residual = (logs[:, sensors:] - logs[:, :sensors].mean(axis=1, keepdims=True)) / unit
+    slope = (slopes[:, sensors:] - slopes[:, :sensors].mean(axis=1, keepdims=True)) / unit
+    return residual.ravel(), slope.reshape(-1, structure.size)

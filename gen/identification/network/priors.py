@@ -1,0 +1,89 @@
+"""What is known before any run: wide, physical, and written down.
+
+Every logarithm is within a factor of e^2 (standard deviation) of a typical value. Typical are: a capacity of 100 J/K
+(a few hundred grams of metal); conductances that make the capacities settle within the time that the runs show; heats
+that make the rises that the runs show. Temperatures alone do not determine the scale of all capacities, conductances
+and heats together: it is the prior's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.forms import HEAT, OUTSIDE, WITHIN
+from gen.identification.network.inputs import Inputs
+from gen.identification.network.scale import Scale
+from gen.identification.network.structure import Structure
+
+FACTOR = 2.0
+"""Standard deviation of a logarithm."""
+CAPACITY = 100.0
+"""J/K."""
+OFFSET_K = 0.3
+"""Standard deviation of a sensor's offset, K."""
+ROOM_K = 1.5
+"""Of the level of an unmeasured ambient about what is assumed, K."""
+ROOM_STEP_K = 0.5
+"""Of its change between two hats (an hour), K."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prior:
+    """A normal distribution.
+
+    Attributes
+    ----------
+    mean
+        Shape (P,).
+    precision
+        Shape (P, P).
+    """
+
+    mean: FloatArray
+    precision: FloatArray
+
+    @property
+    def deviation(self) -> FloatArray:
+        """Standard deviations, shape (P,)."""
+        return np.sqrt(np.diag(np.linalg.inv(self.precision)))
+
+
+def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
+    """Write the prior down."""
+    nodes, shared = structure.nodes, structure.size
+    own = nodes + inputs.room.shape[-1]
+    size = shared + len(inputs.runs) * own
+    mean, deviation = np.zeros(size), np.full(size, FACTOR)
+    mean[structure.capacities], deviation[structure.capacities] = np.log(CAPACITY), FACTOR
+    loss = CAPACITY / scale.settling_s
+    levels = {OUTSIDE: np.log(loss), WITHIN: np.log(2.0 * loss / max(nodes - 1, 1))}
+    blocks: list[tuple[slice, FloatArray]] = []
+    for form, at in zip(structure.forms, structure.conductances, strict=True):
+        mean[at] = form.mean
+        mean[at.start + form.level] = levels[form]
+        blocks.append((at, form.precision))
+    for at in structure.heats:
+        mean[at] = HEAT.mean
+        mean[at.start + HEAT.level] = np.log(loss * scale.rise_K / 2.0)
+        blocks.append((at, HEAT.precision))
+    mean[structure.offsets], deviation[structure.offsets] = 0.0, OFFSET_K
+    precision = np.zeros((size, size))
+    for r in range(len(inputs.runs)):
+        first = shared + r * own
+        sensed, hidden = inputs.loose[r]
+        deviation[first : first + len(structure.sensed)] = sensed
+        deviation[first + len(structure.sensed) : first + nodes] = hidden
+        deviation[first + nodes : first + own] = ROOM_K if not inputs.runs[r].ambient_known else 1e-3
+    precision[np.diag_indices(size)] = 1.0 / deviation**2
+    for at, block in blocks:
+        level = np.diag(block) == 0.0
+        precision[at, at] = block + np.diag(np.where(level, FACTOR**-2, 0.0))
+    for r in range(len(inputs.runs)):
+        at = shared + r * own + nodes
+        for b in range(own - nodes - 1):
+            pair = np.ix_([at + b, at + b + 1], [at + b, at + b + 1])
+            precision[pair] += np.array([[1.0, -1.0], [-1.0, 1.0]]) / ROOM_STEP_K**2
+    return Prior(mean, precision)

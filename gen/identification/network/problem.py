@@ -1,0 +1,168 @@
+"""The sum of squares that is minimised: readings of all runs, weighed by what they can tell, and priors.
+
+The vector of parameters begins with those that all runs share (see `structure`); then, run by run, each node's start
+(K, from where the readings begin) and the hats of an unmeasured ambient (K).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray, IntArray
+from gen.identification.network.inputs import Inputs
+from gen.identification.network.plausible import off
+from gen.identification.network.priors import Prior
+from gen.identification.network.simulation import Slopes, physical, sensitivities, simulate, steps_of
+from gen.identification.network.structure import Structure
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluated:
+    """One vector of parameters along all runs.
+
+    Attributes
+    ----------
+    residual
+        Reading minus model, shape (N, S), K; 0 where nothing was read.
+    cost
+        Sum of the weighed squares, without the prior.
+    after
+        Temperatures at the ends of the bins, shape (N, n), degC.
+    """
+
+    residual: FloatArray
+    cost: float
+    after: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Normal:
+    """Normal equations by run over the shared parameters and the run's own, without priors.
+
+    Attributes
+    ----------
+    matrix
+        J^T W J, shape (R, p, p).
+    vector
+        J^T W residual, shape (R, p).
+    """
+
+    matrix: FloatArray
+    vector: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Runs, network and priors."""
+
+    structure: Structure
+    inputs: Inputs
+    prior: Prior
+
+    @property
+    def runs(self) -> int:
+        """How many."""
+        return len(self.inputs.runs)
+
+    @property
+    def own(self) -> int:
+        """Parameters of one run alone."""
+        return self.structure.nodes + int(self.inputs.room.shape[-1])
+
+    @property
+    def size(self) -> int:
+        """All parameters."""
+        return self.structure.size + self.runs * self.own
+
+    def columns(self, run: int) -> IntArray:
+        """Where in the vector the shared parameters and a run's own stand, shape (p,)."""
+        first = self.structure.size + run * self.own
+        return np.concatenate([np.arange(self.structure.size), np.arange(first, first + self.own)])
+
+    def per_run(self, vector: FloatArray) -> FloatArray:
+        """Each run's own parameters, shape (R, own)."""
+        return vector[self.structure.size :].reshape(self.runs, self.own)
+
+    def _begin(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Temperatures at the start, shape (R, n), and the unknown part of the ambient, shape (N,)."""
+        own = self.per_run(vector)
+        nodes, sensors = self.structure.nodes, len(self.structure.sensed)
+        begin = np.repeat(self.inputs.begin[:, -1:], nodes, axis=1)
+        begin[:, :sensors] = self.inputs.begin[:, :sensors]
+        room = np.einsum("nb,nb->n", self.inputs.room, own[self.inputs.run, nodes:])
+        return begin + own[:, :nodes], room
+
+    def evaluate(self, vector: FloatArray) -> Evaluated:
+        """Simulate all runs."""
+        found = physical(self.structure, self.inputs.levels, vector)
+        steps = steps_of(self.structure, self.inputs.levels, found)
+        start, room = self._begin(vector)
+        return self._evaluated(vector, *simulate(self.inputs, steps, found, start, room))
+
+    def _evaluated(self, vector: FloatArray, before: FloatArray, after: FloatArray) -> Evaluated:
+        inputs, sensors = self.inputs, len(self.structure.sensed)
+        old, new = before[:, :sensors], after[:, :sensors]
+        model = old + inputs.share * (new - old) + vector[self.structure.offsets]
+        residual = np.where(inputs.covered > 0.0, inputs.target - model, 0.0)
+        return Evaluated(residual, float(np.einsum("ns,ns->", inputs.weight, residual**2)), after)
+
+    def linearised(self, vector: FloatArray) -> tuple[Evaluated, Normal]:
+        """Simulate, and give the normal equations."""
+        evaluated, slopes = self.slopes(vector)
+        root = np.sqrt(self.inputs.weight)
+        count = self.structure.size + self.own
+        matrix, right = np.empty((self.runs, count, count)), np.empty((self.runs, count))
+        weighed = root * evaluated.residual
+        for r, row in enumerate(self.inputs.rows):
+            lines = (slopes[row] * root[row][:, :, None]).reshape(-1, count)
+            matrix[r] = lines.T @ lines
+            right[r] = lines.T @ weighed[row].ravel()
+        return evaluated, Normal(matrix, right)
+
+    def slopes(self, vector: FloatArray) -> tuple[Evaluated, Slopes]:
+        """Simulate, and give the derivatives of the modelled readings.
+
+        Returns
+        -------
+        evaluated, slopes
+            Derivatives by the shared parameters and the own ones of the bin's run, shape (N, S, p).
+        """
+        structure, inputs = self.structure, self.inputs
+        found = physical(structure, inputs.levels, vector)
+        steps = steps_of(structure, inputs.levels, found)
+        start, room = self._begin(vector)
+        before, after = simulate(inputs, steps, found, start, room)
+        return self._evaluated(vector, before, after), sensitivities(structure, inputs, found, steps, before, room)
+
+    def assembled(self, normal: Normal, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Normal equations of all parameters with priors.
+
+        Returns
+        -------
+        matrix, right
+            Shapes (P, P) and (P,); the step solves matrix * step = right.
+        """
+        matrix, right = np.zeros((self.size, self.size)), np.zeros(self.size)
+        for r in range(self.runs):
+            at = self.columns(r)
+            matrix[np.ix_(at, at)] += normal.matrix[r]
+            right[at] += normal.vector[r]
+        matrix += self.prior.precision
+        right -= self.prior.precision @ (vector - self.prior.mean)
+        implausible, slopes = off(self.structure, vector)
+        shared = self.structure.size
+        matrix[:shared, :shared] += slopes.T @ slopes
+        right[:shared] -= slopes.T @ implausible
+        return matrix, right
+
+    def penalty(self, vector: FloatArray) -> float:
+        """Give the prior's part of the cost."""
+        away = vector - self.prior.mean
+        implausible, _ = off(self.structure, vector)
+        return float(away @ self.prior.precision @ away + implausible @ implausible)
+
+    def weighed(self, weight: FloatArray) -> Problem:
+        """Give the same problem with other weights of the readings."""
+        return replace(self, inputs=replace(self.inputs, weight=weight))

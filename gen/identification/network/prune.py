@@ -1,0 +1,101 @@
+"""Which paths and heats are needed: those through which next to nothing flows are taken out, if nothing gets worse."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.left_out import LeftOut, Mask, left_out
+from gen.identification.network.priors import prior_of
+from gen.identification.network.problem import Problem
+from gen.identification.network.scale import Scale
+from gen.identification.network.search import Found, tightened
+from gen.identification.network.simulation import physical
+from gen.identification.network.starts import taken_over
+from gen.identification.network.structure import Structure
+
+SHARES = (0.02, 0.005)
+"""Of the whole heat: paths and heats that never carry more are candidates; the boldest cut that does no harm stays."""
+AT_EACH = 12
+"""Linearisations after a cut."""
+HARM = 1.02
+"""Factor on the left-out error within which a cut does no harm."""
+
+
+def pruned(found: Found, judged: LeftOut, folds: list[Mask], scale: Scale, slack_K: float) -> tuple[Found, LeftOut]:
+    """Take out what is not needed.
+
+    Parameters
+    ----------
+    found, judged
+        The full network and its left-out error.
+    folds
+        What each fold leaves out.
+    scale
+        For the prior.
+    slack_K
+        Errors that differ by less, in the mean square, do not count.
+    """
+    tried: set[Structure] = {found.structure}
+    for share in SHARES:
+        structure = _cut(found, share)
+        if structure in tried:
+            continue
+        tried.add(structure)
+        inputs = found.problem.inputs
+        problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
+        start = taken_over(problem, found.problem, found.vector)
+        smaller = tightened(problem, start, found.density, AT_EACH, rounds=2)
+        errors = left_out(smaller, folds)
+        if errors.score_K**2 <= (HARM * judged.score_K) ** 2 + slack_K**2:
+            return smaller, errors
+    return found, judged
+
+
+def flows(found: Found) -> tuple[FloatArray, FloatArray]:
+    """Give the most heat that ever flows through each path, and that each node is given, W, shapes (Q,) and (heated,).
+
+    Returns
+    -------
+    paths, heats
+        Both over the largest total of heats.
+    """
+    problem = found.problem
+    structure, inputs = problem.structure, problem.inputs
+    physics = physical(structure, inputs.levels, found.vector)
+    ends = np.column_stack([found.fit.evaluated.after, inputs.ambient])
+    conductance = physics.conductance[inputs.level]
+    most = [
+        float(np.max(np.abs(conductance[:, q] * (ends[:, i] - ends[:, j])))) for q, (i, j) in enumerate(structure.paths)
+    ]
+    total = max(float(np.max(physics.heat.sum(axis=1))), 1e-12)
+    heats = physics.heat[:, list(structure.heated)].max(axis=0)
+    return np.array(most) / total, np.asarray(heats / total)
+
+
+def _cut(found: Found, share: float) -> Structure:
+    """The structure without what never carries more than a share; every node keeps a way out, and one its heat."""
+    structure = found.structure
+    by_path, by_heat = flows(found)
+    kept = [q for q in range(len(structure.paths)) if by_path[q] > share]
+    for q in sorted(set(range(len(structure.paths))) - set(kept), key=lambda q: -by_path[q]):
+        if not _all_reach([structure.paths[k] for k in kept], structure.nodes):
+            kept.append(q)
+    kept.sort()
+    heated = [node for h, node in enumerate(structure.heated) if by_heat[h] > share]
+    heated = heated or [structure.heated[int(np.argmax(by_heat))]]
+    return Structure(
+        structure.sensed,
+        structure.hidden,
+        tuple(structure.paths[q] for q in kept),
+        tuple(heated),
+    )
+
+
+def _all_reach(paths: list[tuple[int, int]], nodes: int) -> bool:
+    reached = {-1}
+    while True:
+        more = {end for path in paths if reached & set(path) for end in path} - reached
+        if not more:
+            return len(reached) == nodes + 1
+        reached |= more

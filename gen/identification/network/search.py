@@ -1,0 +1,100 @@
+"""The best network of one structure: from loose to tight, so that the search does not end in the first hollow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.fit import Fit, approach, settle
+from gen.identification.network.inputs import Inputs
+from gen.identification.network.priors import prior_of
+from gen.identification.network.problem import Problem
+from gen.identification.network.scale import Scale
+from gen.identification.network.starts import from_parts
+from gen.identification.network.structure import Structure
+from gen.identification.network.weights import density, weights
+
+LOOSE = (3000.0, 300.0, 80.0)
+"""Densities of the errors with which the search begins, K^2 s: 2 K for ten minutes, and less each time."""
+FIRST_AT = 20.0
+AT_EACH, AT_LAST = 6, 24
+"""Linearisations."""
+SAME = 0.25
+"""Logarithm of the densities within which they agree with the residual's own."""
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """One structure at its best.
+
+    Attributes
+    ----------
+    problem
+        With the weights that agree with the residual.
+    fit
+        The minimum.
+    density
+        Of the residual, shape (S,), K^2 s.
+    """
+
+    problem: Problem
+    fit: Fit
+    density: FloatArray
+
+    @property
+    def structure(self) -> Structure:
+        """What was fitted."""
+        return self.problem.structure
+
+    @property
+    def vector(self) -> FloatArray:
+        """Parameters, shape (P,)."""
+        return self.fit.vector
+
+
+def search(structure: Structure, inputs: Inputs, scale: Scale) -> Found:
+    """Find the best network of a structure.
+
+    Parameters
+    ----------
+    structure
+        What is free.
+    inputs
+        The runs; their weights are not used.
+    scale
+        What the parts do alone.
+    """
+    problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
+    vector = from_parts(problem, scale)
+    sensors = len(structure.sensed)
+    for level in LOOSE:
+        loose = problem.weighed(weights(inputs, np.full(sensors, level)))
+        vector = approach(loose, vector, AT_EACH).vector
+    return tightened(problem, vector, np.full(sensors, FIRST_AT), AT_LAST)
+
+
+def tightened(problem: Problem, start: FloatArray, of: FloatArray, most: int, rounds: int = 3) -> Found:
+    """Fit until the weights agree with what is left.
+
+    Parameters
+    ----------
+    problem, start
+        What to fit, from where.
+    of
+        Density to begin with, shape (S,), K^2 s.
+    most
+        Linearisations in the first round; half as many in each further one.
+    rounds
+        At most.
+    """
+    for number in range(rounds):
+        problem = problem.weighed(weights(problem.inputs, of))
+        fit = settle(problem, start, most if number == 0 else max(most // 2, 4))
+        start = fit.vector
+        own = density(problem.inputs, fit.evaluated.residual)
+        if np.all(np.abs(np.log(own / of)) < SAME):
+            break
+        of = own
+    return Found(problem, fit, own)

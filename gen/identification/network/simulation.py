@@ -1,0 +1,268 @@
+"""The network along all runs: exact over each bin, with exact derivatives by all parameters.
+
+With z = C^(1/2) T the network is z' = A z + C^(-1/2) (g T_ambient + P), A symmetric, so A = V diag(l) V^T and over a
+bin of length h the solution is z -> e^(Ah) z + phi(A) q, phi(l) = (e^(lh) - 1) / l. A change dA adds
+V ((V^T dA V) o D) V^T, D the divided differences of e^(lh) (Daleckii and Krein; Higham, Functions of Matrices, 3.3).
+A path changes A by a matrix of rank one, so its derivative is a heat that flows from one node to the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.forms import HEAT, OUTSIDE, SLOW, WITHIN
+from gen.identification.network.inputs import Inputs, Levels
+from gen.identification.network.structure import Structure
+
+Slopes = NDArray[np.float32]
+LARGEST = 60.0
+"""Of a logarithm: what a search tries must not overflow."""
+
+
+@dataclass(frozen=True, eq=False)
+class Physical:
+    """What the parameters mean at each distinct input.
+
+    Attributes
+    ----------
+    capacity
+        Shape (n,), J/K.
+    conductance, by_term
+        Shape (L, Q), W/K, and derivatives by the free terms, shape (L, F).
+    heat, by_heat_term
+        Shape (L, n), W, and derivatives, shape (L, heated, k).
+    """
+
+    capacity: FloatArray
+    conductance: FloatArray
+    by_term: FloatArray
+    heat: FloatArray
+    by_heat_term: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """The exact step of each distinct input.
+
+    Attributes
+    ----------
+    decay, phi
+        Of each mode, shape (L, n).
+    vectors
+        Modes as columns, in z, shape (L, n, n).
+    rates
+        Shape (L, n), 1/s, negative.
+    matrix
+        T -> T, shape (L, n, n).
+    gain
+        Heat in W -> T, shape (L, n, n).
+    outside
+        Conductance of each node to the ambient, shape (L, n), W/K.
+    """
+
+    decay: FloatArray
+    phi: FloatArray
+    vectors: FloatArray
+    rates: FloatArray
+    matrix: FloatArray
+    gain: FloatArray
+    outside: FloatArray
+
+
+def physical(structure: Structure, levels: Levels, vector: FloatArray) -> Physical:
+    """Evaluate capacities, conductances and heats at each distinct input."""
+    rest, turn = levels.rest[:, None], 1.0 - levels.rest[:, None]
+    curves = {form: (form.usual(levels.speed), form.turning(levels.speed)) for form in (OUTSIDE, WITHIN, HEAT)}
+    conductance = np.empty((levels.count, len(structure.paths)))
+    by_term = np.empty((levels.count, structure.path_of.size))
+    for q, (form, at) in enumerate(zip(structure.forms, structure.conductances, strict=True)):
+        usual, functions = curves[form]
+        own = vector[at]
+        moved = turn * np.exp(np.minimum(usual + functions @ own, LARGEST))[:, None]
+        slow = float(form.usual(np.array([SLOW]))[0])
+        still = rest * np.exp(np.minimum(slow + form.at_rest @ own, LARGEST))
+        conductance[:, q] = (moved + still)[:, 0]
+        by_term[:, at.start - structure.nodes : at.stop - structure.nodes] = moved * functions + still * form.at_rest
+    usual, functions = curves[HEAT]
+    heat = np.zeros((levels.count, structure.nodes))
+    by_heat = np.empty((levels.count, len(structure.heated), HEAT.size))
+    for h, (node, at) in enumerate(zip(structure.heated, structure.heats, strict=True)):
+        given = turn * np.exp(np.minimum(usual + functions @ vector[at], LARGEST))[:, None]
+        heat[:, node] = given[:, 0]
+        by_heat[:, h] = given * functions
+    return Physical(np.exp(vector[structure.capacities]), conductance, by_term, heat, by_heat)
+
+
+def steps_of(structure: Structure, levels: Levels, found: Physical) -> Steps:
+    """Discretise the network at each distinct input."""
+    incidence, root = structure.incidence, np.sqrt(found.capacity)
+    scaled = incidence / root
+    matrix = -np.einsum("lq,qi,qj->lij", found.conductance, scaled, scaled, optimize=True)
+    rates, vectors = np.linalg.eigh(matrix)
+    rates = np.minimum(rates, -1e-12)
+    exponent = rates * levels.width[:, None]
+    decay = np.exp(exponent)
+    phi = np.expm1(exponent) / rates
+    turned = np.swapaxes(vectors, 1, 2)
+    step = (vectors * decay[:, None, :]) @ turned
+    gain = (vectors * phi[:, None, :]) @ turned
+    outside = found.conductance @ (structure.outer[:, None] * incidence)
+    return Steps(
+        decay=decay,
+        phi=phi,
+        vectors=vectors,
+        rates=rates,
+        matrix=step * (root / root[:, None]),
+        gain=gain / (root * root[:, None]),
+        outside=outside,
+    )
+
+
+def simulate(
+    inputs: Inputs, steps: Steps, found: Physical, start: FloatArray, room: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Temperatures at the beginning and at the end of each bin.
+
+    Parameters
+    ----------
+    start
+        Shape (R, n), degC.
+    room
+        Added to the ambient, shape (N,), K.
+
+    Returns
+    -------
+    before, after
+        Shape (N, n), degC.
+    """
+    level = inputs.level
+    # The gain's rows times what comes from outside and from the heats, for each distinct input once.
+    from_ambient = np.einsum("lij,lj->li", steps.gain, steps.outside)
+    from_heat = np.einsum("lij,lj->li", steps.gain, found.heat)
+    driven = (from_ambient[level] * (inputs.ambient + room)[:, None] + from_heat[level])[:, :, None]
+    before, after = np.empty_like(driven), np.empty_like(driven)
+    matrix = steps.matrix[level]
+    current = start[inputs.order][:, :, None]
+    for low, high in pairwise(inputs.first.tolist()):
+        current = current[: high - low]
+        before[low:high] = current
+        current = np.matmul(matrix[low:high], current, out=after[low:high])
+        current += driven[low:high]
+    return before[..., 0], after[..., 0]
+
+
+def sensitivities(
+    structure: Structure,
+    inputs: Inputs,
+    found: Physical,
+    steps: Steps,
+    before: FloatArray,
+    room: FloatArray,
+) -> Slopes:
+    """Derivatives of the modelled readings.
+
+    Returns
+    -------
+    array
+        Shape (N, S, p): by the parameters that all runs share, in the structure's order, then by each node's start and
+        by the hats of the room. Single precision: they only point the way.
+    """
+    sources = _sources(structure, inputs, found, steps, before, room)
+    nodes, sensors = structure.nodes, len(structure.sensed)
+    made = np.empty((inputs.level.size, sensors, sources.shape[-1]), dtype=np.float32)
+    current = np.zeros((len(inputs.runs), nodes, sources.shape[-1]), dtype=np.float32)
+    current[:, :, structure.size : structure.size + nodes] = np.eye(nodes)
+    matrix = steps.matrix.astype(np.float32)[inputs.level]
+    late = inputs.share.astype(np.float32)[:, :, None]
+    early = np.float32(1.0) - late
+    for low, high in pairwise(inputs.first.tolist()):
+        shown = made[low:high]
+        np.multiply(early[low:high], current[: high - low, :sensors], out=shown)
+        current = np.matmul(matrix[low:high], current[: high - low])
+        current += sources[low:high]
+        shown += late[low:high] * current[:, :sensors]
+    for s, column in enumerate(structure.offsets.tolist()):
+        made[:, s, column] = 1.0
+    return made
+
+
+def _sources(
+    structure: Structure, inputs: Inputs, found: Physical, steps: Steps, before: FloatArray, room: FloatArray
+) -> Slopes:
+    """What each parameter adds to the temperatures within one bin, shape (N, n, p)."""
+    level = inputs.level
+    nodes = structure.nodes
+    root = np.sqrt(found.capacity)
+    ambient = inputs.ambient + room
+    turned = np.swapaxes(steps.vectors, 1, 2)
+    outside = steps.outside[level] * ambient[:, None] + found.heat[level]
+    own = turned[level]
+    modal = (own @ (before * root)[..., None])[..., 0]
+    forced = (own @ (outside / root)[..., None])[..., 0]
+    rate = steps.rates[level] * modal + forced
+    single = np.float32
+    first, second = (part.astype(single)[level] for part in _divided(steps, inputs.levels.width))
+    by_path = ((structure.incidence / root) @ steps.vectors).astype(single)[level]
+    by_node = steps.vectors.astype(single)[level]
+    phi = steps.phi.astype(single)[level]
+    state, drive, change = (part.astype(single)[:, None, :] for part in (modal, forced, rate))
+    # A path takes heat where it is warmer: -v (D (v z) + D' (v q)), and from the ambient gives back v phi T_ambient.
+    inner = (by_path * state) @ first
+    inner += (by_path * drive) @ second
+    back = structure.outer.astype(single)[:, None] * (phi * ambient.astype(single)[:, None])[:, None, :]
+    flow = by_path * (back - inner)
+    stored = -by_node * ((by_node * change) @ first)
+    heated = list(structure.heated)
+    warmed = by_node[:, heated] * phi[:, None, :] / root.astype(single)[heated][:, None]
+    size = structure.size
+    sources = np.zeros((level.size, nodes, size + nodes + inputs.room.shape[-1]), dtype=single)
+    to_nodes = np.swapaxes(turned, 1, 2).astype(single)[level] / root.astype(single)[:, None]
+
+    def temperatures(columns: Slopes | FloatArray) -> Slopes:
+        return np.asarray(to_nodes @ np.swapaxes(columns, 1, 2), dtype=single)
+
+    sources[..., :nodes] = temperatures(stored)
+    path = structure.path_of
+    last = nodes + path.size
+    by_term = found.by_term.astype(single)[level]
+    np.multiply(temperatures(flow)[..., path], by_term[:, None], out=sources[..., nodes:last])
+    if heated:
+        by_heat = found.by_heat_term.astype(single)[level]
+        each = temperatures(warmed)[..., None] * by_heat[:, None]
+        sources[..., last : structure.offsets[0]] = each.reshape(level.size, nodes, -1)
+    if inputs.room.shape[-1]:
+        reach = np.einsum("lij,lj->li", steps.gain, steps.outside)[level]
+        sources[..., size + nodes :] = reach[..., None] * inputs.room[:, None, :]
+    return sources
+
+
+def _divided(steps: Steps, width: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Divided differences of e^(lh) and of phi over all pairs of rates, shape (L, n, n) each."""
+    rates, h = steps.rates, width[:, None, None]
+    a, b = rates[:, :, None], rates[:, None, :]
+    gap = (a - b) * h
+    near = np.abs(gap) < 1e-6
+    safe = np.where(near, 1.0, a - b)
+    middle = 0.5 * (a + b)
+    # e^(ah) - e^(bh) = 2 e^(mh) sinh((a-b)h/2): no cancellation, and exact to second order where a = b.
+    exponential = np.exp(middle * h)
+    half = np.minimum(np.abs(0.5 * gap), 300.0)
+    direct = (steps.decay[:, :, None] - steps.decay[:, None, :]) / safe
+    smooth = exponential * h * np.where(half < 1e-3, 1.0 + half**2 / 6.0, np.sinh(half) / np.maximum(half, 1e-3))
+    first = np.where(half < 1.0, smooth, direct)
+    # phi(a) = int_0^h e^(at) dt; its divided difference is (first - phi(b)) / a.
+    direct_phi = (steps.phi[:, :, None] - steps.phi[:, None, :]) / safe
+    by_product = (first - steps.phi[:, None, :]) / a
+    return first, np.where(half < 0.1, _confluent(middle, h, by_product), direct_phi)
+
+
+def _confluent(rate: FloatArray, h: FloatArray, by_product: FloatArray) -> FloatArray:
+    """phi'(l) = (h e^(lh) - phi(l)) / l, by its series where lh is small."""
+    x = rate * h
+    series = h**2 * (0.5 + x / 3.0 + x**2 / 8.0 + x**3 / 30.0)
+    return np.where(np.abs(x) < 1e-3, series, by_product)

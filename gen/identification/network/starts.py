@@ -1,0 +1,58 @@
+"""Where the search begins: from the parts alone, then with one more hidden node each time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.forms import HEAT, OUTSIDE
+from gen.identification.network.problem import Problem
+from gen.identification.network.scale import Scale
+
+
+def from_parts(problem: Problem, scale: Scale) -> FloatArray:
+    """Begin with what each part does alone, all of them coupled as the prior has it."""
+    structure = problem.structure
+    vector = problem.prior.mean.copy()
+    capacity = np.exp(vector[0])
+    for (i, j), at in zip(structure.paths, structure.conductances, strict=True):
+        if j < 0 and i < len(structure.sensed):
+            vector[at.start + OUTSIDE.level] = np.log(capacity / scale.settling[i])
+    for i, at in zip(structure.heated, structure.heats, strict=True):
+        if i < len(structure.sensed):
+            vector[at.start + HEAT.level] = np.log(capacity / scale.settling[i] * scale.rise[i])
+    return vector
+
+
+def taken_over(problem: Problem, before: Problem, found: FloatArray) -> FloatArray:
+    """Give the parameters of another structure or other bins for what both have; the rest as the prior has it.
+
+    Parameters
+    ----------
+    problem
+        What is to begin.
+    before, found
+        What was fitted, and its parameters, shape (P,).
+    """
+    structure, old = problem.structure, before.structure
+    vector = problem.prior.mean.copy()
+    place = {name: i for i, name in enumerate(old.names)}
+    nodes = [(i, place[name]) for i, name in enumerate(structure.names) if name in place]
+    number = dict(nodes)
+    for i, k in nodes:
+        vector[structure.capacities[i]] = found[old.capacities[k]]
+    paths = {frozenset(path): q for q, path in enumerate(old.paths)}
+    for q, path in enumerate(structure.paths):
+        same = frozenset(number.get(i, -2) if i >= 0 else -1 for i in path)
+        if same in paths:
+            vector[structure.conductances[q]] = found[old.conductances[paths[same]]]
+    heats = {node: h for h, node in enumerate(old.heated)}
+    for h, node in enumerate(structure.heated):
+        if number.get(node, -2) in heats:
+            vector[structure.heats[h]] = found[old.heats[heats[number[node]]]]
+    vector[structure.offsets] = found[old.offsets]
+    own, mine = before.per_run(found), problem.per_run(vector)
+    mine[:, [i for i, _ in nodes]] = own[:, [k for _, k in nodes]]
+    mine[:, structure.nodes :] = own[:, old.nodes :]
+    vector[structure.size :] = mine.ravel()
+    return vector

@@ -1,0 +1,118 @@
+"""Which numbers of a network are free: nodes, paths, heats, and where each stands in the vector of parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray, IntArray
+from gen.identification.network.forms import HEAT, OUTSIDE, WITHIN, Form
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Nodes, paths and heats.
+
+    Attributes
+    ----------
+    sensed
+        Names of the sensed nodes: nodes 0..S-1.
+    hidden
+        How many follow.
+    paths
+        Pairs of nodes; the ambient is -1 and stands second.
+    heated
+        Nodes with a heat of their own.
+    """
+
+    sensed: tuple[str, ...]
+    hidden: int
+    paths: tuple[tuple[int, int], ...]
+    heated: tuple[int, ...]
+
+    @property
+    def nodes(self) -> int:
+        """How many."""
+        return len(self.sensed) + self.hidden
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of all nodes."""
+        taken = set(self.sensed)
+        hidden: list[str] = []
+        number = 1
+        while len(hidden) < self.hidden:
+            name = f"hidden{number}"
+            if name not in taken:
+                hidden.append(name)
+            number += 1
+        return (*self.sensed, *hidden)
+
+    @cached_property
+    def incidence(self) -> FloatArray:
+        """For each path +1 at its first and -1 at its second node, shape (Q, n)."""
+        made = np.zeros((len(self.paths), self.nodes))
+        for q, (i, j) in enumerate(self.paths):
+            made[q, i] = 1.0
+            if j >= 0:
+                made[q, j] = -1.0
+        return made
+
+    @cached_property
+    def outer(self) -> FloatArray:
+        """1 for each path to the ambient, shape (Q,)."""
+        return np.array([1.0 if j < 0 else 0.0 for _, j in self.paths])
+
+    # Places in the vector of parameters.
+
+    @cached_property
+    def capacities(self) -> IntArray:
+        """Of the logarithms of the capacities, shape (n,)."""
+        return np.arange(self.nodes)
+
+    @cached_property
+    def forms(self) -> tuple[Form, ...]:
+        """How each path goes with speed."""
+        return tuple(OUTSIDE if j < 0 else WITHIN for _, j in self.paths)
+
+    @cached_property
+    def conductances(self) -> tuple[slice, ...]:
+        """Of the free numbers of each path."""
+        return _slices(self.nodes, [form.size for form in self.forms])
+
+    @cached_property
+    def heats(self) -> tuple[slice, ...]:
+        """Of the free numbers of each heat."""
+        first = self.conductances[-1].stop if self.paths else self.nodes
+        return _slices(first, [HEAT.size] * len(self.heated))
+
+    @cached_property
+    def path_of(self) -> IntArray:
+        """The path that each free number of a path belongs to, shape (F,)."""
+        return np.repeat(np.arange(len(self.paths)), [form.size for form in self.forms])
+
+    @cached_property
+    def offsets(self) -> IntArray:
+        """Of the sensors' offsets, shape (S,)."""
+        first = self.nodes + self.path_of.size + HEAT.size * len(self.heated)
+        return first + np.arange(len(self.sensed))
+
+    @property
+    def size(self) -> int:
+        """Parameters that all runs share."""
+        return self.nodes + self.path_of.size + HEAT.size * len(self.heated) + len(self.sensed)
+
+
+def _slices(first: int, sizes: list[int]) -> tuple[slice, ...]:
+    ends = first + np.cumsum(sizes)
+    return tuple(slice(int(end) - size, int(end)) for end, size in zip(ends, sizes, strict=True))
+
+
+def full(sensed: tuple[str, ...], hidden: int) -> Structure:
+    """Give the network in which every node has a path to every other and to the ambient, and a heat."""
+    count = len(sensed) + hidden
+    inner = [(i, j) for i in range(count) for j in range(i + 1, count)]
+    paths = (*inner, *((i, -1) for i in range(count)))
+    return Structure(sensed, hidden, paths, tuple(range(count)))

@@ -1,0 +1,283 @@
+"""What was found, as JSON and as text for the terminal."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.document import measured_range, rest_was_measured
+from gen.identification.network.forecast import bands
+from gen.identification.network.identify import NetworkFound
+from gen.identification.network.inputs import held
+from gen.identification.network.simulation import physical
+from gen.identification.network.uncertainty import Spread, Steady, spread_of, steady_of, undetermined
+
+SETTLED = 3.0
+"""Time constants that a hold has to last for its part to have settled (95 %)."""
+INTERVAL = 1.96
+BAD_K, BAD_SHARE = 1.0, 0.1
+"""A model that misses runs by more than this, and by this share of the rise, is not good."""
+OFFSET_SURE = 3.0
+MOST_SPEEDS = 12
+
+
+class Summary:
+    """What there is to say of an identified network.
+
+    Parameters
+    ----------
+    result
+        What was identified.
+    """
+
+    def __init__(self, result: NetworkFound) -> None:
+        self.result = result
+
+    @cached_property
+    def spread(self) -> Spread:
+        """Uncertainty of the parameters."""
+        return spread_of(self.result.found)
+
+    @cached_property
+    def speeds(self) -> list[int]:
+        """|PWM| that were held for longest, increasing, without rest."""
+        inputs = self.result.inputs
+        time = np.bincount(inputs.level, inputs.width, inputs.levels.count)
+        pwm = np.rint(inputs.levels.speed * self.result.data.full_scale).astype(np.int64)
+        total = np.bincount(pwm, np.where(inputs.levels.rest < 0.5, time, 0.0))
+        total[0] = 0.0
+        longest = np.argsort(-total)[:MOST_SPEEDS]
+        return sorted(int(p) for p in longest if total[p] > 0.0)
+
+    @cached_property
+    def steady(self) -> Steady:
+        """Where the parts settle at `speeds`, then at rest."""
+        return steady_of(self.result.found, self.spread, [*self.speeds, 0], self.result.data.full_scale)
+
+    @cached_property
+    def rms_K(self) -> FloatArray:
+        """Of the residual, by run and part, shape (R, S), K; NaN where nothing was read."""
+        inputs, residual = self.result.found.problem.inputs, self.result.residual
+        total = np.array([inputs.covered[row].sum(axis=0) for row in inputs.rows])
+        square = np.array([np.sum(inputs.covered[row] * residual[row] ** 2, axis=0) for row in inputs.rows])
+        return np.where(total > 0.0, np.sqrt(square / np.maximum(total, 1e-9)), np.nan)
+
+    @cached_property
+    def left_out_K(self) -> FloatArray:
+        """Root mean square error on what was left out, by part, shape (S,), K."""
+        return np.asarray(np.sqrt(np.nanmean(self.result.judged.by_fold, axis=0)))
+
+    @property
+    def moved_K(self) -> FloatArray:
+        """By how much each part moves in the runs, shape (S,), K."""
+        runs = self.result.data.fine
+        high = np.nanmax(
+            [np.nanmax(np.where(np.isfinite(r.reading), r.reading, -np.inf), axis=0) for r in runs], axis=0
+        )
+        low = np.nanmin([np.nanmin(np.where(np.isfinite(r.reading), r.reading, np.inf), axis=0) for r in runs], axis=0)
+        return np.asarray(high - low)
+
+    @cached_property
+    def span_s(self) -> tuple[float, float]:
+        """The longest time that PWM is held, and the slowest time constant at any speed measured, s."""
+        result = self.result
+        longest = 0.0
+        for run in result.data.coarse:
+            change = np.flatnonzero((np.abs(np.diff(run.speed)) > 0.02) | (np.abs(np.diff(run.rest)) > 0.5)) + 1
+            ends = run.edges[np.concatenate([[0], change, [run.width.size]])]
+            longest = max(longest, float(np.max(np.diff(ends))))
+        low, _ = measured_range(result)
+        slowest = self.steady.slowest if low == 0 else self.steady.slowest[:-1]
+        return longest, float(np.max(slowest))
+
+    def missed(self) -> list[tuple[str, float]]:
+        """Parts whose own runs, or runs left out, are missed by too much, with the error in K."""
+        worst = np.fmax(np.sqrt(np.nanmean(self.rms_K**2, axis=0)), self.left_out_K)
+        bad = (worst > BAD_K) & (worst > BAD_SHARE * self.moved_K)
+        return [(name, float(k)) for name, k, b in zip(self.result.data.names, worst, bad, strict=True) if b]
+
+    @property
+    def verdict(self) -> str:
+        """Whether the model is good to be built, in one line."""
+        missed = self.missed()
+        longest, slowest = self.span_s
+        if missed:
+            said = ", ".join(f"{name} by {k:.1f} K" for name, k in missed)
+            return f"Not good yet: on data that took no part in the fit it misses {said}."
+        if longest < SETTLED * slowest:
+            return f"Good for changes over up to {_time(longest)}; where the parts would settle is extrapolated."
+        if not rest_was_measured(self.result):
+            return "Good while the motor turns; cooling at rest was not measured."
+        return "Good: runs that took no part in the fit are predicted, at rest and at the measured speeds."
+
+    def warnings(self) -> list[str]:
+        """What to look at, one sentence each."""
+        result = self.result
+        said = list(result.data.warnings)
+        for name, k in self.missed():
+            said.append(f"{name}: the network misses data that took no part in the fit by {k:.2f} K (root mean square)")
+        longest, slowest = self.span_s
+        if longest < SETTLED * slowest:
+            said.append(
+                f"PWM is held for {_time(longest)} at most, and the slowest part of the motor settles with a time "
+                f"constant of {_time(slowest)}: the model is good for changes over up to {_time(longest)}, "
+                "what lies behind is extrapolated"
+            )
+        if not rest_was_measured(result):
+            said.append(
+                "PWM 0 was not held: how the motor cools at rest is taken from its slow speeds, to within a factor of "
+                "1.5; expected a run that goes on after the motor is switched off"
+            )
+        said += self._room()
+        for s, name in enumerate(result.data.names):
+            offset = float(result.found.vector[result.found.structure.offsets[s]])
+            sd = float(self.spread.deviation[result.found.structure.offsets[s]])
+            if abs(offset) > OFFSET_SURE * sd:
+                said.append(f"{name}: its sensor reads {offset:+.2f} K against the ambient's (±{INTERVAL * sd:.2f} K)")
+        return said
+
+    def _room(self) -> list[str]:
+        data, problem = self.result.data, self.result.found.problem
+        if data.ambient_measured:
+            return []
+        own = problem.per_run(self.result.found.vector)[:, problem.structure.nodes :]
+        unknown = [r for r, run in enumerate(data.fine) if not run.ambient_known]
+        most = float(np.max(np.abs(own[unknown]))) if own.size and unknown else 0.0
+        return [
+            f"the room was not measured in {len(unknown)} run(s): {data.ambient_fixed:.1f} degC is taken, and what the "
+            f"runs show beside it (up to {most:.1f} K) is no part of the model; a room that moves moves the parts"
+        ]
+
+    def as_json(self) -> dict[str, Any]:
+        """Everything as plain numbers and words."""
+        result = self.result
+        structure = result.found.structure
+        names = (*structure.names, "ambient")
+        longest, slowest = self.span_s
+        return {
+            "model": "network",
+            "runs": [source.path for source in result.data.sources],
+            "ambient": {"fixed_degC": result.data.ambient_fixed, "measured": result.data.ambient_measured},
+            "verdict": self.verdict,
+            "warnings": self.warnings(),
+            "hidden_nodes": structure.hidden,
+            "candidates": [vars(candidate) for candidate in result.candidates],
+            "left_out_K": result.judged.score_K,
+            "longest_hold_s": longest,
+            "slowest_time_constant_s": slowest,
+            "components": {name: self._component(s, name) for s, name in enumerate(result.data.names)},
+            "nodes": self._nodes(),
+            "paths": self._paths(names),
+            "heats": self._heats(names),
+            "not_determined": [
+                "the scale of all capacities, conductances and heats together",
+                *undetermined(result.found, self.spread),
+            ],
+        }
+
+    def _component(self, s: int, name: str) -> dict[str, Any]:
+        result, steady = self.result, self.steady
+        place = result.found.structure.offsets[s]
+        speeds = {
+            str(pwm): {
+                "steady_rise_K": {
+                    "value": float(steady.rise[k, s]),
+                    "interval": _interval(float(steady.rise[k, s]), float(steady.deviation[k, s])),
+                }
+            }
+            for k, pwm in enumerate(self.speeds)
+        }
+        errors = [
+            {
+                "pwm": list(band.pwm),
+                "model_minus_measured_K": [float(band.low[s]), float(band.high[s])],
+                "rms_K": float(band.rms[s]),
+            }
+            for band in bands(result.inputs, result.judged, result.data.full_scale)
+        ]
+        offset = float(result.found.vector[place])
+        return {
+            "rms_K": {run.name: float(self.rms_K[r, s]) for r, run in enumerate(result.data.fine)},
+            "left_out_rms_K": float(self.left_out_K[s]),
+            "left_out": errors,
+            "sensor_offset_K": {"value": offset, "interval": _interval(offset, float(self.spread.deviation[place]))},
+            "speeds": speeds,
+        }
+
+    def _nodes(self) -> list[dict[str, Any]]:
+        structure, vector = self.result.found.structure, self.result.found.vector
+        return [
+            {
+                "name": name,
+                "sensed": i < len(structure.sensed),
+                "capacity_J_per_K": _factor(float(vector[i]), float(self.spread.deviation[i])),
+                "determined_share": float(1.0 - min(self.spread.share[i], 1.0)),
+            }
+            for i, name in enumerate(structure.names)
+        ]
+
+    def _paths(self, names: tuple[str, ...]) -> list[dict[str, Any]]:
+        structure, vector = self.result.found.structure, self.result.found.vector
+        levels = held(np.array([0.0, 127.5, 255.0]), 255)
+        conductance = physical(structure, levels, vector).conductance
+        made = []
+        for q, (i, j) in enumerate(structure.paths):
+            level = structure.conductances[q].start + structure.forms[q].level
+            made.append(
+                {
+                    "between": [names[i], names[j]],
+                    "conductance_W_per_K": dict(
+                        zip(("at_rest", "at_half_speed", "at_full_speed"), conductance[:, q].tolist(), strict=True)
+                    ),
+                    "determined_share": float(1.0 - min(self.spread.share[level], 1.0)),
+                }
+            )
+        return made
+
+    def _heats(self, names: tuple[str, ...]) -> list[dict[str, Any]]:
+        structure, vector = self.result.found.structure, self.result.found.vector
+        heat = physical(structure, held(np.array([127.5, 255.0]), 255), vector).heat
+        return [
+            {"node": names[i], "power_W": {"at_half_speed": float(heat[0, i]), "at_full_speed": float(heat[1, i])}}
+            for i in structure.heated
+        ]
+
+    def text(self) -> str:
+        """What the command prints."""
+        whole = self.as_json()
+        structure = self.result.found.structure
+        lines = [
+            f"network of {structure.nodes} nodes, {structure.hidden} of them hidden, {len(structure.paths)} paths, "
+            f"{len(structure.heated)} heats",
+            "  hidden nodes  error on data left out (K)",
+            *(f"  {c.hidden:>12}  {c.left_out_K:.2f}" for c in self.result.candidates),
+            "part        in the runs (K)  left out (K)  steady rise (K) by PWM",
+        ]
+        for s, name in enumerate(self.result.data.names):
+            own = float(np.sqrt(np.nanmean(self.rms_K[:, s] ** 2)))
+            rises = ", ".join(
+                f"{pwm}: {self.steady.rise[k, s]:.1f} ±{INTERVAL * self.steady.deviation[k, s]:.1f}"
+                for k, pwm in enumerate(self.speeds)
+            )
+            lines.append(f"{name:<10}  {own:<15.2f}  {self.left_out_K[s]:<12.2f}  {rises}")
+        lines.append(whole["verdict"])
+        lines += [f"warning: {warning}" for warning in whole["warnings"]]
+        return "\n".join(lines)
+
+
+def _time(seconds: float) -> str:
+    if seconds < 120.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"
+
+
+def _interval(value: float, sd: float) -> list[float]:
+    return [value - INTERVAL * sd, value + INTERVAL * sd]
+
+
+def _factor(log: float, sd: float) -> dict[str, Any]:
+    bound = INTERVAL * min(sd, 5.0)
+    return {"value": float(np.exp(log)), "interval": [float(np.exp(log - bound)), float(np.exp(log + bound))]}

@@ -1,0 +1,108 @@
+"""What the runs determine, and how well: parameters, and where the parts settle.
+
+The covariance is that of the last linearised problem. Its weights are those of errors that last (see `weights`), so
+correlated residuals do not make it too small; the prior is in it, so what the runs do not say stays as wide as that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.forms import HEAT
+from gen.identification.network.inputs import held
+from gen.identification.network.search import Found
+from gen.identification.network.steady import settled
+
+SENSOR_K, FORM = 0.15, 0.01
+"""What the covariance does not hold, as standard deviations: a sensor's own error over its range, K; and, as a share of
+the rise, what a network lacks whose conductances do not depend on temperature (natural convection, radiation)."""
+UNDETERMINED = 0.7
+"""A parameter whose standard deviation is still this share of its prior's is not determined by the runs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Uncertainty of the parameters.
+
+    Attributes
+    ----------
+    covariance
+        Shape (P, P).
+    share
+        Standard deviation over that of the prior alone, shape (P,).
+    """
+
+    covariance: FloatArray
+    share: FloatArray
+
+    @property
+    def deviation(self) -> FloatArray:
+        """Standard deviations, shape (P,)."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Steady:
+    """Where the parts settle, PWM held, L speeds.
+
+    Attributes
+    ----------
+    rise
+        Of all nodes, shape (L, n), K.
+    deviation
+        Standard deviation of the sensed nodes' rises, shape (L, S), K.
+    slowest
+        Slowest time constant, shape (L,), s.
+    """
+
+    rise: FloatArray
+    deviation: FloatArray
+    slowest: FloatArray
+
+
+def spread_of(found: Found) -> Spread:
+    """Give the uncertainty of a network's parameters."""
+    problem = found.problem
+    matrix, _ = problem.assembled(found.fit.normal, found.vector)
+    covariance = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+    deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    return Spread(covariance, np.asarray(deviation / problem.prior.deviation, dtype=np.float64))
+
+
+def steady_of(found: Found, spread: Spread, pwm: ArrayLike, full_scale: int) -> Steady:
+    """Give the rises at which PWM that is held settles, by the derivatives of L x = P.
+
+    Parameters
+    ----------
+    pwm
+        Shape (L,), counts.
+    """
+    structure = found.structure
+    levels = held(np.asarray(pwm, dtype=np.float64), full_scale)
+    at = settled(structure, levels, found.vector)
+    slopes = at.slopes[:, : len(structure.sensed)]
+    shared = spread.covariance[: structure.size, : structure.size]
+    variance = np.einsum("lsp,pq,lsq->ls", slopes, shared, slopes, optimize=True)
+    root = np.sqrt(at.physics.capacity)
+    rates = np.linalg.eigvalsh(at.laplacian / (root * root[:, None]))
+    whole = np.maximum(variance, 0.0) + SENSOR_K**2 + (FORM * at.rise[:, : len(structure.sensed)]) ** 2
+    return Steady(at.rise, np.sqrt(whole), 1.0 / np.maximum(rates[:, 0], 1e-12))
+
+
+def undetermined(found: Found, spread: Spread) -> list[str]:
+    """Name what the runs do not determine: capacities, conductances, heats."""
+    structure = found.structure
+    names = (*structure.names, "ambient")
+    open_ = spread.share > UNDETERMINED
+    said = [f"capacity of {names[i]}" for i in range(structure.nodes) if open_[structure.capacities[i]]]
+    for (i, j), form, at in zip(structure.paths, structure.forms, structure.conductances, strict=True):
+        if open_[at.start + form.level]:
+            said.append(f"path {names[i]} - {names[j]}")
+    for node, at in zip(structure.heated, structure.heats, strict=True):
+        if open_[at.start + HEAT.level]:
+            said.append(f"heat of {names[node]}")
+    return said

@@ -1,0 +1,52 @@
+"""How much each reading counts: by the spectral density of what is left, not by a single reading's noise.
+
+Errors that last for minutes tell less than independent ones; their density at low frequency says how much less. A bin
+counts by the time that its readings cover.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.inputs import Inputs
+
+WINDOW_S = 600.0
+"""Errors are averaged over this time (or an eighth of the run); the scatter of the means is the density."""
+LEAST_K, LEAST_S = 0.05, 600.0
+"""No residual is taken for better than errors of this size that last for this long."""
+
+
+def density(inputs: Inputs, residual: FloatArray) -> FloatArray:
+    """Give the density of what a fit leaves, shape (S,), K^2 s, not below that of independent noise.
+
+    Parameters
+    ----------
+    residual
+        Shape (N, S), K.
+    """
+    sensors = inputs.target.shape[1]
+    found = np.empty(sensors)
+    for s in range(sensors):
+        total = time = floor = 0.0
+        for run, row in zip(inputs.runs, inputs.rows, strict=True):
+            window = min(WINDOW_S, max(run.duration / 8.0, 1.0))
+            index = (inputs.begins[row] // window).astype(np.int64)
+            cover = inputs.covered[row, s]
+            sums = np.bincount(index, residual[row, s] * cover)
+            total += float(np.sum(sums**2))
+            time += float(cover.sum())
+            floor += float(cover.sum()) * (run.noise_K[s] ** 2 * run.sample_s[s] + LEAST_K**2 * LEAST_S)
+        found[s] = max(total, floor) / time if time > 0.0 else 1.0
+    return found
+
+
+def weights(inputs: Inputs, of: FloatArray) -> FloatArray:
+    """Give the readings' weights, shape (N, S), 1/K^2.
+
+    Parameters
+    ----------
+    of
+        Density, shape (S,), K^2 s.
+    """
+    return inputs.covered / of
