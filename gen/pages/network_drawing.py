@@ -64,7 +64,13 @@ class DrawnPath:
     sure: bool = True
 
 
-def network_svg(identifier: str, title: str, nodes: Sequence[DrawnNode], paths: Sequence[DrawnPath]) -> Markup:
+def network_svg(
+    identifier: str,
+    title: str,
+    nodes: Sequence[DrawnNode],
+    paths: Sequence[DrawnPath],
+    arranged_by: Sequence[DrawnPath] | None = None,
+) -> Markup:
     """Draw a network.
 
     Parameters
@@ -75,8 +81,10 @@ def network_svg(identifier: str, title: str, nodes: Sequence[DrawnNode], paths: 
         What is shown, and at which speed.
     nodes, paths
         Of the network.
+    arranged_by
+        Paths that say which nodes are neighbours, so that several pictures have one arrangement; its own by default.
     """
-    places = _places(nodes, paths)
+    places = _places(nodes, paths if arranged_by is None else arranged_by)
     largest = max((path.conductance for path in paths), default=1.0)
     head = [
         f'<svg viewBox="0 0 {WIDTH:.0f} {HEIGHT:.0f}" role="img" class="network" '
