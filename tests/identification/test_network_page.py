@@ -51,7 +51,7 @@ def test_names_of_files_stay_text_and_nothing_is_loaded_from_outside(page: str) 
 
 
 def test_without_a_run_nothing_is_written(tmp_path: Path) -> None:
-    given = [tmp_path / "none.csv", "--model", "network", "--out", "c.json", "--report", "r.html"]
+    given: list[str | Path] = [tmp_path / "none.csv", "--model", "network", "--out", "c.json", "--report", "r.html"]
     done = command("identify", *given, cwd=tmp_path)
     assert done.returncode == 2
     assert not list(tmp_path.iterdir())
