@@ -8,11 +8,12 @@ from typing import Any, TypedDict
 import numpy as np
 
 from gen.errors import CheckFailed
+from gen.firmware.contexts import network_words
 from gen.lowering.kinds import OUTPUT_BITS
 from gen.lowering.network import fixed
-from gen.lowering.network.factors import FactorProgram
+from gen.lowering.network.factors import WORD_BITS, FactorProgram
 from gen.lowering.network.program import HeatProgram, NetworkProgram, StateProgram, TermProgram, Words
-from gen.lowering.network.series import EXTRA_SHIFT, WEIGHT
+from gen.lowering.network.series import WEIGHT, WHOLE
 from gen.lowering.network.start import scale_of
 from gen.lowering.program import Program
 from gen.model.network import Network
@@ -33,13 +34,19 @@ class NetworkContext(TypedDict):
     hidden: list[dict[str, Any]]
     states: list[dict[str, Any]]
     terms: list[dict[str, Any]]
+    varying_terms: list[dict[str, Any]]
     references: list[dict[str, Any]]
     factors: list[dict[str, Any]]
-    weights: list[dict[str, Any]]
     tables: list[dict[str, Any]]
     orders: list[dict[str, Any]]
-    places: tuple[str, ...]
-    raises: list[int]
+    sums: list[dict[str, Any]]
+    words: list[dict[str, Any]]
+    word_kinds: list[tuple[int, int]]
+    take_ups: list[dict[str, Any]]
+    take_up_kinds: list[int]
+    warmths: list[dict[str, Any]]
+    fractions: list[dict[str, Any]]
+    uppers: list[int]
     varying: bool
     comments: list[str]
 
@@ -68,7 +75,7 @@ def network_context(program: Program) -> NetworkContext:
         "fraction_bits": network.fraction_bits,
         "output_bits": OUTPUT_BITS,
         "start_mC": network.start_mC,
-        "scale": {"factor": scale.factor, "shift": scale.shift, "half": scale.half},
+        "scale": {**asdict(scale), "half": scale.half},
         "readings": [
             {
                 "name": reading.name,
@@ -81,15 +88,12 @@ def network_context(program: Program) -> NetworkContext:
         "hidden": _hidden(network),
         "states": made.states,
         "terms": made.terms,
+        "varying_terms": [term for term in made.terms if not term["constant"]],
         "references": made.references,
         "factors": [_factor(factor) for factor in network.factors],
-        "weights": [
-            {"word": _ORDINAL[order], "factor": factor} for order, factor in WEIGHT.items() if order <= network.orders
-        ],
         "tables": made.tables,
         "orders": orders,
-        "places": tuple(f"%{byte}[{half}]" for half in ("lo", "hi") for byte in "ABCD"),
-        "raises": sorted({order["raised"] // 8 for order in orders[2:]}),
+        **_sums(network, orders),
         "varying": bool(made.tables),
         "comments": _comments(network),
     }
@@ -101,8 +105,48 @@ def _comments(network: NetworkProgram) -> list[str]:
     return [
         f"A temperature's word is 2^-{network.fraction_bits + fixed.LOW_BITS} degC, of which the upper 32 bits are "
         "read. A rate is an unsigned word of its",
-        "node's own scale: the sum of its products with differences is exact, and shifted down where it is used.",
+        "node's own scale: the sum of its products with differences is shifted down where it is used. Later terms of",
+        "the series are of the upper bytes of rates, and of differences that fill as many.",
     ]
+
+
+class _Sums(TypedDict):
+    """What the words of a network need: products, shifts, fractions."""
+
+    sums: list[dict[str, Any]]
+    words: list[dict[str, Any]]
+    word_kinds: list[tuple[int, int]]
+    take_ups: list[dict[str, Any]]
+    take_up_kinds: list[int]
+    warmths: list[dict[str, Any]]
+    fractions: list[dict[str, Any]]
+    uppers: list[int]
+
+
+def _sums(network: NetworkProgram, orders: list[dict[str, Any]]) -> _Sums:
+    products = sorted({WHOLE, *network.products}, key=lambda product: -product.sum_bytes)
+    whole = WHOLE.sum_bytes
+    # Starts and hidden nodes; factors.
+    words = {(whole, scale_of(network.fraction_bits).shift, 4), (whole, 16, 4)}
+    words |= {(whole, WORD_BITS - 8 * WHOLE.least, 4)} if network.factors else set()
+    take_ups, warmths, fractions, uppers = set(), set(), set(), set()
+    for order in orders if network.arithmetic == "fixed" else []:
+        uppers |= {order["width"]} - {4}
+        take_ups |= {(order["bytes"], state["to_state"]) for state in order["states"]}
+        warmths |= {heat["left"] for state in order["states"] for heat in state["heats"] if not heat["factor"]}
+        if order["kept"]:
+            words |= {(order["bytes"], state["to_next"], order["next_width"]) for state in order["states"]}
+            fractions |= {(order["next_width"], order["number"] + 1)} if order["number"] + 1 in WEIGHT else set()
+    return {
+        "sums": [network_words.sum_context(product) for product in products],
+        "words": [network_words.word(*key) for key in sorted(words, reverse=True)],
+        "word_kinds": sorted({(width, count) for count, _, width in words}, reverse=True),
+        "take_ups": [network_words.take_up(*key) for key in sorted(take_ups, reverse=True)],
+        "take_up_kinds": sorted({count for count, _ in take_ups}, reverse=True),
+        "warmths": [network_words.heat(left) for left in sorted(warmths)],
+        "fractions": [network_words.fraction(width, WEIGHT[k], _ORDINAL[k]) for width, k in sorted(fractions)],
+        "uppers": sorted(uppers, reverse=True),
+    }
 
 
 def _hidden(network: NetworkProgram) -> list[dict[str, Any]]:
@@ -156,29 +200,22 @@ class _Terms:
         term, index = program.term, len(self.terms)
         target = f"{self._name}_{self._network.states[term.target].name}"
         if term.source == "state":
-            source, place = f"{self._name}_{self._network.states[term.other].name}", term.other
+            source = f"{self._name}_{self._network.states[term.other].name}"
             label = f"{self._network.states[term.target].name} from {self._network.states[term.other].name}"
         elif term.source == "ambient":
-            source, place = "AMBIENT", len(self._network.states)
+            source = "AMBIENT"
             label = f"{self._network.states[term.target].name} from the ambient"
         else:
-            number = self._reference(program)
-            source, place = f"REFERENCE_{number}", len(self._network.states) + 1 + number
+            source = f"REFERENCE_{self._reference(program)}"
             side = "over" if term.growing else "below"
             label = f"{self._network.states[term.target].name} {side} {term.reference:g} degC"
         of, less = (target, source) if term.growing else (source, target)
         label = f"{label}, $.network.{term.label}"
-        self.terms.append(
-            {"index": index, "label": label, "value": self._value(program.words, term.factors, f"rate{index}", label)}
-        )
-        return {
-            "index": index,
-            "of": of,
-            "less": less,
-            "source": place,
-            "growing": term.growing,
-            "note": label,
-        }
+        key = f"rate{index}"
+        value = self._value(program.words, term.factors, key, label)
+        constant = program.constant and not term.factors
+        self.terms.append({"index": index, "label": label, "value": value, "constant": constant})
+        return {"index": index, "of": of, "less": less, "source": term.source, "constant": constant, "note": label}
 
     def _reference(self, program: TermProgram) -> int:
         word = program.reference
@@ -193,7 +230,7 @@ class _Terms:
         literal = self._word(words, key, label)
         for k in factors:
             if self._network.arithmetic == "fixed":
-                literal = f"scaled({literal}, f{k}, {self._network.factors[k].bits})"
+                literal = f"scaled({literal}, f{k})"
             else:
                 literal = f"{literal} * f{k}"
         return literal
@@ -207,12 +244,13 @@ class _Terms:
         self.tables.append(bits)
         return f"pgm_read_{'dword' if fixed_point else 'float'}(&{self._name}_{key}[row])"
 
-    def _heat(self, program: HeatProgram) -> dict[str, str]:
-        """What a heat adds to its sum: a signed number times an unsigned word."""
+    def _heat(self, program: HeatProgram) -> dict[str, Any]:
+        """What a heat adds to its sum: a word times its first factor, or shifted up."""
         key, label = self._named(program)
         factors = program.heat.factors
         return {
-            "factor": f"f{factors[0]}" if factors else f"{program.unit}L",
+            "factor": f"f{factors[0]}" if factors else None,
+            "left": program.left,
             "word": self._value(program.words, factors[1:], key, label),
             "label": label,
         }
@@ -228,40 +266,65 @@ class _Terms:
 
     def orders(self) -> list[dict[str, Any]]:
         """The terms of the series in the order of a sample."""
-        made = []
-        for number in range(1, self._network.orders + 1):
-            partaking = [k for k, state in enumerate(self._network.states) if state.orders >= number]
-            made.append(
-                {
-                    "number": number,
-                    "title": "y1" if number == 1 else f"y{number}: a {_ORDINAL[number]} of h M y{number - 1}",
-                    "y": f"y{number}",
-                    "given": "v" if number == 1 else f"y{number - 1}",
-                    "kept": number < self._network.orders,
-                    "raised": self._raised(number),
-                    "weight": _ORDINAL[number] if number in WEIGHT else None,
-                    "share": _single(1.0 / number),
-                    "states": [self._step(number, k) for k in partaking],
-                }
-            )
+        network, made = self._network, []
+        for number in range(1, network.orders + 1):
+            partaking = [k for k, state in enumerate(network.states) if state.orders >= number]
+            order = {
+                "number": number,
+                "title": "y1" if number == 1 else f"y{number}: a {_ORDINAL[number]} of h M y{number - 1}",
+                "y": f"y{number}",
+                "given": "v" if number == 1 else f"y{number - 1}",
+                "kept": number < network.orders,
+                "share": _single(1.0 / number),
+            }
+            if network.arithmetic == "float":
+                order["states"] = [self._single_step(number, k) for k in partaking]
+            else:
+                order |= self._shape(number)
+                order["states"] = [self._step(order, k) for k in partaking]
+                order["still"] = [state.name for state in network.states if state.orders < number]
+            made.append(order)
         return made
 
-    def _raised(self, number: int) -> int:
-        """By how many bits a word of the series is raised to a temperature's whole word; whole bytes from y3 on."""
-        if self._network.arithmetic == "float":
-            return 0
-        return fixed.LOW_BITS + self._network.fraction_bits - self._network.series_bits[number - 1]
+    def _shape(self, number: int) -> dict[str, Any]:
+        """Bytes of an order's words and sums."""
+        products = self._network.products
+        own = products[number - 1]
+        following = products[number].width if number < len(products) else 0
+        return {"bytes": own.sum_bytes, "width": own.width, "next_width": following}
 
-    def _step(self, number: int, k: int) -> dict[str, Any]:
-        network, state = self._network, self._network.states[k]
-        if network.arithmetic == "float":
-            heats = [self._single_heat(heat) for heat in state.heats] if number == 1 else []
-            return {"name": state.name, "heat": " + ".join(["0.0f", *heats])}
-        given = network.fraction_bits if number == 1 else network.series_bits[number - 2]
-        own = state.shift + EXTRA_SHIFT.get(number, 0)
-        return {
+    def _single_step(self, number: int, k: int) -> dict[str, Any]:
+        state = self._network.states[k]
+        heats = [self._single_heat(heat) for heat in state.heats] if number == 1 else []
+        return {"name": state.name, "heat": " + ".join(["0.0f", *heats])}
+
+    def _step(self, order: dict[str, Any], k: int) -> dict[str, Any]:
+        """A state's sum in one order: its products, and how far it is shifted down for whom."""
+        network, state, number = self._network, self._network.states[k], order["number"]
+        bits = fixed.sum_bits(network.products, network.series_bits, network.fraction_bits, number) + state.shift
+        step: dict[str, Any] = {
             "name": state.name,
+            "terms": [self._product(order, term) for term in self.states[k]["terms"]],
             "heats": [self._heat(heat) for heat in state.heats] if number == 1 else [],
-            "to_state": own + given - network.fraction_bits,
-            "to_next": own + fixed.LOW_BITS + given - network.series_bits[number - 1],
+            "to_state": bits - network.fraction_bits - fixed.LOW_BITS,
         }
+        if order["kept"]:
+            step["to_next"] = bits - network.series_bits[number - 1]
+            word = f"{self._name}_word{order['next_width']}<{step['to_next']}>(sum)"
+            step["word"] = f"{self._name}_{_ORDINAL[number + 1]}({word})" if number + 1 in WEIGHT else word
+        return step
+
+    def _product(self, order: dict[str, Any], term: dict[str, Any]) -> dict[str, str]:
+        """A term's difference and its rate; neither the ambient nor a fixed temperature has a part in later orders."""
+        given = order["given"]
+        fixed_places = ("AMBIENT", "REFERENCE_")
+        of, less = (
+            "0" if order["number"] > 1 and place.startswith(fixed_places) else f"{given}[{place}]"
+            for place in (term["of"], term["less"])
+        )
+        rate, width = f"R{term['index']}", order["width"]
+        if not term["constant"]:
+            rate = f"rate[{rate}]" if width == 4 else f"{self._name}_upper{width}(rate[{rate}])"
+        elif width < 4:
+            rate = f"({self._name}_Rate{width})({rate} >> {32 - 8 * width})"
+        return {"of": of, "less": less, "rate": rate, "note": term["note"]}
