@@ -230,7 +230,7 @@ class _Terms:
         literal = self._word(words, key, label)
         for k in factors:
             if self._network.arithmetic == "fixed":
-                literal = f"scaled({literal}, f{k})"
+                literal = f"{self._name}_scaled({literal}, f{k})"
             else:
                 literal = f"{literal} * f{k}"
         return literal
