@@ -226,12 +226,19 @@ class FixedSums:
         for order in range(1, program.orders + 1):
             bits = self._shift + fixed.sum_bits(program.products, program.series_bits, program.fraction_bits, order)
             if order > 1:
-                total = self._gathered(order, layout.of_series(weighted(y, order)), rates)
+                total = self._gathered(order, layout.of_series(y), rates)
                 total = np.where((layout.orders >= order)[:, None], total, 0)
             change = change + _shifted(total, bits - unit)
             if order < program.orders:
-                y = _shifted(total, bits - program.series_bits[order - 1])
+                y = self._handed_on(total, bits - program.series_bits[order - 1], order + 1)
         return np.asarray(state + change, dtype=np.int64)
+
+    def _handed_on(self, total: Integers, bits: Integers, order: int) -> Integers:
+        """A sum as a word for the next order; a third or a fifth is taken a byte below it."""
+        if order not in WEIGHT:
+            return _shifted(total, bits)
+        below = 8 if self._program.products[order - 1].width < 4 else 0
+        return weighted(_shifted(total, bits - below), order) >> below
 
     def _gathered(self, order: int, differences: Integers, rates: Integers) -> Integers:
         """Sum of each state's products."""
@@ -257,9 +264,7 @@ def _shifted(total: Integers, bits: Integers) -> Integers:
 
 
 def weighted(y: Integers, order: int) -> Integers:
-    """A third or a fifth of y: 85/256 or 51/256 of it, and a 256th of that more; y for other orders."""
-    if order not in WEIGHT:
-        return y
+    """A third or a fifth of y: 85/256 or 51/256 of it, and a 256th of that more."""
     part = y * WEIGHT[order] >> 8
     return part + (part >> 8)
 

@@ -13,7 +13,7 @@ from gen.lowering.kinds import OUTPUT_BITS
 from gen.lowering.network import fixed
 from gen.lowering.network.factors import WORD_BITS, FactorProgram
 from gen.lowering.network.program import HeatProgram, NetworkProgram, StateProgram, TermProgram, Words
-from gen.lowering.network.series import WEIGHT, WHOLE
+from gen.lowering.network.series import WEIGHT, WHOLE, Product
 from gen.lowering.network.start import scale_of
 from gen.lowering.program import Program
 from gen.model.network import Network
@@ -34,19 +34,16 @@ class NetworkContext(TypedDict):
     hidden: list[dict[str, Any]]
     states: list[dict[str, Any]]
     terms: list[dict[str, Any]]
-    varying_terms: list[dict[str, Any]]
+    constants: list[dict[str, Any]]
+    stream: list[dict[str, str]]
     references: list[dict[str, Any]]
     factors: list[dict[str, Any]]
     tables: list[dict[str, Any]]
     orders: list[dict[str, Any]]
     sums: list[dict[str, Any]]
-    words: list[dict[str, Any]]
-    word_kinds: list[tuple[int, int]]
-    take_ups: list[dict[str, Any]]
-    take_up_kinds: list[int]
-    warmths: list[dict[str, Any]]
-    fractions: list[dict[str, Any]]
-    uppers: list[int]
+    whole: dict[str, Any]
+    downs: list[int]
+    thirds: bool
     varying: bool
     comments: list[str]
 
@@ -88,12 +85,16 @@ def network_context(program: Program) -> NetworkContext:
         "hidden": _hidden(network),
         "states": made.states,
         "terms": made.terms,
-        "varying_terms": [term for term in made.terms if not term["constant"]],
+        "constants": [term for term in made.terms if term["constant"]],
+        "stream": made.stream,
         "references": made.references,
         "factors": [_factor(factor) for factor in network.factors],
         "tables": made.tables,
         "orders": orders,
-        **_sums(network, orders),
+        "sums": [_sum(product) for product in dict.fromkeys(network.products)],
+        "whole": {"least": WHOLE.least, "lines": network_words.multiply(WHOLE, network_words.operands())},
+        "downs": sorted({scale.shift, 16} | ({WORD_BITS - 8 * WHOLE.least} if network.factors else set())),
+        "thirds": any(order in WEIGHT for order in range(2, network.orders + 1)),
         "varying": bool(made.tables),
         "comments": _comments(network),
     }
@@ -110,42 +111,16 @@ def _comments(network: NetworkProgram) -> list[str]:
     ]
 
 
-class _Sums(TypedDict):
-    """What the words of a network need: products, shifts, fractions."""
-
-    sums: list[dict[str, Any]]
-    words: list[dict[str, Any]]
-    word_kinds: list[tuple[int, int]]
-    take_ups: list[dict[str, Any]]
-    take_up_kinds: list[int]
-    warmths: list[dict[str, Any]]
-    fractions: list[dict[str, Any]]
-    uppers: list[int]
-
-
-def _sums(network: NetworkProgram, orders: list[dict[str, Any]]) -> _Sums:
-    products = sorted({WHOLE, *network.products}, key=lambda product: -product.sum_bytes)
-    whole = WHOLE.sum_bytes
-    # Starts and hidden nodes; factors.
-    words = {(whole, scale_of(network.fraction_bits).shift, 4), (whole, 16, 4)}
-    words |= {(whole, WORD_BITS - 8 * WHOLE.least, 4)} if network.factors else set()
-    take_ups, warmths, fractions, uppers = set(), set(), set(), set()
-    for order in orders if network.arithmetic == "fixed" else []:
-        uppers |= {order["width"]} - {4}
-        take_ups |= {(order["bytes"], state["to_state"]) for state in order["states"]}
-        warmths |= {heat["left"] for state in order["states"] for heat in state["heats"] if not heat["factor"]}
-        if order["kept"]:
-            words |= {(order["bytes"], state["to_next"], order["next_width"]) for state in order["states"]}
-            fractions |= {(order["next_width"], order["number"] + 1)} if order["number"] + 1 in WEIGHT else set()
+def _sum(product: Product) -> dict[str, Any]:
+    """A kind of product, as a macro that adds it."""
+    use = network_words.fixed_registers(product)
+    names = (("Sum", use.sum), ("difference", use.d), ("rate", use.a))
     return {
-        "sums": [network_words.sum_context(product) for product in products],
-        "words": [network_words.word(*key) for key in sorted(words, reverse=True)],
-        "word_kinds": sorted({(width, count) for count, _, width in words}, reverse=True),
-        "take_ups": [network_words.take_up(*key) for key in sorted(take_ups, reverse=True)],
-        "take_up_kinds": sorted({count for count, _ in take_ups}, reverse=True),
-        "warmths": [network_words.heat(left) for left in sorted(warmths)],
-        "fractions": [network_words.fraction(width, WEIGHT[k], _ORDINAL[k]) for width, k in sorted(fractions)],
-        "uppers": sorted(uppers, reverse=True),
+        "name": product.name,
+        "width": product.width,
+        "least": product.least,
+        "lines": network_words.multiply(product, use),
+        "registers": ", ".join(f"{what}: {' '.join(registers)}" for what, registers in names) + ".",
     }
 
 
@@ -176,6 +151,8 @@ class _Terms:
         self.terms: list[dict[str, Any]] = []
         self.references: list[dict[str, Any]] = []
         self.tables: list[dict[str, Any]] = []
+        #: What is gathered at the beginning of a sample, and where it is, by term and by heat.
+        self.stream: list[dict[str, str]] = []
         self.states = [self._state(k, state) for k, state in enumerate(network.states)]
 
     def _state(self, number: int, state: StateProgram) -> dict[str, Any]:
@@ -194,28 +171,44 @@ class _Terms:
             "note": note,
             "title": title,
             "terms": [self._term(t) for t in state.terms],
+            "heats": [self._heat(heat) for heat in state.heats] if self._network.arithmetic == "fixed" else [],
         }
+
+    def _gathered(self, name: str, value: str, label: str) -> int:
+        """Place of a word that is gathered at the beginning of a sample."""
+        self.stream.append({"id": name, "value": value, "label": label})
+        return len(self.stream) - 1
 
     def _term(self, program: TermProgram) -> dict[str, Any]:
         term, index = program.term, len(self.terms)
         target = f"{self._name}_{self._network.states[term.target].name}"
         if term.source == "state":
-            source = f"{self._name}_{self._network.states[term.other].name}"
+            source, place = f"{self._name}_{self._network.states[term.other].name}", term.other
             label = f"{self._network.states[term.target].name} from {self._network.states[term.other].name}"
         elif term.source == "ambient":
-            source = "AMBIENT"
+            source, place = "AMBIENT", len(self._network.states)
             label = f"{self._network.states[term.target].name} from the ambient"
         else:
-            source = f"REFERENCE_{self._reference(program)}"
+            number = self._reference(program)
+            source, place = f"REFERENCE_{number}", len(self._network.states) + 1 + number
             side = "over" if term.growing else "below"
             label = f"{self._network.states[term.target].name} {side} {term.reference:g} degC"
         of, less = (target, source) if term.growing else (source, target)
         label = f"{label}, $.network.{term.label}"
-        key = f"rate{index}"
-        value = self._value(program.words, term.factors, key, label)
-        constant = program.constant and not term.factors
-        self.terms.append({"index": index, "label": label, "value": value, "constant": constant})
-        return {"index": index, "of": of, "less": less, "source": term.source, "constant": constant, "note": label}
+        value = self._value(program.words, term.factors, f"rate{index}", label)
+        constant = int(program.words[0]) if program.constant and not term.factors else None
+        self.terms.append({"index": index, "label": label, "value": value, "constant": constant is not None})
+        single = constant is not None or self._network.arithmetic == "float"
+        return {
+            "index": index,
+            "of": of,
+            "less": less,
+            "source": place,
+            "growing": term.growing,
+            "constant": constant,
+            "word": None if single else self._gathered(f"R{index}", value, label),
+            "note": label,
+        }
 
     def _reference(self, program: TermProgram) -> int:
         word = program.reference
@@ -248,12 +241,16 @@ class _Terms:
         """What a heat adds to its sum: a word times its first factor, or shifted up."""
         key, label = self._named(program)
         factors = program.heat.factors
-        return {
-            "factor": f"f{factors[0]}" if factors else None,
-            "left": program.left,
-            "word": self._value(program.words, factors[1:], key, label),
-            "label": label,
-        }
+        word = self._value(program.words, factors[1:], key, label)
+        name = key.upper()
+        if factors:
+            at = self._gathered(f"{name}_FACTOR", f"(uint32_t)f{factors[0]}", f"{label}, factor")
+            self._gathered(name, word, label)
+            value = f"{self._name}_product((int32_t)gathered[{name}_FACTOR], gathered[{name}], {WHOLE.least})"
+        else:
+            at = self._gathered(name, word, label)
+            value = f"(int64_t)gathered[{name}] * (INT64_C(1) << {program.left})"
+        return {"factor": bool(factors), "left": program.left, "word": at, "value": value, "label": label}
 
     def _single_heat(self, program: HeatProgram) -> str:
         key, label = self._named(program)
@@ -280,51 +277,72 @@ class _Terms:
             if network.arithmetic == "float":
                 order["states"] = [self._single_step(number, k) for k in partaking]
             else:
-                order |= self._shape(number)
-                order["states"] = [self._step(order, k) for k in partaking]
-                order["still"] = [state.name for state in network.states if state.orders < number]
+                order["least"] = network.products[number - 1].least
+                order["states"] = self._steps(order, partaking)
             made.append(order)
         return made
-
-    def _shape(self, number: int) -> dict[str, Any]:
-        """Bytes of an order's words and sums."""
-        products = self._network.products
-        own = products[number - 1]
-        following = products[number].width if number < len(products) else 0
-        return {"bytes": own.sum_bytes, "width": own.width, "next_width": following}
 
     def _single_step(self, number: int, k: int) -> dict[str, Any]:
         state = self._network.states[k]
         heats = [self._single_heat(heat) for heat in state.heats] if number == 1 else []
         return {"name": state.name, "heat": " + ".join(["0.0f", *heats])}
 
-    def _step(self, order: dict[str, Any], k: int) -> dict[str, Any]:
-        """A state's sum in one order: its products, and how far it is shifted down for whom."""
-        network, state, number = self._network, self._network.states[k], order["number"]
-        bits = fixed.sum_bits(network.products, network.series_bits, network.fraction_bits, number) + state.shift
-        step: dict[str, Any] = {
-            "name": state.name,
-            "terms": [self._product(order, term) for term in self.states[k]["terms"]],
-            "heats": [self._heat(heat) for heat in state.heats] if number == 1 else [],
-            "to_state": bits - network.fraction_bits - fixed.LOW_BITS,
-        }
-        if order["kept"]:
-            step["to_next"] = bits - network.series_bits[number - 1]
-            word = f"{self._name}_word{order['next_width']}<{step['to_next']}>(sum)"
-            step["word"] = f"{self._name}_{_ORDINAL[number + 1]}({word})" if number + 1 in WEIGHT else word
-        return step
+    def _steps(self, order: dict[str, Any], partaking: list[int]) -> list[dict[str, Any]]:
+        """The states' sums in one order, each as C++ and as a block of assembly."""
+        network, number = self._network, order["number"]
+        product, kept = network.products[number - 1], order["kept"]
+        width = network.products[number].width if kept else 0
+        fraction = WEIGHT.get(number + 1)
+        # Values are read from where the order before has put them: in turns ahead of the others and behind them.
+        values, states = len(network.states) + 1 + len(self.references), len(network.states)
+        given, handed_on = (0, 4 * values) if number % 2 else (4 * values, 0)
+        made, position = [], 0
+        for k in partaking:
+            own, state = network.states[k], self.states[k]
+            bits = fixed.sum_bits(network.products, network.series_bits, network.fraction_bits, number) + own.shift
+            to_state = bits - network.fraction_bits - fixed.LOW_BITS
+            to_next = bits - network.series_bits[number - 1] if kept else 0
+            block = network_words.Block(product, position)
+            block.begin(given + product.width * k)
+            for term in state["terms"]:
+                still = number > 1 and term["source"] >= states
+                source = None if still else given + product.width * term["source"]
+                block.term(term["note"], source, term["constant"], term["word"], growing=term["growing"])
+            for heat in state["heats"] if number == 1 else []:
+                if heat["factor"]:
+                    block.scaled_heat(heat["label"], heat["word"])
+                else:
+                    block.heat(heat["label"], heat["word"], heat["left"])
+            block.hand_on(to_state, network_words.STATE_BYTES * k, to_next, handed_on + width * k, width, fraction)
+            if kept and k == partaking[-1]:
+                block.still([handed_on + width * other for other in range(states) if other not in partaking], width)
+            position = block.position
+            made.append(
+                {
+                    "name": own.name,
+                    "terms": [self._product(order, term) for term in state["terms"]],
+                    "heats": state["heats"] if number == 1 else [],
+                    "to_state": to_state,
+                    "word": self._word_of(to_next, width, fraction),
+                    "parts": block.rows(f"{self._name.upper()}_"),
+                }
+            )
+        return made
+
+    def _word_of(self, bits: int, width: int, fraction: int | None) -> str:
+        """C++ that hands a sum on."""
+        if fraction is None:
+            return f"{self._name}_shifted(sum, {bits})"
+        below = 8 if width < 4 else 0
+        return f"fraction({self._name}_shifted(sum, {bits - below}), {fraction}){f' >> {below}' if below else ''}"
 
     def _product(self, order: dict[str, Any], term: dict[str, Any]) -> dict[str, str]:
-        """A term's difference and its rate; neither the ambient nor a fixed temperature has a part in later orders."""
-        given = order["given"]
-        fixed_places = ("AMBIENT", "REFERENCE_")
-        of, less = (
-            "0" if order["number"] > 1 and place.startswith(fixed_places) else f"{given}[{place}]"
-            for place in (term["of"], term["less"])
-        )
-        rate, width = f"R{term['index']}", order["width"]
-        if not term["constant"]:
-            rate = f"rate[{rate}]" if width == 4 else f"{self._name}_upper{width}(rate[{rate}])"
-        elif width < 4:
-            rate = f"({self._name}_Rate{width})({rate} >> {32 - 8 * width})"
-        return {"of": of, "less": less, "rate": rate, "note": term["note"]}
+        """A term's difference and its rate as C++."""
+        given, below = order["given"], 8 * (4 - self._network.products[order["number"] - 1].width)
+        rate = f"gathered[R{term['index']}]" if term["constant"] is None else f"R{term['index']}"
+        return {
+            "of": f"{given}[{term['of']}]",
+            "less": f"{given}[{term['less']}]",
+            "rate": f"{rate} >> {below}" if below else rate,
+            "note": term["note"],
+        }

@@ -38,7 +38,7 @@ class Roundings:
     sum
         By order, state and the sum of magnitudes of a series' term, the error of the sum itself.
     kept
-        What a y loses when it is handed on, K, by order from 1.
+        What a y loses at most, and never gains, when it is handed on, K, by order from 1.
     added
         What is lost where the state takes up its changes, K; a number, or shape (rows, n).
     """
@@ -121,26 +121,32 @@ def defects(
         Both of shape (rows, n); and by order, largest magnitude of y as the board has it, K.
     """
     bounds = magnitudes(terms, first, max(orders))
-    error = rounding.first + (rounding.kept[0] if rounding.kept else 0.0)
+    reach = _next(terms, np.full_like(first, 0.5), [1.0] * len(terms.terms))
+    for term in terms.terms:
+        if term.source != "state":
+            reach[:, term.target] += 0.5 * term.rate * terms.largest(term.factors)
+    error = rounding.first
     words = [first + error]
     total = rounding.first + left + rounding.added
     for k in range(2, max(orders) + 1):
         before = bounds[k - 2]
         if k in (3, 5):
-            error = error + _THIRD_ERROR * before + 3.0 * rounding.kept[k - 2]
-        grown = _next(terms, error, [1.0] * len(terms.terms)) / k
+            error = error + _THIRD_ERROR * before
+        # Words are cut in one direction: two differ by what one loses.
+        cut = rounding.kept[k - 2]
+        grown = (_next(terms, error, [1.0] * len(terms.terms)) + cut * reach) / k
+        held = before + error + cut
         for term in terms.terms:
-            source = before[:, term.other] if term.source == "state" else 0.0
-            grown[:, term.target] += rounding.rate(k, term) * (before[:, term.target] + source) / k
-        summed = _next(terms, before, [1.0] * len(terms.terms))
+            source = held[:, term.other] if term.source == "state" else 0.0
+            grown[:, term.target] += rounding.rate(k, term) * (held[:, term.target] + source) / k
+        summed = _next(terms, held, [1.0] * len(terms.terms))
         for state in range(len(terms.states)):
             grown[:, state] += rounding.sum(k, state, summed[:, state]) / k
         partakes = np.array([k <= own for own in orders])
         total = total + np.where(partakes, grown, 0.0)
         # A state that takes no part hands on nothing: what it would have is its error there.
-        handed_on = rounding.kept[k - 1] if k <= len(rounding.kept) else 0.0
-        error = np.where(partakes, grown + handed_on, bounds[k - 1])
-        words.append(bounds[k - 1] + grown + handed_on)
+        error = np.where(partakes, grown, bounds[k - 1])
+        words.append(bounds[k - 1] + grown)
     return np.asarray(total, dtype=np.float64), words
 
 

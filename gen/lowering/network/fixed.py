@@ -21,7 +21,7 @@ from gen.lowering.network.defect import Roundings, magnitudes
 from gen.lowering.network.factors import WORD_BITS, FactorProgram
 from gen.lowering.network.program import HeatProgram, TermProgram
 from gen.lowering.network.ranges import Ranges
-from gen.lowering.network.series import EXTRA_SHIFT, WHOLE, Product
+from gen.lowering.network.series import EXTRA_SHIFT, WEIGHT, WHOLE, Product
 from gen.lowering.network.terms import Term, Terms
 
 Array = NDArray[np.float64]
@@ -126,7 +126,11 @@ def series_bits(terms: Terms, first: Array, shape: FixedFormat, products: Sequen
     bounds = magnitudes(terms, first, len(products))
     chosen = []
     for k, product in enumerate(products[1:], start=2):
-        by_word = floor(log2((2.0 ** (8 * product.width - 2) - 4.0) / (_ROOM * max(float(bounds[k - 2].max()), 1e-30))))
+        # A third is taken of a word that itself has no room for differences.
+        room = 1 if k in WEIGHT else 2
+        by_word = floor(
+            log2((2.0 ** (8 * product.width - room) - 4.0) / (_ROOM * max(float(bounds[k - 2].max()), 1e-30)))
+        )
         by_sum = [
             8 * product.width - 1 - g - EXTRA_SHIFT[k] - ceil(log2(_ROOM * max(float(most), 1e-30)))
             for most, g in zip(bounds[k - 1].max(axis=0), shape.shifts, strict=True)
@@ -161,8 +165,19 @@ def fit(
         largest = word.max(axis=0) * 2.0 ** (unit + np.array(shape.shifts))
         if np.any(largest >= 2.0 ** (8 * product.sum_bytes - 1)):
             return False
-    given = zip(products[1:], series, words, strict=False)
-    return all(float(y.max()) * 2.0**bits + 2.0 <= 2.0 ** (8 * product.width - 2) for product, bits, y in given)
+    for k, (product, bits, word) in enumerate(zip(products[1:], series, words, strict=False), start=2):
+        largest, half = float(word.max()) * 2.0**bits + 2.0, 2.0 ** (8 * product.width - 1)
+        if largest > half or largest / (k if k in WEIGHT else 1) > half / 2.0:
+            return False
+    return True
+
+
+def _kept(order: int, product: Product) -> float:
+    """What a word for a term of the series is short of what it stands for, in its units, before its third is taken."""
+    if order not in WEIGHT:
+        return 1.0
+    # A third or a fifth is cut twice: at a byte below the word, where there is one.
+    return order * (1.01 if product.width < 4 else 2.5)
 
 
 def roundings(
@@ -213,10 +228,11 @@ def roundings(
                 first[:, target] += rounded + WHOLE.dropped * unit + heat.heat * relative(heat.factors)
             else:
                 first[:, target] += 0.5 * 2.0**program.left * unit
+    further = enumerate(zip(products[1:], series, strict=True), start=2)
     return Roundings(
         first=first,
         rate=rate,
         sum=summed,
-        kept=tuple(2.0**-bits for bits in series),
+        kept=tuple(_kept(k, product) * 2.0**-bits for k, (product, bits) in further),
         added=len(products) * 2.0 ** -(LOW_BITS + shape.bits),
     )

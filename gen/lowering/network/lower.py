@@ -26,7 +26,9 @@ from gen.model import ThermalModel
 
 Array = NDArray[np.float64]
 TARGET_K: Mapping[Arithmetic, float] = {"fixed": 9.5e-6, "float": 1e-3}
-"""A bound that is good enough: a smaller one costs terms of the series."""
+"""A bound that is good enough: a smaller one costs terms of the series, and longer words."""
+_TOLD_TARGET_K = 4e-5
+"""The same in fixed point with channels, whose factors are short words."""
 _SLACK = 1.5
 """So is one that is no larger than the best by this factor."""
 _STATE_CYCLES = 60.0
@@ -55,7 +57,8 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
     )
     bits = fixed.fraction_bits(ranges, [node.sensor.offset for node in model.network.sensed if node.sensor])
     first = speeds(terms, ranges)
-    found = (_fixed if arithmetic == "fixed" else _float)(terms, ranges, bits, factors, first)
+    limit, _ = coefficients.accuracy.limit(arithmetic)
+    found = (_fixed if arithmetic == "fixed" else _float)(terms, ranges, bits, factors, first, limit)
     bound = found.bound
     bound = np.maximum(bound, bound * (_START_WORDS * 2.0**-bits / bound.min()))
     proof = NetworkProof(ranges.low, ranges.high, bound, found.defect.max(axis=0))
@@ -106,8 +109,13 @@ def _bound(terms: Terms, ranges: Ranges, defect: Array) -> Array:
     return found
 
 
+def _enough(target: float, least: float, limit: float) -> float:
+    """Largest bound that is good enough, from the least one that can be had and the file's limit."""
+    return max(least, min(max(target, _SLACK * least), 0.95 * limit))
+
+
 def _fixed(
-    terms: Terms, ranges: Ranges, bits: int, factors: tuple[FactorProgram, ...], first: Array
+    terms: Terms, ranges: Ranges, bits: int, factors: tuple[FactorProgram, ...], first: Array, limit: float
 ) -> _Form:
     shape = fixed.choose_format(terms, factors, first, bits)
     base = fixed.roundings(terms, ranges, shape, factors, (WHOLE,), ()).first
@@ -124,7 +132,7 @@ def _fixed(
     assert trials, "words are chosen with room to spare"
     best = min(trials, key=lambda trial: float((trial.defect / base).max()))
     least = _bound(terms, ranges, best.defect)
-    enough = max(TARGET_K["fixed"], _SLACK * float(least.max()))
+    enough = _enough(_TOLD_TARGET_K if factors else TARGET_K["fixed"], float(least.max()), limit)
     # A defect that is nowhere larger than another one by some factor has a bound that is not, either.
     within = [t for t in trials if float((t.defect / best.defect).max()) * float(least.max()) <= enough]
     chosen = min(within, key=lambda trial: trial.cost)
@@ -153,7 +161,7 @@ def _cost(terms: Terms, orders: list[int], products: tuple[Product, ...]) -> flo
 
 
 def _float(
-    terms: Terms, ranges: Ranges, bits: int, factors: tuple[FactorProgram, ...], first: Array
+    terms: Terms, ranges: Ranges, bits: int, factors: tuple[FactorProgram, ...], first: Array, limit: float
 ) -> _Form:
     base = float32.roundings(terms, ranges, bits, factors, first, 1).first
     tried = []
@@ -162,7 +170,7 @@ def _float(
         rounding = float32.roundings(terms, ranges, bits, factors, first, max(orders))
         defect, _ = defects(terms, first, orders, left, rounding)
         tried.append((orders, defect, _bound(terms, ranges, defect)))
-    enough = max(TARGET_K["float"], _SLACK * float(tried[-1][2].max()))
+    enough = _enough(TARGET_K["float"], float(tried[-1][2].max()), limit)
     orders, defect, bound = next(found for found in tried if found[2].max() <= enough)
     states = tuple(
         StateProgram(

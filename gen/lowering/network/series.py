@@ -33,6 +33,11 @@ class Product:
     least: int
 
     @property
+    def name(self) -> str:
+        """Width and lightest weight."""
+        return f"{self.width}{self.least}"
+
+    @property
     def sum_bytes(self) -> int:
         """Bytes of a sum of such products."""
         return 2 * self.width - self.least
@@ -66,7 +71,7 @@ class Product:
 WHOLE: Final = Product(4, 2)
 """Of temperatures and of everything that a channel scales."""
 CHOICES: Final = {
-    2: (Product(4, 3), Product(4, 2)),
+    2: (Product(3, 1), Product(4, 3), Product(4, 2)),
     3: (Product(2, 1), Product(3, 2), Product(4, 3)),
     4: (Product(1, 0), Product(2, 1), Product(3, 2)),
     5: (Product(1, 0), Product(2, 1), Product(3, 2)),
