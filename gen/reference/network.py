@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gen.lowering.network import fixed, float32
 from gen.lowering.network.factors import scaled
 from gen.lowering.network.program import NetworkProgram, StateProgram, TermProgram
-from gen.lowering.network.series import WEIGHT, WHOLE
+from gen.lowering.network.series import FIRST, WEIGHT, WHOLE
 from gen.lowering.network.start import degrees, scale_of
 from gen.reference.flags import OUTSIDE_VALIDITY, PWM_CLAMPED, SATURATED, START_CLAMPED, STARTED
 from gen.reference.float32 import accumulated
@@ -222,7 +222,7 @@ class FixedSums:
         for k, own in enumerate(program.states):
             total[k] += self._heat(own, row, factors)
         unit = fixed.LOW_BITS + program.fraction_bits
-        change = np.zeros_like(state)
+        change = y = np.zeros_like(state)
         for order in range(1, program.orders + 1):
             bits = self._shift + fixed.sum_bits(program.products, program.series_bits, program.fraction_bits, order)
             if order > 1:
@@ -252,7 +252,7 @@ class FixedSums:
             word = np.asarray(heat.words, dtype=np.int64)[row]
             own = heat.heat.factors
             if own:
-                total += WHOLE.of(factors[own[0]], _scaled(word, own[1:], factors))
+                total += FIRST.of(factors[own[0]], _scaled(word, own[1:], factors))
             else:
                 total += word << heat.left
         return total

@@ -13,7 +13,7 @@ from gen.lowering.kinds import OUTPUT_BITS
 from gen.lowering.network import fixed
 from gen.lowering.network.factors import WORD_BITS, FactorProgram
 from gen.lowering.network.program import HeatProgram, NetworkProgram, StateProgram, TermProgram, Words
-from gen.lowering.network.series import WEIGHT, WHOLE, Product
+from gen.lowering.network.series import FIRST, WEIGHT, WHOLE, Product
 from gen.lowering.network.start import scale_of
 from gen.lowering.program import Program
 from gen.model.network import Network
@@ -119,6 +119,7 @@ def _sum(product: Product) -> dict[str, Any]:
         "name": product.name,
         "width": product.width,
         "least": product.least,
+        "cut": product.cut,
         "lines": network_words.multiply(product, use),
         "registers": ", ".join(f"{what}: {' '.join(registers)}" for what, registers in names) + ".",
     }
@@ -246,7 +247,7 @@ class _Terms:
         if factors:
             at = self._gathered(f"{name}_FACTOR", f"(uint32_t)f{factors[0]}", f"{label}, factor")
             self._gathered(name, word, label)
-            value = f"{self._name}_product((int32_t)gathered[{name}_FACTOR], gathered[{name}], {WHOLE.least})"
+            value = f"{self._name}_product((int32_t)gathered[{name}_FACTOR], gathered[{name}], {FIRST.least}, true)"
         else:
             at = self._gathered(name, word, label)
             value = f"(int64_t)gathered[{name}] * (INT64_C(1) << {program.left})"
@@ -277,7 +278,8 @@ class _Terms:
             if network.arithmetic == "float":
                 order["states"] = [self._single_step(number, k) for k in partaking]
             else:
-                order["least"] = network.products[number - 1].least
+                product = network.products[number - 1]
+                order["kept_bytes"] = f"{product.least}, {str(product.cut).lower()}"
                 order["states"] = self._steps(order, partaking)
             made.append(order)
         return made

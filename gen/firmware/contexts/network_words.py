@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from gen.lowering.network.fixed import LOW_BITS
-from gen.lowering.network.series import WHOLE, Product
+from gen.lowering.network.series import FIRST, Product
 
 STATE_BYTES = 4 + LOW_BITS // 8
 _REACH = 63
@@ -84,12 +84,14 @@ def multiply(product: Product, use: Registers) -> list[str]:
             lines.append(f"mul {use.d[i]}, {use.a[j]}")
             if k < len(kept):
                 lines.append(f"movw {kept[k][0]}, r0")
-        place = sum(chain[0]) - product.least
+        place = sum(chain[0]) - product.unit
+        if place < 0:  # without the lower byte
+            place, results = 0, results[1:]
         for k, byte in enumerate(sums[place:]):
             lines.append(f"{'adc' if k else 'add'} {byte}, {results[k] if k < len(results) else use.zero}")
     # A negative difference was taken for 2^(8 width) more.
     lines += [f"sbrs {use.d[width - 1]}, 7", "rjmp 1f"]
-    for k, byte in enumerate(sums[width - product.least :]):
+    for k, byte in enumerate(sums[width - product.unit :]):
         lines.append(f"{'sbc' if k else 'sub'} {byte}, {use.a[k]}")
     return [*lines, "1:"]
 
@@ -158,7 +160,7 @@ def fraction(given: Sequence[str], factor: int) -> tuple[list[str], list[str]]:
 
 def warm(bits: int) -> list[str]:
     """Adds an unsigned 32-bit word in the rate's registers, shifted up by `bits`, to a whole sum."""
-    given, sums = _registers(16, 4), _registers(2, STATE_BYTES)
+    given, sums = _registers(16, 4), fixed_registers(FIRST).sum
     rest, skipped = bits % 8, bits // 8
     lines = [f"clr {_OVER}"] if rest else []
     places = given
@@ -255,7 +257,7 @@ class Block:
 
     def scaled_heat(self, note: str, word: int) -> None:
         """Add the product of a factor with a heat's word."""
-        use = fixed_registers(WHOLE)
+        use = fixed_registers(FIRST)
         loads = [*self._load(use.d, 4 * word), *self._load(use.a, 4 * word + 4)]
         self.add(note, [*loads, f"#ADD{self.product.name}"])
 

@@ -21,12 +21,14 @@ from gen.lowering.network.defect import Roundings, magnitudes
 from gen.lowering.network.factors import WORD_BITS, FactorProgram
 from gen.lowering.network.program import HeatProgram, TermProgram
 from gen.lowering.network.ranges import Ranges
-from gen.lowering.network.series import EXTRA_SHIFT, WEIGHT, WHOLE, Product
+from gen.lowering.network.series import EXTRA_SHIFT, FIRST, WEIGHT, Product
 from gen.lowering.network.terms import Term, Terms
 
 Array = NDArray[np.float64]
 LOW_BITS = 16
 """Of a state's word below what is read."""
+_FIRST_BITS = 32 - 8 * FIRST.unit
+"""Of the first sum, at g = 0, below what is read of a state."""
 _ROOM = 1.25
 """A word has room for so much more than is proven of it without its errors, which are then proven to fit."""
 _AMBIENT = 1.8
@@ -74,7 +76,7 @@ def choose_format(terms: Terms, factors: Sequence[FactorProgram], first: Array, 
     for target in range(len(terms.states)):
         rates = [float(term.rate.max()) * 2.0 ** _raised(term.factors, factors) for term in terms.of(target)]
         by_word = -ceil(log2(max(2.0**-40, *rates) * (1.0 + 1e-9)))
-        by_sum = 8 * WHOLE.sum_bytes - 1 - (LOW_BITS + bits) - ceil(log2(_ROOM * float(first[:, target].max()) + 1e-9))
+        by_sum = 8 * FIRST.sum_bytes - 1 - (_FIRST_BITS + bits) - ceil(log2(_ROOM * float(first[:, target].max()) + 1e-9))
         by_heat = [
             32 + factors[heat.factors[0]].bits - (32 + bits) - ceil(log2(most))
             for heat in terms.heats_of(target)
@@ -100,11 +102,11 @@ def term_program(term: Term, shape: FixedFormat, factors: Sequence[FactorProgram
 def heat_programs(terms: Terms, target: int, shape: FixedFormat, factors: Sequence[FactorProgram]) -> list[HeatProgram]:
     """A state's heats in words."""
     made = []
-    unit = LOW_BITS + shape.bits + shape.shifts[target]
+    unit = _FIRST_BITS + shape.bits + shape.shifts[target]
     for heat in terms.heats_of(target):
         if heat.factors:
             # The first factor's product with the word loses the bytes that every product does.
-            left, raised = 0, 8 * WHOLE.least - factors[heat.factors[0]].bits + _raised(heat.factors[1:], factors)
+            left, raised = 0, 8 * FIRST.unit - factors[heat.factors[0]].bits + _raised(heat.factors[1:], factors)
         else:
             left = max(0, ceil(log2(max(float(heat.heat.max()), 2.0**-60)) + unit + 1e-9) - 32)
             raised = -left
@@ -143,7 +145,7 @@ def sum_bits(products: Sequence[Product], series: Sequence[int], bits: int, orde
     """Fraction bits of a sum at g = 0, the half, third and so on of its order counted in."""
     product = products[order - 1]
     given = bits if order == 1 else series[order - 2]
-    return given + 8 * product.width - 8 * product.least + EXTRA_SHIFT.get(order, 0)
+    return given + 8 * product.width - 8 * product.unit + EXTRA_SHIFT.get(order, 0)
 
 
 def fit(
@@ -219,13 +221,13 @@ def roundings(
         first[:, term.target] += rate(1, term) * (ranges.difference(term) + 2.0 * lsb) + largest * words * lsb
     for target in range(len(terms.states)):
         first[:, target] += summed(1, target, first[:, target])
-        unit = 2.0 ** -(LOW_BITS + shape.bits + shape.shifts[target])
+        unit = 2.0 ** -(_FIRST_BITS + shape.bits + shape.shifts[target])
         for heat, program in zip(terms.heats_of(target), heat_programs(terms, target, shape, factors), strict=True):
             if heat.factors:
                 # The word is rounded, then cut by each further factor; the first factor's product leaves bytes out.
-                word = 2.0 ** (factors[heat.factors[0]].bits - 8 * WHOLE.least) * unit
+                word = 2.0 ** (factors[heat.factors[0]].bits - 8 * FIRST.unit) * unit
                 rounded = (0.5 + 1.1 * (len(heat.factors) - 1)) * word * float(terms.spans[heat.factors[0], 1])
-                first[:, target] += rounded + WHOLE.dropped * unit + heat.heat * relative(heat.factors)
+                first[:, target] += rounded + FIRST.dropped * unit + heat.heat * relative(heat.factors)
             else:
                 first[:, target] += 0.5 * 2.0**program.left * unit
     further = enumerate(zip(products[1:], series, strict=True), start=2)

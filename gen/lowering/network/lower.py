@@ -19,7 +19,7 @@ from gen.lowering.network.defect import SHARES, choose_orders, defects, error_bo
 from gen.lowering.network.factors import FactorProgram, lower_factor
 from gen.lowering.network.program import NetworkProgram, NetworkProof, Reading, StateProgram
 from gen.lowering.network.ranges import Ranges, reachable, speeds
-from gen.lowering.network.series import CHOICES, WHOLE, Product
+from gen.lowering.network.series import CHOICES, FIRST, Product
 from gen.lowering.network.terms import Terms, terms_of
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import ThermalModel
@@ -118,12 +118,12 @@ def _fixed(
     terms: Terms, ranges: Ranges, bits: int, factors: tuple[FactorProgram, ...], first: Array, limit: float
 ) -> _Form:
     shape = fixed.choose_format(terms, factors, first, bits)
-    base = fixed.roundings(terms, ranges, shape, factors, (WHOLE,), ()).first
+    base = fixed.roundings(terms, ranges, shape, factors, (FIRST,), ()).first
     trials = []
     for share in SHARES:
         orders, left = choose_orders(terms, first, base, share)
         for further in product(*(CHOICES[k] for k in range(2, max(orders) + 1))):
-            products = (WHOLE, *further)
+            products = (FIRST, *further)
             series = fixed.series_bits(terms, first, shape, products)
             rounding = fixed.roundings(terms, ranges, shape, factors, products, series)
             defect, words = defects(terms, first, orders, left, rounding)

@@ -19,7 +19,7 @@ WEIGHT: Final = {3: 85, 5: 51}
 
 @dataclass(frozen=True)
 class Product:
-    """``sum of d_i a_j 2^(8 (i + j - least))`` over i + j >= least.
+    """``sum of d_i a_j 2^(8 (i + j))`` over i + j >= least, in units of 2^(8 unit).
 
     Attributes
     ----------
@@ -27,10 +27,13 @@ class Product:
         Bytes of d, and of a: a rate's upper ones.
     least
         Weight in bytes of the lightest product that is kept, at most the width.
+    cut
+        Whether the lower bytes of the lightest products are left out, too.
     """
 
     width: int
     least: int
+    cut: bool = True
 
     @property
     def name(self) -> str:
@@ -38,9 +41,14 @@ class Product:
         return f"{self.width}{self.least}"
 
     @property
+    def unit(self) -> int:
+        """Bytes that a sum is short of the whole product."""
+        return self.least + int(self.cut)
+
+    @property
     def sum_bytes(self) -> int:
         """Bytes of a sum of such products."""
-        return 2 * self.width - self.least
+        return 2 * self.width - self.unit
 
     @property
     def places(self) -> list[tuple[int, int]]:
@@ -51,8 +59,9 @@ class Product:
     @property
     def dropped(self) -> float:
         """What is left out of a product is between 0 and this, in units of the sum."""
-        both = range(self.width)
-        return float(sum(255**2 * 2.0 ** (8 * (i + j - self.least)) for i in both for j in both if i + j < self.least))
+        below = sum(255**2 * 2.0 ** (8 * (i + j)) for i in range(self.least) for j in range(self.least - i))
+        cut = 255.0 * 2.0 ** (8 * self.least) * sum(i + j == self.least for i, j in self.places) if self.cut else 0.0
+        return float(below + cut) * 2.0 ** (-8 * self.unit)
 
     @property
     def cost(self) -> float:
@@ -64,16 +73,25 @@ class Product:
         total: Integers = difference * rate
         for i in range(self.least):
             for j in range(self.least - i):
-                total = total - (((difference >> 8 * i & 0xFF) * (rate >> 8 * j & 0xFF)) << 8 * (i + j))
-        return total >> 8 * self.least
+                total = total - (_bytes(difference, i, rate, j) << 8 * (i + j))
+        for i, j in self.places if self.cut else ():
+            if i + j == self.least:
+                total = total - ((_bytes(difference, i, rate, j) & 0xFF) << 8 * self.least)
+        return total >> 8 * self.unit
 
 
-WHOLE: Final = Product(4, 2)
-"""Of temperatures and of everything that a channel scales."""
+def _bytes(difference: Integers, i: int, rate: Integers, j: int) -> Integers:
+    return (difference >> 8 * i & 0xFF) * (rate >> 8 * j & 0xFF)
+
+
+WHOLE: Final = Product(4, 2, cut=False)
+"""Of everything that a channel scales, and of degrees."""
+FIRST: Final = Product(4, 2)
+"""Of temperatures."""
 CHOICES: Final = {
     2: (Product(3, 1), Product(4, 3), Product(4, 2)),
     3: (Product(2, 1), Product(3, 2), Product(4, 3)),
-    4: (Product(1, 0), Product(2, 1), Product(3, 2)),
-    5: (Product(1, 0), Product(2, 1), Product(3, 2)),
+    4: (Product(1, 0, cut=False), Product(2, 1), Product(3, 2)),
+    5: (Product(1, 0, cut=False), Product(2, 1), Product(3, 2)),
 }
 """By the series' term: products that it may be made of, the cheapest first."""
