@@ -58,26 +58,13 @@ def operands() -> Registers:
     return Registers(sums, names["d"], names["a"], names["low"][:2], names["middle"][:2], "%[zero]")
 
 
-def _chains(product: Product) -> list[list[tuple[int, int]]]:
-    """Byte products in groups whose 16-bit results lie side by side: one chain of additions each."""
-    left = list(product.places)
-    made = []
-    while left:
-        chain = [left.pop(0)]
-        while nearest := [pair for pair in left if sum(pair) == sum(chain[-1]) + 2]:
-            chain.append(nearest[0])
-            left.remove(nearest[0])
-        made.append(chain)
-    return made
-
-
 def multiply(product: Product, use: Registers) -> list[str]:
     """Adds a product to a sum."""
     width, sums = product.width, use.sum
     if width == 1:
         return [f"mulsu {use.d[0]}, {use.a[0]}", f"add {sums[0]}, r0", f"adc {sums[1]}, r1"]
     lines = []
-    for chain in _chains(product):
+    for chain in product.chains:
         kept = [use.low, use.middle][: len(chain) - 1]
         results = [byte for pair in kept for byte in pair] + ["r0", "r1"]
         for k, (i, j) in enumerate(chain):

@@ -29,8 +29,10 @@ LOW_BITS = 16
 """Of a state's word below what is read."""
 _FIRST_BITS = 32 - 8 * FIRST.unit
 """Of the first sum, at g = 0, below what is read of a state."""
-_ROOM = 1.25
+_ROOM = 1.02
 """A word has room for so much more than is proven of it without its errors, which are then proven to fit."""
+_BYTE_ROOM = 1.25
+"""The same of a single byte."""
 _AMBIENT = 1.8
 """Largest difference of a state's upper word and the ambient's from what they stand for, in words: the state's is
 rounded down, the ambient's to nearest of a scale that is itself rounded, less what its product leaves out."""
@@ -130,9 +132,8 @@ def series_bits(terms: Terms, first: Array, shape: FixedFormat, products: Sequen
     for k, product in enumerate(products[1:], start=2):
         # A third is taken of a word that itself has no room for differences.
         room = 1 if k in WEIGHT else 2
-        by_word = floor(
-            log2((2.0 ** (8 * product.width - room) - 4.0) / (_ROOM * max(float(bounds[k - 2].max()), 1e-30)))
-        )
+        largest = max(float(bounds[k - 2].max()), 1e-30) * (_ROOM if product.width > 1 else _BYTE_ROOM)
+        by_word = floor(log2((2.0 ** (8 * product.width - room) - 4.0) / largest))
         by_sum = [
             8 * product.width - 1 - g - EXTRA_SHIFT[k] - ceil(log2(_ROOM * max(float(most), 1e-30)))
             for most, g in zip(bounds[k - 1].max(axis=0), shape.shifts, strict=True)
