@@ -35,7 +35,7 @@ class NetworkContext(TypedDict):
     states: list[dict[str, Any]]
     terms: list[dict[str, Any]]
     constants: list[dict[str, Any]]
-    stream: list[dict[str, str]]
+    stream: list[dict[str, str | None]]
     references: list[dict[str, Any]]
     factors: list[dict[str, Any]]
     tables: list[dict[str, Any]]
@@ -153,7 +153,7 @@ class _Terms:
         self.references: list[dict[str, Any]] = []
         self.tables: list[dict[str, Any]] = []
         #: What is gathered at the beginning of a sample, and where it is, by term and by heat.
-        self.stream: list[dict[str, str]] = []
+        self.stream: list[dict[str, str | None]] = []
         self.states = [self._state(k, state) for k, state in enumerate(network.states)]
 
     def _state(self, number: int, state: StateProgram) -> dict[str, Any]:
@@ -175,9 +175,11 @@ class _Terms:
             "heats": [self._heat(heat) for heat in state.heats] if self._network.arithmetic == "fixed" else [],
         }
 
-    def _gathered(self, name: str, value: str, label: str) -> int:
-        """Place of a word that is gathered at the beginning of a sample."""
-        self.stream.append({"id": name, "value": value, "label": label})
+    def _gathered(self, name: str, value: str, label: str, key: str | None = None) -> int:
+        """Place of a word that is gathered at the beginning of a sample; `key` names its table if it is one's word."""
+        tables = [table["id"] for table in self.tables]
+        flash = f"&{self._name}_{key}[row]" if key in tables else None
+        self.stream.append({"id": name, "value": value, "label": label, "flash": flash})
         return len(self.stream) - 1
 
     def _term(self, program: TermProgram) -> dict[str, Any]:
@@ -207,7 +209,7 @@ class _Terms:
             "source": place,
             "growing": term.growing,
             "constant": constant,
-            "word": None if single else self._gathered(f"R{index}", value, label),
+            "word": None if single else self._gathered(f"R{index}", value, label, None if term.factors else f"rate{index}"),
             "note": label,
         }
 
@@ -246,10 +248,10 @@ class _Terms:
         name = key.upper()
         if factors:
             at = self._gathered(f"{name}_FACTOR", f"(uint32_t)f{factors[0]}", f"{label}, factor")
-            self._gathered(name, word, label)
+            self._gathered(name, word, label, None if factors[1:] else key)
             value = f"{self._name}_product((int32_t)gathered[{name}_FACTOR], gathered[{name}], {FIRST.least}, true)"
         else:
-            at = self._gathered(name, word, label)
+            at = self._gathered(name, word, label, None if factors[1:] else key)
             value = f"(int64_t)gathered[{name}] * (INT64_C(1) << {program.left})"
         return {"factor": bool(factors), "left": program.left, "word": at, "value": value, "label": label}
 
