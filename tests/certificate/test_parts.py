@@ -156,7 +156,7 @@ def test_bad_certificates_are_refused(tmp_path: Path) -> None:
     path.write_text(text[: len(text) // 2])
     with pytest.raises(InputError, match=r"certificate\.json"):
         document.read(out)
-    path.write_text(text.replace('"version": 1', '"version": 2'))
+    path.write_text(text.replace('"version": 1', '"version": 3'))
     with pytest.raises(InputError, match=r"\$\.version"):
         document.read(out)
     path.unlink()

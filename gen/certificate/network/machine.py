@@ -1,0 +1,510 @@
+"""Runs the C++ of a network on forms (:mod:`gen.certificate.network.forms`): what it does follows from its own text.
+
+Whole numbers of 8 to 64 bits, float32, arrays, pointers into them, loops of known length, functions: nothing is known
+of what they are used for. Every number is held against its type, and what is not understood is refuted. On the AVR an
+``int`` has 16 bits: a product or a sum of two numbers of at most 16 bits has to fit 16 of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pycparser import c_ast
+
+from gen.certificate.exact import Floats
+from gen.certificate.network.forms import Form, Space
+from gen.certificate.network.single import single
+from gen.certificate.network.source import Table, Unit
+from gen.certificate.refuted import Refuted
+
+#: Below this whole numbers are exact in float64.
+_EXACT = 2.0**53
+#: float32's largest number.
+_LARGEST = float(np.finfo(np.float32).max)
+#: Bits of an accumulator's word below ``hi``.
+ACCUMULATOR_BITS = 8
+_MOST_ROUNDS = 1024
+
+
+@dataclass(frozen=True, eq=False)
+class Number:
+    """A number of the C++: its type, and what it is."""
+
+    kind: str
+    form: Form
+
+    @property
+    def bits(self) -> int:
+        """How many it has, of a whole number."""
+        return int(self.kind.strip("uint_"))
+
+    @property
+    def signed(self) -> bool:
+        """Whether it may be negative."""
+        return not self.kind.startswith("u")
+
+
+@dataclass
+class Accumulator:
+    """A whole number of 40 bits, ``hi`` and ``lo``; None where it was not written."""
+
+    form: Form | None
+
+
+@dataclass(frozen=True)
+class Pointer:
+    """A place in an array."""
+
+    cells: list[Any]
+    at: int
+
+
+@dataclass(frozen=True)
+class Told:
+    """A channel's value."""
+
+    channel: int
+
+
+@dataclass
+class Model:
+    """The model in RAM: the states' words."""
+
+    T: list[Any]
+
+
+class _Returned(Exception):
+    def __init__(self, value: Any) -> None:  # noqa: ANN401
+        self.value = value
+
+
+class Machine:
+    """Runs functions of one unit.
+
+    Parameters
+    ----------
+    unit
+        Whose functions.
+    tables
+        What lies in flash.
+    space
+        What numbers are made of.
+    model
+        In RAM.
+    of_channel
+        What a function of a channel's value alone gives, by the function's name and the channel.
+    """
+
+    def __init__(
+        self,
+        unit: Unit,
+        tables: Mapping[str, Table],
+        space: Space,
+        model: Model,
+        of_channel: Callable[[str, int], Number],
+    ) -> None:
+        self._unit, self._tables, self._space = unit, tables, space
+        self._model, self._of_channel = model, of_channel
+
+    def known(self, value: float | Floats, kind: str = "int32_t") -> Number:
+        """A number that is known."""
+        return Number(kind, self._space.number(value))
+
+    def call(self, name: str, *arguments: Any) -> Any:  # noqa: ANN401
+        """Run a function.
+
+        Raises
+        ------
+        Refuted
+            If it does what is not understood, or what may overflow.
+        """
+        if len(arguments) == 1 and isinstance(arguments[0], Told):
+            return self._of_channel(name, arguments[0].channel)
+        if name == f"{self._unit.model}_add":
+            return self._added(*arguments)
+        tree = self._chosen(name, arguments)
+        variables: dict[str, Any] = {}
+        parameters = tree.decl.type.args.params if tree.decl.type.args is not None else []
+        for parameter, value in zip(parameters, arguments, strict=False):
+            if isinstance(value, Number):
+                value = self._converted(value, self._kind(parameter.type))
+            variables[parameter.name] = value
+        try:
+            self._block(tree.body, variables)
+        except _Returned as returned:
+            result = returned.value
+            return self._converted(result, self._kind(tree.decl.type.type)) if isinstance(result, Number) else result
+        return None
+
+    def _chosen(self, name: str, arguments: Sequence[Any]) -> c_ast.FuncDef:
+        """The function of a name that takes such arguments."""
+        fitting = []
+        for tree in self._unit.functions(name):
+            given = tree.decl.type.args.params if tree.decl.type.args is not None else []
+            given = [one for one in given if not isinstance(one, c_ast.Typename)]  # (void)
+            fits = len(given) == len(arguments)
+            for parameter, value in zip(given, arguments, strict=False):
+                fits &= isinstance(parameter.type, c_ast.PtrDecl) == isinstance(value, Pointer)
+            if fits:
+                fitting.append((tree, given))
+        if len(fitting) > 1:  # overloaded: then by the exact types
+            fitting = [
+                (tree, given)
+                for tree, given in fitting
+                if all(
+                    isinstance(value, Number) and value.kind == self._kind(parameter.type)
+                    for parameter, value in zip(given, arguments, strict=True)
+                )
+            ]
+        if len(fitting) != 1:
+            raise Refuted(f"{name} takes other arguments than expected")
+        return fitting[0][0]
+
+    def _kind(self, node: c_ast.Node) -> str | None:
+        """The type that a declaration names; None for one of a template."""
+        match node:
+            case c_ast.TypeDecl(type=c_ast.IdentifierType(names=[name])) if name in self._unit.kinds:
+                return self._unit.kinds[name]
+            case c_ast.TypeDecl(type=c_ast.IdentifierType(names=[name])) if name in self._unit.templates:
+                return None
+        raise Refuted(f"a type that the proof does not know: {type(node).__name__}")
+
+    # Statements.
+
+    def _block(self, block: c_ast.Node, variables: dict[str, Any]) -> None:
+        for statement in block.block_items or [] if isinstance(block, c_ast.Compound) else [block]:
+            self._statement(statement, variables)
+
+    def _statement(self, node: c_ast.Node, variables: dict[str, Any]) -> None:
+        match node:
+            case c_ast.Decl(name=name):
+                if name in variables:
+                    raise Refuted(f"{name} is declared twice")
+                variables[name] = self._declared(node, variables)
+            case c_ast.Assignment(op=op, lvalue=place, rvalue=value):
+                self._assign(op, place, self._value(value, variables), variables)
+            case c_ast.Return(expr=value):
+                raise _Returned(None if value is None else self._value(value, variables))
+            case c_ast.FuncCall():
+                self._value(node, variables)
+            case c_ast.For():
+                self._loop(node, variables)
+            case c_ast.Cast(to_type=c_ast.Typename(type=c_ast.TypeDecl(type=c_ast.IdentifierType(names=["void"])))):
+                return
+            case _:
+                raise Refuted(f"a statement that the proof does not know: {type(node).__name__}")
+
+    def _declared(self, node: c_ast.Decl, variables: dict[str, Any]) -> Any:  # noqa: ANN401
+        match node.type:
+            case c_ast.ArrayDecl(type=inner, dim=length):
+                kind, count = self._kind(inner), self._whole(self._value(length, variables))
+                if node.init is None:
+                    return [Number(kind or "", self._space.number(np.nan))] * count
+                match node.init:
+                    case c_ast.InitList(exprs=[c_ast.Constant(value="0" | "0.0f")]):
+                        return [self.known(0.0, kind or "")] * count
+                raise Refuted(f"{node.name} is not filled with zeros")
+            case c_ast.PtrDecl():
+                return self._value(node.init, variables)
+            case _:
+                kind = self._kind(node.type)
+                if node.init is None:
+                    return Number(kind or "", self._space.number(np.nan))
+                return self._converted(self._value(node.init, variables), kind)
+
+    def _loop(self, node: c_ast.For, variables: dict[str, Any]) -> None:
+        """``for (uint8_t i = 0; i < N; ++i)``."""
+        match node:
+            case c_ast.For(
+                init=c_ast.DeclList(decls=[c_ast.Decl(name=name) as first]),
+                cond=c_ast.BinaryOp(op="<", left=c_ast.ID(name=compared), right=end),
+                next=c_ast.UnaryOp(op="++", expr=c_ast.ID(name=counted)),
+            ) if name == compared == counted and name not in variables:
+                start = self._declared(first, variables)
+                last = self._whole(self._value(end, variables))
+                for count in range(self._whole(start), last):
+                    if count - self._whole(start) >= _MOST_ROUNDS:
+                        raise Refuted("a loop that goes round too often")
+                    inner = {**variables, name: self._converted(self.known(float(count)), start.kind)}
+                    self._block(node.stmt, inner)
+                    if self._whole(inner[name]) != count:
+                        raise Refuted("a loop that changes its own count")
+                    for kept in variables:
+                        variables[kept] = inner[kept]
+            case _:
+                raise Refuted("a loop that the proof does not know")
+
+    def _assign(self, op: str, place: c_ast.Node, value: Any, variables: dict[str, Any]) -> None:  # noqa: ANN401
+        match place:
+            case c_ast.ID(name=name) if name in variables:
+                variables[name] = self._replaced(variables[name], op, value)
+            case c_ast.ArrayRef() | c_ast.UnaryOp(op="*"):
+                where = self._place(place, variables)
+                where.cells[where.at] = self._replaced(where.cells[where.at], op, value)
+            case c_ast.StructRef(type=".", name=c_ast.ArrayRef() as of, field=c_ast.ID(name=("hi" | "lo") as half)):
+                where = self._place(of, variables)
+                self._put(where.cells[where.at], half, op, value)
+            case _:
+                raise Refuted(f"an assignment that the proof does not know: to {type(place).__name__}")
+
+    def _replaced(self, old: Any, op: str, value: Any) -> Any:  # noqa: ANN401
+        if op != "=":
+            value = self._binary(op.removesuffix("="), old, value)
+        if isinstance(old, Number) and isinstance(value, Number):
+            return self._converted(value, old.kind)
+        if isinstance(old, Pointer) and isinstance(value, Pointer):
+            return value
+        raise Refuted("an assignment of another type")
+
+    def _put(self, cell: Any, half: str, op: str, value: Number) -> None:  # noqa: ANN401
+        """``lo = 0`` and then ``hi = word``."""
+        if not isinstance(cell, Accumulator) or op != "=":
+            raise Refuted("an assignment that the proof does not know")
+        if half == "lo":
+            if self._whole(value) != 0:
+                raise Refuted("a word's lower bits are not cleared")
+            cell.form = None
+        else:
+            if cell.form is not None:
+                raise Refuted("a word's lower bits are not cleared")
+            cell.form = self._converted(value, "int32_t").form.times(2.0**ACCUMULATOR_BITS)
+
+    # Expressions.
+
+    def _value(self, node: c_ast.Node, variables: dict[str, Any]) -> Any:  # noqa: ANN401
+        match node:
+            case c_ast.Constant(type=kind, value=text):
+                return self._literal(kind, text)
+            case c_ast.ID(name=name):
+                return self._named(name, variables)
+            case c_ast.UnaryOp(op="-", expr=inner):
+                return self._binary("-", self.known(0.0, "int16_t"), self._value(inner, variables))
+            case c_ast.UnaryOp(op="&", expr=c_ast.ArrayRef() as inner):
+                found = self._place(inner, variables)
+                return found.cells[found.at] if isinstance(found.cells, _Flash) else found
+            case c_ast.Cast(to_type=c_ast.Typename(type=to)):
+                return self._converted(self._value(node.expr, variables), self._kind(to))
+            case c_ast.BinaryOp(op=op, left=left, right=right):
+                return self._binary(op, self._value(left, variables), self._value(right, variables))
+            case c_ast.FuncCall(name=c_ast.ID(name=name), args=arguments):
+                given = [self._value(one, variables) for one in (arguments.exprs if arguments else [])]
+                return self._called(name, given)
+            case c_ast.ArrayRef() | c_ast.UnaryOp(op="*"):
+                found = self._place(node, variables)
+                return found.cells[found.at]
+            case c_ast.StructRef(type=".", name=c_ast.ID(name=of), field=c_ast.ID(name="T")) if self._is_model(of):
+                return Pointer(self._model.T, 0)
+            case c_ast.StructRef(type=".", name=of, field=c_ast.ID(name="hi")):
+                return self._high(self._value(of, variables))
+        raise Refuted(f"an expression that the proof does not know: {type(node).__name__}")
+
+    def _is_model(self, name: str) -> bool:
+        return name == f"{self._unit.model}_model"
+
+    def _named(self, name: str, variables: dict[str, Any]) -> Any:  # noqa: ANN401
+        if name in variables:
+            value = variables[name]
+            return Pointer(value, 0) if isinstance(value, list) else value
+        if name in self._unit.constants:
+            return self.known(float(self._unit.constants[name]), "int16_t")
+        if name in self._tables:
+            return Pointer(_Flash(self._tables[name], self._space), 0)
+        raise Refuted(f"a name that the proof does not know: {name}")
+
+    def _literal(self, kind: str, text: str) -> Number:
+        if kind == "float":
+            return self.known(single(text), "float")
+        digits = text.rstrip("uULl")
+        suffix = text[len(digits) :]
+        if not digits.isdecimal() or suffix not in ("", "u", "L", "UL"):
+            raise Refuted(f"a number that the proof does not know: {text}")
+        value = int(digits)
+        narrow = "uint16_t" if suffix == "u" else "int16_t"
+        chosen = {"": narrow if value < 1 << 15 else "int32_t", "u": narrow, "L": "int32_t", "UL": "uint32_t"}[suffix]
+        return self._fitted(self.known(float(value), chosen))
+
+    def _called(self, name: str, given: list[Any]) -> Any:  # noqa: ANN401
+        if name == "INT64_C" and len(given) == 1:
+            return self._converted(given[0], "int64_t")
+        if name.startswith("pgm_read_") and len(given) == 1 and isinstance(given[0], Number):
+            kinds = {"byte": "uint8_t", "word": "uint16_t", "dword": "uint32_t", "float": "float"}
+            if kinds.get(name.removeprefix("pgm_read_")) == given[0].kind:
+                return given[0]
+            raise Refuted(f"{name} reads a number of another type")
+        return self.call(name, *given)
+
+    def _place(self, node: c_ast.Node, variables: dict[str, Any]) -> Any:  # noqa: ANN401
+        """A place in an array, in flash, or a channel."""
+        match node:
+            case c_ast.ArrayRef(
+                name=c_ast.StructRef(type=".", name=c_ast.ID(name=of), field=c_ast.ID(name="channel")), subscript=index
+            ) if self._is_model(of):
+                return Pointer([Told(self._whole(self._value(index, variables)))], 0)
+            case c_ast.ArrayRef(name=of, subscript=index):
+                array, number = self._value(of, variables), self._value(index, variables)
+                if isinstance(array, Pointer) and isinstance(array.cells, _Flash) and array.at == 0:
+                    return array.cells.place(number)
+                return self._within(array, self._whole(number))
+            case c_ast.UnaryOp(op="*", expr=inner):
+                return self._within(self._value(inner, variables), 0)
+        raise Refuted(f"a place that the proof does not know: {type(node).__name__}")
+
+    @staticmethod
+    def _within(pointer: Any, further: int) -> Pointer:  # noqa: ANN401
+        if not isinstance(pointer, Pointer) or not 0 <= pointer.at + further < len(pointer.cells):
+            raise Refuted("a place outside of its array")
+        return Pointer(pointer.cells, pointer.at + further)
+
+    def _binary(self, op: str, left: Any, right: Any) -> Any:  # noqa: ANN401
+        if isinstance(left, Pointer) and isinstance(right, Number) and op == "+":
+            return Pointer(left.cells, left.at + self._whole(right))
+        if not (isinstance(left, Number) and isinstance(right, Number)):
+            raise Refuted(f"an operation that the proof does not know: {op}")
+        if op in (">>", "<<") and "float" not in (left.kind, right.kind):
+            return self._shifted(op, left, self._whole(right))
+        if op not in ("+", "-", "*"):
+            raise Refuted(f"an operation that the proof does not know: {op}")
+        kind = _common(left, right)
+        left, right = self._converted(left, kind), self._converted(right, kind)
+        if kind == "float":
+            return self._single(op, left.form, right.form)
+        return self._fitted(Number(kind, self._exactly(op, left.form, right.form)))
+
+    def _exactly(self, op: str, left: Form, right: Form) -> Form:
+        if left.known and right.known:
+            made = _OPERATIONS[op](left.constant, right.constant)
+            if np.all(np.abs(made) <= _EXACT):
+                return self._space.number(made)
+        match op:
+            case "+":
+                return (left + right).trimmed()
+            case "-":
+                return (left - right).trimmed()
+            case _:
+                return left.product(right).trimmed()
+
+    def _single(self, op: str, left: Form, right: Form) -> Number:
+        if left.known and right.known:
+            made = _OPERATIONS[op](left.constant.astype(np.float32), right.constant.astype(np.float32))
+            return self._finite(self._space.number(made.astype(np.float64)))
+        return self._rounded(self._exactly(op, left, right))
+
+    def _rounded(self, form: Form) -> Number:
+        """Round to nearest float32."""
+        return self._finite(form.within(_half_ulp(form.largest)))
+
+    @staticmethod
+    def _finite(form: Form) -> Number:
+        if not np.all(form.largest < _LARGEST):
+            raise Refuted("a number of float32 has no bound")
+        return Number("float", form)
+
+    def _shifted(self, op: str, value: Number, bits: int) -> Number:
+        value = self._converted(value, _promoted(value))
+        if not 0 <= bits < value.bits:
+            raise Refuted(f"a shift by {bits} bits")
+        if op == "<<":
+            return self._fitted(Number(value.kind, value.form.times(2.0**bits)))
+        scaled = value.form.times(2.0**-bits)
+        if value.form.known:
+            return Number(value.kind, self._space.number(np.floor(scaled.constant)))
+        lost = 1.0 - 2.0**-bits  # rounded down
+        return Number(value.kind, (scaled + self._space.number(-lost / 2.0)).within(lost / 2.0) if bits else scaled)
+
+    def _high(self, cell: Any) -> Number:  # noqa: ANN401
+        if not isinstance(cell, Accumulator) or cell.form is None:
+            raise Refuted("a member that the proof does not know: hi")
+        whole = self._shifted(">>", Number("int64_t", cell.form), ACCUMULATOR_BITS)
+        return self._fitted(Number("int32_t", whole.form))
+
+    def _added(self, cell: Any, value: Number, shift: Number) -> None:  # noqa: ANN401
+        """What the addition of a float32 to a 40-bit word does, whose text is known."""
+        if not isinstance(cell, Pointer) or not isinstance(cell.cells[cell.at], Accumulator) or value.kind != "float":
+            raise Refuted("an addition that the proof does not know")
+        of = cell.cells[cell.at]
+        scaled = value.form.times(2.0 ** (ACCUMULATOR_BITS - self._whole(shift)))
+        if of.form is None or not np.all(scaled.largest < 2.0**39):
+            raise Refuted("what is added to a word may not fit it")
+        total = of.form + scaled.within(1.0)  # rounded towards zero
+        if not np.all(total.largest < 2.0 ** (31 + ACCUMULATOR_BITS) - 1.0):
+            raise Refuted("a word may overflow")
+        of.form = total
+
+    def _converted(self, value: Any, kind: str | None) -> Any:  # noqa: ANN401
+        if not isinstance(value, Number) or kind is None or value.kind == kind:
+            return value
+        if kind == "float":
+            if value.form.known and np.all(np.abs(value.form.constant) <= 2.0**24):
+                return Number(kind, value.form)
+            return self._rounded(value.form)
+        if value.kind == "float":
+            raise Refuted("a float32 as a whole number")
+        return self._fitted(Number(kind, value.form))
+
+    @staticmethod
+    def _fitted(value: Number) -> Number:
+        """The number itself, within its type."""
+        low, high = value.form.ends
+        room = value.bits - (1 if value.signed else 0)
+        least = -(2.0**room) if value.signed else 0.0
+        if not (np.all(low >= least) and np.all(high <= 2.0**room - (1.0 if room < 53 else 2.0**11))):
+            raise Refuted(f"a number of {value.kind} can reach {low.min():.6g} .. {high.max():.6g}")
+        return value
+
+    @staticmethod
+    def _whole(value: Any) -> int:  # noqa: ANN401
+        if isinstance(value, Number) and value.kind != "float" and value.form.known:
+            found = value.form.constant
+            if np.all(found == found[0]):
+                return int(found[0])
+        raise Refuted("a count, a place or a shift that is no constant")
+
+
+class _Flash(list[Any]):
+    """A table, read at the place of each |PWM|."""
+
+    def __init__(self, table: Table, space: Space) -> None:
+        super().__init__()
+        self._table, self._space = table, space
+
+    def place(self, index: Any) -> Pointer:  # noqa: ANN401
+        """What is read there."""
+        if not isinstance(index, Number) or index.kind == "float" or not index.form.known:
+            raise Refuted("a table's place that is not known")
+        places = index.form.constant
+        if not (places.min() >= 0 and places.max() < len(self._table.values)):
+            raise Refuted("a place outside of its table")
+        found = Number(self._table.kind, self._space.number(self._table.values[places.astype(np.int64)]))
+        cell = _Flash(self._table, self._space)
+        cell.append(found)
+        return Pointer(cell, 0)
+
+
+_OPERATIONS: dict[str, Callable[[Floats, Floats], Floats]] = {"+": np.add, "-": np.subtract, "*": np.multiply}
+
+
+def _promoted(value: Number) -> str:
+    """A small number's type where it is computed with."""
+    if value.bits >= 32:
+        return value.kind
+    return "uint16_t" if value.kind == "uint16_t" else "int16_t"
+
+
+def _common(left: Number, right: Number) -> str:
+    """The type in which two numbers are computed with; a change of sign is refuted where it would change the number."""
+    if "float" in (left.kind, right.kind):
+        return "float"
+    kinds = {_promoted(left), _promoted(right)}
+    for kind in ("uint64_t", "int64_t", "uint32_t", "int32_t", "uint16_t"):
+        if kind in kinds:
+            return kind
+    return "int16_t"
+
+
+def _half_ulp(largest: Floats) -> Floats:
+    """Half the distance of float32 numbers of at most this magnitude."""
+    found: Floats = np.maximum(np.ldexp(1.0, np.frexp(largest)[1] - 25), 2.0**-150)
+    return found
