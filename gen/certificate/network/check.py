@@ -152,7 +152,7 @@ class NetworkProof:
         form = self._space.factor(known.factor).times(scale).within(known.span.error * scale * (1.0 + ROUGHLY))
         if not np.all(form.largest < 2.0**31):
             raise Refuted(f"{name} may overflow")
-        return Number("int32_t", form)
+        return Number("int32_t", form, known.span.natural)
 
     def _ambient_word(self, off: float) -> Number:
         form = self._space.temperature(len(self._ranges)).times(1.0 / self._unit).within(off)

@@ -31,10 +31,21 @@ _MOST_ROUNDS = 1024
 
 @dataclass(frozen=True, eq=False)
 class Number:
-    """A number of the C++: its type, and what it is."""
+    """A number of the C++.
+
+    Attributes
+    ----------
+    kind
+        Its type.
+    form
+        What it is.
+    natural
+        Whether it is known not to be negative, whatever the form says: factors may come close to 0.
+    """
 
     kind: str
     form: Form
+    natural: bool = False
 
     @property
     def bits(self) -> int:
@@ -322,8 +333,8 @@ class Machine:
         if not digits.isdecimal() or suffix not in ("", "u", "L", "UL"):
             raise Refuted(f"a number that the proof does not know: {text}")
         value = int(digits)
-        narrow = "uint16_t" if suffix == "u" else "int16_t"
-        chosen = {"": narrow if value < 1 << 15 else "int32_t", "u": narrow, "L": "int32_t", "UL": "uint32_t"}[suffix]
+        plain = "int16_t" if value < 1 << 15 else "int32_t" if value < 1 << 31 else "int64_t"
+        chosen = {"": plain, "u": "uint16_t", "L": "int32_t", "UL": "uint32_t"}[suffix]
         return self._fitted(self.known(float(value), chosen))
 
     def _called(self, name: str, given: list[Any]) -> Any:  # noqa: ANN401
@@ -371,7 +382,8 @@ class Machine:
         left, right = self._converted(left, kind), self._converted(right, kind)
         if kind == "float":
             return self._single(op, left.form, right.form)
-        return self._fitted(Number(kind, self._exactly(op, left.form, right.form)))
+        natural = op != "-" and left.natural and right.natural
+        return self._fitted(Number(kind, self._exactly(op, left.form, right.form), natural))
 
     def _exactly(self, op: str, left: Form, right: Form) -> Form:
         if left.known and right.known:
@@ -407,12 +419,13 @@ class Machine:
         if not 0 <= bits < value.bits:
             raise Refuted(f"a shift by {bits} bits")
         if op == "<<":
-            return self._fitted(Number(value.kind, value.form.times(2.0**bits)))
+            return self._fitted(Number(value.kind, value.form.times(2.0**bits), value.natural))
         scaled = value.form.times(2.0**-bits)
         if value.form.known:
             return Number(value.kind, self._space.number(np.floor(scaled.constant)))
         lost = 1.0 - 2.0**-bits  # rounded down
-        return Number(value.kind, (scaled + self._space.number(-lost / 2.0)).within(lost / 2.0) if bits else scaled)
+        made = (scaled + self._space.number(-lost / 2.0)).within(lost / 2.0) if bits else scaled
+        return Number(value.kind, made, value.natural)
 
     def _high(self, cell: Any) -> Number:  # noqa: ANN401
         if not isinstance(cell, Accumulator) or cell.form is None:
@@ -442,17 +455,19 @@ class Machine:
             return self._rounded(value.form)
         if value.kind == "float":
             raise Refuted("a float32 as a whole number")
-        return self._fitted(Number(kind, value.form))
+        return self._fitted(Number(kind, value.form, value.natural))
 
     @staticmethod
     def _fitted(value: Number) -> Number:
         """The number itself, within its type."""
         low, high = value.form.ends
+        natural = value.natural or bool(np.all(low >= 0.0))
+        low = np.maximum(low, 0.0) if natural else low
         room = value.bits - (1 if value.signed else 0)
         least = -(2.0**room) if value.signed else 0.0
         if not (np.all(low >= least) and np.all(high <= 2.0**room - (1.0 if room < 53 else 2.0**11))):
             raise Refuted(f"a number of {value.kind} can reach {low.min():.6g} .. {high.max():.6g}")
-        return value
+        return Number(value.kind, value.form, natural)
 
     @staticmethod
     def _whole(value: Any) -> int:  # noqa: ANN401

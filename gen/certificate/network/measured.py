@@ -126,17 +126,20 @@ static_assert(LDBL_MANT_DIG >= 64, "long double is too short");
 {exact}
 template <typename Exact> void compare(int32_t (*board)(int32_t), Exact exact, long low, long high, int bits) {{
     long double most = 0.0L, least = 1e300L, largest = 0.0L;
+    bool natural = true;
     for (long told = low; told <= high; ++told) {{
         long double margin = 0.0L, value = exact(told / 1000.0L, &margin);
         value = value > 0.0L ? value : 0.0L;
         margin *= {unit}L;
-        long double away = value - (long double)board((int32_t)told) * __builtin_ldexpl(1.0L, -bits);
+        const int32_t word = board((int32_t)told);
+        natural = natural && word >= 0;
+        long double away = value - (long double)word * __builtin_ldexpl(1.0L, -bits);
         away = (away < 0.0L ? -away : away) + margin;
         most = away > most ? away : most;
         least = value - margin < least ? value - margin : least;
         largest = value + margin > largest ? value + margin : largest;
     }}
-    std::printf("%a %a %a\\n", (double)most, (double)least, (double)largest);
+    std::printf("%a %a %a %d\\n", (double)most, (double)least, (double)largest, (int)natural);
 }}
 
 int main() {{
@@ -156,11 +159,14 @@ class Span:
         The word's largest distance from the factor, at every value that its channel can hold.
     low, high
         Ends of the factor.
+    natural
+        Whether no word is negative.
     """
 
     error: float
     low: float
     high: float
+    natural: bool
 
 
 @dataclass(frozen=True)
@@ -276,8 +282,9 @@ def spans(
         return found
     program = _FACTORS.format(exact="".join(exact), calls="\n".join(lines), unit=repr(_LONG_DOUBLE))
     for pair, line in zip(pairs, _output(project, program, "", "sample.inc").split("\n"), strict=False):
-        error, low, high = (float.fromhex(word) for word in line.split())
-        found[pair[:2]][pair[2]] = Span(_up(error), max(0.0, nextafter(low, -inf)), _up(high))
+        *ends, natural = line.split()
+        error, low, high = (float.fromhex(word) for word in ends)
+        found[pair[:2]][pair[2]] = Span(_up(error), max(0.0, nextafter(low, -inf)), _up(high), natural == "1")
     return found
 
 
