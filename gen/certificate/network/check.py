@@ -27,6 +27,7 @@ from gen.certificate.network.machine import ACCUMULATOR_BITS, Accumulator, Machi
 from gen.certificate.network.measured import Measured, Span, measure, spans
 from gen.certificate.network.order import check_order
 from gen.certificate.network.source import Unit, tables
+from gen.certificate.primitives import primitive
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 from gen.certificate.verdict import Verdict
@@ -88,6 +89,10 @@ class NetworkProof:
         self._measured: Measured = measure(project, certificate)
         self._sample, self._interface = Unit(project, "_step.cpp"), Unit(project, ".cpp")
         self._tables = tables(project)
+        if certificate.arithmetic == "float":
+            primitive(
+                project.model, "add", project.functions
+            )  # the machine knows it by its name: it has to have its text
         self._low_bits = _WHOLE_BITS if certificate.arithmetic == "fixed" else ACCUMULATOR_BITS
         self._unit = 2.0**-certificate.fraction_bits
         self._error = np.array([state.error_K for state in certificate.states])
