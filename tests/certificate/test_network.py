@@ -1,4 +1,4 @@
-"""Networks: what is emitted is proven, planted defects are refuted, and no sample of the reference leaves the bounds."""
+"""Networks: what is emitted is proven, planted defects are refuted."""
 
 from __future__ import annotations
 
@@ -7,20 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import gen
-from gen.certificate.document import read as read_certificate
-from gen.certificate.network.check import NetworkProof, rest_weights
-from gen.certificate.network.document import NetworkCertificate
-from gen.certificate.source import Project
 from gen.coefficients import load
 from gen.errors import CheckFailed
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.program import Program
-from gen.model.network_solution import NetworkSolution
-from gen.reference.network import ReferenceNetwork
 from gen.verification.proof import proof_of
 from tests.certificate.networks import EXAMPLE, chain, emitted, read
 from tests.certificate.test_planted import Edit, added, claimed, planted, replaced, scaled
@@ -154,6 +147,8 @@ FIXED: dict[str, tuple[str, Edit]] = {
         replaced(r"raise3\(&T\[chain_node2_sensor\], y3", "raise3(&T[chain_node2], y3"),
     ),
     "what may overflow": (STEP, replaced(r"chain_word\(sum, 32\)", "chain_word(sum, 22)")),
+    "y1 kept from sample to sample": (STEP, replaced(r"int32_t y1\[VALUES\]", "static int32_t y1[VALUES]")),
+    "a branch that is not compiled": (STEP, replaced(r"(    // y2: .*\n)", r"#if 0\n#endif\n\1")),
     "a statement that nobody knows": (STEP, replaced(r"(\n    // y2)", r"\n    if (ambient > 0) { v[0] = 0; }\1")),
     # Factors.
     "a factor's slope": (STEP, added(r"told - 800000L, (\d+)UL", 4_000)),

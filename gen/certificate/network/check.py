@@ -90,9 +90,7 @@ class NetworkProof:
         self._sample, self._interface = Unit(project, "_step.cpp"), Unit(project, ".cpp")
         self._tables = tables(project)
         if certificate.arithmetic == "float":
-            primitive(
-                project.model, "add", project.functions
-            )  # the machine knows it by its name: it has to have its text
+            primitive(project.model, "add", project.functions)  # the machine knows what it does: it has to be the one
         self._low_bits = _WHOLE_BITS if certificate.arithmetic == "fixed" else ACCUMULATOR_BITS
         self._unit = 2.0**-certificate.fraction_bits
         self._error = np.array([state.error_K for state in certificate.states])
@@ -119,7 +117,7 @@ class NetworkProof:
         count = self._rows.bounds(high, self._ambient[1], upper=True)
         count += self._rows.bounds(low, self._ambient[0], upper=False)
         self._check_starts()
-        count += self._rows.holds(self._error, self._defects())
+        count += self._rows.holds(self._error, self.defects())
         return [self._read(number, count if number == 0 else 0) for number in range(len(self._certificate.components))]
 
     def _factors(self) -> tuple[dict[tuple[str, int], _Known], list[tuple[float, float]]]:
@@ -177,7 +175,7 @@ class NetworkProof:
         form: Form = word.form
         return form.times(2.0 ** -(self._certificate.fraction_bits + self._low_bits))
 
-    def _defects(self) -> Floats:
+    def defects(self) -> Floats:
         """What a sample adds to each state's error, shape (P, n)."""
         model = Model(self._words())
         machine = Machine(self._sample, self._tables, self._space, model, self._of_channel)

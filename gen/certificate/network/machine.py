@@ -191,9 +191,9 @@ class Machine:
 
     def _statement(self, node: c_ast.Node, variables: dict[str, Any]) -> None:
         match node:
-            case c_ast.Decl(name=name):
-                if name in variables:
-                    raise Refuted(f"{name} is declared twice")
+            case c_ast.Decl(name=name, storage=storage):
+                if name in variables or storage:
+                    raise Refuted(f"{name} is declared twice, or kept from sample to sample")
                 variables[name] = self._declared(node, variables)
             case c_ast.Assignment(op=op, lvalue=place, rvalue=value):
                 self._assign(op, place, self._value(value, variables), variables)

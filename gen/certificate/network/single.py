@@ -22,7 +22,8 @@ def single(literal: str) -> float:
     """
     if not _LITERAL.fullmatch(literal):
         raise Refuted(f"{literal} is no number of float32")
-    exact, found = Fraction(literal[:-1]), np.float32(literal[:-1])
+    with np.errstate(over="ignore"):
+        exact, found = Fraction(literal[:-1]), np.float32(literal[:-1])
     if not np.isfinite(found):
         raise Refuted(f"{literal} is no number of float32")
     off = abs(exact - Fraction(float(found)))

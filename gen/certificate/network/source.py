@@ -31,6 +31,10 @@ _FUNCTION = re.compile(r"^([A-Za-z_][\w \*&]*?[ \*])(\w+)\(([^;{}()]*)\)\s*\{", 
 _NOT_C = re.compile(
     r'\b(?:static|inline|extern|template\s*<\s*typename\s+\w+\s*>|[A-Z0-9_]+_(?:ONE_COPY|SMALL|UNUSED))\b|"C"'
 )
+#: Lines of the preprocessor that leave everything where it is; which macros there may be is another question.
+_HARMLESS = re.compile(
+    r"#\s*(?:include\b.*|define\b.*|endif\b.*|else\b.*|ifndef \w+|ifdef __cplusplus|if defined\(__GNUC__\))\s*"
+)
 _TEMPLATE = re.compile(r"template\s*<\s*typename\s+(\w+)\s*>")
 _ENUM = re.compile(r"\benum\s*\{([^}]*)\}")
 _TYPEDEF = re.compile(r"\btypedef\s+(\w+)\s+(\w+)\s*;")
@@ -82,6 +86,9 @@ class Unit:
         ]
         self._text = "\n".join(project.text(part) for part in (*headers, name))
         self._parsed: dict[str, list[c_ast.FuncDef]] = {}
+        for line in self._text.splitlines():
+            if line.lstrip().startswith("#") and not _HARMLESS.fullmatch(line.strip()):
+                raise Refuted(f"a line that the proof does not know: {line.strip()}")
 
     @cached_property
     def constants(self) -> dict[str, int]:
@@ -150,7 +157,8 @@ class Unit:
         types = [f"typedef {plain} {kind};" for kind, plain in KINDS.items()]
         types += [f"typedef int {kind};" for kind in sorted({*self.kinds, *self.templates} - {*KINDS, "float"})]
         types += [f"typedef struct {record} {record};" for record in sorted(records)]
-        plain = _CAST.sub(r"(\1)(", _NOT_C.sub("", text))
+        head, brace, body = text.partition("{")
+        plain = _CAST.sub(r"(\1)(", f"{_NOT_C.sub('', head)}{brace}{body}")
         try:
             found = c_parser.CParser().parse(f"{' '.join(types)} {plain}").ext[-1]
         except Exception as error:  # the parser has exceptions of its own, by version
