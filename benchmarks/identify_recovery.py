@@ -15,7 +15,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from benchmarks.plants import AMBIENT, QUANTUM, Plant, fresh_profile, random_plant, simulate, step_runs
+from benchmarks.scheduled_plants import AMBIENT, QUANTUM, Plant, fresh_profile, random_plant, simulate, step_runs
 from gen.coefficients import Coefficients
 from gen.identification.coefficient_file import Settings, coefficient_text
 from gen.identification.data import Source, make_data

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
-from benchmarks.plants import AMBIENT, Plant, fresh_profile, random_plant, simulate, step_runs
+from benchmarks.scheduled_plants import AMBIENT, Plant, fresh_profile, random_plant, simulate, step_runs
 from gen.identification.coefficient_file import Settings, coefficient_text
 from gen.identification.data import Source, make_data
 from gen.identification.identify import identify

@@ -51,6 +51,13 @@ def reference_vectors(program: Program) -> Vectors:
         for _ in range(samples):
             model.step(np.array([pwm], dtype=np.int64))
         record = model.record()[0]
-        words = [f"0x{int(record[name]) & 0xFFFFFFFF:X}UL" for name in names]
+        words = [f"0x{word:X}UL" for name in names for word in _halves(record[name])]
         segments.append({"pwm": pwm, "samples": samples, "words": words})
-    return {"start_mK": start, "segments": segments, "words": len(names)}
+    return {"start_mK": start, "segments": segments, "words": len(segments[0]["words"])}
+
+
+def _halves(word: np.generic) -> list[int]:
+    """A word of up to 32 bits; one of 64 bits as its lower and its upper half."""
+    value = int(word)
+    parts = [value, value >> 32] if word.dtype.itemsize == 8 else [value]
+    return [part & 0xFFFFFFFF for part in parts]

@@ -127,6 +127,17 @@ class ReferenceNetwork:
         return np.asarray(words * 2.0**-self._program.fraction_bits, dtype=np.float64)
 
     @property
+    def temperatures(self) -> NDArray[np.float64]:
+        """Every state as its upper word, shape (states, L), in degC."""
+        upper = self._state >> self._low_bits
+        return np.asarray(upper * 2.0**-self._program.fraction_bits, dtype=np.float64)
+
+    def copy_lanes(self, source: NDArray[np.intp], target: NDArray[np.intp]) -> None:
+        """Let lanes go on from the states and channels of others."""
+        self._state[:, target] = self._state[:, source]
+        self._channels[:, target] = self._channels[:, source]
+
+    @property
     def rises(self) -> NDArray[np.float64]:
         """Reading of every component over the ambient that was told last, shape (components, L), in K."""
         return np.asarray(self._rise_words * 2.0**-self._program.fraction_bits, dtype=np.float64)

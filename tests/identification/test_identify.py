@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.identify_recovery import Trial, trial
-from benchmarks.plants import AMBIENT, Plant, fresh_profile, measured, random_plant, simulate
+from benchmarks.scheduled_plants import AMBIENT, Plant, fresh_profile, measured, random_plant, simulate
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
 from gen.identification.coefficient_file import Settings, coefficient_text, usable

@@ -23,17 +23,14 @@ from gen.certificate.exact import ROUGHLY, Floats, inverse, ratios
 from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.network.flow import Rows, change, flows
 from gen.certificate.network.forms import Form, Space
-from gen.certificate.network.machine import ACCUMULATOR_BITS, Accumulator, Machine, Model, Number
+from gen.certificate.network.machine import Cell, Machine, Model, Number
 from gen.certificate.network.measured import Measured, Span, measure, spans
 from gen.certificate.network.order import check_order
 from gen.certificate.network.source import Unit, tables
-from gen.certificate.primitives import primitive
+from gen.certificate.network.words import Layout
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 from gen.certificate.verdict import Verdict
-
-_WHOLE_BITS = 32
-"""Of a fixed state's word below what is read."""
 
 
 def prove(folder: Path, certificate: NetworkCertificate, tell: Callable[[str], None] = lambda _: None) -> list[Verdict]:
@@ -56,7 +53,6 @@ def prove(folder: Path, certificate: NetworkCertificate, tell: Callable[[str], N
         If a claim does not follow.
     """
     project = Project(folder, certificate.model)
-    check_order(project, certificate)
     tell(certificate.model)
     with np.errstate(all="ignore"):  # nothing compares with what comes of it, so it is refuted
         return NetworkProof(project, certificate).verdicts()
@@ -86,12 +82,11 @@ class NetworkProof:
 
     def __init__(self, project: Project, certificate: NetworkCertificate) -> None:
         self._certificate, self._project = certificate, project
-        self._measured: Measured = measure(project, certificate)
+        self._layout = Layout.of(project)
+        check_order(project, certificate, self._layout)
+        self._measured: Measured = measure(project, certificate, self._layout)
         self._sample, self._interface = Unit(project, "_step.cpp"), Unit(project, ".cpp")
         self._tables = tables(project)
-        if certificate.arithmetic == "float":
-            primitive(project.model, "add", project.functions)  # the machine knows what it does: it has to be the one
-        self._low_bits = _WHOLE_BITS if certificate.arithmetic == "fixed" else ACCUMULATOR_BITS
         self._unit = 2.0**-certificate.fraction_bits
         self._error = np.array([state.error_K for state in certificate.states])
         self._ranges = np.array([state.range_degC for state in certificate.states])
@@ -165,15 +160,15 @@ class NetworkProof:
 
     def _words(self) -> list[Any]:
         """The states' words at the beginning of a sample."""
-        scale = 2.0 ** (self._certificate.fraction_bits + self._low_bits)
+        scale = 2.0 ** (self._certificate.fraction_bits + self._layout.low_bits)
         forms = [self._space.temperature(k).times(scale) for k in range(len(self._ranges))]
-        if self._certificate.arithmetic == "float":
-            return [Accumulator(form) for form in forms]
-        return [Number("int64_t", form) for form in forms]
+        if self._layout.kind == "int64_t":
+            return [Number("int64_t", form) for form in forms]
+        return [Cell(form, self._layout.low_bits) for form in forms]
 
     def _degrees_of(self, word: Any) -> Form:  # noqa: ANN401
         form: Form = word.form
-        return form.times(2.0 ** -(self._certificate.fraction_bits + self._low_bits))
+        return form.times(2.0 ** -(self._certificate.fraction_bits + self._layout.low_bits))
 
     def defects(self) -> Floats:
         """What a sample adds to each state's error, shape (P, n)."""
@@ -191,12 +186,14 @@ class NetworkProof:
     def _check_starts(self) -> None:
         """Every start within the ranges, and its words within the errors."""
         certificate = self._certificate
-        off = self._measured.start * self._unit * (1.0 + ROUGHLY)
+        off = max(self._measured.start, self._measured.ambient) * self._unit * (1.0 + ROUGHLY)
         asked = [end / 1000.0 for end in certificate.start_mC]
+        room = certificate.equations.channels[0].neutral / 1000.0
         begin: dict[int, tuple[float, float, float]] = {}
         for part in certificate.components:
             wrong = (off + abs(self._measured.offsets[part.name] * self._unit - part.offset_K)) * (1.0 + ROUGHLY)
-            ends = (asked[0] - part.offset_K, asked[1] - part.offset_K)
+            # What is not started after a begin rests at the ambient.
+            ends = (min(asked[0] - part.offset_K, room), max(asked[1] - part.offset_K, room))
             for place in {part.node, part.state}:
                 begin[place] = (*ends, wrong)
         hidden = self._hidden(begin)

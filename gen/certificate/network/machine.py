@@ -7,6 +7,7 @@ of what they are used for. Every number is held against its type, and what is no
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -18,14 +19,13 @@ from gen.certificate.exact import Floats
 from gen.certificate.network.forms import Form, Space
 from gen.certificate.network.single import single
 from gen.certificate.network.source import Table, Unit
+from gen.certificate.network.words import check_text
 from gen.certificate.refuted import Refuted
 
 #: Below this whole numbers are exact in float64.
 _EXACT = 2.0**53
 #: float32's largest number.
 _LARGEST = float(np.finfo(np.float32).max)
-#: Bits of an accumulator's word below ``hi``.
-ACCUMULATOR_BITS = 8
 _MOST_ROUNDS = 1024
 
 
@@ -59,10 +59,19 @@ class Number:
 
 
 @dataclass
-class Accumulator:
-    """A whole number of 40 bits, ``hi`` and ``lo``; None where it was not written."""
+class Cell:
+    """A state's word of ``hi`` and ``lo``.
+
+    Attributes
+    ----------
+    form
+        The whole number; None where ``lo`` alone was written.
+    low_bits
+        Of ``lo``.
+    """
 
     form: Form | None
+    low_bits: int
 
 
 @dataclass(frozen=True)
@@ -134,8 +143,9 @@ class Machine:
         """
         if len(arguments) == 1 and isinstance(arguments[0], Told):
             return self._of_channel(name, arguments[0].channel)
-        if name == f"{self._unit.model}_add":
-            return self._added(*arguments)
+        known = self._known_text(name, arguments)
+        if known is not None:
+            return known(*arguments)
         tree = self._chosen(name, arguments)
         variables: dict[str, Any] = {}
         parameters = tree.decl.type.args.params if tree.decl.type.args is not None else []
@@ -272,7 +282,7 @@ class Machine:
 
     def _put(self, cell: Any, half: str, op: str, value: Number) -> None:  # noqa: ANN401
         """``lo = 0`` and then ``hi = word``."""
-        if not isinstance(cell, Accumulator) or op != "=":
+        if not isinstance(cell, Cell) or op != "=":
             raise Refuted("an assignment that the proof does not know")
         if half == "lo":
             if self._whole(value) != 0:
@@ -281,7 +291,7 @@ class Machine:
         else:
             if cell.form is not None:
                 raise Refuted("a word's lower bits are not cleared")
-            cell.form = self._converted(value, "int32_t").form.times(2.0**ACCUMULATOR_BITS)
+            cell.form = self._converted(value, "int32_t").form.times(2.0**cell.low_bits)
 
     # Expressions.
 
@@ -298,6 +308,8 @@ class Machine:
                 return found.cells[found.at] if isinstance(found.cells, _Flash) else found
             case c_ast.Cast(to_type=c_ast.Typename(type=to)):
                 return self._converted(self._value(node.expr, variables), self._kind(to))
+            case c_ast.TernaryOp(cond=condition, iftrue=yes, iffalse=no):
+                return self._value(yes if self._decided(condition, variables) else no, variables)
             case c_ast.BinaryOp(op=op, left=left, right=right):
                 return self._binary(op, self._value(left, variables), self._value(right, variables))
             case c_ast.FuncCall(name=c_ast.ID(name=name), args=arguments):
@@ -306,11 +318,27 @@ class Machine:
             case c_ast.ArrayRef() | c_ast.UnaryOp(op="*"):
                 found = self._place(node, variables)
                 return found.cells[found.at]
-            case c_ast.StructRef(type=".", name=c_ast.ID(name=of), field=c_ast.ID(name="T")) if self._is_model(of):
+            case c_ast.StructRef(type=".", name=of, field=c_ast.ID(name="T")) if self._is_state(of):
                 return Pointer(self._model.T, 0)
             case c_ast.StructRef(type=".", name=of, field=c_ast.ID(name="hi")):
                 return self._high(self._value(of, variables))
         raise Refuted(f"an expression that the proof does not know: {type(node).__name__}")
+
+    def _decided(self, node: c_ast.Node, variables: dict[str, Any]) -> bool:
+        """A comparison of numbers that are known."""
+        match node:
+            case c_ast.BinaryOp(op=("<" | ">" | "<=" | ">=" | "==" | "!=") as op, left=left, right=right):
+                one, other = (self._whole(self._value(side, variables)) for side in (left, right))
+                return bool(_COMPARISONS[op](one, other))
+        raise Refuted("a condition that the proof does not know")
+
+    def _is_state(self, node: c_ast.Node) -> bool:
+        match node:
+            case c_ast.StructRef(type=".", name=c_ast.ID(name=name), field=c_ast.ID(name="state")):
+                return self._is_model(name)
+            case c_ast.ID(name=name):
+                return self._is_model(name)
+        return False
 
     def _is_model(self, name: str) -> bool:
         return name == f"{self._unit.model}_model"
@@ -320,7 +348,8 @@ class Machine:
             value = variables[name]
             return Pointer(value, 0) if isinstance(value, list) else value
         if name in self._unit.constants:
-            return self.known(float(self._unit.constants[name]), "int16_t")
+            value, kind = self._unit.constants[name]
+            return self._fitted(self.known(float(value), kind))
         if name in self._tables:
             return Pointer(_Flash(self._tables[name], self._space), 0)
         raise Refuted(f"a name that the proof does not know: {name}")
@@ -338,8 +367,8 @@ class Machine:
         return self._fitted(self.known(float(value), chosen))
 
     def _called(self, name: str, given: list[Any]) -> Any:  # noqa: ANN401
-        if name == "INT64_C" and len(given) == 1:
-            return self._converted(given[0], "int64_t")
+        if name in _MADE and len(given) == 1:
+            return self._converted(given[0], _MADE[name])
         if name.startswith("pgm_read_") and len(given) == 1 and isinstance(given[0], Number):
             kinds = {"byte": "uint8_t", "word": "uint16_t", "dword": "uint32_t", "float": "float"}
             if kinds.get(name.removeprefix("pgm_read_")) == given[0].kind:
@@ -428,23 +457,65 @@ class Machine:
         return Number(value.kind, made, value.natural)
 
     def _high(self, cell: Any) -> Number:  # noqa: ANN401
-        if not isinstance(cell, Accumulator) or cell.form is None:
+        if not isinstance(cell, Cell) or cell.form is None:
             raise Refuted("a member that the proof does not know: hi")
-        whole = self._shifted(">>", Number("int64_t", cell.form), ACCUMULATOR_BITS)
+        whole = self._shifted(">>", Number("int64_t", cell.form), cell.low_bits)
         return self._fitted(Number("int32_t", whole.form))
 
-    def _added(self, cell: Any, value: Number, shift: Number) -> None:  # noqa: ANN401
-        """What the addition of a float32 to a 40-bit word does, whose text is known."""
-        if not isinstance(cell, Pointer) or not isinstance(cell.cells[cell.at], Accumulator) or value.kind != "float":
+    # Functions whose text is known.
+
+    def _known_text(self, name: str, arguments: Sequence[Any]) -> Callable[..., Any] | None:
+        """What a function does whose text is known, made sure that it has it."""
+        cell = arguments[0].cells[arguments[0].at] if arguments and isinstance(arguments[0], Pointer) else None
+        known = (
+            {"add": self._added, "take_up": self._taken_up} if isinstance(cell, Cell) else {"product": self._product}
+        )
+        base = name.removeprefix(f"{self._unit.model}_")
+        if base not in known or name == base:
+            return None
+        check_text(self._unit.model, base, self._unit.texts.get(name, []))
+        return known[base]
+
+    def _added(self, where: Pointer, value: Number, shift: Number) -> None:
+        """The addition of a float32 to a word, rounded towards zero."""
+        cell = where.cells[where.at]
+        if value.kind != "float":
             raise Refuted("an addition that the proof does not know")
-        of = cell.cells[cell.at]
-        scaled = value.form.times(2.0 ** (ACCUMULATOR_BITS - self._whole(shift)))
-        if of.form is None or not np.all(scaled.largest < 2.0**39):
-            raise Refuted("what is added to a word may not fit it")
-        total = of.form + scaled.within(1.0)  # rounded towards zero
-        if not np.all(total.largest < 2.0 ** (31 + ACCUMULATOR_BITS) - 1.0):
-            raise Refuted("a word may overflow")
-        of.form = total
+        scaled = value.form.times(2.0 ** (cell.low_bits - self._whole(shift)))
+        self._raise(cell, Number("int64_t", scaled.within(1.0)))
+
+    def _taken_up(self, where: Pointer, value: Number, bits: Number) -> None:
+        """The addition of a whole number, shifted as far as `NAME_shifted` does it."""
+        shifted = self.call(f"{self._unit.model}_shifted", value, bits)
+        self._raise(where.cells[where.at], self._converted(shifted, "int64_t"))
+
+    def _raise(self, cell: Cell, value: Number) -> None:
+        if cell.form is None:
+            raise Refuted("a word is not written")
+        total = cell.form + self._fitted(value).form
+        if not np.all(total.largest < 2.0 ** (31 + cell.low_bits) - 1.0):
+            raise Refuted("a state's word may overflow")
+        cell.form = total
+
+    def _product(self, d: Number, a: Number, least: Number, cut: Number | None = None) -> Number:
+        """A product without its lightest byte products, d in two's complement; rounded down."""
+        if d.kind == "float" or a.kind == "float":
+            raise Refuted("a product that the proof does not know")
+        d, a = self._converted(d, "int64_t"), self._converted(a, "uint32_t")
+        columns, cuts = self._whole(least), self._whole(cut) != 0 if cut is not None else False
+        bytes_of = [np.floor(a.form.constant / 2.0 ** (8 * j)) % 256.0 if a.form.known else 255.0 for j in range(4)]
+        most: float | Floats = 0.0
+        for i in range(4):
+            for j in range(4):
+                if i + j < columns:
+                    most = most + 255.0 * bytes_of[j] * 2.0 ** (8 * (i + j))
+                elif cuts and i + j == columns:
+                    most = most + 255.0 * 2.0 ** (8 * (i + j))
+        whole = self._fitted(Number("int64_t", self._exactly("*", d.form, a.form)))
+        lost = self._space.number(-np.asarray(most) / 2.0).within(np.asarray(most) / 2.0)
+        natural = d.natural and a.natural  # what is left out is part of a product that is not negative
+        made = self._fitted(Number("int64_t", whole.form + lost, natural))
+        return self._shifted(">>", made, 8 * (columns + int(cuts)))
 
     def _converted(self, value: Any, kind: str | None) -> Any:  # noqa: ANN401
         if not isinstance(value, Number) or kind is None or value.kind == kind:
@@ -498,6 +569,15 @@ class _Flash(list[Any]):
         return Pointer(cell, 0)
 
 
+_MADE = {"INT32_C": "int32_t", "UINT32_C": "uint32_t", "INT64_C": "int64_t"}
+_COMPARISONS = {
+    "<": operator.lt,
+    ">": operator.gt,
+    "<=": operator.le,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+}
 _OPERATIONS: dict[str, Callable[[Floats, Floats], Floats]] = {"+": np.add, "-": np.subtract, "*": np.multiply}
 
 

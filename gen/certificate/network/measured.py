@@ -19,7 +19,7 @@ from pathlib import Path
 
 from gen import toolchain
 from gen.certificate.network.document import Factor, NetworkCertificate
-from gen.certificate.network.machine import ACCUMULATOR_BITS
+from gen.certificate.network.words import Layout
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 
@@ -37,6 +37,8 @@ static int failed(const char *what, long at) {{
     std::printf("\\nfailed %s at %ld\\n", what, at);
     return 1;
 }}
+
+static int64_t whole(int k) {{ return {whole}; }}
 
 // The largest |1000 word - 2^bits thousandths| over a range.
 static long long off(long low, long high) {{
@@ -82,6 +84,7 @@ int main() {{
 
 _STATE = """\
     if ({model}_{name} != {place}) return failed("the place of {name}", {place});
+    if (whole({place}) != (int64_t)degrees({neutral}) * (INT64_C(1) << {low_bits})) return failed("begin", {place});
 """
 _CHANNEL = """\
     if ({model}_model.channel[{number}] != {neutral}L) return failed("the neutral value of a channel", {number});
@@ -111,10 +114,6 @@ _COMPONENT = """\
         std::printf("%ld\\n", (long)reading.offset);
     }}
 """
-_WHOLE = {
-    "fixed": "static int64_t whole(int k) {{ return {model}_model.T[k]; }}\n",
-    "float": "static int64_t whole(int k) {{ return (int64_t){model}_model.T[k].hi * 256 + {model}_model.T[k].lo; }}\n",
-}
 
 _FACTORS = """\
 #include "sample.inc"
@@ -189,7 +188,7 @@ class Measured:
     reading_K: float
 
 
-def measure(project: Project, certificate: NetworkCertificate) -> Measured:
+def measure(project: Project, certificate: NetworkCertificate, layout: Layout) -> Measured:
     """Run the interface.
 
     Raises
@@ -200,8 +199,11 @@ def measure(project: Project, certificate: NetworkCertificate) -> Measured:
         If it does not compile, or does not do what it should.
     """
     model, (ambient, *_) = project.model, certificate.equations.channels
-    low_bits = 32 if certificate.arithmetic == "fixed" else ACCUMULATOR_BITS
-    checks = [_STATE.format(model=model, name=state.name, place=k) for k, state in enumerate(certificate.states)]
+    word = f"{model}_model.{layout.within}T[k]"
+    checks = [
+        _STATE.format(model=model, name=state.name, place=k, neutral=ambient.neutral, low_bits=layout.low_bits)
+        for k, state in enumerate(certificate.states)
+    ]
     for number, channel in enumerate(certificate.equations.channels):
         checks.append(_CHANNEL.format(model=model, number=number, **channel.model_dump(exclude={"column"})))
     for number, part in enumerate(certificate.components):
@@ -215,7 +217,7 @@ def measure(project: Project, certificate: NetworkCertificate) -> Measured:
                 low=certificate.start_mC[0],
                 high=certificate.start_mC[1],
                 neutral=ambient.neutral,
-                low_bits=low_bits,
+                low_bits=layout.low_bits,
             )
         )
     program = _INTERFACE.format(
@@ -232,9 +234,8 @@ def measure(project: Project, certificate: NetworkCertificate) -> Measured:
         start_low=certificate.start_mC[0],
         start_high=certificate.start_mC[1],
         checks="".join(checks),
+        whole=word if layout.kind == "int64_t" else f"(int64_t){word}.hi * (1 << {layout.low_bits}) + {word}.lo",
     )
-    whole = _WHOLE[certificate.arithmetic].format(model=model)
-    program = program.replace("static int failed", f"{whole}\nstatic int failed", 1)
     lines = _output(project, program, "interface.inc", "").split("\n")
     count = len(certificate.components)
     offsets = {part.name: int(line) for part, line in zip(certificate.components, lines[:count], strict=True)}

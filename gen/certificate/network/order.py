@@ -8,18 +8,14 @@ from __future__ import annotations
 import re
 
 from gen.certificate.network.document import NetworkCertificate
+from gen.certificate.network.words import Layout
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project, spaced
 
 _MARKS = re.compile(r'\b[A-Z0-9_]+_(?:ONE_COPY|SMALL)\b|extern "C"|\bstatic\b|\binline\b')
-_REST = {
-    "fixed": "N_model.T[state] = (int64_t)word * (INT64_C(1) << 32);",
-    "float": "N_model.T[state].lo = 0; N_model.T[state].hi = word;",
-}
-_UPPER = {"fixed": "return (int32_t)(N_model.T[state] >> 32);", "float": "return N_model.T[state].hi;"}
 
 
-def check_order(project: Project, certificate: NetworkCertificate) -> None:
+def check_order(project: Project, certificate: NetworkCertificate, layout: Layout) -> None:
     """Compare the functions of the interface with what the theorem is about.
 
     Raises
@@ -34,10 +30,11 @@ def check_order(project: Project, certificate: NetworkCertificate) -> None:
         f" N_model.channel[{name}] = {told.neutral}L;"
         for name, told in zip(_channels(project), certificate.equations.channels, strict=False)
     )
+    word = f"N_model.{layout.within}T[state]"
     expected = {
         "begin": (
-            f"N_model.flags = 0;{neutral} for (uint8_t component = 0; component < M_COMPONENTS; ++component) "
-            "{ N_start(component, 0); } N_model.limited = 0;"
+            f"N_model.flags = 0;{neutral} const int32_t ambient = degrees(N_model.channel[M_CHANNEL_AMBIENT]); "
+            "for (uint8_t state = 0; state < N_STATES; ++state) { rest_at(state, ambient); } N_model.limited = 0;"
         ),
         "start": (
             "if (component >= M_COMPONENTS) { return; } "
@@ -50,8 +47,12 @@ def check_order(project: Project, certificate: NetworkCertificate) -> None:
             f"rest_at(reading.node, word); rest_at(reading.state, word);{rest}"
         ),
         "reading_of": "Reading reading; memcpy_P(&reading, &READING[component], sizeof reading); return reading;",
-        "rest_at": _REST[certificate.arithmetic],
-        "upper": _UPPER[certificate.arithmetic],
+        "rest_at": (
+            f"{word} = (int64_t)word * (INT64_C(1) << 32);"
+            if layout.kind == "int64_t"
+            else f"{word}.lo = 0; {word}.hi = word;"
+        ),
+        "upper": f"return (int32_t)({word} >> 32);" if layout.kind == "int64_t" else f"return {word}.hi;",
         "channel": (
             "if (channel >= M_CHANNELS) { return; } "
             "const int32_t low = (int32_t)pgm_read_dword(&CHANNEL_LOW[channel]), "

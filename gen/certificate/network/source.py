@@ -36,7 +36,10 @@ _HARMLESS = re.compile(
     r"#\s*(?:include\b.*|define\b.*|endif\b.*|else\b.*|ifndef \w+|ifdef __cplusplus|if defined\(__GNUC__\))\s*"
 )
 _TEMPLATE = re.compile(r"template\s*<\s*typename\s+(\w+)\s*>")
-_ENUM = re.compile(r"\benum\s*\{([^}]*)\}")
+_ENUM = re.compile(r"\benum\s*(?::\s*(\w+)\s*)?\{([^}]*)\}")
+#: A function with a number in angle brackets takes that number first.
+_NUMBERED = re.compile(r"template\s*<\s*(uint8_t\s+\w+)\s*>\s*([\w\s]*?\b\w+)\(")
+_NUMBER = re.compile(r"\b(\w+)<(\d+)>\(")
 _TYPEDEF = re.compile(r"\btypedef\s+(\w+)\s+(\w+)\s*;")
 _TABLE = re.compile(r"^const (uint(?:8|16|32)_t|float) (\w+)\[(\d+)\] PROGMEM = \{([^}]*)\};", re.M)
 _CAST = re.compile(r"static_cast<(\w+)>\(")
@@ -84,34 +87,38 @@ class Unit:
             for path in sorted(project.sources.glob(f"{self.model}*.h"))
             if not path.name.removeprefix(self.model).startswith(_OTHERS)
         ]
-        self._text = "\n".join(project.text(part) for part in (*headers, name))
+        if (project.sources / f"{self.model}_accumulator.cpp").is_file():
+            headers.append("_accumulator.cpp")  # one function, which floats are added with
+        text = "\n".join(project.text(part) for part in (*headers, name))
+        self._text = _NUMBER.sub(r"\1(\2, ", _NUMBERED.sub(r"\2(\1, ", text))
         self._parsed: dict[str, list[c_ast.FuncDef]] = {}
         for line in self._text.splitlines():
             if line.lstrip().startswith("#") and not _HARMLESS.fullmatch(line.strip()):
                 raise Refuted(f"a line that the proof does not know: {line.strip()}")
 
     @cached_property
-    def constants(self) -> dict[str, int]:
-        """The enumerators, those of the unit's own after those of its headers.
+    def constants(self) -> dict[str, tuple[int, str]]:
+        """The enumerators and their types, those of the unit's own after those of its headers.
 
         Raises
         ------
         Refuted
             If one is there twice.
         """
-        found: dict[str, int] = {}
-        names: set[str] = set()
-        for block in _ENUM.findall(self._text):
+        found = {"false": (0, "uint8_t"), "true": (1, "uint8_t")}
+        names: set[str] = set(found)
+        for kind, block in _ENUM.findall(self._text):
             following: int | None = 0
             for entry in filter(None, (part.strip() for part in block.split(","))):
                 name, _, value = (part.strip() for part in entry.partition("="))
                 if value:
-                    following = int(value) if value.isdecimal() else found.get(value)
+                    digits = value.removesuffix("UL").removesuffix("u")
+                    following = int(digits) if digits.isdecimal() else found.get(value, (None, ""))[0]
                 if name in names:
                     raise Refuted(f"an enumerator is there twice: {name}")
                 names.add(name)
                 if following is not None:  # flags, in hexadecimal, are of no use here
-                    found[name], following = following, following + 1
+                    found[name], following = (following, kind or "int16_t"), following + 1
         return found
 
     @cached_property

@@ -118,7 +118,7 @@ def lower_factor(factor: Factor, channels: tuple[Channel, ...], largest: float, 
     low, high = round(channel.low * 1000.0), round(channel.high * 1000.0)
     if factor.polynomial:
         return _polynomial(factor, number + 1, low, high, label)
-    bits = WORD_BITS - max(0, ceil(log2(max(largest, 1e-9)) + 1e-9))
+    bits = WORD_BITS - ceil(log2(max(largest, 1e-4)) + 1e-9)
     at = [round(value * 1000.0) for value in factor.at]
     words = [round(value * 2.0**bits) for value in factor.value]
     pieces = [Piece(at[0], at[0], words[0], 0, 0, False)]
@@ -143,7 +143,7 @@ def _polynomial(factor: Factor, channel: int, low: int, high: int, label: str) -
         for k in range(len(given))
     ]
     total = float(sum(abs(c) for c in expanded))
-    bits = WORD_BITS - max(0, ceil(log2(max(total, 1e-9)) + 1e-9))
+    bits = WORD_BITS - ceil(log2(max(total, 1e-4)) + 1e-9)
     words = tuple(round(c * 2**bits) for c in reversed(expanded))
     shift = 0
     while shift < 31 and round(Fraction(2 ** (SHARE_BITS + shift + 1), high - low)) < 1 << 32:

@@ -19,7 +19,6 @@ from gen.lowering.network.defect import Roundings, magnitudes
 from gen.lowering.network.factors import FactorProgram
 from gen.lowering.network.program import HeatProgram, TermProgram
 from gen.lowering.network.ranges import Ranges
-from gen.lowering.network.series import EXTRA_SHIFT
 from gen.lowering.network.terms import Term, Terms
 
 Array = NDArray[np.float64]
@@ -100,7 +99,7 @@ def heat_programs(
 
 
 def series_bits(terms: Terms, first: Array, shape: FixedFormat, orders: int) -> tuple[int, ...]:
-    """Fraction bits of y1, y2, ..: each difference fits 31 bits, each sum 62, and each word lies in a sum's upper half.
+    """Fraction bits of y1, y2, ..: each difference fits 31 bits, each sum 62.
 
     From y3 on the state takes up the word itself, at a whole byte of its own.
     """
@@ -115,9 +114,7 @@ def series_bits(terms: Terms, first: Array, shape: FixedFormat, orders: int) -> 
             _SUM_BITS - 32 - g - ceil(log2(max(rate * largest, 2.0**-60)))
             for rate, g in zip(rates, shape.shifts, strict=True)
         ]
-        given = chosen[-1] if chosen else shape.bits
-        by_half = min(given + g + EXTRA_SHIFT.get(k, 0) for g in shape.shifts)
-        best = min(by_word, *by_sum, by_half, LOW_BITS + shape.bits)
+        best = min(by_word, *by_sum, LOW_BITS + shape.bits)
         if k > 2:
             best -= (best - shape.bits) % 8
         chosen.append(best)

@@ -50,27 +50,17 @@ class Ranges:
 
 def reachable(model: ThermalModel, terms: Terms) -> Ranges | None:
     """Ranges for every sequence of PWM, ambient and channels in the domain; None where nothing bounds them."""
-    ambient, start = model.domain_ambient, _starts(model, terms)
-    high = _bounding(terms, ambient[1], np.maximum(start[:, 1], ambient[1]))
-    low = _bounding(terms, ambient[0], np.minimum(start[:, 0], ambient[0]), upper=False)
+    ambient, shown = model.domain_ambient, model.domain_temperature
+    offsets = [0.0, *(node.sensor.offset for node in model.network.sensed if node.sensor)] if model.network else [0.0]
+    start = shown[0] - max(offsets), shown[1] - min(offsets)
+    high = _bounding(terms, ambient[1], max(ambient[1], start[1]))
+    low = _bounding(terms, ambient[0], min(ambient[0], start[0]), upper=False)
     if high is None or low is None:
         return None
     return Ranges(low - MARGIN_K, high + MARGIN_K, ambient)
 
 
-def _starts(model: ThermalModel, terms: Terms) -> Array:
-    """Ends of where each state can start, degC, shape (n, 2): readings without their sensors' offsets."""
-    network = model.network
-    assert network is not None
-    first = {
-        node.name: np.array(model.domain_temperature) - node.sensor.offset for node in network.sensed if node.sensor
-    }
-    every = np.array(list(first.values()))
-    between = np.array([every[:, 0].min(), every[:, 1].max()])  # hidden nodes, also between these and the ambient
-    return np.array([first.get(name.removesuffix("_sensor"), between) for name in terms.states])
-
-
-def _bounding(terms: Terms, ambient: float, start: Array, *, upper: bool = True) -> Array | None:
+def _bounding(terms: Terms, ambient: float, start: float, *, upper: bool = True) -> Array | None:
     """The least U >= start with M U + a ambient + f <= 0, or the greatest L <= start with the other sign."""
     rows, right = [], []
     for target in range(len(terms.states)):
@@ -88,18 +78,14 @@ def _negated(found: Array | None) -> Array | None:
     return None if found is None else -found
 
 
-def _least(matrix: Array, limit: Array, start: Array) -> Array | None:
+def _least(matrix: Array, limit: Array, start: float) -> Array | None:
     """The least U with matrix U <= limit and U >= start, all entries at once; none larger than 1e6."""
     from scipy.optimize import linprog  # slow to import: reading and checking a file does without
 
     size = matrix.shape[1]
     matrix, index = np.unique(np.column_stack([matrix, limit]), axis=0, return_index=True)
     solved = linprog(
-        np.ones(size),
-        A_ub=matrix[:, :-1],
-        b_ub=limit[index],
-        bounds=[(float(end), 1e6) for end in start],
-        method="highs",
+        np.ones(size), A_ub=matrix[:, :-1], b_ub=limit[index], bounds=[(start, 1e6)] * size, method="highs"
     )
     return np.asarray(solved.x, dtype=np.float64) if solved.status == 0 else None
 

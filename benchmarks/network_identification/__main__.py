@@ -1,0 +1,135 @@
+"""The command: cases by plants, data and rooms, judged in one process or two."""
+
+from __future__ import annotations
+
+import argparse
+import inspect
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import gen
+from benchmarks import network_identification
+from benchmarks.network_identification.judge import Judged, judge
+from benchmarks.network_identification.table import rows, text
+from benchmarks.plants.cases import Case, bench, matrix, write_case
+from benchmarks.plants.profiles import DataKind
+from benchmarks.plants.rooms import RoomKind
+
+MODELS = {"parts": ("parts",), "network": ("network",), "both": ("parts", "network")}
+
+
+def options_of(arguments: Sequence[str] | None = None) -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.network_identification",
+        description=network_identification.__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--plants", type=int, default=100, help="how many")
+    parser.add_argument("--seed", type=int, default=0, help="of the first plant; the others follow")
+    parser.add_argument("--model", choices=MODELS, default="parts")
+    parser.add_argument("--data", type=partial(_kinds, DataKind), default=tuple(DataKind), help="steps,mixed,...")
+    parser.add_argument("--room", type=partial(_kinds, RoomKind), default=tuple(RoomKind), help="held,moving,...")
+    parser.add_argument("--first", type=int, help="only as many cases of the matrix")
+    parser.add_argument("--jobs", type=int, choices=(1, 2), default=1, help="processes")
+    parser.add_argument("--json", type=Path, help="write every case and the table here, after each case anew")
+    parser.add_argument("--case", type=Case.parse, help="SEED:DATA:ROOM: this one only")
+    parser.add_argument("--keep", type=Path, help="with --case: write its files here and leave them")
+    options = parser.parse_args(arguments)
+    if options.keep and not options.case:
+        parser.error("--keep needs --case")
+    if options.model != "parts" and "model" not in inspect.signature(gen.identify).parameters:
+        parser.error("gen.identify knows no model but parts")
+    return options
+
+
+def _kinds(kind: type[DataKind] | type[RoomKind], text: str) -> tuple[DataKind | RoomKind, ...]:
+    return tuple(kind(word) for word in text.split(","))
+
+
+def in_a_folder(case: Case, models: Sequence[str], keep: Path | None = None) -> list[Judged]:
+    """Judge a case in a folder of its own; its files are written once for all models."""
+    with tempfile.TemporaryDirectory(prefix="plants-") as name:
+        folder = keep or Path(name)
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            written = write_case(case, folder)
+        except Exception as error:  # the plant's own fault; the case still counts
+            return _raised(case, models, error)
+        return [judge(written, model, folder) for model in models]
+
+
+def judged(cases: Sequence[Case], models: Sequence[str], jobs: int) -> Iterator[list[Judged]]:
+    """Judge cases, in their order; those whose process dies are told as raised."""
+    if jobs == 1:
+        yield from (in_a_folder(case, models) for case in cases)
+        return
+    with ProcessPoolExecutor(jobs) as pool:
+        waiting = [(case, pool.submit(in_a_folder, case, models)) for case in cases]
+        for case, future in waiting:
+            try:
+                yield future.result()
+            except BrokenProcessPool as error:
+                yield _raised(case, models, error)
+
+
+def _raised(case: Case, models: Sequence[str], error: Exception) -> list[Judged]:
+    return [Judged(str(case), model, "raised", f"{type(error).__name__}: {error}") for model in models]
+
+
+def as_json(results: Sequence[Judged]) -> str:
+    """Every case and the table; what is no number is null."""
+    made = {"cases": [asdict(r) for r in results], "table": [asdict(row) for row in rows(results)]}
+    return json.dumps(_without_nan(made), indent=1) + "\n"
+
+
+def _without_nan(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _without_nan(entry) for key, entry in value.items()}
+    if isinstance(value, list):
+        return [_without_nan(entry) for entry in value]
+    return None if isinstance(value, float) and value != value else value
+
+
+def main() -> None:
+    """Judge, and print the table."""
+    options = options_of()
+    models = MODELS[options.model]
+    if options.case:
+        found = in_a_folder(options.case, models, options.keep)
+        made = as_json(found)
+        if options.keep:
+            (options.keep / "judged.json").write_text(made, encoding="utf-8")
+            drawn = json.dumps(asdict(bench(options.case.seed)), indent=1)
+            (options.keep / "plant.json").write_text(drawn + "\n", encoding="utf-8")
+        print(made + text(found))
+        return
+    cases = matrix(range(options.seed, options.seed + options.plants), options.data, options.room)[: options.first]
+    results: list[Judged] = []
+    for number, found in enumerate(judged(cases, models, options.jobs), start=1):
+        results += found
+        for one in found:
+            print(
+                f"{number}/{len(cases)} {one.case} {one.model}: {one.status}, {one.floors:.2f} floors, "
+                f"{one.seconds:.1f} s{', left out: ' + ', '.join(one.left_out) if one.left_out else ''}",
+                file=sys.stderr,
+                flush=True,
+            )
+        if options.json:
+            options.json.parent.mkdir(parents=True, exist_ok=True)
+            options.json.write_text(as_json(results), encoding="utf-8")
+    print(text(results))
+
+
+if __name__ == "__main__":
+    main()
