@@ -69,8 +69,7 @@ def project_files(
         files[WIRING] = wiring_svg(f"Wiring of {program.model.name}", device)
     if verification is not None:
         files[VERIFICATION] = json.dumps(verification, indent=1) + "\n"
-    if program.network is None:
-        files[CERTIFICATE] = certificate_json(coefficients, program)
+    files[CERTIFICATE] = certificate_json(coefficients, program)
     files[MANIFEST] = json.dumps(_manifest(coefficients, program, files), indent=1) + "\n"
     files[REPORT] = report_html(coefficients, program, verification)
     return files

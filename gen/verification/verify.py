@@ -25,7 +25,7 @@ from gen.verification.effects import EFFECTS_LENGTH, course_with_effects, with_c
 from gen.verification.limits import exceeded
 from gen.verification.network import course_of_network
 from gen.verification.profiles import Profile, campaign, every_command
-from gen.verification.proof import ProofResult, proof_of
+from gen.verification.proof import proof_of
 from gen.verification.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
 from gen.version import __version__
 
@@ -187,7 +187,7 @@ def _combination(
     for name, given, difference in compare_alarms(library, rules, ALARM_LANES, length, hosts, board=target != "host"):
         targets.append(_alarm_result(name, given, difference))
     progress(f"{label}: certificate")
-    proven = proof_of(coefficients, program, folder) if program.network is None else ProofResult()
+    proven = proof_of(coefficients, program, folder)
     progress(f"{label}: exact solution")
     course = _course(coefficients, program, scale)
     bounds, errors = _bounds(program), course.largest()
