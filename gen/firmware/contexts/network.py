@@ -43,6 +43,7 @@ class NetworkContext(TypedDict):
     sums: list[dict[str, Any]]
     whole: dict[str, Any]
     downs: list[int]
+    ups: list[int]
     thirds: bool
     varying: bool
     comments: list[str]
@@ -94,6 +95,7 @@ def network_context(program: Program) -> NetworkContext:
         "sums": [_sum(product) for product in dict.fromkeys(network.products)],
         "whole": {"least": WHOLE.least, "lines": network_words.multiply(WHOLE, network_words.operands())},
         "downs": sorted({scale.shift, 16} | ({WORD_BITS - 8 * WHOLE.least} if network.factors else set())),
+        "ups": sorted({scale.left, *(left for factor in network.factors for left in _lefts(factor))}),
         "thirds": any(order in WEIGHT for order in range(2, network.orders + 1)),
         "varying": bool(made.tables),
         "comments": _comments(network),
@@ -136,6 +138,11 @@ def _hidden(network: NetworkProgram) -> list[dict[str, Any]]:
 
 def _factor(factor: FactorProgram) -> dict[str, Any]:
     return {**asdict(factor), "unit": _single(2.0**-factor.bits)}
+
+
+def _lefts(factor: FactorProgram) -> list[int]:
+    """By how many bits told values are shifted up for a factor."""
+    return [piece.left for piece in factor.pieces if piece.slope] + ([factor.left] if factor.coefficients[1:] else [])
 
 
 def _single(value: float) -> str:
@@ -202,6 +209,7 @@ class _Terms:
         constant = int(program.words[0]) if program.constant and not term.factors else None
         self.terms.append({"index": index, "label": label, "value": value, "constant": constant is not None})
         single = constant is not None or self._network.arithmetic == "float"
+        table = None if term.factors else f"rate{index}"
         return {
             "index": index,
             "of": of,
@@ -209,7 +217,7 @@ class _Terms:
             "source": place,
             "growing": term.growing,
             "constant": constant,
-            "word": None if single else self._gathered(f"R{index}", value, label, None if term.factors else f"rate{index}"),
+            "word": None if single else self._gathered(f"R{index}", value, label, table),
             "note": label,
         }
 

@@ -84,7 +84,7 @@ def multiply(product: Product, use: Registers) -> list[str]:
 
 
 def shift(names: Sequence[str], bits: int, wanted: int) -> tuple[list[str], list[str]]:
-    """Lines that shift a signed word down by `bits`, up where negative, and where its `wanted` lowest bytes are then."""
+    """Lines that shift a signed word down by `bits`, or up by -`bits`, and its `wanted` lowest bytes' places then."""
     rest = (bits + 3) % 8 - 3
     if rest > 0 and bits < rest:
         rest -= 8  # up, as there is no byte below

@@ -78,7 +78,9 @@ def choose_format(terms: Terms, factors: Sequence[FactorProgram], first: Array, 
     for target in range(len(terms.states)):
         rates = [float(term.rate.max()) * 2.0 ** _raised(term.factors, factors) for term in terms.of(target)]
         by_word = -ceil(log2(max(2.0**-40, *rates) * (1.0 + 1e-9)))
-        by_sum = 8 * FIRST.sum_bytes - 1 - (_FIRST_BITS + bits) - ceil(log2(_ROOM * float(first[:, target].max()) + 1e-9))
+        by_sum = (
+            8 * FIRST.sum_bytes - 1 - (_FIRST_BITS + bits) - ceil(log2(_ROOM * float(first[:, target].max()) + 1e-9))
+        )
         by_heat = [
             32 + factors[heat.factors[0]].bits - (32 + bits) - ceil(log2(most))
             for heat in terms.heats_of(target)

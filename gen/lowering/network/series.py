@@ -1,7 +1,8 @@
-"""How the board takes the terms of the series in fixed point: which byte products it keeps, a half, a third, a fourth.
+"""How the board takes the terms of the series in fixed point: the byte products it keeps, a half, a third and so on.
 
-A product of a difference d, signed, with a rate a, unsigned, is the sum of the products of their bytes, d_i a_j weighing
-2^(8 (i + j)). What a later term of the series contributes is small: the lightest of its byte products are left out.
+A product of a difference d, signed, with a rate a, unsigned, is the sum of the products of their bytes, of which
+d_i a_j weighs 2^(8 (i + j)). What a later term of the series contributes is small: its lightest byte products are left
+out.
 """
 
 from __future__ import annotations
@@ -65,7 +66,7 @@ class Product:
 
     @property
     def chains(self) -> list[list[tuple[int, int]]]:
-        """The bytes that are multiplied in groups whose 16-bit results lie side by side: one chain of additions each."""
+        """Those bytes in groups whose 16-bit results lie side by side: each is one chain of additions."""
         left = list(self.places)
         made = []
         while left:
