@@ -120,9 +120,8 @@ def main() -> None:
         for warning in left_out:
             print(f"{'':<34} {warning}")
         for p in predict_network(case):
-            print(
-                f"{'  as a network':<34} {p.component:<10} {p.order:<6} {p.moved_K:8.1f} {p.rms_K:14.2f} {p.largest_K:12.2f}"
-            )
+            name = "  as a network"
+            print(f"{name:<34} {p.component:<10} {p.order:<6} {p.moved_K:8.1f} {p.rms_K:14.2f} {p.largest_K:12.2f}")
 
 
 if __name__ == "__main__":
