@@ -22,7 +22,6 @@ RUN = "time_s,pwm,casing_degC,fan_percent\n0,102,30,0\n60,102,31,50\n900,0,32,0\
 
 #: A command line for each command that takes a coefficient file, and what it says that it is.
 REFUSED = {
-    "check": (f"check {ROOT / 'firmware_out'} --coefficients FILE", "gen check --coefficients"),
     "refine": ("refine FILE --fit run.csv --test test.csv --out out.json", "gen refine"),
 }
 OTHERS = {

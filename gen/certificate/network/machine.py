@@ -209,6 +209,12 @@ class Machine:
                 self._assign(op, place, self._value(value, variables), variables)
             case c_ast.Return(expr=value):
                 raise _Returned(None if value is None else self._value(value, variables))
+            case c_ast.FuncCall(name=c_ast.ID(name=name), args=c_ast.ExprList(exprs=[c_ast.ID(name=to), value])) if (
+                name == f"{self._unit.model}_gather"
+            ):
+                check_text(self._unit.model, "gather", self._unit.texts.get(name, []))
+                where = self._passed(to, variables)
+                where.cells[where.at] = self._replaced(where.cells[where.at], "=", self._value(value, variables))
             case c_ast.FuncCall():
                 self._value(node, variables)
             case c_ast.For():
@@ -388,9 +394,17 @@ class Machine:
                 if isinstance(array, Pointer) and isinstance(array.cells, _Flash) and array.at == 0:
                     return array.cells.place(number)
                 return self._within(array, self._whole(number))
+            case c_ast.UnaryOp(op="*", expr=c_ast.UnaryOp(op="p++", expr=c_ast.ID(name=name))):
+                return self._passed(name, variables)
             case c_ast.UnaryOp(op="*", expr=inner):
                 return self._within(self._value(inner, variables), 0)
         raise Refuted(f"a place that the proof does not know: {type(node).__name__}")
+
+    def _passed(self, name: str, variables: dict[str, Any]) -> Pointer:
+        """Where a pointer points to, which goes on to the next place."""
+        found = self._within(variables.get(name), 0)
+        variables[name] = Pointer(found.cells, found.at + 1)
+        return found
 
     @staticmethod
     def _within(pointer: Any, further: int) -> Pointer:  # noqa: ANN401

@@ -123,8 +123,8 @@ class Unit:
 
     @cached_property
     def kinds(self) -> dict[str, str]:
-        """What names of types stand for."""
-        found = {kind: kind for kind in (*KINDS, "float")}
+        """What names of types stand for; an ``int`` has 16 bits on the AVR."""
+        found = {**{kind: kind for kind in (*KINDS, "float")}, "int": "int16_t", "bool": "uint8_t"}
         for kind, name in _TYPEDEF.findall(self._text):
             if name in found or kind not in found:
                 raise Refuted(f"a type that the proof does not know: {kind} as {name}")
@@ -160,9 +160,9 @@ class Unit:
         return self._parsed[name]
 
     def _tree(self, name: str, text: str) -> c_ast.FuncDef:
-        records = {f"{self.model}_Model", f"{self.model}_Accumulator", "Reading"}
+        records = set(re.findall(r"\bstruct (\w+)", self._text))
         types = [f"typedef {plain} {kind};" for kind, plain in KINDS.items()]
-        types += [f"typedef int {kind};" for kind in sorted({*self.kinds, *self.templates} - {*KINDS, "float"})]
+        types += [f"typedef int {kind};" for kind in sorted({*self.kinds, *self.templates} - {*KINDS, "float", "int"})]
         types += [f"typedef struct {record} {record};" for record in sorted(records)]
         head, brace, body = text.partition("{")
         plain = _CAST.sub(r"(\1)(", f"{_NOT_C.sub('', head)}{brace}{body}")
