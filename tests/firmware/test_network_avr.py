@@ -157,6 +157,7 @@ def six_nodes() -> dict[str, Any]:
 def test_six_nodes_stay_within_what_was_asked(tmp_path: Path) -> None:
     """At most 6 000 cycles a sample, 40 KB of flash, 120 bytes of RAM and 1e-5 K."""
     emitted = library(written(six_nodes(), tmp_path), tmp_path)
+    assert emitted.program.network is not None
     profile = profile_of(emitted)
     mega = AvrRunner(emitted, tmp_path / "cache")
     found = mega.run(profile)
@@ -165,7 +166,7 @@ def test_six_nodes_stay_within_what_was_asked(tmp_path: Path) -> None:
     assert max(cost.cycles_constant, cost.cycles_change) < 6000
     assert cost.flash_bytes < 40_000
     assert cost.ram_bytes <= 120
-    assert max(node.proof.bound_K for node in emitted.program.parts) <= 1e-5
+    assert max(node.proof.bound_K for node in emitted.program.network.components()) <= 1e-5
 
 
 @pytest.mark.parametrize("arithmetic", ["fixed", "float"])

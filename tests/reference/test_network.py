@@ -31,10 +31,10 @@ def test_a_networks_words_stay_within_the_guaranteed_bound_of_the_exact_solution
             for c in program.channels
         ]
     )
-    starts = {reading.name: rng.integers(-5000, 60_000, LANES) for reading in program.readings}
+    starts = {reading.name: rng.integers(-5000, 60_000, LANES).tolist() for reading in program.readings}
     board = ReferenceNetwork(program, model.domain_pwm, model.validity, starts, told[:, :, 0])
     low, high = program.start_mC
-    given = {name: np.clip(rise + told[0, :, 0], low, high) / 1000.0 for name, rise in starts.items()}
+    given = {name: np.clip(np.asarray(rise) + told[0, :, 0], low, high) / 1000.0 for name, rise in starts.items()}
     state = exact.start(given, told[0, :, 0] / 1000.0)
     bounds = np.array([part.proof.bound_K for part in program.components()])
     largest = 0.0
