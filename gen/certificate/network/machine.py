@@ -481,13 +481,14 @@ class Machine:
     def _known_text(self, name: str, arguments: Sequence[Any]) -> Callable[..., Any] | None:
         """What a function does whose text is known, made sure that it has it."""
         cell = arguments[0].cells[arguments[0].at] if arguments and isinstance(arguments[0], Pointer) else None
-        known = (
-            {"add": self._added, "take_up": self._taken_up} if isinstance(cell, Cell) else {"product": self._product}
-        )
+        of_words: dict[str, Callable[..., Any]] = {"add": self._added, "take_up": self._taken_up}
+        of_numbers: dict[str, Callable[..., Any]] = {"product": self._product, "scaled": self._scaled}
+        known = of_words if isinstance(cell, Cell) else of_numbers
         base = name.removeprefix(f"{self._unit.model}_")
         if base not in known or name == base:
             return None
-        check_text(self._unit.model, base, self._unit.texts.get(name, []))
+        text = "add_float" if base == "add" else base
+        check_text(self._unit.model, text, self._unit.texts.get(name, []))
         return known[base]
 
     def _added(self, where: Pointer, value: Number, shift: Number) -> None:
@@ -512,11 +513,16 @@ class Machine:
         cell.form = total
 
     def _product(self, d: Number, a: Number, least: Number, cut: Number | None = None) -> Number:
-        """A product without its lightest byte products, d in two's complement; rounded down."""
+        """A product without its lightest byte products, d in two's complement.
+
+        Those that are left out make up everything below what is shifted away, so that the shift rounds nothing.
+        """
         if d.kind == "float" or a.kind == "float":
             raise Refuted("a product that the proof does not know")
         d, a = self._converted(d, "int64_t"), self._converted(a, "uint32_t")
         columns, cuts = self._whole(least), self._whole(cut) != 0 if cut is not None else False
+        if not 0 <= columns < 4:
+            raise Refuted(f"a product without {columns} columns")
         bytes_of = [np.floor(a.form.constant / 2.0 ** (8 * j)) % 256.0 if a.form.known else 255.0 for j in range(4)]
         most: float | Floats = 0.0
         for i in range(4):
@@ -529,7 +535,17 @@ class Machine:
         lost = self._space.number(-np.asarray(most) / 2.0).within(np.asarray(most) / 2.0)
         natural = d.natural and a.natural  # what is left out is part of a product that is not negative
         made = self._fitted(Number("int64_t", whole.form + lost, natural))
-        return self._shifted(">>", made, 8 * (columns + int(cuts)))
+        return Number("int64_t", made.form.times(2.0 ** (-8 * (columns + int(cuts)))), natural)
+
+    def _scaled(self, word: Number, factor: Number) -> Number:
+        """2^-30 of the product of a word with a factor: 32 bits that a signed number has on the way, unsigned again."""
+        model = self._unit.model
+        if self._unit.kinds.get(f"{model}_Sum") != "int64_t":
+            raise Refuted("a sum has other than 64 bits")
+        for name in ("sum", "add", "down"):
+            check_text(model, name, self._unit.texts.get(f"{model}_{name}", []))
+        product = self._product(self._converted(factor, "int32_t"), word, self.known(2.0, "uint8_t"))
+        return self._fitted(Number("uint32_t", self._shifted(">>", product, 14).form, product.natural))
 
     def _converted(self, value: Any, kind: str | None) -> Any:  # noqa: ANN401
         if not isinstance(value, Number) or kind is None or value.kind == kind:

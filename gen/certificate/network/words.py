@@ -13,7 +13,14 @@ _STRUCTS = {
     "Temperature": (16, "struct N_Temperature { uint16_t lo; int32_t hi; };"),
 }
 _TEXTS = {
-    "add": (
+    "sum": "N_Sum N_sum(uint16_t start) { return start; }",
+    "add": "N_Sum N_add(N_Sum sum, int32_t d, uint32_t a) { return sum + N_product(d, a, 2, false); }",
+    "down": "int32_t N_down(N_Sum sum, uint8_t bits) { return (int32_t)(sum >> bits); }",
+    "scaled": (
+        "uint32_t N_scaled(uint32_t word, int32_t factor) "
+        "{ return (uint32_t)N_down(N_add(N_sum(0), factor, word), 14); }"
+    ),
+    "add_float": (
         "void N_add(N_Accumulator *sum, float value, uint8_t shift) { "
         "const float scale = 256.0f / static_cast<float>(UINT64_C(1) << shift); "
         "const int64_t whole = static_cast<int64_t>(sum->hi) * 256 + sum->lo + static_cast<int64_t>(value * scale); "

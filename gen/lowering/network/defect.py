@@ -23,9 +23,6 @@ SHARES = (1.0, 0.3, 0.1, 0.02)
 the bound is small enough."""
 _THIRD_ERROR = 2.0**-15
 """Relative error of a third and a fifth as the board takes them."""
-_THIRD_LOST = {3: 3.0 * 87.0, 5: 5.0 * 53.0}
-"""What these lose, in units of the word that they are taken of: its lowest byte (up to 85 units of a third, 51 of a
-fifth), and two that are rounded off. Times three and five, since a term of the series is divided by k."""
 
 
 @dataclass(frozen=True, eq=False)

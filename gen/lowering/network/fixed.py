@@ -215,7 +215,9 @@ def roundings(
 
     def summed(order: int, state: int, magnitude: Array) -> Array:
         unit = 2.0 ** -(sum_bits(products, series, shape.bits, order) - EXTRA_SHIFT.get(order, 0) + shape.shifts[state])
-        return np.full_like(magnitude, counts[state] * products[order - 1].dropped * unit)
+        # A third or a fifth is taken of the word before, so that the sum's own error is not divided by it.
+        whole = order if order in WEIGHT else 1
+        return np.full_like(magnitude, counts[state] * products[order - 1].dropped * unit * whole)
 
     first = np.zeros((terms.terms[0].rate.size, len(terms.states)))
     for term in terms.terms:
