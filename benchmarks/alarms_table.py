@@ -8,7 +8,8 @@ sensors, each off by up to 1.1 K; noise, ambient and load are others than in the
 
 Cold: all parts at 30 degC when power comes on. Warm: the motor has run at 60 % for three hours before. Moving: the
 ambient swings by 1 K to either side within two hours, with 1 % of the rated torque as load. The faults begin an hour
-after a cold start. Default are four speeds; `--all` are all ten and a line that changes speed every 15 to 45 minutes.
+after a cold start. `--room`: in every run the ambient swings by 5 K within two hours, and jumps by 4 K after 90
+minutes. Default are four speeds; `--all` are all ten and a line that changes speed every 15 to 45 minutes.
 `twin` judges with the references of model and rules, which `gen verify` proves equal to the board's; `emulated` runs
 the firmware itself on the emulated Mega, some 100 s for a run.
 """
@@ -38,7 +39,7 @@ from gen.emulate.twin import alarm_times
 from gen.rig import Fault, MotorConfig, Profile, sensors, warm_start
 from gen.rig.config import FaultKind
 from gen.rig.profiles import counts, random_levels, step
-from gen.rig.signals import sine
+from gen.rig.signals import Signal, sine, steps, total
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = [ROOT / "examples" / name / "coeffs.json" for name in ("my1016", "my1016_rig")]
@@ -53,6 +54,8 @@ KINDS: tuple[FaultKind, ...] = get_args(FaultKind)
 CASES: tuple[str, ...] = (*HEALTHY, *KINDS)
 VERDICTS = {"bearing": "bearing_fault", "brush": "brush_fault"}
 SWING_K, PERIOD_S, LOAD_NM = 1.0, 7200.0, 0.01
+ROOM_SWING_K, ROOM_JUMP_K, ROOM_JUMP_S = 2.5, 4.0, 5400.0
+"""What `--room` does: a swing of 5 K from end to end, and a jump."""
 
 
 @dataclass(frozen=True)
@@ -68,8 +71,8 @@ class Case:
             return random_levels(seed + 1, DURATION_S, hold_s=(900.0, 2700.0))
         return step(counts(self.speed), DURATION_S)
 
-    def plant(self, coefficients: Coefficients, sensor_seed: int, seed: int) -> RigPlant:
-        """Make the motor with its sensors."""
+    def plant(self, coefficients: Coefficients, sensor_seed: int, seed: int, *, room: bool) -> RigPlant:
+        """Make the motor with its sensors; `room`: the ambient swings by 5 K and jumps by 4 K in every run."""
         wiring = coefficients.document.wiring
         assert wiring is not None
         moving = self.name == "healthy, moving"
@@ -80,11 +83,17 @@ class Case:
             motor=MotorConfig(faults=faults.get(self.name, ())),
             sensors=sensors(sensor_seed),
             start_degC=warm_start(step(153, DURATION_S)) if self.name == "healthy, warm" else None,
-            ambient_degC=sine(30.0, SWING_K, PERIOD_S, 700.0 * self.speed) if moving else 30.0,
+            ambient_degC=self._ambient(moving=moving, room=room),
             load_Nm=LOAD_NM if moving else 0.0,
             pulses_per_revolution=wiring.encoder.pulses_per_revolution if wiring.encoder else 0,
             seed=own,
         )
+
+    def _ambient(self, *, moving: bool, room: bool) -> Signal:
+        phase_s = 700.0 * self.speed
+        if room:
+            return total(sine(30.0, ROOM_SWING_K, PERIOD_S, phase_s), steps(0.0, [(ROOM_JUMP_S, ROOM_JUMP_K)]))
+        return sine(30.0, SWING_K, PERIOD_S, phase_s) if moving else 30.0
 
 
 def emulated_times(coefficients: Coefficients, plant: RigPlant, profile: Profile) -> NDArray[np.float64]:
@@ -109,7 +118,7 @@ def times(
     coefficients: Coefficients, cases: Sequence[Case], options: argparse.Namespace, tell: Callable[[str], None]
 ) -> NDArray[np.float64]:
     """Time of each rule's first alarm in each case, s, NaN without; shape (cases, rules)."""
-    plants = [case.plant(coefficients, options.sensors, options.seed) for case in cases]
+    plants = [case.plant(coefficients, options.sensors, options.seed, room=options.room) for case in cases]
     profiles = [case.profile(options.seed) for case in cases]
     if options.target == "twin":
         return alarm_times(
@@ -167,6 +176,7 @@ def main() -> None:
     parser.add_argument("--target", choices=("twin", "emulated"), default="twin")
     parser.add_argument("--speeds", type=int, nargs="+", default=SPEEDS, help="percent; 0: changing")
     parser.add_argument("--all", action="store_true", help="all ten speeds, and changing ones")
+    parser.add_argument("--room", action="store_true", help="a room that swings by 5 K and jumps by 4 K")
     parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES)
     parser.add_argument("--sensors", type=int, default=0, help="seed of the sensors' offsets")
     parser.add_argument("--seed", type=int, default=1, help="of noise and changing speeds")

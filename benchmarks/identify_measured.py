@@ -16,6 +16,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from numpy.typing import NDArray
 
+import gen
 from gen.identification.coefficient_file import Settings, coefficient_text, usable
 from gen.identification.data import read_data
 from gen.identification.identify import identify
@@ -94,6 +95,21 @@ def predict(case: str) -> tuple[list[Prediction], list[str]]:
     return result, [warning for warning in data.warnings if "left out" in warning]
 
 
+def predict_network(case: str) -> list[Prediction]:
+    """The same with one network for all of the machine's parts; its order says how many nodes it has."""
+    fit, test = CASES[case]
+    found = gen.identify([RUNS / path for path in fit], model="network", name="machine")
+    names = found.model.components
+    run = read_run(RUNS / test, names)
+    shown = gen.simulate(found.model, RUNS / test)
+    nodes = f"{len(found.details()['nodes'])} nodes"
+    return [
+        Prediction(case, name, nodes, run.time_s, run.temps[name], shown[f"{name}_degC"].to_numpy(dtype=np.float64))
+        for name in names
+        if name in run.temps
+    ]
+
+
 def main() -> None:
     """Print the table."""
     print("case                               component  order  moved (K)  rms error (K)  largest (K)")
@@ -103,6 +119,9 @@ def main() -> None:
             print(f"{case:<34} {p.component:<10} {p.order:<6} {p.moved_K:9.1f} {p.rms_K:14.2f} {p.largest_K:12.2f}")
         for warning in left_out:
             print(f"{'':<34} {warning}")
+        for p in predict_network(case):
+            name = "  as a network"
+            print(f"{name:<34} {p.component:<10} {p.order:<6} {p.moved_K:8.1f} {p.rms_K:14.2f} {p.largest_K:12.2f}")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,8 @@
 """Make coeffs.json as one would for a motor of one's own: runs, `gen identify`, healthy runs, `gen thresholds`.
 
-    python examples/my1016_rig/make.py [--folder RUNS] [--out COEFFS]
+    python examples/my1016_rig/make.py [--folder RUNS] [--out COEFFS] [--network NETWORK]
+
+And network.json of the same runs, with `gen identify --model network`.
 
 The motor is the simulated one (`gen.rig`) with one set of sensors, each off by up to 1.1 K. Eight runs from cold, three
 hours at a speed and one at rest, identify the model. Forty-four runs of three hours that took no part in it show what
@@ -80,13 +82,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--folder", type=Path, help="keep the runs here")
     parser.add_argument("--out", type=Path, default=HERE / "coeffs.json")
+    parser.add_argument("--network", type=Path, default=HERE / "network.json")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         folder = options.folder or Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)
-        identified = folder / "identified.json"
-        gen("identify", *identification_runs(folder), "--name", "my1016_rig", "--out", identified)
-        gen("thresholds", identified, *healthy_runs(folder), "--rules", HERE / "rules.json", "--out", options.out)
+        runs, healthy = identification_runs(folder), healthy_runs(folder)
+        for model, out in (("parts", options.out), ("network", options.network)):
+            identified = folder / f"{model}.json"
+            gen("identify", *runs, "--model", model, "--name", "my1016_rig", "--out", identified)
+            gen("thresholds", identified, *healthy, "--rules", HERE / "rules.json", "--out", out)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ is read follow. docs/proof.md has the lemmas by their numbers.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
@@ -19,41 +18,21 @@ import numpy as np
 
 from gen.certificate.affine import Reach, outward
 from gen.certificate.disturbance import along_directions, linear_part
-from gen.certificate.document import LOW_BITS, Certificate, Part
+from gen.certificate.document import LOW_BITS, AnyCertificate, Certificate, Part
 from gen.certificate.equation import Enclosure, enclose
 from gen.certificate.exact import BITS, ROUGHLY, Floats, Ratios, floats, inverse, ratios, zeros
 from gen.certificate.measured import Measured, measure
+from gen.certificate.network.check import prove
+from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.order import check_order
 from gen.certificate.polytope import Directions, Images, largest, largest_roughly
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 from gen.certificate.step import Recursion, Run
+from gen.certificate.verdict import Verdict
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """What was proven of one component.
-
-    Attributes
-    ----------
-    name
-        The component.
-    bound_K, reading_K
-        What is claimed: largest error of the word that is read, and of ``NAME_rise_mK``.
-    proven_K
-        What follows for the word.
-    inequalities
-        How many inequalities were decided.
-    """
-
-    name: str
-    bound_K: Fraction
-    reading_K: Fraction
-    proven_K: Fraction
-    inequalities: int
-
-
-def check(folder: Path, certificate: Certificate, tell: Callable[[str], None] = lambda _: None) -> list[Verdict]:
+def check(folder: Path, certificate: AnyCertificate, tell: Callable[[str], None] = lambda _: None) -> list[Verdict]:
     """Prove every claim of an emitted project.
 
     Parameters
@@ -77,6 +56,8 @@ def check(folder: Path, certificate: Certificate, tell: Callable[[str], None] = 
     Refuted
         If a claim does not follow.
     """
+    if isinstance(certificate, NetworkCertificate):
+        return prove(folder, certificate, tell)
     project = Project(folder, certificate.model)
     check_order(project, certificate)
     measured = measure(project, certificate)

@@ -9,8 +9,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from gen.certificate.check import Verdict
+from gen.certificate.document import AnyCertificate
+from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.refuted import Refuted
+from gen.certificate.verdict import Verdict
 from gen.errors import InputError
 
 _COMMENT = re.compile(r"^// (\w+), proven for every sequence of PWM:.*?never more than ([\d.e+-]+) K", re.M | re.S)
@@ -23,21 +25,24 @@ class Claims:
     places: dict[str, dict[str, Fraction]]
 
     @classmethod
-    def of(cls, folder: Path, model: str) -> Claims:
-        """What the manifest and the comments in the C++ say.
+    def of(cls, folder: Path, certificate: AnyCertificate) -> Claims:
+        """What the manifest says, and the comments in the C++ of transfer functions.
 
         Raises
         ------
         InputError
             If one cannot be read.
         """
+        manifest, model = {"manifest.json": _manifest(folder / "manifest.json")}, certificate.model
+        if isinstance(certificate, NetworkCertificate):
+            return cls(manifest)
         step = folder / "lib" / model / "src" / f"{model}_step.h"
         try:
             text = step.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"cannot be read: {error}", file=str(step)) from error
         comments = {name: Fraction(bound) for name, bound in _COMMENT.findall(text)}
-        return cls({"manifest.json": _manifest(folder / "manifest.json"), step.name: comments})
+        return cls({**manifest, step.name: comments})
 
     def check(self, verdicts: Sequence[Verdict]) -> None:
         """Compare all of them with what was proven.

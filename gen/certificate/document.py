@@ -11,8 +11,9 @@ from math import isfinite
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
+from gen.certificate.network.document import NetworkCertificate
 from gen.errors import InputError
 
 FILE = "certificate.json"
@@ -194,7 +195,12 @@ class Certificate(_Strict):
         return [part for part in self.components if isinstance(part, Part)]
 
 
-def read(folder: Path) -> Certificate:
+#: Version 1 is about transfer functions, version 2 about a network.
+AnyCertificate = Certificate | NetworkCertificate
+_ANY: TypeAdapter[AnyCertificate] = TypeAdapter(Annotated[AnyCertificate, Field(discriminator="version")])
+
+
+def read(folder: Path) -> AnyCertificate:
     """Read a project's certificate.
 
     Raises
@@ -204,10 +210,13 @@ def read(folder: Path) -> Certificate:
     """
     path = folder / FILE
     try:
-        return Certificate.model_validate_json(path.read_bytes())
+        return _ANY.validate_json(path.read_bytes())
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}; `gen build` writes it", file=str(path)) from error
     except ValidationError as error:
         first = error.errors()[0]
-        place = "$" + "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in first["loc"])
+        within = first["loc"][1:]  # after the version that it was read as
+        place = "$" + "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in within)
+        if first["type"].startswith("union_tag"):
+            place = "$.version"
         raise InputError(f"is no certificate: {first['msg']}", file=str(path), place=place) from error

@@ -82,6 +82,17 @@ class Project:
                 found[name] = spaced(match[0][:-1] + _braced(text, match.end() - 1))
         return found
 
+    def check_macros(self) -> None:
+        """Make sure that the text is what the compiler sees.
+
+        Raises
+        ------
+        Refuted
+            If a macro could make another text of it.
+        """
+        for path in sorted(self.sources.glob(f"{self.model}*")):
+            self._check_macros(self.text(path.name.removeprefix(self.model)))
+
     def _check_macros(self, text: str) -> None:
         """Text is what the compiler sees only if no macro replaces a word of it."""
         for line in text.splitlines():

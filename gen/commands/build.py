@@ -52,7 +52,7 @@ def build(
     click.echo(f"{out}: {model.name}, arithmetic {arithmetic}, schedule {schedule}")
     for line in _guarantees(made.program):
         click.echo(f"  {line}")
-    unproven = [component.name for component in made.program.components if component.saturates]
+    unproven = [component.name for component in made.program.parts if component.saturates]
     if unproven:
         click.echo(f"NO GUARANTEE for {', '.join(unproven)}: as $.accuracy.unproven asks, built without a proof")
 
@@ -63,7 +63,7 @@ def _guarantees(program: Program) -> list[str]:
 
     changed = {part.name for part in program.effects.components} if program.effects is not None else set()
     lines = []
-    for component in program.components:
+    for component in program.parts:
         name = component.name + (", baseline" if component.name in changed else "")
         if component.proof is None:
             why = f"no error bound proven ({component.unproven})"

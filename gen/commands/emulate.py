@@ -95,14 +95,13 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
     printed. Time-lapse changes how fast one can watch, nothing else. Ctrl-C ends a run with what was simulated until
     then; exit status 130.
     """
-    from gen.coefficients import load, transfer_functions_only
+    from gen.coefficients import load
     from gen.emulate.results import results_of, summary
     from gen.files import check_outputs, write_bytes
     from gen.interruption import EXIT_STATUS
 
     check_outputs((out, json_file, plot, options["eeprom"]), (coefficients,))
     loaded = load(coefficients)
-    transfer_functions_only(loaded, "gen emulate", str(coefficients))
     wanted = _wanted(loaded, coefficients, options)
 
     # Slow to import: what is wrong with the file and the options was told before.

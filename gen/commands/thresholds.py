@@ -28,7 +28,7 @@ def thresholds(coefficients: Path, runs: tuple[Path, ...], rules: Path, out: Pat
     The error bands in the written file are the healthy motor's; thresholds that the rules leave out lie a margin
     beyond.
     """
-    from gen.coefficients import load, parse, transfer_functions_only, with_rules
+    from gen.coefficients import load, parse, with_rules
     from gen.coefficients.rules import read_rules
     from gen.files import check_outputs, write_text
     from gen.runs import check_run
@@ -37,7 +37,6 @@ def thresholds(coefficients: Path, runs: tuple[Path, ...], rules: Path, out: Pat
     check_once(runs)
     check_files(coefficients, runs)
     loaded = load(coefficients)
-    transfer_functions_only(loaded, "gen thresholds", str(coefficients))
     wanted = read_rules(rules, loaded.model.component_names)
     for path in runs:
         if path.is_file():  # a pipe can be read only once

@@ -55,7 +55,7 @@ class HostDevice:
     ) -> None:
         document = coefficients.document
         self._name = document.name
-        self._components = [component.name for component in document.components]
+        self._components = document.component_names
         self.channels = [chip.channel for chip in (document.wiring.thermocouples if document.wiring else ())]
         self._folder = tempfile.TemporaryDirectory()
         self._library = _compiled(coefficients, arithmetic, schedule, Path(self._folder.name))

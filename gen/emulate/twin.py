@@ -20,7 +20,7 @@ from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.reference.alarms import ReferenceAlarms
-from gen.reference.model import ReferenceModel
+from gen.reference.board import reference_of
 from gen.rig import Profile
 
 Integers = NDArray[np.int64]
@@ -77,7 +77,7 @@ def alarm_times(
         raise ValueError(f"no thermocouple on {', '.join(sorted(bare))}, and the twin takes every sample as believed")
     measured, ambient = _read([reading.words for reading in readings], names)
     starts = {name: (measured[i] - ambient).tolist() for i, name in enumerate(names)}
-    model = ReferenceModel(program, starts, _told(program, ambient, readings))
+    model = reference_of(program, starts, _told(program, ambient, readings))
     cold = np.all(np.abs(measured - ambient) <= COLD_mK, axis=0)
     alarms = ReferenceAlarms(rules, cold)
     first = np.full((len(plants), len(rules)), np.nan)
@@ -105,10 +105,10 @@ def _read(words: Sequence[Mapping[str, int]], names: Sequence[str]) -> tuple[NDA
 
 
 def _told(program: Program, ambient: Integers, readings: Sequence[Reading]) -> Integers | None:
-    """What the effects are told, in thousandths, shape (channels, runs); what the plant lacks stays neutral."""
-    if program.effects is None:
+    """What the board is told, in thousandths, shape (channels, runs); what the plant lacks stays neutral."""
+    if not program.channels:
         return None
-    others = [[_value(reading, channel) for reading in readings] for channel in program.effects.channels[1:]]
+    others = [[_value(reading, channel) for reading in readings] for channel in program.channels[1:]]
     return np.array([ambient.tolist(), *others], dtype=np.int64)
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from gen.coefficients import Coefficients
+from gen.firmware.network_certificate import network_certificate
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import RESIDUE_BITS
 from gen.lowering.kinds import OUTPUT_BITS
@@ -25,6 +26,8 @@ CERTIFICATE = "certificate.json"
 
 def certificate_json(coefficients: Coefficients, program: Program) -> str:
     """The certificate's text."""
+    if program.network is not None:
+        return _pretty(network_certificate(coefficients, program, program.network)) + "\n"
     model = program.model
     places = {
         member: (shape.identifier, place) for shape in program.shapes for place, member in enumerate(shape.members)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from dataclasses import dataclass
 
+from gen.lowering.network.program import NetworkProgram
 from gen.lowering.program import Program
 
 #: Columns of a comment in the emitted C++.
@@ -32,8 +33,51 @@ def contract(program: Program) -> tuple[Clause, ...]:
     if all(part.proof is None for part in program.parts):
         return ()
     model = program.model
+    if program.network is not None:
+        return _network_clauses(program, program.network)
     lowest, highest = model.domain_pwm
     return clauses(model.name, f"{model.sample_time:g} s", f"{lowest}..{highest}", _exceptions(program))
+
+
+def _network_clauses(program: Program, network: NetworkProgram) -> tuple[Clause, ...]:
+    """The clauses for a network, in which the ambient and channels act on temperatures."""
+    model, name = program.model, program.model.name
+    low, high = (end / 1000.0 for end in network.start_mC)
+    lowest, highest = model.domain_pwm
+    others = ", ".join(channel.column for channel in program.channels[1:])
+    told = "of the ambient" + (f" and of {others}" if others else "")
+    return (
+        Clause(
+            "Of which output",
+            "The model's own word for what a part's sensor shows is never further from the exact solution than the "
+            f"bound above. `{name}_rise_mK()` and `{name}_temperature_mC()` round it to the nearest thousandth of a "
+            "kelvin, and take off the ambient that was told last.",
+        ),
+        Clause(
+            "From which start",
+            f"From any temperatures of the parts between {low:g} and {high:g} degC: `{name}_begin()` starts at the "
+            f"ambient, `{name}_start()` at the rise that it is told. One outside is limited and flagged; the guarantee "
+            "is then about the limited one. Nodes that nobody measures start where they would rest between the others, "
+            "in the exact solution, too.",
+        ),
+        Clause(
+            "Between which events",
+            f"For every sequence of PWM, {told} as they are told, of any length, from one `{name}_begin()` and "
+            f"`{name}_start()` of all parts to the next. A reset of the board ends it, unless `{name}_resume()` goes "
+            "on with the very words, channels and PWM of the last sample. Time that passes during a reset is not "
+            "modelled.",
+        ),
+        Clause(
+            "Under which assumptions",
+            f"Every sample lasts {model.sample_time:g} s. |PWM| and channels are held over a sample; |PWM| is limited "
+            f"to {lowest}..{highest}, channels to their ranges. The exact solution is that of the coefficient file's "
+            "network. The board computes the same words as the C++ that `gen verify` compares.",
+        ),
+        Clause(
+            "What is no part of it",
+            "Errors of sensors, of the measured ambient, and of the model itself: how well it fits the motor.",
+        ),
+    )
 
 
 def clauses(name: str, sample_time: str, domain: str, exceptions: str = "") -> tuple[Clause, ...]:

@@ -146,7 +146,7 @@ def _sensors(
     coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program, sample_ms: int
 ) -> SensorsContext:
     chips = _chips(coefficients, wired, program)
-    names = [component.name for component in coefficients.document.components]
+    names = coefficients.document.component_names
     read_samples = reading_samples(program.model.sample_time)
     return {
         "chips": chips,
@@ -201,7 +201,7 @@ def _columns(
 ) -> list[str]:
     """The run file's columns, in the order in which the console prints a row."""
     wired = {chip["channel"] for chip in chips}
-    names = [component.name for component in coefficients.document.components]
+    names = coefficients.document.component_names
     columns = ["time_s", "pwm", *(f"{name}_degC" for name in names if name in wired)]
     columns += [_ambient_column(coefficients)] if "ambient" in wired else []
     columns += [channel.column for channel in inputs]
@@ -226,7 +226,7 @@ def _pin(pin: int, path: str) -> Pin:
 
 
 def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program) -> list[ThermocoupleContext]:
-    names = [component.name for component in coefficients.document.components]
+    names = coefficients.document.component_names
     told = _told(program)
     chips: list[ThermocoupleContext] = []
     for number, (chip, limits) in enumerate(zip(wired, sensor_limits(coefficients), strict=True)):

@@ -28,7 +28,7 @@ def schedule_charts(model: ThermalModel, component: Component) -> list[Chart]:
 
     def chart(kind: str, title: str, y: tuple[str, str], lines: list[Series], *, log_y: bool = False) -> Chart:
         text = f"{title} of {name} over |PWM| {low} to {high}; the validity range is {model.validity[0]} to "
-        text += f"{model.validity[1]}. {_ends(lines)}"
+        text += f"{model.validity[1]}. {ends_text(lines)}"
         return Chart(
             f"{kind}-{name}", title, text, "|PWM| (counts)", *y, tuple(lines), log_y=log_y, shade=model.validity
         )
@@ -67,8 +67,8 @@ def response_charts(name: str, labels: Sequence[str], found: Responses) -> list[
     ]
     over = f"of {name} at {', '.join(labels)} PWM"
     ran = f"up to {found.ran[-1]:g} s"
-    text = f"Rise {over}: the exact solution as lines, the board's reference as dots {ran}. {_ends(lines)}"
-    wrong = f"The board's reference less the exact solution {over}, {ran}. {_ends(errors)}"
+    text = f"Rise {over}: the exact solution as lines, the board's reference as dots {ran}. {ends_text(lines)}"
+    wrong = f"The board's reference less the exact solution {over}, {ran}. {ends_text(errors)}"
     return [
         Chart(f"step-{name}", "Step responses", text, "time (s)", "rise", "K", (*lines, *dots)),
         Chart(f"error-{name}", "Error of the board", wrong, "time (s)", "error", "µK", tuple(errors)),
@@ -80,10 +80,10 @@ def course_chart(times: Sequence[float], errors: Mapping[str, Sequence[float]]) 
     lines = [
         Series(name, times, [value * 1e6 for value in values], i % 8) for i, (name, values) in enumerate(errors.items())
     ]
-    text = f"Largest error of every component over a run of {times[-1]:g} s. {_ends(lines)}"
+    text = f"Largest error of every component over a run of {times[-1]:g} s. {ends_text(lines)}"
     return Chart("course", "Largest error over the run", text, "time (s)", "error", "µK", tuple(lines))
 
 
-def _ends(lines: list[Series]) -> str:
+def ends_text(lines: list[Series]) -> str:
     """What the lines are at both ends, for those who do not see them."""
     return " ".join(f"{line.label or 'Value'}: {line.y[0]:.3g} to {line.y[-1]:.3g}." for line in lines)

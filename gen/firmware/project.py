@@ -121,7 +121,7 @@ def _of_sketch(coefficients: Coefficients, library: LibraryContext, device: Devi
 
 
 def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, str]) -> dict[str, Any]:
-    unproven = {component.name: component.unproven for component in program.components if component.saturates}
+    unproven = {component.name: component.unproven for component in program.parts if component.saturates}
     return {
         "tool": f"gen {__version__}",
         "model": program.model.name,
@@ -131,8 +131,9 @@ def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, 
         "sample_time_s": program.model.sample_time,
         "domain_pwm": list(program.model.domain_pwm),
         "validity_pwm": list(program.model.validity),
-        "components": [component.describe() for component in program.components],
+        "components": [component.describe() for component in program.parts],
         **({"without_proof": unproven} if unproven else {}),
+        **({"network": program.network.describe()} if program.network is not None else {}),
         **({"effects": program.effects.describe()} if program.effects is not None else {}),
         "wiring": _plain(coefficients.document.wiring),
         "alarms": [_plain(alarm) for alarm in coefficients.document.alarms],

@@ -55,6 +55,7 @@ _NETWORK = {
     "lib/NAME/src/NAME_platform.h": "lib/model/src/platform.h.j2",
     "lib/NAME/src/NAME.cpp": "lib/model/src/network.cpp.j2",
     "lib/NAME/src/NAME_step.h": "lib/model/src/network_step.h.j2",
+    "lib/NAME/src/NAME_sum.h": "lib/model/src/network_sum.h.j2",
     "lib/NAME/src/NAME_step.cpp": "lib/model/src/network_advance.cpp.j2",
     "lib/NAME/src/NAME_schedule.h": "lib/model/src/network_schedule.h.j2",
     "lib/NAME/src/NAME_schedule.cpp": "lib/model/src/network_schedule.cpp.j2",
@@ -77,8 +78,8 @@ def library(context: LibraryContext) -> dict[str, str]:
     """The model's library for the context's arithmetic and schedule."""
     arithmetic = context.identity["arithmetic"]
     if context.network is not None:
-        sums = _ACCUMULATOR if arithmetic == "float" else {"lib/NAME/src/NAME_sum.h": "lib/model/src/network_sum.h.j2"}
-        return render(_NETWORK | sums, context.of_model()) | render(_ALARMS, context.of_alarms())
+        files = _NETWORK | (_ACCUMULATOR if arithmetic == "float" else {})
+        return render(files, context.of_model()) | render(_ALARMS, context.of_alarms())
     schedule = _ONBOARD if context.identity["schedule"] == "onboard" else _TABLE[arithmetic]
     return (
         render(_MODEL, context.of_model())

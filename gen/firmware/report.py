@@ -16,6 +16,7 @@ from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.contract import contract
 from gen.firmware.effects_report import effect_rows
 from gen.firmware.model_charts import course_chart, response_charts, schedule_charts
+from gen.firmware.network_report import curve_charts, drawing, network_constants, state_words, tabulated
 from gen.firmware.step_responses import levels, responses
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import RESIDUE_BITS, WORD_BITS
@@ -23,6 +24,8 @@ from gen.lowering.float32 import LOW_BITS, FloatComponent
 from gen.lowering.program import AnyComponent, Program
 from gen.lowering.recursion.dynamics import domain_rows
 from gen.lowering.recursion.guarantee import rounded_up
+from gen.model import Component
+from gen.model.network import Node
 from gen.pages.charts import plain, power, scientific
 from gen.pages.environment import page_environment
 from gen.version import __version__
@@ -58,6 +61,8 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
     limit, limit_name = coefficients.accuracy.limit(program.arithmetic)
     whole_run = own.get("step_errors") if own is not None else None
     steps = responses(replace(program, effects=None), whole_run)  # of the baseline: effects have no such exact ones
+    network, known = program.network, program.model.network
+    parts: tuple[Component | Node, ...] = program.model.components if known is None else known.sensed
     labels = [f"{pwm / program.model.full_scale:.0%}" for pwm in levels(program.model)]
     return (
         _environment()
@@ -78,13 +83,16 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
             limit=limit,
             horizon=round(steps[0].times[-1]),
             window=steps[0].ran[-1],
-            figures=[
-                (component, schedule_charts(program.model, component), response_charts(component.name, labels, step))
-                for component, step in zip(program.model.components, steps, strict=True)
+            responses=[
+                (part, response_charts(part.name, labels, step)) for part, step in zip(parts, steps, strict=True)
             ],
+            drawing=drawing(program) if network is not None else None,
+            curves=curve_charts(program) if network is not None else [],
+            schedules=[(part, schedule_charts(program.model, part)) for part in program.model.components],
             words=[row for component in program.components for row in words(component)],
-            constants=constants(program),
-            rows=_rows(program),
+            states=state_words(network) if network is not None else [],
+            constants=constants(program) if network is None else network_constants(program),
+            rows=_rows(program) if network is None else tabulated(program),
             alarms=alarm_texts(coefficients),
             effects=effect_rows(coefficients, own),
             affected=[part.name for part in program.effects.components] if program.effects is not None else [],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from math import ceil, log2
@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.program import Program
-from gen.model import Component, ThermalModel
+from gen.model import Component, NetworkSolution, ThermalModel
 from gen.model.schedules import EXACT
-from gen.reference.model import ReferenceModel
+from gen.reference.board import reference_of
 
 #: Length of the step responses, in s.
 HORIZON_S = 10_800
@@ -73,7 +73,7 @@ def levels(model: ThermalModel) -> list[int]:
 
 def starts(program: Program) -> list[int]:
     """Rises of the components at rest at ambient, or as near to it as the domain allows, in thousandths of a kelvin."""
-    return [min(max(0, c.start_range_mK[0]), c.start_range_mK[1]) for c in program.components]
+    return [min(max(0, part.start_range_mK[0]), part.start_range_mK[1]) for part in program.parts]
 
 
 def board_course(program: Program, stride: int, points: int) -> BoardCourse:
@@ -88,7 +88,7 @@ def board_course(program: Program, stride: int, points: int) -> BoardCourse:
     """
     pwm = np.array(levels(program.model))
     names = program.model.component_names
-    board = ReferenceModel(program, {n: [s] * len(pwm) for n, s in zip(names, starts(program), strict=True)})
+    board = reference_of(program, {n: [s] * len(pwm) for n, s in zip(names, starts(program), strict=True)})
     rises = [board.rises]
     for _ in range(points):
         for _ in range(stride):
@@ -110,7 +110,7 @@ def responses(program: Program, verified: Mapping[str, Any] | None) -> list[Resp
     """
     model = program.model
     pwm = levels(model)
-    work = sum(component.order * component.substeps for component in program.components)
+    work = _work(program)
     stride = max(1, min(_WORK // work, round(HORIZON_S / model.sample_time)) // _POINTS)
     interval = stride * model.sample_time
     horizon = HORIZON_S if verified is None else float(verified["time_s"][-1])
@@ -118,9 +118,9 @@ def responses(program: Program, verified: Mapping[str, Any] | None) -> list[Resp
     parts = [(interval, _POINTS), (later, _LATER_POINTS if later else 0)]
     board = board_course(program, stride, _POINTS) if verified is None else None
     found = []
-    for number, component in enumerate(model.components):
-        start = Decimal(starts(program)[number]) / 1000
-        exact = [exact_response(component, level, start, parts) for level in pwm]
+    solve = _network_responses(program) if model.network is not None else _component_responses(program)
+    for number, name in enumerate(model.component_names):
+        exact = solve(number, parts)
         if board is not None:
             ran = _times(parts[:1])
             own = [board.rises_K[:, number, lane].tolist() for lane in range(len(pwm))]
@@ -129,11 +129,50 @@ def responses(program: Program, verified: Mapping[str, Any] | None) -> list[Resp
             assert verified is not None
             ran = [float(time) for time in verified["time_s"]]
             run = [(ran[1] - ran[0], len(ran) - 1)]
-            errors = [[Decimal(value) for value in values] for values in verified["error_K"][component.name]]
-            true = [exact_response(component, level, start, run) for level in pwm]
+            errors = [[Decimal(value) for value in values] for values in verified["error_K"][name]]
+            true = solve(number, run)
             own = [[float(t + e) for t, e in zip(*pair, strict=True)] for pair in zip(true, errors, strict=True)]
         found.append(Responses(_times(parts), exact, ran, errors, own))
     return found
+
+
+def _work(program: Program) -> int:
+    """What a sample takes the reference, in samples of a component of order 1."""
+    if program.network is not None:
+        return 2 * program.network.orders
+    return sum(component.order * component.substeps for component in program.components)
+
+
+Solve = Callable[[int, Parts], list[list[Decimal]]]
+"""Exact rises of a component, by its number, at every level, at the points of some parts."""
+
+
+def _component_responses(program: Program) -> Solve:
+    def solve(number: int, parts: Parts) -> list[list[Decimal]]:
+        start = Decimal(starts(program)[number]) / 1000
+        component = program.model.components[number]
+        return [exact_response(component, level, start, parts) for level in levels(program.model)]
+
+    return solve
+
+
+def _network_responses(program: Program) -> Solve:
+    """By matrix exponential in float64; rounded, so that the report is the same on every machine."""
+    model = program.model
+    solution = NetworkSolution(model)
+    room = program.channels[0].neutral / 1000.0
+    begin = {n: start / 1000.0 + room for n, start in zip(model.component_names, starts(program), strict=True)}
+
+    def solve(number: int, parts: Parts) -> list[list[Decimal]]:
+        times = np.array(_times(parts))
+        name = model.component_names[number]
+        made = []
+        for level in levels(model):
+            shown = solution.simulate_times(times, np.full(times.size, level), room, start=begin)[name] - room
+            made.append([Decimal(f"{value:.9f}") for value in shown])
+        return made
+
+    return solve
 
 
 def _times(parts: Parts) -> list[float]:

@@ -14,7 +14,8 @@ from gen.interface.model import Model
 from gen.interface.threads import one_thread
 
 if TYPE_CHECKING:
-    from gen.certificate.document import Certificate
+    from gen.certificate.document import AnyCertificate
+    from gen.certificate.network.document import NetworkCertificate
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ def check(
     Raises
     ------
     InputError
-        If a file is missing or is not what `gen.build` writes, or a tool is missing; if `coefficients` is a network.
+        If a file is missing or is not what `gen.build` writes, or a tool is missing.
     CheckFailed
         If a claim does not follow.
 
@@ -87,8 +88,6 @@ def check(
     """
     from gen.certificate.document import read
 
-    if coefficients is not None:
-        coefficients.transfer_functions_only("gen check --coefficients")
     place = a_path("folder", folder)
     certificate = read(place)  # what is quick to tell is told before anything slow is imported
     if coefficients is not None:
@@ -97,12 +96,12 @@ def check(
 
 
 @one_thread
-def _proven(place: Path, certificate: Certificate, progress: Callable[[str], None]) -> Check:
+def _proven(place: Path, certificate: AnyCertificate, progress: Callable[[str], None]) -> Check:
     """Prove every claim."""
     from gen.certificate.check import check as run
     from gen.certificate.claims import Claims
 
-    claims = Claims.of(place, certificate.model)
+    claims = Claims.of(place, certificate)
     verdicts = run(place, certificate, progress)
     claims.check(verdicts)
     claimed = {part.name for part in certificate.parts}
@@ -113,9 +112,10 @@ def _proven(place: Path, certificate: Certificate, progress: Callable[[str], Non
     )
 
 
-def _check_statement(certificate: Certificate, coefficients: Model) -> None:
+def _check_statement(certificate: AnyCertificate, coefficients: Model) -> None:
     """Whether a certificate is about a coefficient file's own equations."""
     from gen.certificate.document import Equation
+    from gen.certificate.network.document import NetworkCertificate
     from gen.firmware.certificate import equations
 
     model = coefficients.coefficients.model
@@ -123,9 +123,24 @@ def _check_statement(certificate: Certificate, coefficients: Model) -> None:
         raise CheckFailed("the certificate is about another model or domain")
     if certificate.sample_time_s != Fraction(model.sample_time):
         raise CheckFailed("the certificate is about another sample time")
+    if isinstance(certificate, NetworkCertificate) != (model.network is not None):
+        raise CheckFailed("the certificate is about another kind of model")
+    if isinstance(certificate, NetworkCertificate):
+        _check_network(certificate, coefficients)
+        return
     expected = equations(coefficients.coefficients)
     if [part.name for part in certificate.components] != list(expected):
         raise CheckFailed("the certificate is about other components")
     for part in certificate.parts:
         if part.equation != Equation.model_validate(expected[part.name]):
             raise CheckFailed(f"the certificate is about another equation of {part.name}")
+
+
+def _check_network(certificate: NetworkCertificate, coefficients: Model) -> None:
+    """The same of a network."""
+    from gen.firmware.network_certificate import network_statement
+
+    expected = network_statement(coefficients.coefficients)
+    for key, found in certificate.statement().items():
+        if found != expected[key]:
+            raise CheckFailed(f"the certificate is about other {key}")

@@ -53,7 +53,7 @@ class Build:
                 "bound_K": part.proof.bound_K if part.proof is not None else float("nan"),
                 "with_effects": part.name in changed,
             }
-            for part in self.program.components
+            for part in self.program.parts
         ]
         return pd.DataFrame(rows).set_index("component")
 
@@ -111,7 +111,6 @@ def build(
     one_of("schedule", schedule, ("table", "onboard"))
     if schedule == "onboard":
         model.transfer_functions_only("gen build --schedule onboard")
-    model.transfer_functions_only("gen build")
     folder, loaded = a_path("out", out), model.coefficients
     name = shown_name(model.path or Path(f"{model.name}.json"))
     warnings = (*loaded.warnings, *unwired(loaded))
@@ -231,7 +230,7 @@ def verify(
     model
         What to verify.
     arithmetic, schedule
-        One of each, or ``all``.
+        One of each, or ``all``; a network has tables alone.
     target
         ``host`` (this computer's compilers), ``avr`` (an emulated Mega) or ``all``.
     compilers
@@ -263,13 +262,15 @@ def verify(
     one_of("arithmetic", arithmetic, ("fixed", "float", "all"))
     one_of("schedule", schedule, ("table", "onboard", "all"))
     one_of("target", target, ("host", "avr", "all"))
-    model.transfer_functions_only("gen verify")
     within("scale", scale, 0.001, 10.0)
+    is_network = model.coefficients.model.network is not None
+    if schedule == "onboard":
+        model.transfer_functions_only("gen verify --schedule onboard")
     used = host_compilers(tuple(compilers or ())) if target != "avr" else []
     results = run(
         model.coefficients,
         ("fixed", "float") if arithmetic == "all" else (arithmetic,),
-        ("table", "onboard") if schedule == "all" else (schedule,),
+        (schedule,) if schedule != "all" else ("table",) if is_network else ("table", "onboard"),
         target,
         progress=progress,
         scale=scale,

@@ -213,16 +213,10 @@ class NetworkIdentification(Reported):
         return self._said.text()
 
     def html(self) -> str:
-        """The report as one HTML page.
+        """The report as one HTML page."""
+        from gen.identification.network.page import network_report
 
-        Raises
-        ------
-        InputError
-            Always: there is none for networks yet.
-        """
-        raise InputError(
-            "there is no report for networks yet; --json holds everything that was found", place="--report"
-        )
+        return network_report(self.result, self.model.coefficients)
 
 
 @overload

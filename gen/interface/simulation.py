@@ -59,8 +59,6 @@ def simulate(
     from gen.replay import read_for
 
     loaded = model.coefficients
-    if arithmetic != "exact":
-        model.transfer_functions_only(f"gen simulate --arithmetic {arithmetic}")
     with run_files([run]) as (path,):
         measured = read_for(loaded, path)
         from gen.reference.simulate import simulate_run  # slow to import: what is wrong with the file was told before

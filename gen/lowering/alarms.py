@@ -108,15 +108,14 @@ def lower_alarms(coefficients: Coefficients) -> tuple[LoweredRule, ...]:
     """
     document, model = coefficients.document, coefficients.model
     names = [rule.name for rule in document.alarms]
-    components = {component.name: component for component in model.components}
     rules = []
     for rule in document.alarms:
         counts = window_counts(rule, document.input.full_scale)
         wait, other = 0, None
         if not isinstance(rule, OverTemperature):
-            wait, other = start_wait(model, components[rule.component], counts), rule.relative_to
+            wait, other = start_wait(model, rule.component, counts), rule.relative_to
             if other is not None:
-                wait = max(wait, start_wait(model, components[other], counts))
+                wait = max(wait, start_wait(model, other, counts))
         sum_limit = None
         if isinstance(rule, Cusum):
             sum_limit = max(1, min(MOST_SUM, round(rule.threshold_K_s * 1000.0 / model.sample_time)))
@@ -140,53 +139,86 @@ def lower_alarms(coefficients: Coefficients) -> tuple[LoweredRule, ...]:
     return tuple(rules)
 
 
-def start_wait(model: ThermalModel, component: Component, counts: range) -> int:
-    """Samples at some |PWM| after which a start with unknown slopes no longer matters.
+def start_wait(model: ThermalModel, name: str, counts: range) -> int:
+    """Samples at some |PWM| after which what is unknown at a start no longer matters.
 
-    A motor on its way from rest to a steady state, or back, has slopes that a start from its measured temperature
-    takes as zero. The error that this causes then develops at any one level for any time, and decays at the given
-    levels; the wait is the time after which it stays below :data:`START_MARGIN_K` in every case tried.
+    A motor on its way from rest to a steady state, or back, has slopes (in a network: hidden nodes) that a start from
+    its measured temperatures does not know. The error that this causes then develops at any one level for any time, and
+    decays at the given levels; the wait is the time after which it stays below :data:`START_MARGIN_K` in every case
+    tried.
 
     Parameters
     ----------
-    model, component
-        The component in question; for order 1 there are no slopes and nothing to wait for.
+    model, name
+        The component in question; where nothing is unknown there is nothing to wait for.
     counts
         The levels at which time is counted.
     """
-    if component.order == 1:
-        return 0
     low, high = model.domain_pwm
     levels = np.unique(np.linspace(low, high, _START_LEVELS).round().astype(np.int64))
-    matrices, _ = component.state_matrices(levels)
+    inner = np.array([counts[0], counts[len(counts) // 2], counts[-1]])
+    if model.network is not None:
+        if not model.network.hidden:
+            return 0
+        read = model.network.index(name)
+        matrices, inside, errors = *(model.network.matrices(at)[0] for at in (levels, inner)), _hidden(model, levels)
+    else:
+        component, read = model.component(name), 0
+        if component.order == 1:
+            return 0
+        (matrices, _), (inside, _) = component.state_matrices(levels), component.state_matrices(inner)
+        errors = _slopes(component, levels, matrices)
+    later = np.concatenate([np.hstack(list(_responses(matrix) @ errors)) for matrix in matrices], axis=1)
+    return max(_fading_time(matrix, later, model, read) for matrix in inside)
+
+
+def _slopes(component: Component, levels: NDArray[np.int64], matrices: Array) -> Array:
+    """What a start takes as zero, shape (n, cases): slopes on the way down from each steady state; up is its mirror."""
     cases = []
     for matrix, steady in zip(matrices, component.steady_rise(levels), strict=True):
         rest = np.zeros(component.order)
         rest[0] = steady
-        unknown = _responses(matrix) @ rest  # the way down; the way up is its mirror image
+        unknown = _responses(matrix) @ rest
         unknown[:, 0] = 0.0
         cases.append(unknown)
-    errors = np.concatenate(cases).T
-    later = np.concatenate([np.hstack(list(_responses(matrix) @ errors)) for matrix in matrices], axis=1)
-    inside, _ = component.state_matrices(np.array([counts[0], counts[len(counts) // 2], counts[-1]]))
-    return max(_fading_time(matrix, later, model) for matrix in inside)
+    return np.concatenate(cases).T
+
+
+def _hidden(model: ThermalModel, levels: NDArray[np.int64]) -> Array:
+    """Hidden nodes less where a start puts them, shape (nodes, cases): on the way up to each steady state, and down."""
+    network = model.network
+    assert network is not None
+    room = model.ambient_fixed if model.ambient_fixed is not None else 25.0
+    matrices, ambient, heat = network.matrices(levels)
+    at_rest = network.matrices(np.zeros(1, dtype=np.int64))[0][0]
+    driving = (matrices.sum(axis=2) + ambient) * room + heat
+    sensed = [network.index(node.name) for node in network.sensed]
+    hidden = [network.index(node.name) for node in network.hidden]
+    cases = []
+    for matrix, drive in zip(matrices, driving, strict=True):
+        steady = np.linalg.solve(-matrix, drive)
+        for rises in (steady - _responses(matrix) @ steady, _responses(at_rest) @ steady):
+            unknown = np.zeros_like(rises)
+            unknown[:, hidden] = rises[:, hidden] - rises[:, sensed] @ network.rest_of_hidden[:, :-1].T
+            cases.append(unknown)
+    return np.concatenate(cases).T
 
 
 def _responses(matrix: Array) -> Array:
-    """Transition matrices over times that span the component's way to rest, shape (times, n, n)."""
+    """Transition matrices over times that span the way to rest, shape (times, n, n)."""
     slowest = 1.0 / np.abs(np.linalg.eigvals(matrix).real).min()
     times = np.concatenate([[0.0], np.geomspace(slowest / 100.0, slowest * 3.0, _START_TIMES)])
     return np.array([expm(matrix * time) for time in times])
 
 
-def _fading_time(matrix: Array, errors: Array, model: ThermalModel) -> int:
+def _fading_time(matrix: Array, errors: Array, model: ThermalModel, read: int) -> int:
     """Samples after which every error, shape (n, cases), stays below the margin."""
     step = expm(matrix * _START_STEP_S)
     most = int(MOST_SAMPLES * model.sample_time / _START_STEP_S)
     last, below = 0, 0
     for number in range(1, most):
         errors = step @ errors
-        if np.abs(errors[0]).max() > START_MARGIN_K:
+        if np.abs(errors[read]).max() > START_MARGIN_K:
             last, below = number, 0
         else:
             below += 1

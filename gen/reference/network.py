@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.network import fixed, float32
-from gen.lowering.network.factors import FactorProgram
+from gen.lowering.network.factors import scaled
 from gen.lowering.network.program import NetworkProgram, StateProgram, TermProgram
-from gen.lowering.network.series import EXTRA_SHIFT, WEIGHT
+from gen.lowering.network.series import FIRST, WEIGHT, WHOLE
 from gen.lowering.network.start import degrees, scale_of
 from gen.reference.flags import OUTSIDE_VALIDITY, PWM_CLAMPED, SATURATED, START_CLAMPED, STARTED
 from gen.reference.float32 import accumulated
@@ -76,8 +76,9 @@ class ReferenceNetwork:
             high[reading.node] = high[reading.state] = word
             sensed.append(word)
         for weights, node in zip(program.rest, program.hidden, strict=True):
-            total = sum(((word - ambient) * int(w) for word, w in zip(sensed, weights, strict=False)), 0 * ambient)
-            high[node] = ambient + (total >> 32)
+            pairs = zip(sensed, weights.tolist(), strict=False)
+            total = sum((WHOLE.of(word - ambient, 0 * ambient + weight) for word, weight in pairs), 0 * ambient)
+            high[node] = ambient + (total >> 32 - 8 * WHOLE.least)
         self._state = high << self._low_bits
 
     def _ambient(self) -> Integers:
@@ -127,6 +128,17 @@ class ReferenceNetwork:
         return np.asarray(words * 2.0**-self._program.fraction_bits, dtype=np.float64)
 
     @property
+    def temperatures(self) -> NDArray[np.float64]:
+        """Every state as its upper word, shape (states, L), in degC."""
+        upper = self._state >> self._low_bits
+        return np.asarray(upper * 2.0**-self._program.fraction_bits, dtype=np.float64)
+
+    def copy_lanes(self, source: NDArray[np.intp], target: NDArray[np.intp]) -> None:
+        """Let lanes go on from the states and channels of others."""
+        self._state[:, target] = self._state[:, source]
+        self._channels[:, target] = self._channels[:, source]
+
+    @property
     def rises(self) -> NDArray[np.float64]:
         """Reading of every component over the ambient that was told last, shape (components, L), in K."""
         return np.asarray(self._rise_words * 2.0**-self._program.fraction_bits, dtype=np.float64)
@@ -140,11 +152,8 @@ class ReferenceNetwork:
         """The state words alone, shape (L,); the record's other fields are 0."""
         record = np.zeros(self.lanes, dtype=record_type(self._program))
         for state, words in zip(self._program.states, self._state, strict=True):
-            if self._program.arithmetic == "fixed":
-                record[f"{state.name}.T"] = words
-            else:
-                record[f"{state.name}.T.lo"] = words & 0xFF
-                record[f"{state.name}.T.hi"] = words >> float32.LOW_BITS
+            record[f"{state.name}.T.lo"] = words & ((1 << self._low_bits) - 1)
+            record[f"{state.name}.T.hi"] = words >> self._low_bits
         return record
 
     def record(self) -> Record:
@@ -160,9 +169,7 @@ class ReferenceNetwork:
 
 def state_fields(program: NetworkProgram) -> list[tuple[str, str]]:
     """Names and types of the states' words, in the order of the board's structure."""
-    if program.arithmetic == "fixed":
-        return [(f"{state.name}.T", "<i8") for state in program.states]
-    parts = (("lo", "u1"), ("hi", "<i4"))
+    parts = (("lo", "<u2" if program.arithmetic == "fixed" else "u1"), ("hi", "<i4"))
     return [(f"{state.name}.T.{half}", kind) for state in program.states for half, kind in parts]
 
 
@@ -221,25 +228,34 @@ class FixedSums:
         program, layout = self._program, self._layout
         rates = self._words[:, row]
         for k, term in enumerate(layout.terms):
-            rates[k] = _scaled(rates[k], term.term.factors, factors, program.factors)
-        total = np.add.reduceat(layout.differences(upper, ambient) * rates, layout.first, axis=0)
+            rates[k] = _scaled(rates[k], term.term.factors, factors)
+        total = self._gathered(1, layout.differences(upper, ambient), rates)
         for k, own in enumerate(program.states):
             total[k] += self._heat(own, row, factors)
-        bits, series, g = program.fraction_bits, program.series_bits, self._shift
-        change = total >> g
-        y = total >> (fixed.LOW_BITS + bits - series[0]) + g
-        for order in range(2, program.orders + 1):
-            before = weighted(y, order)
-            total = np.add.reduceat(np.asarray(layout.of_series(before), dtype=np.int64) * rates, layout.first, axis=0)
-            own_shift = g + EXTRA_SHIFT[order]
-            partakes = (layout.orders >= order)[:, None]
-            to_next = fixed.LOW_BITS + series[order - 2] - series[order - 1]
-            y = np.where(partakes, total >> (own_shift + to_next), 0)
-            if order == 2:
-                change = change + np.where(partakes, total >> (own_shift + series[0] - bits), 0)
-            else:
-                change = change + (y << (fixed.LOW_BITS + bits - series[order - 1]))
+        unit = fixed.LOW_BITS + program.fraction_bits
+        change = y = np.zeros_like(state)
+        for order in range(1, program.orders + 1):
+            bits = self._shift + fixed.sum_bits(program.products, program.series_bits, program.fraction_bits, order)
+            if order > 1:
+                total = self._gathered(order, layout.of_series(y), rates)
+                total = np.where((layout.orders >= order)[:, None], total, 0)
+            change = change + _shifted(total, bits - unit)
+            if order < program.orders:
+                y = self._handed_on(total, bits - program.series_bits[order - 1], order + 1)
         return np.asarray(state + change, dtype=np.int64)
+
+    def _handed_on(self, total: Integers, bits: Integers, order: int) -> Integers:
+        """A sum as a word for the next order; a third or a fifth is taken a byte below it."""
+        if order not in WEIGHT:
+            return _shifted(total, bits)
+        below = 8 if self._program.products[order - 1].width < 4 else 0
+        return weighted(_shifted(total, bits - below), order) >> below
+
+    def _gathered(self, order: int, differences: Integers, rates: Integers) -> Integers:
+        """Sum of each state's products."""
+        product = self._program.products[order - 1]
+        made = product.of(differences, rates >> 8 * (4 - product.width))
+        return np.asarray(np.add.reduceat(made, self._layout.first, axis=0), dtype=np.int64)
 
     def _heat(self, state: StateProgram, row: Integers, factors: list[Integers]) -> Integers:
         total = np.zeros(row.size, dtype=np.int64)
@@ -247,25 +263,26 @@ class FixedSums:
             word = np.asarray(heat.words, dtype=np.int64)[row]
             own = heat.heat.factors
             if own:
-                total += factors[own[0]] * _scaled(word, own[1:], factors, self._program.factors)
+                total += FIRST.of(factors[own[0]], _scaled(word, own[1:], factors))
             else:
-                total += word * heat.unit
+                total += word << heat.left
         return total
 
 
+def _shifted(total: Integers, bits: Integers) -> Integers:
+    """Down by each state's bits, or up where they are negative."""
+    return np.asarray((total << np.maximum(-bits, 0)) >> np.maximum(bits, 0), dtype=np.int64)
+
+
 def weighted(y: Integers, order: int) -> Integers:
-    """A third or a fifth of y: 85/256 or 51/256 of its upper 24 bits, and a 256th of that more; y for other orders."""
-    if order not in WEIGHT:
-        return y
-    part = (y >> 8) * WEIGHT[order]
+    """A third or a fifth of y: 85/256 or 51/256 of it, and a 256th of that more."""
+    part = y * WEIGHT[order] >> 8
     return part + (part >> 8)
 
 
-def _scaled(
-    word: Integers, own: Sequence[int], factors: list[Integers], programs: tuple[FactorProgram, ...]
-) -> Integers:
+def _scaled(word: Integers, own: Sequence[int], factors: list[Integers]) -> Integers:
     for k in own:
-        word = factors[k] * word >> programs[k].bits
+        word = scaled(word, factors[k])
     return word
 
 

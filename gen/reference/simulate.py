@@ -14,9 +14,10 @@ from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.model.exact import ExactSolution
 from gen.model.extended import ExtendedSolution
+from gen.model.network import Network
 from gen.model.network_solution import NetworkSolution
-from gen.reference.lanes import state_fields
-from gen.reference.model import ReferenceModel, record_type
+from gen.reference.board import record_type, reference_of, state_names
+from gen.reference.network import ReferenceNetwork
 from gen.replay import Inputs, check_inputs, inputs_of
 from gen.runs import Run
 
@@ -68,6 +69,8 @@ def simulate_run(
     if arithmetic == "exact":
         shown = _exact(coefficients, run, inputs, rise, start)
         return columns | {f"{name}_degC": values for name, values in shown.items()}
+    if coefficients.model.network is not None:
+        rise = _shown_at_start(coefficients.model.network, inputs, rise, start)
     board, words = _on_board(coefficients, arithmetic, run, inputs, rise)
     for name, values in board.items():
         columns[f"{name}_degC"] = values + inputs.ambient
@@ -92,6 +95,13 @@ def _exact(
     return {name: values + inputs.ambient for name, values in solved.items()}
 
 
+def _shown_at_start(network: Network, inputs: Inputs, rise: dict[str, float], start: Start) -> dict[str, float]:
+    """What each sensor shows over the ambient: its offset, where nothing was measured and the node is at ambient."""
+    measured = {} if start == "ambient" else inputs.first_rise
+    offsets = {node.name: node.sensor.offset for node in network.sensed if node.sensor is not None}
+    return {name: value if name in measured else offsets[name] for name, value in rise.items()}
+
+
 def _on_board(
     coefficients: Coefficients, arithmetic: Arithmetic, run: Run, inputs: Inputs, rise: dict[str, float]
 ) -> tuple[dict[str, Array], dict[str, NDArray[np.int64]]]:
@@ -104,30 +114,34 @@ def _on_board(
     # On the board rises count from what it measures.
     over = 0.0 if told is None else float(inputs.ambient[0] - told[0, 0] / 1000.0)
     starts = {name: [round((value + over) * 1000.0)] for name, value in rise.items()}
-    model = ReferenceModel(program, starts, None if told is None else told[:, :1])
+    model = reference_of(program, starts, None if told is None else told[:, :1])
     wanted = set(grid.tolist())
     kept: dict[int, tuple[Array, np.void]] = {}
     for step in range(length + 1):
         if step in wanted:
-            kept[step] = (model.rises[:, 0], model.state_record()[0])
+            # A network holds temperatures, whatever the ambient was when they were reached.
+            shown = model.readings if isinstance(model, ReferenceNetwork) else model.rises
+            kept[step] = (shown[:, 0], model.state_record()[0])
         if step < length:
             if told is not None:
                 model.set_channels(told[:, acting[step] : acting[step] + 1])
             model.step(run.pwm[acting[step] : acting[step] + 1])
     rises = np.array([kept[int(step)][0] for step in grid])
     records = np.array([kept[int(step)][1] for step in grid], dtype=record_type(program))
-    names = [name for component in program.components for name, _ in state_fields(component)]
+    names = state_names(program)
     words = {name: records[name].astype(np.int64) for name in names}
-    if told is not None:
+    if program.network is not None:
+        rises = rises - inputs.ambient[:, None]
+    elif told is not None:
         rises = rises + (told[0] / 1000.0 - inputs.ambient)[:, None]
     return {name: rises[:, i] for i, name in enumerate(program.model.component_names)}, words
 
 
 def _told(inputs: Inputs, program: Program) -> NDArray[np.int64] | None:
-    """What the effects on the board are told at every row, in thousandths; the measured ambient first."""
-    if program.effects is None:
+    """What the board is told at every row, in thousandths; the measured ambient first."""
+    if not program.channels:
         return None
-    columns = [_sensed(inputs), *(inputs.channels[channel.column] for channel in program.effects.channels[1:])]
+    columns = [_sensed(inputs), *(inputs.channels[channel.column] for channel in program.channels[1:])]
     return np.rint(np.array(columns) * 1000.0).astype(np.int64)
 
 

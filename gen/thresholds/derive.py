@@ -94,10 +94,10 @@ def error_bands(document: Document, runs: Sequence[HealthyRun]) -> list[ErrorBan
     gets one over its validity range; a component of which the runs say nothing keeps what the file declares.
     """
     entries: list[ErrorBand] = []
-    for component in document.components:
-        declared = _declared(document, component.name)
+    for component in document.component_names:
+        declared = _declared(document, component)
         spans = [band.pwm for band in declared] or [document.validity.pwm]
-        found = [_range(runs, component.name, span) for span in spans]
+        found = [_range(runs, component, span) for span in spans]
         if not any(found):
             entries += declared
             continue
@@ -105,7 +105,7 @@ def error_bands(document: Document, runs: Sequence[HealthyRun]) -> list[ErrorBan
             if span[1] == 0:  # at rest no rule needs it, and no run is healthy or faulty
                 entries += [band for band in declared if band.pwm == span]
             else:
-                entries.append(_band(component.name, span, i, found))
+                entries.append(_band(component, span, i, found))
     return entries
 
 

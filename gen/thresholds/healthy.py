@@ -75,15 +75,15 @@ def compare(coefficients: Coefficients, run: Run, name: str) -> HealthyRun:
     )
     low, high = model.validity
     deviations, hottest = {}, {}
-    for component in model.components:
-        measured = run.temps.get(component.name)
+    for component in model.component_names:
+        measured = run.temps.get(component)
         if measured is None:
             continue
         wait = 0.0 if cold else start_wait(model, component, range(max(low, 1), high + 1)) * model.sample_time
         seen = (since >= SETTLE_S) & (run.time_s - run.time_s[0] >= wait)
-        difference = np.where(seen, measured - shown[f"{component.name}_degC"], np.nan)
-        deviations[component.name] = _means(difference, begins)
-        hottest[component.name] = float(np.nanmax(measured - _ambient(coefficients, run), initial=0.0))
+        difference = np.where(seen, measured - shown[f"{component}_degC"], np.nan)
+        deviations[component] = _means(difference, begins)
+        hottest[component] = float(np.nanmax(measured - _ambient(coefficients, run), initial=0.0))
     return HealthyRun(name, magnitude[begins].astype(np.int64), deviations, hottest)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +10,9 @@ import numpy as np
 from gen.firmware.step_responses import HORIZON_S, board_course, levels, starts
 from gen.lowering.program import Program
 from gen.model.exact import ExactSolution
-from gen.reference.model import ReferenceModel
+from gen.model.network_solution import NetworkSolution
+from gen.model.schedules import FloatArray
+from gen.reference.board import reference_of
 from gen.verification.profiles import Integers, campaign
 
 #: A run of 10 800 s at the sample time of 0.25 s.
@@ -51,13 +54,13 @@ def error_course(program: Program, lanes: int, length: int = LENGTH) -> ErrorCou
         Of a campaign whose starts lie inside the declared domain; `length` in samples.
     """
     profile = campaign(program.model, lanes, length, seed=10_800)
-    low = max(component.start_range_mK[0] for component in program.components)
-    high = min(component.start_range_mK[1] for component in program.components)
+    low = max(part.start_range_mK[0] for part in program.parts)
+    high = min(part.start_range_mK[1] for part in program.parts)
     start = np.clip(profile.start_mK, low, high)
     names = program.model.component_names
     rise = dict.fromkeys(names, start / 1000.0)
     exact = ExactSolution(program.model).simulate(_in_domain(program, profile.pwm), rise)
-    model = ReferenceModel(program, [int(value) for value in start])
+    model = reference_of(program, [int(value) for value in start])
     ends = np.linspace(0, length, min(_POINTS, length) + 1).round().astype(int)[1:]
     worst = np.zeros((len(ends), len(names)))
     worst[0] = np.abs(model.rises - start / 1000.0).max(axis=1)  # what was asked for, not what the board made of it
@@ -109,7 +112,7 @@ def step_errors(program: Program, length: int = LENGTH) -> StepErrors:
     board = board_course(program, stride, _STEP_POINTS)
     begin = {name: start / 1000.0 for name, start in zip(model.component_names, starts(program), strict=True)}
     held = np.repeat(np.array(pwm)[:, None], stride * _STEP_POINTS, axis=1)
-    exact = ExactSolution(model).simulate(held, {name: np.full(len(pwm), rise) for name, rise in begin.items()})
+    exact = _exact_steps(program, held, begin)
     return StepErrors(
         pwm,
         [k * board.interval_s for k in range(_STEP_POINTS + 1)],
@@ -124,6 +127,18 @@ def step_errors(program: Program, length: int = LENGTH) -> StepErrors:
             for number, name in enumerate(model.component_names)
         },
     )
+
+
+def _exact_steps(program: Program, held: Integers, begin: Mapping[str, float]) -> dict[str, FloatArray]:
+    """Exact rises at constant PWM, shape (V, N + 1) each, K."""
+    model = program.model
+    if model.network is None:
+        return ExactSolution(model).simulate(held, {name: np.full(len(held), rise) for name, rise in begin.items()})
+    solution, room = NetworkSolution(model), program.channels[0].neutral / 1000.0
+    times = np.arange(held.shape[1] + 1) * model.sample_time
+    first = {name: rise + room for name, rise in begin.items()}
+    lanes = [solution.simulate_times(times, np.append(pwm, pwm[-1]), room, start=first) for pwm in held]
+    return {name: np.array([lane[name] for lane in lanes]) - room for name in model.component_names}
 
 
 def _in_domain(program: Program, pwm: Integers) -> Integers:

@@ -19,7 +19,7 @@ from gen.errors import CheckFailed
 from gen.lowering.alarms import LoweredRule
 from gen.lowering.program import Program
 from gen.reference.alarms import ReferenceAlarms, alarm_record_type
-from gen.reference.model import ReferenceModel
+from gen.reference.board import reference_of
 from gen.templating import environment
 from gen.verification.compare import Mismatch, first_mismatch
 from gen.verification.profiles import Profile
@@ -59,7 +59,7 @@ def input_type(components: int, rules: Sequence[LoweredRule]) -> np.dtype[np.voi
 
 def output_type(program: Program, rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
     """The harnesses' output record: temperatures, the alarm structure, and whether the motor is to stop."""
-    temperatures = [(f"{component.name}.mC", "<i4") for component in program.components]
+    temperatures = [(f"{component.name}.mC", "<i4") for component in program.parts]
     return np.dtype([*temperatures, *_fields(alarm_record_type(rules)), ("stop", "u1")])
 
 
@@ -101,8 +101,8 @@ def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, s
     """
     random = np.random.default_rng(seed)
     lanes, length = profile.pwm.shape
-    count = len(program.components)
-    model = ReferenceModel(program, [int(rise) for rise in profile.start_mK])
+    count = len(program.parts)
+    model = reference_of(program, [int(rise) for rise in profile.start_mK])
     trusted = np.arange(lanes) == 0
     preset = np.arange(lanes) >= 2
     alarms = ReferenceAlarms(rules, trusted)
@@ -144,7 +144,7 @@ def _keep(
     state = alarms.record()
     for name in state.dtype.names or ():
         row[name] = state[name]
-    for component, temperature in zip(program.components, modelled, strict=True):
+    for component, temperature in zip(program.parts, modelled, strict=True):
         row[f"{component.name}.mC"] = temperature
     stops = sum(1 << number for number, rule in enumerate(rules) if rule.stops)
     row["stop"] = (alarms.latched & stops) != 0

@@ -23,6 +23,7 @@ from gen.verification.compare import Mismatch
 from gen.verification.effect_costs import EffectCost, effect_costs
 from gen.verification.effects import EFFECTS_LENGTH, course_with_effects, with_channels
 from gen.verification.limits import exceeded
+from gen.verification.network import course_of_network
 from gen.verification.profiles import Profile, campaign, every_command
 from gen.verification.proof import proof_of
 from gen.verification.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
@@ -210,6 +211,8 @@ def _combination(
 
 def _course(coefficients: Coefficients, program: Program, scale: float) -> ErrorCourse:
     lanes = max(2, int(ACCURACY_LANES * min(scale, 1.0)))
+    if program.network is not None:
+        return course_of_network(program, lanes, max(600, int(EFFECTS_LENGTH * min(scale, 1.0))))
     if program.effects is None:
         return error_course(program, lanes)
     return course_with_effects(program, coefficients.effects, lanes, max(600, int(EFFECTS_LENGTH * min(scale, 1.0))))

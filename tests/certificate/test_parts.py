@@ -107,6 +107,7 @@ def test_no_word_of_the_board_leaves_what_its_cpp_was_read_as(tmp_path: Path, ar
     """The reference's words over random PWM: W' = A W + b within the columns, at each sample, held or changed."""
     out = built(tmp_path, small(1, 2, 3), arithmetic, schedule)
     certificate = document.read(out)
+    assert isinstance(certificate, document.Certificate)
     project = Project(out, certificate.model)
     measured = measure(project, certificate)
     program = lower(load(tmp_path / "coefficients.json"), certificate.arithmetic, certificate.schedule)
@@ -156,7 +157,7 @@ def test_bad_certificates_are_refused(tmp_path: Path) -> None:
     path.write_text(text[: len(text) // 2])
     with pytest.raises(InputError, match=r"certificate\.json"):
         document.read(out)
-    path.write_text(text.replace('"version": 1', '"version": 2'))
+    path.write_text(text.replace('"version": 1', '"version": 3'))
     with pytest.raises(InputError, match=r"\$\.version"):
         document.read(out)
     path.unlink()
@@ -169,6 +170,7 @@ def test_other_cpp_is_refuted_rather_than_guessed(tmp_path: Path) -> None:
     step = next(out.rglob("small_step.h"))
     step.write_text(step.read_text().replace("int32_t inner = state", "int32_t inner = state->x[0].hi % 3 + state", 1))
     certificate = document.read(out)
+    assert isinstance(certificate, document.Certificate)
     project = Project(out, certificate.model)
     part = certificate.parts[0]
     with pytest.raises(Refuted):

@@ -11,8 +11,10 @@ import pytest
 
 from gen.cli import cli
 from gen.coefficients import Document, load
+from gen.coefficients.network import ChannelEntry, HeatEntry, NetworkEntry, NodeEntry, PathEntry, SensorEntry
 from gen.errors import InputError
 from tests.coefficients.test_coefficients_errors import BASE, DELETE, changed
+from tests.examples import ROOT
 
 PAGE = (Path(__file__).parents[2] / "docs" / "format.md").read_text(encoding="utf-8")
 SHOWN = re.findall(r"^    coeffs\.json: (.+)$", PAGE, re.MULTILINE)
@@ -61,3 +63,19 @@ def test_a_key_without_use_is_still_read(tmp_path: Path) -> None:
     path = tmp_path / "coeffs.json"
     path.write_text(json.dumps(BASE | {"accuracy": {"fast_limit_K": 1e-4}}), encoding="utf-8")
     assert load(path).accuracy.fixed_limit_K == 1e-5
+
+
+def test_the_smallest_network_is_shown_as_the_example_has_it() -> None:
+    shown = next(
+        block for block in re.findall(r"^```json\n(.+?)^```", PAGE, re.MULTILINE | re.DOTALL) if "network" in block
+    )
+    example = (ROOT / "examples" / "two_nodes" / "coeffs.json").read_text(encoding="utf-8")
+    assert shown in example
+    assert json.loads(f"{{{shown}}}")["network"] == json.loads(example)["network"]
+
+
+def test_every_key_of_a_network_is_in_its_table() -> None:
+    table = PAGE.split("| key of `network` | what it says | left out |")[1].split("\n\n")[0]
+    named = set(re.findall(r"[A-Za-z_]+", " ".join(re.findall(r"`([^`]+)`", table))))
+    parts = (NetworkEntry, NodeEntry, SensorEntry, PathEntry, HeatEntry, ChannelEntry)
+    assert {key for part in parts for key in part.model_fields} - named == {"description"}

@@ -316,6 +316,46 @@ def test_a_factor_that_speeds_a_node_up_counts_for_its_time_constant() -> None:
             assert "with a time constant of 4.95 s" in error.message
 
 
+@pytest.mark.parametrize(("least", "taken"), [(0.5, True), (0.3, False)])
+def test_heat_that_shrinks_with_temperature_counts_where_a_channel_makes_it_least(least: float, taken: bool) -> None:
+    """60 W that grow by 0.02/K beside 50 W that shrink by 0.01/K: 0.85 W/K carry them off with 0.7 of the latter."""
+    fan = {"column": "fan_rpm", "range": [0, 3000], "neutral": 3000}
+    table = {"at": [0, 3000], "value": [least + 0.3, 1.0]}
+    shrinks = {"node": "a", "power_W": poly(50), "per_K": -0.01, "factors": [{"channel": "fan_rpm", "table": table}]}
+    grows = {"node": "a", "power_W": poly(60), "per_K": 0.02}
+    tree = bare({"a": 500.0}, [(("a", "ambient"), poly(0.85))], [grows, shrinks], channels=[fan])
+    if taken:
+        parse(json.dumps(tree).encode())
+    else:
+        assert "runs away" in failure(tree).message
+
+
+@pytest.mark.parametrize(("most", "taken"), [(1.0, True), (3.0, False)])
+def test_heat_that_shrinks_with_temperature_speeds_its_node_up(most: float, taken: bool) -> None:
+    """50 J/K over 9.9 W/K and 1 W or 3 W that shrink by 0.09/K: 5.004 s or 4.92 s, where ten samples are 5 s."""
+    fan = {"column": "fan_rpm", "range": [0, 3000], "neutral": 0}
+    table = {"at": [0, 3000], "value": [0.0, most]}
+    shrinks = {"node": "a", "power_W": poly(1), "per_K": -0.09, "factors": [{"channel": "fan_rpm", "table": table}]}
+    tree = bare({"a": 50.0}, [(("a", "ambient"), poly(9.9))], [shrinks], channels=[fan])
+    if taken:
+        parse(json.dumps(tree).encode())
+    else:
+        assert failure(tree).place == "$.network.nodes[0].capacity_J_per_K"
+
+
+def test_heat_that_grows_with_temperature_slows_its_node_down_only_where_it_acts() -> None:
+    """50 J/K over 10.2 W/K are 4.9 s; 10 W that grow by 0.09/K would make it 5.4 s, but a channel may shut them off."""
+    fan = {"column": "fan_rpm", "range": [0, 3000], "neutral": 3000}
+    for least, taken in ((0.9, True), (0.0, False)):
+        table = {"at": [0, 3000], "value": [least, 1.0]}
+        grows = {"node": "a", "power_W": poly(10), "per_K": 0.09, "factors": [{"channel": "fan_rpm", "table": table}]}
+        tree = bare({"a": 50.0}, [(("a", "ambient"), poly(10.2))], [grows], channels=[fan])
+        if taken:
+            parse(json.dumps(tree).encode())
+        else:
+            assert failure(tree).place == "$.network.nodes[0].capacity_J_per_K"
+
+
 def test_a_table_that_does_not_cover_the_validity_range_is_warned_of() -> None:
     short = {"table": {"pwm": [60, 200], "value": [1, 2], "interpolation": "linear"}}
     tree = bare({"a": 500.0}, [(("a", "ambient"), short)], [{"node": "a", "power_W": short}])

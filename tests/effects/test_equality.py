@@ -30,7 +30,7 @@ def _library(label: str, arithmetic: Arithmetic, folder: Path) -> Library:
 
 
 def _profile(library: Library, lanes: int, length: int) -> Profile:
-    return with_channels(campaign(library.program.model, lanes, length, seed=3), library.program.effects)
+    return with_channels(campaign(library.program.model, lanes, length, seed=3), library.program.channels)
 
 
 @pytest.mark.parametrize("arithmetic", get_args(Arithmetic))

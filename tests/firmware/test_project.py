@@ -16,7 +16,7 @@ from platformio.package.manifest.schema import ManifestSchema
 from gen.firmware.project import project_files, read_verification
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
-from tests.examples import ROOT, WITH_TRANSFER_FUNCTIONS, example
+from tests.examples import ALL, ROOT, example
 from tests.platformio.environment import install, pio_ci, pio_run, pio_test
 
 EMITTED = ROOT / "firmware_out"
@@ -102,7 +102,7 @@ def test_the_other_combinations_build_and_pass_too(
 #: Every example but the MY1016's own, which the tests above build, in each arithmetic once: all that a user may copy.
 OTHERS = [
     pytest.param(name, arithmetic, id=f"{name}-{arithmetic}")
-    for name in WITH_TRANSFER_FUNCTIONS
+    for name in ALL
     for arithmetic in get_args(Arithmetic)
     if name != "my1016"
 ]
@@ -119,7 +119,7 @@ def test_the_other_examples_build_and_pass_too(tmp_path: Path, name: str, arithm
 
 
 def test_every_example_is_among_them() -> None:
-    assert {"my1016_averaged", "my1016_rig", "two_mass", "two_mass_refined"} <= {
+    assert {"my1016_averaged", "my1016_rig", "network", "two_mass", "two_mass_refined", "two_nodes"} <= {
         name for name, _ in (p.values for p in OTHERS)
     }
 

@@ -12,6 +12,7 @@ from gen.coefficients import Coefficients, parse
 from gen.errors import InputError
 from gen.lowering.alarms import START_MARGIN_K, Segment, lower_alarms, start_wait
 from gen.model.exact import ExactSolution
+from gen.model.network_solution import NetworkSolution
 from gen.reference.alarms import ReferenceAlarms
 from tests.examples import ROOT, example
 
@@ -78,9 +79,8 @@ def test_what_the_board_cannot_hold_is_refused(rule: dict[str, object], place: s
 def test_the_wait_outlasts_what_unknown_slopes_can_do() -> None:
     """The exact solution: a motor on its way to full speed, restarted in mid-run from its temperature alone."""
     model = example("my1016").model
-    brush = model.components[0]
     solution = ExactSolution(model)
-    wait = start_wait(model, brush, range(150, 151)) * model.sample_time
+    wait = start_wait(model, model.component_names[0], range(150, 151)) * model.sample_time
     times = np.arange(0.0, 40_000.0, 30.0)
     worst = 0.0
     for before in (51, 150, 255):
@@ -93,7 +93,30 @@ def test_the_wait_outlasts_what_unknown_slopes_can_do() -> None:
             assert error[settled].max() <= START_MARGIN_K
             worst = max(worst, float(error.max()))
     assert worst > 5.0  # without the wait it matters
-    assert start_wait(model, model.components[1], range(150, 151)) == 0
+    assert start_wait(model, model.component_names[1], range(150, 151)) == 0
+
+
+def test_the_wait_outlasts_what_unknown_hidden_nodes_can_do() -> None:
+    """The same in a network: restarted in mid-run from its readings, its winding where it would rest between them."""
+    model = example("network").model
+    solution = NetworkSolution(model)
+    names = model.component_names
+    waits = {name: start_wait(model, name, range(150, 151)) * model.sample_time for name in names}
+    times = np.arange(0.0, 40_000.0, 30.0)
+    worst = 0.0
+    for before in (51, 150, 255):
+        for first in range(10, 200, 30):
+            pwm = np.where(np.arange(times.size) < first, before, 150)
+            warm = solution.simulate_times(times, pwm, 25.0)
+            begin = {name: float(warm[name][first]) for name in names}
+            cold = solution.simulate_times(times[first:], pwm[first:], 25.0, start=begin)
+            for name in names:
+                error = np.abs(cold[name] - warm[name][first:])
+                settled = times[first:] - times[first] >= waits[name]
+                assert error[settled].max() <= START_MARGIN_K
+                worst = max(worst, float(error.max()))
+    assert worst > 1.0
+    assert start_wait(example("two_nodes").model, "casing", range(150, 151)) > 0
 
 
 def test_a_time_that_is_no_whole_number_of_samples_is_not_cut_short() -> None:
@@ -120,7 +143,7 @@ def test_a_relative_rule_waits_for_the_slower_part_of_the_two() -> None:
     """What one of the two is off by after such a start is in their difference."""
     coefficients = changed(relative_to="winding")
     model = coefficients.model
-    waits = {part.name: start_wait(model, part, range(256)) for part in model.components}
+    waits = {name: start_wait(model, name, range(256)) for name in model.component_names}
     assert waits["winding"] != waits["housing"]
     for component, other in (("housing", "winding"), ("winding", "housing")):
         (rule,) = lower_alarms(changed(component=component, relative_to=other))

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
-from gen.reference.thousandths import thousandths
 from gen.reference.model import ReferenceModel
+from gen.reference.thousandths import thousandths
 from tests.examples import example
 
 

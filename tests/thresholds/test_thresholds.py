@@ -185,10 +185,10 @@ def test_a_run_from_a_warm_start_says_nothing_until_its_unknown_slopes_are_over(
     run = Run(time, pwm, {name: 25.0 + rise for name, rise in rises.items()}, np.full(time.size, 25.0))
     seen = compare(coefficients, run, "run.csv")
     low, high = model.validity
-    for component in model.components:
+    for component in model.component_names:
         wait = start_wait(model, component, range(max(low, 1), high + 1)) * model.sample_time if warm_K else 600.0
         assert not warm_K or wait > 1200.0
-        deviation = seen.deviation_K[component.name]
+        deviation = seen.deviation_K[component]
         begins = np.arange(deviation.size) * 60.0
         assert np.isnan(deviation[begins < wait]).all()
         assert np.abs(deviation[begins >= wait + 60.0]).max() < 0.01

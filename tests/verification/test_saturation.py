@@ -15,7 +15,8 @@ from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
-from gen.reference.model import SATURATED, ReferenceModel
+from gen.reference.flags import SATURATED
+from gen.reference.model import ReferenceModel
 from gen.verification.compare import first_mismatch, reference_run
 from gen.verification.profiles import Profile
 from gen.verification.verify import Target, verify

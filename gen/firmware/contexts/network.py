@@ -8,11 +8,12 @@ from typing import Any, TypedDict
 import numpy as np
 
 from gen.errors import CheckFailed
+from gen.firmware.contexts import network_words
 from gen.lowering.kinds import OUTPUT_BITS
 from gen.lowering.network import fixed
-from gen.lowering.network.factors import FactorProgram
+from gen.lowering.network.factors import WORD_BITS, FactorProgram
 from gen.lowering.network.program import HeatProgram, NetworkProgram, StateProgram, TermProgram, Words
-from gen.lowering.network.series import EXTRA_SHIFT, WEIGHT
+from gen.lowering.network.series import FIRST, WEIGHT, WHOLE, Product
 from gen.lowering.network.start import scale_of
 from gen.lowering.program import Program
 from gen.model.network import Network
@@ -33,13 +34,17 @@ class NetworkContext(TypedDict):
     hidden: list[dict[str, Any]]
     states: list[dict[str, Any]]
     terms: list[dict[str, Any]]
+    constants: list[dict[str, Any]]
+    stream: list[dict[str, str | None]]
     references: list[dict[str, Any]]
     factors: list[dict[str, Any]]
-    weights: list[dict[str, Any]]
     tables: list[dict[str, Any]]
     orders: list[dict[str, Any]]
-    places: tuple[str, ...]
-    raises: list[int]
+    sums: list[dict[str, Any]]
+    whole: dict[str, Any]
+    downs: list[int]
+    ups: list[int]
+    thirds: bool
     varying: bool
     comments: list[str]
 
@@ -68,7 +73,7 @@ def network_context(program: Program) -> NetworkContext:
         "fraction_bits": network.fraction_bits,
         "output_bits": OUTPUT_BITS,
         "start_mC": network.start_mC,
-        "scale": {"factor": scale.factor, "shift": scale.shift, "half": scale.half},
+        "scale": {**asdict(scale), "half": scale.half},
         "readings": [
             {
                 "name": reading.name,
@@ -81,15 +86,17 @@ def network_context(program: Program) -> NetworkContext:
         "hidden": _hidden(network),
         "states": made.states,
         "terms": made.terms,
+        "constants": [term for term in made.terms if term["constant"]],
+        "stream": made.stream,
         "references": made.references,
         "factors": [_factor(factor) for factor in network.factors],
-        "weights": [
-            {"word": _ORDINAL[order], "factor": factor} for order, factor in WEIGHT.items() if order <= network.orders
-        ],
         "tables": made.tables,
         "orders": orders,
-        "places": tuple(f"%{byte}[{half}]" for half in ("lo", "hi") for byte in "ABCD"),
-        "raises": sorted({order["raised"] // 8 for order in orders[2:]}),
+        "sums": [_sum(product) for product in dict.fromkeys(network.products)],
+        "whole": {"least": WHOLE.least, "lines": network_words.multiply(WHOLE, network_words.operands())},
+        "downs": sorted({scale.shift, 16} | ({WORD_BITS - 8 * WHOLE.least} if network.factors else set())),
+        "ups": sorted({scale.left, *(left for factor in network.factors for left in _lefts(factor))}),
+        "thirds": any(order in WEIGHT for order in range(2, network.orders + 1)),
         "varying": bool(made.tables),
         "comments": _comments(network),
     }
@@ -101,8 +108,23 @@ def _comments(network: NetworkProgram) -> list[str]:
     return [
         f"A temperature's word is 2^-{network.fraction_bits + fixed.LOW_BITS} degC, of which the upper 32 bits are "
         "read. A rate is an unsigned word of its",
-        "node's own scale: the sum of its products with differences is exact, and shifted down where it is used.",
+        "node's own scale: the sum of its products with differences is shifted down where it is used. Later terms of",
+        "the series are of the upper bytes of rates, and of differences that fill as many.",
     ]
+
+
+def _sum(product: Product) -> dict[str, Any]:
+    """A kind of product, as a macro that adds it."""
+    use = network_words.fixed_registers(product)
+    names = (("Sum", use.sum), ("difference", use.d), ("rate", use.a))
+    return {
+        "name": product.name,
+        "width": product.width,
+        "least": product.least,
+        "cut": product.cut,
+        "lines": network_words.multiply(product, use),
+        "registers": ", ".join(f"{what}: {' '.join(registers)}" for what, registers in names) + ".",
+    }
 
 
 def _hidden(network: NetworkProgram) -> list[dict[str, Any]]:
@@ -116,6 +138,11 @@ def _hidden(network: NetworkProgram) -> list[dict[str, Any]]:
 
 def _factor(factor: FactorProgram) -> dict[str, Any]:
     return {**asdict(factor), "unit": _single(2.0**-factor.bits)}
+
+
+def _lefts(factor: FactorProgram) -> list[int]:
+    """By how many bits told values are shifted up for a factor."""
+    return [piece.left for piece in factor.pieces if piece.slope] + ([factor.left] if factor.coefficients[1:] else [])
 
 
 def _single(value: float) -> str:
@@ -132,6 +159,8 @@ class _Terms:
         self.terms: list[dict[str, Any]] = []
         self.references: list[dict[str, Any]] = []
         self.tables: list[dict[str, Any]] = []
+        #: What is gathered at the beginning of a sample, and where it is, by term and by heat.
+        self.stream: list[dict[str, str | None]] = []
         self.states = [self._state(k, state) for k, state in enumerate(network.states)]
 
     def _state(self, number: int, state: StateProgram) -> dict[str, Any]:
@@ -150,7 +179,15 @@ class _Terms:
             "note": note,
             "title": title,
             "terms": [self._term(t) for t in state.terms],
+            "heats": [self._heat(heat) for heat in state.heats] if self._network.arithmetic == "fixed" else [],
         }
+
+    def _gathered(self, name: str, value: str, label: str, key: str | None = None) -> int:
+        """Place of a word that is gathered at the beginning of a sample; `key` names its table if it is one's word."""
+        tables = [table["id"] for table in self.tables]
+        flash = f"&{self._name}_{key}[row]" if key in tables else None
+        self.stream.append({"id": name, "value": value, "label": label, "flash": flash})
+        return len(self.stream) - 1
 
     def _term(self, program: TermProgram) -> dict[str, Any]:
         term, index = program.term, len(self.terms)
@@ -168,15 +205,19 @@ class _Terms:
             label = f"{self._network.states[term.target].name} {side} {term.reference:g} degC"
         of, less = (target, source) if term.growing else (source, target)
         label = f"{label}, $.network.{term.label}"
-        self.terms.append(
-            {"index": index, "label": label, "value": self._value(program.words, term.factors, f"rate{index}", label)}
-        )
+        value = self._value(program.words, term.factors, f"rate{index}", label)
+        constant = int(program.words[0]) if program.constant and not term.factors else None
+        self.terms.append({"index": index, "label": label, "value": value, "constant": constant is not None})
+        single = constant is not None or self._network.arithmetic == "float"
+        table = None if term.factors else f"rate{index}"
         return {
             "index": index,
             "of": of,
             "less": less,
             "source": place,
             "growing": term.growing,
+            "constant": constant,
+            "word": None if single else self._gathered(f"R{index}", value, label, table),
             "note": label,
         }
 
@@ -193,7 +234,7 @@ class _Terms:
         literal = self._word(words, key, label)
         for k in factors:
             if self._network.arithmetic == "fixed":
-                literal = f"scaled({literal}, f{k}, {self._network.factors[k].bits})"
+                literal = f"{self._name}_scaled({literal}, f{k})"
             else:
                 literal = f"{literal} * f{k}"
         return literal
@@ -207,15 +248,20 @@ class _Terms:
         self.tables.append(bits)
         return f"pgm_read_{'dword' if fixed_point else 'float'}(&{self._name}_{key}[row])"
 
-    def _heat(self, program: HeatProgram) -> dict[str, str]:
-        """What a heat adds to its sum: a signed number times an unsigned word."""
+    def _heat(self, program: HeatProgram) -> dict[str, Any]:
+        """What a heat adds to its sum: a word times its first factor, or shifted up."""
         key, label = self._named(program)
         factors = program.heat.factors
-        return {
-            "factor": f"f{factors[0]}" if factors else f"{program.unit}L",
-            "word": self._value(program.words, factors[1:], key, label),
-            "label": label,
-        }
+        word = self._value(program.words, factors[1:], key, label)
+        name = key.upper()
+        if factors:
+            at = self._gathered(f"{name}_FACTOR", f"(uint32_t)f{factors[0]}", f"{label}, factor")
+            self._gathered(name, word, label, None if factors[1:] else key)
+            value = f"{self._name}_product((int32_t)gathered[{name}_FACTOR], gathered[{name}], {FIRST.least}, true)"
+        else:
+            at = self._gathered(name, word, label, None if factors[1:] else key)
+            value = f"(int64_t)gathered[{name}] * (INT64_C(1) << {program.left})"
+        return {"factor": bool(factors), "left": program.left, "word": at, "value": value, "label": label}
 
     def _single_heat(self, program: HeatProgram) -> str:
         key, label = self._named(program)
@@ -228,40 +274,87 @@ class _Terms:
 
     def orders(self) -> list[dict[str, Any]]:
         """The terms of the series in the order of a sample."""
-        made = []
-        for number in range(1, self._network.orders + 1):
-            partaking = [k for k, state in enumerate(self._network.states) if state.orders >= number]
+        network, made = self._network, []
+        for number in range(1, network.orders + 1):
+            partaking = [k for k, state in enumerate(network.states) if state.orders >= number]
+            order = {
+                "number": number,
+                "title": "y1" if number == 1 else f"y{number}: a {_ORDINAL[number]} of h M y{number - 1}",
+                "y": f"y{number}",
+                "given": "v" if number == 1 else f"y{number - 1}",
+                "kept": number < network.orders,
+                "share": _single(1.0 / number),
+            }
+            if network.arithmetic == "float":
+                order["states"] = [self._single_step(number, k) for k in partaking]
+            else:
+                product = network.products[number - 1]
+                order["kept_bytes"] = f"{product.least}, {str(product.cut).lower()}"
+                order["states"] = self._steps(order, partaking)
+            made.append(order)
+        return made
+
+    def _single_step(self, number: int, k: int) -> dict[str, Any]:
+        state = self._network.states[k]
+        heats = [self._single_heat(heat) for heat in state.heats] if number == 1 else []
+        return {"name": state.name, "heat": " + ".join(["0.0f", *heats])}
+
+    def _steps(self, order: dict[str, Any], partaking: list[int]) -> list[dict[str, Any]]:
+        """The states' sums in one order, each as C++ and as a block of assembly."""
+        network, number = self._network, order["number"]
+        product, kept = network.products[number - 1], order["kept"]
+        width = network.products[number].width if kept else 0
+        fraction = WEIGHT.get(number + 1)
+        # Values are read from where the order before has put them: in turns ahead of the others and behind them.
+        values, states = len(network.states) + 1 + len(self.references), len(network.states)
+        given, handed_on = (0, 4 * values) if number % 2 else (4 * values, 0)
+        made, position = [], 0
+        for k in partaking:
+            own, state = network.states[k], self.states[k]
+            bits = fixed.sum_bits(network.products, network.series_bits, network.fraction_bits, number) + own.shift
+            to_state = bits - network.fraction_bits - fixed.LOW_BITS
+            to_next = bits - network.series_bits[number - 1] if kept else 0
+            block = network_words.Block(product, position)
+            block.begin(given + product.width * k)
+            for term in state["terms"]:
+                still = number > 1 and term["source"] >= states
+                source = None if still else given + product.width * term["source"]
+                block.term(term["note"], source, term["constant"], term["word"], growing=term["growing"])
+            for heat in state["heats"] if number == 1 else []:
+                if heat["factor"]:
+                    block.scaled_heat(heat["label"], heat["word"])
+                else:
+                    block.heat(heat["label"], heat["word"], heat["left"])
+            block.hand_on(to_state, network_words.STATE_BYTES * k, to_next, handed_on + width * k, width, fraction)
+            if kept and k == partaking[-1]:
+                block.still([handed_on + width * other for other in range(states) if other not in partaking], width)
+            position = block.position
             made.append(
                 {
-                    "number": number,
-                    "title": "y1" if number == 1 else f"y{number}: a {_ORDINAL[number]} of h M y{number - 1}",
-                    "y": f"y{number}",
-                    "given": "v" if number == 1 else f"y{number - 1}",
-                    "kept": number < self._network.orders,
-                    "raised": self._raised(number),
-                    "weight": _ORDINAL[number] if number in WEIGHT else None,
-                    "share": _single(1.0 / number),
-                    "states": [self._step(number, k) for k in partaking],
+                    "name": own.name,
+                    "terms": [self._product(order, term) for term in state["terms"]],
+                    "heats": state["heats"] if number == 1 else [],
+                    "to_state": to_state,
+                    "word": self._word_of(to_next, width, fraction),
+                    "parts": block.rows(f"{self._name.upper()}_"),
                 }
             )
         return made
 
-    def _raised(self, number: int) -> int:
-        """By how many bits a word of the series is raised to a temperature's whole word; whole bytes from y3 on."""
-        if self._network.arithmetic == "float":
-            return 0
-        return fixed.LOW_BITS + self._network.fraction_bits - self._network.series_bits[number - 1]
+    def _word_of(self, bits: int, width: int, fraction: int | None) -> str:
+        """C++ that hands a sum on."""
+        if fraction is None:
+            return f"{self._name}_shifted(sum, {bits})"
+        below = 8 if width < 4 else 0
+        return f"fraction({self._name}_shifted(sum, {bits - below}), {fraction}){f' >> {below}' if below else ''}"
 
-    def _step(self, number: int, k: int) -> dict[str, Any]:
-        network, state = self._network, self._network.states[k]
-        if network.arithmetic == "float":
-            heats = [self._single_heat(heat) for heat in state.heats] if number == 1 else []
-            return {"name": state.name, "heat": " + ".join(["0.0f", *heats])}
-        given = network.fraction_bits if number == 1 else network.series_bits[number - 2]
-        own = state.shift + EXTRA_SHIFT.get(number, 0)
+    def _product(self, order: dict[str, Any], term: dict[str, Any]) -> dict[str, str]:
+        """A term's difference and its rate as C++."""
+        given, below = order["given"], 8 * (4 - self._network.products[order["number"] - 1].width)
+        rate = f"gathered[R{term['index']}]" if term["constant"] is None else f"R{term['index']}"
         return {
-            "name": state.name,
-            "heats": [self._heat(heat) for heat in state.heats] if number == 1 else [],
-            "to_state": own + given - network.fraction_bits,
-            "to_next": own + fixed.LOW_BITS + given - network.series_bits[number - 1],
+            "of": f"{given}[{term['of']}]",
+            "less": f"{given}[{term['less']}]",
+            "rate": f"{rate} >> {below}" if below else rate,
+            "note": term["note"],
         }

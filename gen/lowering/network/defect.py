@@ -23,6 +23,9 @@ SHARES = (1.0, 0.3, 0.1, 0.02)
 the bound is small enough."""
 _THIRD_ERROR = 2.0**-15
 """Relative error of a third and a fifth as the board takes them."""
+_THIRD_LOST = {3: 3.0 * 87.0, 5: 5.0 * 53.0}
+"""What these lose, in units of the word that they are taken of: its lowest byte (up to 85 units of a third, 51 of a
+fifth), and two that are rounded off. Times three and five, since a term of the series is divided by k."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,18 +37,18 @@ class Roundings:
     first
         Error of y1 = h (M T + f) by state, K, shape (rows, n).
     rate
-        By a term, largest error of its rate, per sample.
+        By order of the series and a term, largest error of its rate, per sample.
     sum
-        By state and the sum of magnitudes of a series' term, the rounding of the sum itself.
+        By order, state and the sum of magnitudes of a series' term, the error of the sum itself.
     kept
-        What a y loses when it is handed on, K, by order from 1.
+        What a y loses at most, and never gains, when it is handed on, K, by order from 1.
     added
-        What is lost where the state takes up its change, K; a number, or shape (rows, n).
+        What is lost where the state takes up its changes, K; a number, or shape (rows, n).
     """
 
     first: Array
-    rate: Callable[[Term], Array]
-    sum: Callable[[int, Array], Array]
+    rate: Callable[[int, Term], Array]
+    sum: Callable[[int, int, Array], Array]
     kept: tuple[float, ...]
     added: float | Array
 
@@ -101,7 +104,9 @@ def choose_orders(terms: Terms, first: Array, floor: Array, share: float) -> tup
     return orders, left
 
 
-def defects(terms: Terms, first: Array, orders: Sequence[int], left: Array, rounding: Roundings) -> Array:
+def defects(
+    terms: Terms, first: Array, orders: Sequence[int], left: Array, rounding: Roundings
+) -> tuple[Array, list[Array]]:
     """What one sample adds to the error by row and state, K.
 
     Parameters
@@ -112,28 +117,40 @@ def defects(terms: Terms, first: Array, orders: Sequence[int], left: Array, roun
         As :func:`choose_orders` gives them.
     rounding
         Of the arithmetic.
+
+    Returns
+    -------
+    defect, words
+        Both of shape (rows, n); and by order, largest magnitude of y as the board has it, K.
     """
     bounds = magnitudes(terms, first, max(orders))
-    error = rounding.first + rounding.kept[0]
+    reach = _next(terms, np.full_like(first, 0.5), [1.0] * len(terms.terms))
+    for term in terms.terms:
+        if term.source != "state":
+            reach[:, term.target] += 0.5 * term.rate * terms.largest(term.factors)
+    error = rounding.first
+    words = [first + error]
     total = rounding.first + left + rounding.added
     for k in range(2, max(orders) + 1):
         before = bounds[k - 2]
         if k in (3, 5):
-            error = error + _THIRD_ERROR * before + 3.0 * rounding.kept[k - 2]
-        grown = _next(terms, error, [1.0] * len(terms.terms)) / k
+            error = error + _THIRD_ERROR * before
+        # Words are cut in one direction: two differ by what one loses.
+        cut = rounding.kept[k - 2]
+        grown = (_next(terms, error, [1.0] * len(terms.terms)) + cut * reach) / k
+        held = before + error + cut
         for term in terms.terms:
-            source = before[:, term.other] if term.source == "state" else 0.0
-            grown[:, term.target] += rounding.rate(term) * (before[:, term.target] + source) / k
-        summed = _next(terms, before, [1.0] * len(terms.terms))
+            source = held[:, term.other] if term.source == "state" else 0.0
+            grown[:, term.target] += rounding.rate(k, term) * (held[:, term.target] + source) / k
+        summed = _next(terms, held, [1.0] * len(terms.terms))
         for state in range(len(terms.states)):
-            grown[:, state] += rounding.sum(state, summed[:, state]) / k
+            grown[:, state] += rounding.sum(k, state, summed[:, state]) / k
         partakes = np.array([k <= own for own in orders])
-        if k > 2:
-            grown = grown + rounding.kept[k - 1]  # the word itself is taken up
         total = total + np.where(partakes, grown, 0.0)
         # A state that takes no part hands on nothing: what it would have is its error there.
-        error = np.where(partakes, grown + rounding.kept[min(k, len(rounding.kept)) - 1], bounds[k - 1])
-    return np.asarray(total, dtype=np.float64)
+        error = np.where(partakes, grown, bounds[k - 1])
+        words.append(bounds[k - 1] + grown)
+    return np.asarray(total, dtype=np.float64), words
 
 
 def error_bound(terms: Terms, ranges: Ranges, defect: Array) -> Array | None:

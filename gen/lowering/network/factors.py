@@ -14,17 +14,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.kinds import Integers
+from gen.lowering.network.series import WHOLE
 from gen.model.network import Channel, Factor
 
 #: No factor's word reaches this many bits: its products are of a signed with an unsigned 32-bit number.
 WORD_BITS = 30
-SHARE_BITS = 31
+SHARE_BITS = 30
 """Fraction bits of t."""
+_WHOLE_SHIFT = 32 - 8 * WHOLE.least
+_CUT = 1.0 + WHOLE.dropped * 2.0**-_WHOLE_SHIFT
+"""Largest error of a product's upper word, in its units: what is cut and what the product leaves out."""
+
+
+def scaled(word: Integers, factor: Integers) -> Integers:
+    """A non-negative 32-bit word times a factor of 2^-30, by the board's product."""
+    return WHOLE.of(factor, word) >> WORD_BITS - 8 * WHOLE.least
+
+
+def _product(difference: Integers, constant: int) -> Integers:
+    return WHOLE.of(difference, np.full(difference.shape, constant, dtype=np.int64))
+
+
+def _filling(width: int) -> int:
+    """By how many bits a width can be shifted to stay below 2^31."""
+    return 31 - width.bit_length()
 
 
 @dataclass(frozen=True)
 class Piece:
-    """Up to a channel's value: ``value + sign * ((told - at) * slope >> shift)``.
+    """Up to a channel's value: ``value + sign * ((told - at) * 2^left x slope >> 16)``, x as the whole product.
 
     Attributes
     ----------
@@ -32,8 +50,8 @@ class Piece:
         The first told value that it is not for, in thousandths.
     at, value
         Its beginning, in thousandths, and the factor's word there.
-    slope, shift
-        Words per thousandth in 2^-shift, a magnitude.
+    left, slope
+        What fills 31 bits with the piece's width; words per that many thousandths in 2^-32, a magnitude.
     falling
         Whether it is taken off.
     """
@@ -41,8 +59,8 @@ class Piece:
     end: int
     at: int
     value: int
+    left: int
     slope: int
-    shift: int
     falling: bool
 
 
@@ -60,8 +78,8 @@ class FactorProgram:
         A table's pieces, and its word from the last one's end on; no pieces for a polynomial.
     coefficients
         A polynomial's in t, as words, highest power first; empty for a table.
-    low, scale, shift
-        ``t = (told - low) * scale >> shift`` in 2^-31.
+    low, left, scale
+        ``t = (told - low) * 2^left x scale >> 16`` in 2^-30.
     error
         Largest difference from the factor itself, anywhere in the channel's range.
     label
@@ -74,8 +92,8 @@ class FactorProgram:
     last: int
     coefficients: tuple[int, ...]
     low: int
+    left: int
     scale: int
-    shift: int
     error: float
     label: str
 
@@ -85,16 +103,16 @@ class FactorProgram:
             return self._horner(told)
         made = np.full(told.shape, self.last, dtype=np.int64)
         for piece in reversed(self.pieces):
-            change = (told - piece.at) * piece.slope >> piece.shift
+            change = _product((told - piece.at) << piece.left, piece.slope) >> _WHOLE_SHIFT
             value = piece.value - change if piece.falling else piece.value + change
-            made = np.where(told < piece.end, value, made)
+            made = np.where(told < piece.end, value, made)  # elsewhere the change means nothing
         return made
 
     def _horner(self, told: Integers) -> Integers:
-        share = (told - self.low) * self.scale >> self.shift
+        share = _product((told - self.low) << self.left, self.scale) >> _WHOLE_SHIFT
         value: NDArray[np.int64] = np.full(told.shape, self.coefficients[0], dtype=np.int64)
         for coefficient in self.coefficients[1:]:
-            value = coefficient + (value * share >> SHARE_BITS)
+            value = coefficient + scaled(share, value)
         return np.maximum(value, 0)
 
 
@@ -118,19 +136,17 @@ def lower_factor(factor: Factor, channels: tuple[Channel, ...], largest: float, 
     low, high = round(channel.low * 1000.0), round(channel.high * 1000.0)
     if factor.polynomial:
         return _polynomial(factor, number + 1, low, high, label)
-    bits = WORD_BITS - max(0, ceil(log2(max(largest, 1e-9)) + 1e-9))
+    bits = WORD_BITS - ceil(log2(max(largest, 1e-4)) + 1e-9)
     at = [round(value * 1000.0) for value in factor.at]
     words = [round(value * 2.0**bits) for value in factor.value]
     pieces = [Piece(at[0], at[0], words[0], 0, 0, False)]
     for k in range(len(at) - 1):
         change, width = abs(words[k + 1] - words[k]), at[k + 1] - at[k]
-        shift = 0
-        while shift < 31 and round(change * 2 ** (shift + 1) / width) < 1 << 32:
-            shift += 1
-        slope = round(Fraction(change * 2**shift, width))
-        pieces.append(Piece(at[k + 1], at[k], words[k], slope, shift, words[k + 1] < words[k]))
-    # A slope is off by half a unit over the piece's width, its product is rounded down, and both ends are rounded.
-    off = max((piece.end - piece.at) * 0.5 / 2**piece.shift for piece in pieces) + 1.5
+        left = _filling(width)
+        slope = min(round(Fraction(change << 32, width << left)), (1 << 32) - 1)
+        pieces.append(Piece(at[k + 1], at[k], words[k], left, slope, words[k + 1] < words[k]))
+    # A slope is off by half a unit, or by one, over 2^31 of 2^-32; its product is cut; both ends are rounded.
+    off = 0.5 + _CUT + 1.0
     return FactorProgram(number + 1, bits, tuple(pieces), words[-1], (), 0, 0, 0, off * 2.0**-bits, label)
 
 
@@ -143,13 +159,11 @@ def _polynomial(factor: Factor, channel: int, low: int, high: int, label: str) -
         for k in range(len(given))
     ]
     total = float(sum(abs(c) for c in expanded))
-    bits = WORD_BITS - max(0, ceil(log2(max(total, 1e-9)) + 1e-9))
+    bits = WORD_BITS - ceil(log2(max(total, 1e-4)) + 1e-9)
     words = tuple(round(c * 2**bits) for c in reversed(expanded))
-    shift = 0
-    while shift < 31 and round(Fraction(2 ** (SHARE_BITS + shift + 1), high - low)) < 1 << 32:
-        shift += 1
-    scale = (2 ** (SHARE_BITS + shift)) // (high - low)  # down, so that t never passes 1
-    share = ((high - low) / 2**shift + 1.0) * 2.0**-SHARE_BITS
+    left = _filling(high - low)
+    scale = min((1 << (SHARE_BITS + 32)) // ((high - low) << left), (1 << 32) - 1)  # down, so that t never passes 1
+    share = (0.5 + _CUT) * 2.0**-SHARE_BITS
     slope = float(sum(k * abs(c) for k, c in enumerate(expanded)))
-    error = slope * share + (1.5 * len(words)) * 2.0**-bits
-    return FactorProgram(channel, bits, (), 0, words, low, scale, shift, error, label)
+    error = slope * share + ((0.5 + _CUT) * len(words)) * 2.0**-bits
+    return FactorProgram(channel, bits, (), 0, words, low, left, scale, error, label)

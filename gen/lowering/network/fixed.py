@@ -1,13 +1,15 @@
 """A network in fixed point: words, sums, and what they are off by.
 
-A state is a 64-bit word of 2^-(32 + f) degC, of which the upper 32 bits are read. A rate is an unsigned word of
-2^-(32 + g), g of its state's own, so that the fastest of the state's terms fills it; its product with a difference of
-upper words goes into a 64-bit sum of 2^-(64 + f + g - 32) without any rounding. The sum is rounded once where the state
-takes it up, and once where it is handed on to the next term of the series.
+A state is a 48-bit word of 2^-(16 + f) degC, of which the upper 32 bits are read. A rate is an unsigned word of
+2^-(32 + g), g of its state's own, so that the fastest of the state's terms fills it. Its products with differences of
+upper words leave out their lightest bytes (:class:`~gen.lowering.network.series.Product`); their sum is rounded once
+where the state takes it up, and once where it is handed on to the next term of the series. Later terms are of shorter
+words: the upper bytes of the rates, and differences that fill as many.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, floor, log2
 
@@ -16,21 +18,24 @@ from numpy.typing import NDArray
 
 from gen.lowering.kinds import Integers
 from gen.lowering.network.defect import Roundings, magnitudes
-from gen.lowering.network.factors import FactorProgram
+from gen.lowering.network.factors import WORD_BITS, FactorProgram
 from gen.lowering.network.program import HeatProgram, TermProgram
 from gen.lowering.network.ranges import Ranges
-from gen.lowering.network.series import EXTRA_SHIFT
+from gen.lowering.network.series import EXTRA_SHIFT, FIRST, WEIGHT, Product
 from gen.lowering.network.terms import Term, Terms
 
 Array = NDArray[np.float64]
-LOW_BITS = 32
+LOW_BITS = 16
 """Of a state's word below what is read."""
-_SUM_BITS = 62
-"""No sum of magnitudes reaches this many bits."""
-_UNIT_BITS = 30
-_AMBIENT = 1.75
+_FIRST_BITS = 32 - 8 * FIRST.unit
+"""Of the first sum, at g = 0, below what is read of a state."""
+_ROOM = 1.02
+"""A word has room for so much more than is proven of it without its errors, which are then proven to fit."""
+_BYTE_ROOM = 1.25
+"""The same of a single byte."""
+_AMBIENT = 1.8
 """Largest difference of a state's upper word and the ambient's from what they stand for, in words: the state's is
-rounded down, the ambient's to nearest of a scale that is itself rounded."""
+rounded down, the ambient's to nearest of a scale that is itself rounded, less what its product leaves out."""
 _REFERENCE = 1.5
 
 
@@ -57,80 +62,143 @@ def fraction_bits(ranges: Ranges, offsets: list[float]) -> int:
     return 31 - ceil(log2(widest + 1e-6))
 
 
-def choose_format(terms: Terms, ranges: Ranges, bits: int) -> FixedFormat:
-    """g of each state: as much as its rates' words and its sum's magnitude allow."""
+def choose_format(terms: Terms, factors: Sequence[FactorProgram], first: Array, bits: int) -> FixedFormat:
+    """g of each state: as much as its rates' and heats' words, and the sum of its first order, allow.
+
+    Parameters
+    ----------
+    terms, factors
+        The network, and its factors' words.
+    first
+        Bound on y1, K, shape (rows, n).
+    bits
+        f.
+    """
     shifts = []
     for target in range(len(terms.states)):
-        largest, total = 2.0**-40, 0.0
-        for term in terms.of(target):
-            rate = float(term.rate.max()) * terms.largest(term.factors)
-            largest = max(largest, rate)
-            total += rate * max(ranges.difference(term), 1.0)
-        total += sum(float(h.heat.max()) * terms.largest(h.factors) for h in terms.heats_of(target))
-        by_word = -(ceil(log2(largest * (1.0 + 1e-9))))
-        by_sum = _SUM_BITS - (LOW_BITS + bits) - ceil(log2(total))
-        # A factor's product may come out a unit higher than the rate that it stands for.
-        shifts.append(max(0, min(by_word, by_sum) - (1 if terms.factors else 0)))
+        rates = [float(term.rate.max()) * 2.0 ** _raised(term.factors, factors) for term in terms.of(target)]
+        by_word = -ceil(log2(max(2.0**-40, *rates) * (1.0 + 1e-9)))
+        by_sum = (
+            8 * FIRST.sum_bytes - 1 - (_FIRST_BITS + bits) - ceil(log2(_ROOM * float(first[:, target].max()) + 1e-9))
+        )
+        by_heat = [
+            32 + factors[heat.factors[0]].bits - (32 + bits) - ceil(log2(most))
+            for heat in terms.heats_of(target)
+            if heat.factors
+            and (most := float(heat.heat.max()) * 2.0 ** _raised(heat.factors[1:], factors) * (1.0 + 1e-9))
+        ]
+        shifts.append(max(0, min(by_word, by_sum, *by_heat)))
     return FixedFormat(bits, tuple(shifts))
 
 
-def term_program(term: Term, shape: FixedFormat) -> TermProgram:
+def _raised(own: Sequence[int], factors: Sequence[FactorProgram]) -> int:
+    """By how many bits a word has to be raised for the factors that scale it: they count as fractions of 2^30."""
+    return sum(WORD_BITS - factors[k].bits for k in own)
+
+
+def term_program(term: Term, shape: FixedFormat, factors: Sequence[FactorProgram]) -> TermProgram:
     """A term's rate in words."""
-    scale = 2.0 ** (32 + shape.shifts[term.target])
+    scale = 2.0 ** (32 + shape.shifts[term.target] + _raised(term.factors, factors))
     words = np.rint(term.rate * scale).astype(np.int64)
     return TermProgram(term, np.minimum(words, 2**32 - 1), round(term.reference * 2.0**shape.bits))
 
 
-def heat_programs(
-    terms: Terms, target: int, shape: FixedFormat, factors: tuple[FactorProgram, ...]
-) -> list[HeatProgram]:
+def heat_programs(terms: Terms, target: int, shape: FixedFormat, factors: Sequence[FactorProgram]) -> list[HeatProgram]:
     """A state's heats in words."""
     made = []
-    scale = LOW_BITS + shape.bits + shape.shifts[target]
+    unit = _FIRST_BITS + shape.bits + shape.shifts[target]
     for heat in terms.heats_of(target):
         if heat.factors:
-            unit_bits = factors[heat.factors[0]].bits
+            # The first factor's product with the word loses the bytes that every product does.
+            left, raised = 0, 8 * FIRST.unit - factors[heat.factors[0]].bits + _raised(heat.factors[1:], factors)
         else:
-            top = log2(max(float(heat.heat.max()), 2.0**-60)) + scale
-            unit_bits = min(_UNIT_BITS, max(0, ceil(top + 1e-9) - 32))
-        # Further factors are multiplied into the word, each with its own bits taken off.
-        words: Integers = np.rint(heat.heat * 2.0 ** (scale - unit_bits)).astype(np.int64)
-        made.append(HeatProgram(heat, np.minimum(words, 2**32 - 1), 1 << unit_bits))
+            left = max(0, ceil(log2(max(float(heat.heat.max()), 2.0**-60)) + unit + 1e-9) - 32)
+            raised = -left
+        words: Integers = np.rint(heat.heat * 2.0 ** (unit + raised)).astype(np.int64)
+        made.append(HeatProgram(heat, np.minimum(words, 2**32 - 1), left))
     return made
 
 
-def series_bits(terms: Terms, first: Array, shape: FixedFormat, orders: int) -> tuple[int, ...]:
-    """Fraction bits of y1, y2, ..: each difference fits 31 bits, each sum 62, and each word lies in a sum's upper half.
+def series_bits(terms: Terms, first: Array, shape: FixedFormat, products: Sequence[Product]) -> tuple[int, ...]:
+    """Fraction bits of y1, y2, .. as the next term's product takes them: each word, each difference and each sum fits.
 
-    From y3 on the state takes up the word itself, at a whole byte of its own.
+    Parameters
+    ----------
+    terms, first, shape
+        The network, a bound on y1, and its words.
+    products
+        Of the series' terms from the first on.
     """
-    rates = np.zeros(len(terms.states))
-    for term in terms.terms:
-        rates[term.target] += 2.0 * float(term.rate.max()) * terms.largest(term.factors)
-    chosen: list[int] = []
-    for k, bound in enumerate(magnitudes(terms, first, orders), start=1):
-        largest = max(float(bound.max()), 2.0**-60) * (2.0 if k > 1 else 1.0)  # a third is taken of a word, rounded up
-        by_word = floor(30 - log2(largest)) - 1
+    bounds = magnitudes(terms, first, len(products))
+    chosen = []
+    for k, product in enumerate(products[1:], start=2):
+        # A third is taken of a word that itself has no room for differences.
+        room = 1 if k in WEIGHT else 2
+        largest = max(float(bounds[k - 2].max()), 1e-30) * (_ROOM if product.width > 1 else _BYTE_ROOM)
+        by_word = floor(log2((2.0 ** (8 * product.width - room) - 4.0) / largest))
         by_sum = [
-            _SUM_BITS - 32 - g - ceil(log2(max(rate * largest, 2.0**-60)))
-            for rate, g in zip(rates, shape.shifts, strict=True)
+            8 * product.width - 1 - g - EXTRA_SHIFT[k] - ceil(log2(_ROOM * max(float(most), 1e-30)))
+            for most, g in zip(bounds[k - 1].max(axis=0), shape.shifts, strict=True)
         ]
-        given = chosen[-1] if chosen else shape.bits
-        by_half = min(given + g + EXTRA_SHIFT.get(k, 0) for g in shape.shifts)
-        best = min(by_word, *by_sum, by_half, LOW_BITS + shape.bits)
-        if k > 2:
-            best -= (best - shape.bits) % 8
-        chosen.append(best)
+        chosen.append(min(by_word, *by_sum))
     return tuple(chosen)
 
 
+def sum_bits(products: Sequence[Product], series: Sequence[int], bits: int, order: int) -> int:
+    """Fraction bits of a sum at g = 0, the half, third and so on of its order counted in."""
+    product = products[order - 1]
+    given = bits if order == 1 else series[order - 2]
+    return given + 8 * product.width - 8 * product.unit + EXTRA_SHIFT.get(order, 0)
+
+
+def fit(
+    shape: FixedFormat, products: Sequence[Product], series: Sequence[int], first: Array, words: Sequence[Array]
+) -> bool:
+    """Whether every sum fits its bytes, and every y its word with room for the difference of two.
+
+    Parameters
+    ----------
+    shape, products, series
+        The words.
+    first
+        Bound on y1 as the board has it, K, shape (rows, n).
+    words
+        The same of y1, y2, ..
+    """
+    for order, (product, word) in enumerate(zip(products, (first, *words[1:]), strict=False), start=1):
+        unit = sum_bits(products, series, shape.bits, order)
+        largest = word.max(axis=0) * 2.0 ** (unit + np.array(shape.shifts))
+        if np.any(largest >= 2.0 ** (8 * product.sum_bytes - 1)):
+            return False
+    for k, (product, bits, word) in enumerate(zip(products[1:], series, words, strict=False), start=2):
+        largest, half = float(word.max()) * 2.0**bits + 2.0, 2.0 ** (8 * product.width - 1)
+        if largest > half or largest / (k if k in WEIGHT else 1) > half / 2.0:
+            return False
+    return True
+
+
+def _kept(order: int, product: Product) -> float:
+    """What a word for a term of the series is short of what it stands for, in its units, before its third is taken."""
+    if order not in WEIGHT:
+        return 1.0
+    # A third or a fifth is cut twice: at a byte below the word, where there is one.
+    return order * (1.01 if product.width < 4 else 2.5)
+
+
 def roundings(
-    terms: Terms, ranges: Ranges, shape: FixedFormat, factors: tuple[FactorProgram, ...], kept: tuple[int, ...]
+    terms: Terms,
+    ranges: Ranges,
+    shape: FixedFormat,
+    factors: Sequence[FactorProgram],
+    products: Sequence[Product],
+    series: Sequence[int],
 ) -> Roundings:
     """What the words above are off by."""
     lsb = 2.0**-shape.bits
+    # Sums are of products that leave out up to so many of their units, and heats among them.
+    counts = [len(terms.of(k)) for k in range(len(terms.states))]
 
-    def relative(own: tuple[int, ...]) -> float:
+    def relative(own: Sequence[int]) -> float:
         """Of a product of factors, absolute."""
         exact, off = 1.0, 0.0
         for k in own:
@@ -138,26 +206,38 @@ def roundings(
             exact, off = exact * largest, off * (largest + factors[k].error) + exact * factors[k].error
         return off
 
-    def rate(term: Term) -> Array:
+    def rate(order: int, term: Term) -> Array:
         unit = 2.0 ** -(32 + shape.shifts[term.target])
-        own = 0.5 * unit * terms.largest(term.factors) + len(term.factors) * unit
-        return np.asarray(own + term.rate * relative(term.factors), dtype=np.float64)
+        # A word is rounded to nearest, raised; each product with a factor is cut, and leaves out less than a unit.
+        own = 0.5 * unit + 1.1 * len(term.factors) * unit
+        cut = 2.0 ** (32 - 8 * products[order - 1].width) * unit if products[order - 1].width < 4 else 0.0
+        return np.asarray(own + cut + term.rate * relative(term.factors), dtype=np.float64)
+
+    def summed(order: int, state: int, magnitude: Array) -> Array:
+        unit = 2.0 ** -(sum_bits(products, series, shape.bits, order) - EXTRA_SHIFT.get(order, 0) + shape.shifts[state])
+        return np.full_like(magnitude, counts[state] * products[order - 1].dropped * unit)
 
     first = np.zeros((terms.terms[0].rate.size, len(terms.states)))
     for term in terms.terms:
         largest = term.rate * terms.largest(term.factors)
         words = {"state": 1.0, "ambient": _AMBIENT, "reference": _REFERENCE}[term.source]
-        first[:, term.target] += rate(term) * (ranges.difference(term) + 2.0 * lsb) + largest * words * lsb
+        first[:, term.target] += rate(1, term) * (ranges.difference(term) + 2.0 * lsb) + largest * words * lsb
     for target in range(len(terms.states)):
-        scale = LOW_BITS + shape.bits + shape.shifts[target]
+        first[:, target] += summed(1, target, first[:, target])
+        unit = 2.0 ** -(_FIRST_BITS + shape.bits + shape.shifts[target])
         for heat, program in zip(terms.heats_of(target), heat_programs(terms, target, shape, factors), strict=True):
-            unit = program.unit * 2.0**-scale
-            bound = max(1.0, terms.largest(heat.factors))
-            first[:, target] += (0.5 + len(heat.factors)) * unit * bound + heat.heat * relative(heat.factors)
+            if heat.factors:
+                # The word is rounded, then cut by each further factor; the first factor's product leaves bytes out.
+                word = 2.0 ** (factors[heat.factors[0]].bits - 8 * FIRST.unit) * unit
+                rounded = (0.5 + 1.1 * (len(heat.factors) - 1)) * word * float(terms.spans[heat.factors[0], 1])
+                first[:, target] += rounded + FIRST.dropped * unit + heat.heat * relative(heat.factors)
+            else:
+                first[:, target] += 0.5 * 2.0**program.left * unit
+    further = enumerate(zip(products[1:], series, strict=True), start=2)
     return Roundings(
         first=first,
         rate=rate,
-        sum=lambda _, magnitude: np.zeros_like(magnitude),
-        kept=tuple(2.0**-bits for bits in kept),
-        added=8 * 2.0 ** -(LOW_BITS + shape.bits),
+        sum=summed,
+        kept=tuple(_kept(k, product) * 2.0**-bits for k, (product, bits) in further),
+        added=len(products) * 2.0 ** -(LOW_BITS + shape.bits),
     )

@@ -32,7 +32,7 @@ def term_program(term: Term, bits: int) -> TermProgram:
 
 def heat_programs(terms: Terms, target: int, bits: int) -> list[HeatProgram]:
     """A state's heats, in words of a state per sample."""
-    return [HeatProgram(heat, (heat.heat * 2.0**bits).astype(np.float32), 1) for heat in terms.heats_of(target)]
+    return [HeatProgram(heat, (heat.heat * 2.0**bits).astype(np.float32), 0) for heat in terms.heats_of(target)]
 
 
 def roundings(
@@ -44,7 +44,7 @@ def roundings(
     def relative(own: tuple[int, ...]) -> float:
         return sum(factors[k].error / max(float(terms.spans[k, 1]), 1e-30) + 2.0 * UNIT for k in own)
 
-    def rate(term: Term) -> Array:
+    def rate(_: int, term: Term) -> Array:
         largest = term.rate * terms.largest(term.factors)
         return np.asarray(largest * (relative(term.factors) + UNIT) * (1.0 + 1e-6), dtype=np.float64)
 
@@ -58,7 +58,7 @@ def roundings(
     for term in terms.terms:
         largest = term.rate * terms.largest(term.factors)
         words = {"state": 1.0, "ambient": _AMBIENT, "reference": _REFERENCE}[term.source]
-        error[:, term.target] += rate(term) * ranges.difference(term) + largest * words * lsb
+        error[:, term.target] += rate(1, term) * ranges.difference(term) + largest * words * lsb
         total[:, term.target] += largest * ranges.difference(term)
     for heat in terms.heats:
         largest = heat.heat * terms.largest(heat.factors)
@@ -69,7 +69,7 @@ def roundings(
     return Roundings(
         first=error,
         rate=rate,
-        sum=lambda state, magnitude: gathered(counts[state] + 2, magnitude),
+        sum=lambda _, state, magnitude: gathered(counts[state] + 2, magnitude),
         kept=(0.0,) * orders,
         # y1 + y2 + ..: each addition, of magnitudes that sum to little more than y1.
         added=first * (orders * UNIT * 1.1) + 2.0 ** -(LOW_BITS + bits),

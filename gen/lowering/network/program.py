@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gen.lowering.effects.program import Channel
 from gen.lowering.kinds import Arithmetic, Integers
 from gen.lowering.network.factors import FactorProgram
+from gen.lowering.network.series import Product
 from gen.lowering.network.terms import Term, Warmth
 from gen.lowering.recursion.guarantee import rounded_up
 
@@ -27,7 +28,8 @@ class TermProgram:
     term
         What it stands for.
     words
-        Rate by row of the domain: whole numbers of 2^-(32 + row's shift), or float32.
+        Rate by row of the domain: whole numbers of 2^-(32 + row's shift), raised by 30 - bits for each factor, or
+        float32.
     reference
         A fixed source's temperature in words of a state.
     """
@@ -51,15 +53,15 @@ class HeatProgram:
     heat
         What it stands for.
     words
-        By row of the domain. In fixed point times `unit`, or times the factor's word, it counts in units of the row's
-        sum; in float32 in words of a state per sample.
-    unit
-        A power of two; of no use with a factor or in float32.
+        By row of the domain. In fixed point, shifted up by `left` or times the first factor's word, it counts in units
+        of the row's sum; in float32 in words of a state per sample.
+    left
+        Bits; 0 with a factor or in float32.
     """
 
     heat: Warmth
     words: Words
-    unit: int
+    left: int
 
     @property
     def constant(self) -> bool:
@@ -78,7 +80,7 @@ class StateProgram:
     terms, heats
         What its sum is made of, in order.
     shift
-        Its sum counts in 2^-(bits of a state's whole word + shift) K; 0 in float32.
+        Its rates count in 2^-(32 + shift); 0 in float32.
     orders
         Terms of the exponential's series that it takes part in, at least 1.
     """
@@ -193,8 +195,10 @@ class NetworkProgram:
         Of its sums; states are whole numbers in both.
     fraction_bits
         Of a state's upper word: 2^-bits degC.
+    products
+        What the series' terms are made of, by order (fixed point).
     series_bits
-        Fraction bits of y1, y2, .. (fixed point): how the terms of the series are handed on.
+        Fraction bits of y1, y2, .. as the next product takes them (fixed point).
     states
         Nodes, then readings that lag.
     readings
@@ -213,6 +217,7 @@ class NetworkProgram:
 
     arithmetic: Arithmetic
     fraction_bits: int
+    products: tuple[Product, ...]
     series_bits: tuple[int, ...]
     states: tuple[StateProgram, ...]
     readings: tuple[Reading, ...]

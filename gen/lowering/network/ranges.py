@@ -50,7 +50,9 @@ class Ranges:
 
 def reachable(model: ThermalModel, terms: Terms) -> Ranges | None:
     """Ranges for every sequence of PWM, ambient and channels in the domain; None where nothing bounds them."""
-    ambient, start = model.domain_ambient, model.domain_temperature
+    ambient, shown = model.domain_ambient, model.domain_temperature
+    offsets = [0.0, *(node.sensor.offset for node in model.network.sensed if node.sensor)] if model.network else [0.0]
+    start = shown[0] - max(offsets), shown[1] - min(offsets)
     high = _bounding(terms, ambient[1], max(ambient[1], start[1]))
     low = _bounding(terms, ambient[0], min(ambient[0], start[0]), upper=False)
     if high is None or low is None:

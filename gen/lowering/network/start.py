@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import floor, log2
 
 from gen.lowering.kinds import Integers
+from gen.lowering.network.series import WHOLE
 
 
 @dataclass(frozen=True)
 class DegreeScale:
-    """``word = (thousandths * factor + half) >> shift``.
+    """``word = (thousandths * 2^left x factor + half) >> shift``, x as :data:`~gen.lowering.network.series.WHOLE`.
 
     Attributes
     ----------
+    left
+        Bits by which thousandths are shifted up: they fill a word as what they come out as does.
     factor
         Below 2^32.
     shift
-        Bits of the factor after its binary point.
+        Bits of the factor after its binary point, less those that the product leaves out.
     """
 
+    left: int
     factor: int
     shift: int
 
@@ -30,12 +33,13 @@ class DegreeScale:
 
 
 def scale_of(fraction_bits: int) -> DegreeScale:
-    """The scale of words of 2^-fraction_bits degC."""
-    shift = 31 - floor(log2(2.0**fraction_bits / 1000.0))
-    return DegreeScale(round(2.0 ** (fraction_bits + shift) / 1000.0), shift)
+    """The scale of words of 2^-fraction_bits degC, of which a temperature fits 32."""
+    left = max(0, fraction_bits - 10)
+    whole = 31 + 10 - (fraction_bits - left)
+    return DegreeScale(left, round(2.0 ** (fraction_bits - left + whole) / 1000.0), whole - 8 * WHOLE.least)
 
 
 def degrees(thousandths: Integers, scale: DegreeScale) -> Integers:
     """Words of temperatures in thousandths of a degree Celsius, any shape."""
-    result: Integers = thousandths * scale.factor + scale.half >> scale.shift
+    result: Integers = (WHOLE.of(thousandths << scale.left, 0 * thousandths + scale.factor) + scale.half) >> scale.shift
     return result

@@ -1,0 +1,335 @@
+"""The theorem for a network: every claim of its certificate follows from the C++ beside it, or is refuted.
+
+With T the exact state and e the board's less that, it is shown that
+
+    low <= T <= high   and   |e| <= u
+
+hold after a sample if they held before it, and that they hold at every start. docs/proof.md has the lemmas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pycparser import c_ast
+
+from gen.certificate.exact import ROUGHLY, Floats, inverse, ratios
+from gen.certificate.network.document import NetworkCertificate
+from gen.certificate.network.flow import Rows, change, flows
+from gen.certificate.network.forms import Form, Space
+from gen.certificate.network.machine import Cell, Machine, Model, Number
+from gen.certificate.network.measured import Measured, Span, measure, spans
+from gen.certificate.network.order import check_order
+from gen.certificate.network.source import Unit, tables
+from gen.certificate.network.words import Layout
+from gen.certificate.refuted import Refuted
+from gen.certificate.source import Project
+from gen.certificate.verdict import Verdict
+
+
+def prove(folder: Path, certificate: NetworkCertificate, tell: Callable[[str], None] = lambda _: None) -> list[Verdict]:
+    """Prove every claim of an emitted network.
+
+    Parameters
+    ----------
+    folder
+        What ``gen build`` wrote.
+    certificate
+        Its own.
+    tell
+        Gets the name of what is worked on.
+
+    Raises
+    ------
+    InputError
+        If a file is missing, or a tool.
+    Refuted
+        If a claim does not follow.
+    """
+    project = Project(folder, certificate.model)
+    tell(certificate.model)
+    with np.errstate(all="ignore"):  # nothing compares with what comes of it, so it is refuted
+        return NetworkProof(project, certificate).verdicts()
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A function of a channel's value: which factor it is, and what was found."""
+
+    factor: int
+    span: Span
+
+
+class NetworkProof:
+    """A network's proof.
+
+    Parameters
+    ----------
+    project, certificate
+        Whose.
+
+    Raises
+    ------
+    Refuted
+        If the C++ does not do what it should.
+    """
+
+    def __init__(self, project: Project, certificate: NetworkCertificate) -> None:
+        self._certificate, self._project = certificate, project
+        self._layout = Layout.of(project)
+        check_order(project, certificate, self._layout)
+        self._measured: Measured = measure(project, certificate, self._layout)
+        self._sample, self._interface = Unit(project, "_step.cpp"), Unit(project, ".cpp")
+        self._tables = tables(project)
+        self._unit = 2.0**-certificate.fraction_bits
+        self._error = np.array([state.error_K for state in certificate.states])
+        self._ranges = np.array([state.range_degC for state in certificate.states])
+        ambient = certificate.equations.channels[0]
+        self._ambient = (_degrees(ambient.low, -inf), _degrees(ambient.high, inf))
+        self._functions, ends = self._factors()
+        box = [
+            (float(np.nextafter(low - error, -inf)), float(np.nextafter(high + error, inf)))
+            for (low, high), error in zip(self._ranges, self._error, strict=True)
+        ]
+        self._space = Space([*box, self._ambient], ends, certificate.rows)
+        self._rows = Rows(flows(certificate), len(certificate.states), certificate.rows, ends)
+
+    def verdicts(self) -> list[Verdict]:
+        """Prove everything; see :mod:`gen.certificate.network.check`.
+
+        Raises
+        ------
+        Refuted
+            At the first step that fails.
+        """
+        low, high = self._ranges.T
+        count = self._rows.bounds(high, self._ambient[1], upper=True)
+        count += self._rows.bounds(low, self._ambient[0], upper=False)
+        self._check_starts()
+        count += self._rows.holds(self._error, self.defects())
+        return [self._read(number, count if number == 0 else 0) for number in range(len(self._certificate.components))]
+
+    def _factors(self) -> tuple[dict[tuple[str, int], _Known], list[tuple[float, float]]]:
+        """Which function of the C++ is which factor, and the ends of each factor."""
+        found: list[tuple[str, int]] = []
+        _Calls(self._sample, found).visit(self._sample.functions(f"{self._project.model}_advance")[0])
+        names = {name for name, _ in found}
+        for name in names:
+            if len(self._sample.functions(name)) != 1:
+                raise Refuted(f"{name} is there twice")
+        measured = spans(self._project, self._certificate, found)
+        known: dict[tuple[str, int], _Known] = {}
+        ends: list[tuple[float, float] | None] = [None] * len(self._certificate.equations.factors)
+        for call, candidates in measured.items():
+            fitting = [(span.error, number, span) for number, span in enumerate(candidates) if span is not None]
+            if not fitting:
+                raise Refuted(f"{call[0]} is no factor of its channel")
+            _, number, span = min(fitting, key=lambda one: one[:2])
+            known[call] = _Known(number, span)
+            for k, other in enumerate(candidates):
+                if other is not None:
+                    ends[k] = (other.low, other.high)
+        if any(end is None for end in ends):
+            raise Refuted("a factor has no function in the C++")
+        return known, [end for end in ends if end is not None]
+
+    def _of_channel(self, name: str, channel: int) -> Number:
+        """What a function of a channel's value gives."""
+        if name == "degrees" and channel == 0:
+            return self._ambient_word(self._measured.ambient)
+        known = self._functions.get((name, channel))
+        if known is None:
+            raise Refuted(f"{name} of channel {channel} is no factor")
+        scale = 2.0 ** self._certificate.equations.factors[known.factor].bits
+        form = self._space.factor(known.factor).times(scale).within(known.span.error * scale * (1.0 + ROUGHLY))
+        if not np.all(form.largest < 2.0**31):
+            raise Refuted(f"{name} may overflow")
+        return Number("int32_t", form, known.span.natural)
+
+    def _ambient_word(self, off: float) -> Number:
+        form = self._space.temperature(len(self._ranges)).times(1.0 / self._unit).within(off)
+        if not np.all(form.largest < 2.0**31 - 1.0):
+            raise Refuted("the ambient may overflow")
+        return Number("int32_t", form)
+
+    def _words(self) -> list[Any]:
+        """The states' words at the beginning of a sample."""
+        scale = 2.0 ** (self._certificate.fraction_bits + self._layout.low_bits)
+        forms = [self._space.temperature(k).times(scale) for k in range(len(self._ranges))]
+        if self._layout.kind == "int64_t":
+            return [Number("int64_t", form) for form in forms]
+        return [Cell(form, self._layout.low_bits) for form in forms]
+
+    def _degrees_of(self, word: Any) -> Form:  # noqa: ANN401
+        form: Form = word.form
+        return form.times(2.0 ** -(self._certificate.fraction_bits + self._layout.low_bits))
+
+    def defects(self) -> Floats:
+        """What a sample adds to each state's error, shape (P, n)."""
+        model = Model(self._words())
+        machine = Machine(self._sample, self._tables, self._space, model, self._of_channel)
+        row = machine.known(np.arange(self._space.rows, dtype=np.float64), "uint8_t")
+        machine.call(f"{self._project.model}_advance", row, self._ambient_word(self._measured.ambient))
+        n = len(self._ranges)
+        states = [self._space.temperature(k) for k in range(n)]
+        factors = [self._space.factor(k) for k in range(len(self._certificate.equations.factors))]
+        exact = change(self._space, states, self._space.temperature(n), factors, flows(self._certificate))
+        off = [self._degrees_of(word) - states[k] - exact[k] for k, word in enumerate(model.T)]
+        return np.array([form.largest for form in off]).T
+
+    def _check_starts(self) -> None:
+        """Every start within the ranges, and its words within the errors."""
+        certificate = self._certificate
+        off = max(self._measured.start, self._measured.ambient) * self._unit * (1.0 + ROUGHLY)
+        asked = [end / 1000.0 for end in certificate.start_mC]
+        room = certificate.equations.channels[0].neutral / 1000.0
+        begin: dict[int, tuple[float, float, float]] = {}
+        for part in certificate.components:
+            wrong = (off + abs(self._measured.offsets[part.name] * self._unit - part.offset_K)) * (1.0 + ROUGHLY)
+            # What is not started after a begin rests at the ambient.
+            ends = (min(asked[0] - part.offset_K, room), max(asked[1] - part.offset_K, room))
+            for place in {part.node, part.state}:
+                begin[place] = (*ends, wrong)
+        hidden = self._hidden(begin)
+        for place, (low, high, wrong) in {**begin, **hidden}.items():
+            slack = ROUGHLY * (abs(low) + abs(high))
+            if not (self._ranges[place][0] <= low - slack and high + slack <= self._ranges[place][1]):
+                raise Refuted(f"state {place} can start outside of its range")
+            if not wrong <= self._error[place]:
+                raise Refuted(f"the start of state {place} is off by {wrong:.6g} K, more than its error")
+        if len(begin) + len(hidden) != len(self._ranges):
+            raise Refuted("a state is started by nothing")
+
+    def _hidden(self, begin: dict[int, tuple[float, float, float]]) -> dict[int, tuple[float, float, float]]:
+        """Least and largest start of each hidden node, degC, and what its word is off by."""
+        certificate, hidden = self._certificate, self._certificate.hidden
+        if not hidden:
+            return {}
+        model = Model(self._words())
+        machine = Machine(self._interface, {}, self._space, model, self._of_channel)
+        machine.call("rest_hidden")
+        n, found = len(self._ranges), {}
+        for node, weights in zip(hidden, rest_weights(certificate), strict=True):
+            ambient, carried = float(weights.get(None, 0)), 0.0
+            between = self._space.temperature(n).times(ambient)
+            low, high = (ambient * end for end in self._ambient)
+            for place, weight in weights.items():
+                if place is not None and weight:
+                    between = between + self._space.temperature(place).times(float(weight))
+                    least, largest, wrong = begin[place]
+                    low, high = low + float(weight) * least, high + float(weight) * largest
+                    carried += float(weight) * wrong
+            off = (self._degrees_of(model.T[node]) - between).within(1e-12)  # the weights as float64
+            found[node] = (low, high, (float(off.largest.max()) + carried) * (1.0 + ROUGHLY))
+        return found
+
+    def _read(self, number: int, inequalities: int) -> Verdict:
+        """What a reading is off by."""
+        part = self._certificate.components[number]
+        offset = self._measured.offsets[part.name]
+        word = abs(offset * self._unit - part.offset_K) + self._unit  # the word's upper half, rounded down
+        bound = (self._error[part.state] + word) * (1.0 + ROUGHLY)
+        low, high = self._ranges[part.state] + (-self._error[part.state], self._error[part.state])
+        furthest = max(abs(low), abs(high), high - self._ambient[0], self._ambient[1] - low) + abs(offset) * self._unit
+        if not furthest * (1.0 + ROUGHLY) < (2.0**31 - 8.0) * self._unit:
+            raise Refuted(f"{part.name}: what is read may overflow")
+        reading = (bound + self._measured.ambient * self._unit + self._measured.reading_K) * (1.0 + ROUGHLY)
+        if not bound <= part.bound_K:
+            raise Refuted(f"{part.name}: the error may reach {bound:.6g} K, claimed are {part.bound_K:.6g} K")
+        if not reading <= part.reading_K:
+            raise Refuted(
+                f"{part.name}: what rise_mK gives may be off by {reading:.6g} K, claimed are {part.reading_K:.6g} K"
+            )
+        return Verdict(part.name, Fraction(part.bound_K), Fraction(part.reading_K), Fraction(bound), inequalities)
+
+
+def _degrees(thousandths: int, towards: float) -> float:
+    return float(np.nextafter(thousandths / 1000.0, towards))
+
+
+class _Calls(c_ast.NodeVisitor):  # type: ignore[misc]
+    """Collects calls of functions of a channel's value alone."""
+
+    def __init__(self, unit: Unit, found: list[tuple[str, int]]) -> None:
+        self._unit, self._found = unit, found
+
+    def visit_FuncCall(self, node: c_ast.FuncCall) -> None:
+        match node:
+            case c_ast.FuncCall(
+                name=c_ast.ID(name=name),
+                args=c_ast.ExprList(
+                    exprs=[
+                        c_ast.ArrayRef(
+                            name=c_ast.StructRef(name=c_ast.ID(name=of), field=c_ast.ID(name="channel")),
+                            subscript=c_ast.Constant(value=channel),
+                        )
+                    ]
+                ),
+            ) if of == f"{self._unit.model}_model":
+                if (name, int(channel)) not in self._found:
+                    self._found.append((name, int(channel)))
+                return
+        self.generic_visit(node)
+
+
+def rest_weights(certificate: NetworkCertificate) -> list[dict[int | None, Fraction]]:
+    """Where hidden nodes rest at |PWM| 0 with neutral channels: weights of measured nodes and, under None, the ambient.
+
+    A node that nothing ties to these rests at the ambient.
+    """
+    own, hidden = certificate.equations, certificate.hidden
+    neutral = [_neutral(certificate, k) for k in range(len(own.factors))]
+    ties: dict[int, dict[int | None, Fraction]] = {node: {} for node in hidden}
+    for path in own.paths:
+        conductance = Fraction(path.at_rest_W_per_K)
+        for k in path.factors:
+            conductance *= neutral[k]
+        first, second = path.between
+        for here, there in ((first, second), (second, first)):
+            if here is not None and here in ties and conductance:
+                ties[here][there] = ties[here].get(there, Fraction(0)) + conductance
+    reached = {node for node in hidden if any(there not in ties for there in ties[node])}
+    while True:
+        further = {node for node in hidden if reached & {there for there in ties[node] if there is not None}} - reached
+        if not further:
+            break
+        reached |= further
+    solved = _solved({node: ties[node] for node in hidden if node in reached})
+    return [solved.get(node, {None: Fraction(1)}) for node in hidden]
+
+
+def _solved(ties: dict[int, dict[int | None, Fraction]]) -> dict[int, dict[int | None, Fraction]]:
+    """Weights of what is given in the balance of nodes that are tied to it and to each other."""
+    nodes = list(ties)
+    if not nodes:
+        return {}
+    given = list(dict.fromkeys(there for own in ties.values() for there in own if there not in ties))
+    system = [[sum(ties[a].values()) if a == b else -ties[a].get(b, Fraction(0)) for b in nodes] for a in nodes]
+    back = inverse(ratios(system))
+    right = ratios([[ties[node].get(there, Fraction(0)) for there in given] for node in nodes])
+    weights = back @ right
+    return {node: dict(zip(given, row, strict=True)) for node, row in zip(nodes, weights, strict=True)}
+
+
+def _neutral(certificate: NetworkCertificate, place: int) -> Fraction:
+    """A factor at its channel's neutral value, never below 0."""
+    factor = certificate.equations.factors[place]
+    x = Fraction(certificate.equations.channels[factor.channel].neutral, 1000)
+    if factor.polynomial:
+        value = Fraction(0)
+        for coefficient in factor.polynomial:
+            value = value * x + Fraction(coefficient)
+        return max(value, Fraction(0))
+    at, values = ([Fraction(one) for one in many] for many in (factor.at, factor.value))
+    if x <= at[0]:
+        return max(values[0], Fraction(0))
+    for (a, y), (b, z) in zip(zip(at, values, strict=True), zip(at[1:], values[1:], strict=True), strict=False):
+        if x <= b:
+            return max(y + (z - y) * (x - a) / (b - a), Fraction(0))
+    return max(values[-1], Fraction(0))

@@ -1,0 +1,619 @@
+"""Runs the C++ of a network on forms (:mod:`gen.certificate.network.forms`): what it does follows from its own text.
+
+Whole numbers of 8 to 64 bits, float32, arrays, pointers into them, loops of known length, functions: nothing is known
+of what they are used for. Every number is held against its type, and what is not understood is refuted. On the AVR an
+``int`` has 16 bits: a product or a sum of two numbers of at most 16 bits has to fit 16 of them.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pycparser import c_ast
+
+from gen.certificate.exact import Floats
+from gen.certificate.network.forms import Form, Space
+from gen.certificate.network.single import single
+from gen.certificate.network.source import Table, Unit
+from gen.certificate.network.words import check_text
+from gen.certificate.refuted import Refuted
+
+#: Below this whole numbers are exact in float64.
+_EXACT = 2.0**53
+#: float32's largest number.
+_LARGEST = float(np.finfo(np.float32).max)
+_MOST_ROUNDS = 1024
+
+
+@dataclass(frozen=True, eq=False)
+class Number:
+    """A number of the C++.
+
+    Attributes
+    ----------
+    kind
+        Its type.
+    form
+        What it is.
+    natural
+        Whether it is known not to be negative, whatever the form says: factors may come close to 0.
+    """
+
+    kind: str
+    form: Form
+    natural: bool = False
+
+    @property
+    def bits(self) -> int:
+        """How many it has, of a whole number."""
+        return int(self.kind.strip("uint_"))
+
+    @property
+    def signed(self) -> bool:
+        """Whether it may be negative."""
+        return not self.kind.startswith("u")
+
+
+@dataclass
+class Cell:
+    """A state's word of ``hi`` and ``lo``.
+
+    Attributes
+    ----------
+    form
+        The whole number; None where ``lo`` alone was written.
+    low_bits
+        Of ``lo``.
+    """
+
+    form: Form | None
+    low_bits: int
+
+
+@dataclass(frozen=True)
+class Pointer:
+    """A place in an array."""
+
+    cells: list[Any]
+    at: int
+
+
+@dataclass(frozen=True)
+class Told:
+    """A channel's value."""
+
+    channel: int
+
+
+@dataclass
+class Model:
+    """The model in RAM: the states' words."""
+
+    T: list[Any]
+
+
+class _Returned(Exception):
+    def __init__(self, value: Any) -> None:  # noqa: ANN401
+        self.value = value
+
+
+class Machine:
+    """Runs functions of one unit.
+
+    Parameters
+    ----------
+    unit
+        Whose functions.
+    tables
+        What lies in flash.
+    space
+        What numbers are made of.
+    model
+        In RAM.
+    of_channel
+        What a function of a channel's value alone gives, by the function's name and the channel.
+    """
+
+    def __init__(
+        self,
+        unit: Unit,
+        tables: Mapping[str, Table],
+        space: Space,
+        model: Model,
+        of_channel: Callable[[str, int], Number],
+    ) -> None:
+        self._unit, self._tables, self._space = unit, tables, space
+        self._model, self._of_channel = model, of_channel
+
+    def known(self, value: float | Floats, kind: str = "int32_t") -> Number:
+        """A number that is known."""
+        return Number(kind, self._space.number(value))
+
+    def call(self, name: str, *arguments: Any) -> Any:  # noqa: ANN401
+        """Run a function.
+
+        Raises
+        ------
+        Refuted
+            If it does what is not understood, or what may overflow.
+        """
+        if len(arguments) == 1 and isinstance(arguments[0], Told):
+            return self._of_channel(name, arguments[0].channel)
+        known = self._known_text(name, arguments)
+        if known is not None:
+            return known(*arguments)
+        tree = self._chosen(name, arguments)
+        variables: dict[str, Any] = {}
+        parameters = tree.decl.type.args.params if tree.decl.type.args is not None else []
+        for parameter, value in zip(parameters, arguments, strict=False):
+            if isinstance(value, Number):
+                value = self._converted(value, self._kind(parameter.type))
+            variables[parameter.name] = value
+        try:
+            self._block(tree.body, variables)
+        except _Returned as returned:
+            result = returned.value
+            return self._converted(result, self._kind(tree.decl.type.type)) if isinstance(result, Number) else result
+        return None
+
+    def _chosen(self, name: str, arguments: Sequence[Any]) -> c_ast.FuncDef:
+        """The function of a name that takes such arguments."""
+        fitting = []
+        for tree in self._unit.functions(name):
+            given = tree.decl.type.args.params if tree.decl.type.args is not None else []
+            given = [one for one in given if not isinstance(one, c_ast.Typename)]  # (void)
+            fits = len(given) == len(arguments)
+            for parameter, value in zip(given, arguments, strict=False):
+                fits &= isinstance(parameter.type, c_ast.PtrDecl) == isinstance(value, Pointer)
+            if fits:
+                fitting.append((tree, given))
+        if len(fitting) > 1:  # overloaded: then by the exact types
+            fitting = [
+                (tree, given)
+                for tree, given in fitting
+                if all(
+                    isinstance(value, Number) and value.kind == self._kind(parameter.type)
+                    for parameter, value in zip(given, arguments, strict=True)
+                )
+            ]
+        if len(fitting) != 1:
+            raise Refuted(f"{name} takes other arguments than expected")
+        return fitting[0][0]
+
+    def _kind(self, node: c_ast.Node) -> str | None:
+        """The type that a declaration names; None for one of a template."""
+        match node:
+            case c_ast.TypeDecl(type=c_ast.IdentifierType(names=[name])) if name in self._unit.kinds:
+                return self._unit.kinds[name]
+            case c_ast.TypeDecl(type=c_ast.IdentifierType(names=[name])) if name in self._unit.templates:
+                return None
+        raise Refuted(f"a type that the proof does not know: {type(node).__name__}")
+
+    # Statements.
+
+    def _block(self, block: c_ast.Node, variables: dict[str, Any]) -> None:
+        for statement in block.block_items or [] if isinstance(block, c_ast.Compound) else [block]:
+            self._statement(statement, variables)
+
+    def _statement(self, node: c_ast.Node, variables: dict[str, Any]) -> None:
+        match node:
+            case c_ast.Decl(name=name, storage=storage):
+                if name in variables or storage:
+                    raise Refuted(f"{name} is declared twice, or kept from sample to sample")
+                variables[name] = self._declared(node, variables)
+            case c_ast.Assignment(op=op, lvalue=place, rvalue=value):
+                self._assign(op, place, self._value(value, variables), variables)
+            case c_ast.Return(expr=value):
+                raise _Returned(None if value is None else self._value(value, variables))
+            case c_ast.FuncCall(name=c_ast.ID(name=name), args=c_ast.ExprList(exprs=[c_ast.ID(name=to), value])) if (
+                name == f"{self._unit.model}_gather"
+            ):
+                check_text(self._unit.model, "gather", self._unit.texts.get(name, []))
+                where = self._passed(to, variables)
+                where.cells[where.at] = self._replaced(where.cells[where.at], "=", self._value(value, variables))
+            case c_ast.FuncCall():
+                self._value(node, variables)
+            case c_ast.For():
+                self._loop(node, variables)
+            case c_ast.Cast(to_type=c_ast.Typename(type=c_ast.TypeDecl(type=c_ast.IdentifierType(names=["void"])))):
+                return
+            case _:
+                raise Refuted(f"a statement that the proof does not know: {type(node).__name__}")
+
+    def _declared(self, node: c_ast.Decl, variables: dict[str, Any]) -> Any:  # noqa: ANN401
+        match node.type:
+            case c_ast.ArrayDecl(type=inner, dim=length):
+                kind, count = self._kind(inner), self._whole(self._value(length, variables))
+                if node.init is None:
+                    return [Number(kind or "", self._space.number(np.nan))] * count
+                match node.init:
+                    case c_ast.InitList(exprs=[c_ast.Constant(value="0" | "0.0f")]):
+                        return [self.known(0.0, kind or "")] * count
+                raise Refuted(f"{node.name} is not filled with zeros")
+            case c_ast.PtrDecl():
+                return self._value(node.init, variables)
+            case _:
+                kind = self._kind(node.type)
+                if node.init is None:
+                    return Number(kind or "", self._space.number(np.nan))
+                return self._converted(self._value(node.init, variables), kind)
+
+    def _loop(self, node: c_ast.For, variables: dict[str, Any]) -> None:
+        """``for (uint8_t i = 0; i < N; ++i)``."""
+        match node:
+            case c_ast.For(
+                init=c_ast.DeclList(decls=[c_ast.Decl(name=name) as first]),
+                cond=c_ast.BinaryOp(op="<", left=c_ast.ID(name=compared), right=end),
+                next=c_ast.UnaryOp(op="++", expr=c_ast.ID(name=counted)),
+            ) if name == compared == counted and name not in variables:
+                start = self._declared(first, variables)
+                last = self._whole(self._value(end, variables))
+                for count in range(self._whole(start), last):
+                    if count - self._whole(start) >= _MOST_ROUNDS:
+                        raise Refuted("a loop that goes round too often")
+                    inner = {**variables, name: self._converted(self.known(float(count)), start.kind)}
+                    self._block(node.stmt, inner)
+                    if self._whole(inner[name]) != count:
+                        raise Refuted("a loop that changes its own count")
+                    for kept in variables:
+                        variables[kept] = inner[kept]
+            case _:
+                raise Refuted("a loop that the proof does not know")
+
+    def _assign(self, op: str, place: c_ast.Node, value: Any, variables: dict[str, Any]) -> None:  # noqa: ANN401
+        match place:
+            case c_ast.ID(name=name) if name in variables:
+                variables[name] = self._replaced(variables[name], op, value)
+            case c_ast.ArrayRef() | c_ast.UnaryOp(op="*"):
+                where = self._place(place, variables)
+                where.cells[where.at] = self._replaced(where.cells[where.at], op, value)
+            case c_ast.StructRef(type=".", name=c_ast.ArrayRef() as of, field=c_ast.ID(name=("hi" | "lo") as half)):
+                where = self._place(of, variables)
+                self._put(where.cells[where.at], half, op, value)
+            case _:
+                raise Refuted(f"an assignment that the proof does not know: to {type(place).__name__}")
+
+    def _replaced(self, old: Any, op: str, value: Any) -> Any:  # noqa: ANN401
+        if op != "=":
+            value = self._binary(op.removesuffix("="), old, value)
+        if isinstance(old, Number) and isinstance(value, Number):
+            return self._converted(value, old.kind)
+        if isinstance(old, Pointer) and isinstance(value, Pointer):
+            return value
+        raise Refuted("an assignment of another type")
+
+    def _put(self, cell: Any, half: str, op: str, value: Number) -> None:  # noqa: ANN401
+        """``lo = 0`` and then ``hi = word``."""
+        if not isinstance(cell, Cell) or op != "=":
+            raise Refuted("an assignment that the proof does not know")
+        if half == "lo":
+            if self._whole(value) != 0:
+                raise Refuted("a word's lower bits are not cleared")
+            cell.form = None
+        else:
+            if cell.form is not None:
+                raise Refuted("a word's lower bits are not cleared")
+            cell.form = self._converted(value, "int32_t").form.times(2.0**cell.low_bits)
+
+    # Expressions.
+
+    def _value(self, node: c_ast.Node, variables: dict[str, Any]) -> Any:  # noqa: ANN401
+        match node:
+            case c_ast.Constant(type=kind, value=text):
+                return self._literal(kind, text)
+            case c_ast.ID(name=name):
+                return self._named(name, variables)
+            case c_ast.UnaryOp(op="-", expr=inner):
+                return self._binary("-", self.known(0.0, "int16_t"), self._value(inner, variables))
+            case c_ast.UnaryOp(op="&", expr=c_ast.ArrayRef() as inner):
+                found = self._place(inner, variables)
+                return found.cells[found.at] if isinstance(found.cells, _Flash) else found
+            case c_ast.Cast(to_type=c_ast.Typename(type=to)):
+                return self._converted(self._value(node.expr, variables), self._kind(to))
+            case c_ast.TernaryOp(cond=condition, iftrue=yes, iffalse=no):
+                return self._value(yes if self._decided(condition, variables) else no, variables)
+            case c_ast.BinaryOp(op=op, left=left, right=right):
+                return self._binary(op, self._value(left, variables), self._value(right, variables))
+            case c_ast.FuncCall(name=c_ast.ID(name=name), args=arguments):
+                given = [self._value(one, variables) for one in (arguments.exprs if arguments else [])]
+                return self._called(name, given)
+            case c_ast.ArrayRef() | c_ast.UnaryOp(op="*"):
+                found = self._place(node, variables)
+                return found.cells[found.at]
+            case c_ast.StructRef(type=".", name=of, field=c_ast.ID(name="T")) if self._is_state(of):
+                return Pointer(self._model.T, 0)
+            case c_ast.StructRef(type=".", name=of, field=c_ast.ID(name="hi")):
+                return self._high(self._value(of, variables))
+        raise Refuted(f"an expression that the proof does not know: {type(node).__name__}")
+
+    def _decided(self, node: c_ast.Node, variables: dict[str, Any]) -> bool:
+        """A comparison of numbers that are known."""
+        match node:
+            case c_ast.BinaryOp(op=("<" | ">" | "<=" | ">=" | "==" | "!=") as op, left=left, right=right):
+                one, other = (self._whole(self._value(side, variables)) for side in (left, right))
+                return bool(_COMPARISONS[op](one, other))
+        raise Refuted("a condition that the proof does not know")
+
+    def _is_state(self, node: c_ast.Node) -> bool:
+        match node:
+            case c_ast.StructRef(type=".", name=c_ast.ID(name=name), field=c_ast.ID(name="state")):
+                return self._is_model(name)
+            case c_ast.ID(name=name):
+                return self._is_model(name)
+        return False
+
+    def _is_model(self, name: str) -> bool:
+        return name == f"{self._unit.model}_model"
+
+    def _named(self, name: str, variables: dict[str, Any]) -> Any:  # noqa: ANN401
+        if name in variables:
+            value = variables[name]
+            return Pointer(value, 0) if isinstance(value, list) else value
+        if name in self._unit.constants:
+            value, kind = self._unit.constants[name]
+            return self._fitted(self.known(float(value), kind))
+        if name in self._tables:
+            return Pointer(_Flash(self._tables[name], self._space), 0)
+        raise Refuted(f"a name that the proof does not know: {name}")
+
+    def _literal(self, kind: str, text: str) -> Number:
+        if kind == "float":
+            return self.known(single(text), "float")
+        digits = text.rstrip("uULl")
+        suffix = text[len(digits) :]
+        if not digits.isdecimal() or suffix not in ("", "u", "L", "UL"):
+            raise Refuted(f"a number that the proof does not know: {text}")
+        value = int(digits)
+        plain = "int16_t" if value < 1 << 15 else "int32_t" if value < 1 << 31 else "int64_t"
+        chosen = {"": plain, "u": "uint16_t", "L": "int32_t", "UL": "uint32_t"}[suffix]
+        return self._fitted(self.known(float(value), chosen))
+
+    def _called(self, name: str, given: list[Any]) -> Any:  # noqa: ANN401
+        if name in _MADE and len(given) == 1:
+            return self._converted(given[0], _MADE[name])
+        if name.startswith("pgm_read_") and len(given) == 1 and isinstance(given[0], Number):
+            kinds = {"byte": "uint8_t", "word": "uint16_t", "dword": "uint32_t", "float": "float"}
+            if kinds.get(name.removeprefix("pgm_read_")) == given[0].kind:
+                return given[0]
+            raise Refuted(f"{name} reads a number of another type")
+        return self.call(name, *given)
+
+    def _place(self, node: c_ast.Node, variables: dict[str, Any]) -> Any:  # noqa: ANN401
+        """A place in an array, in flash, or a channel."""
+        match node:
+            case c_ast.ArrayRef(
+                name=c_ast.StructRef(type=".", name=c_ast.ID(name=of), field=c_ast.ID(name="channel")), subscript=index
+            ) if self._is_model(of):
+                return Pointer([Told(self._whole(self._value(index, variables)))], 0)
+            case c_ast.ArrayRef(name=of, subscript=index):
+                array, number = self._value(of, variables), self._value(index, variables)
+                if isinstance(array, Pointer) and isinstance(array.cells, _Flash) and array.at == 0:
+                    return array.cells.place(number)
+                return self._within(array, self._whole(number))
+            case c_ast.UnaryOp(op="*", expr=c_ast.UnaryOp(op="p++", expr=c_ast.ID(name=name))):
+                return self._passed(name, variables)
+            case c_ast.UnaryOp(op="*", expr=inner):
+                return self._within(self._value(inner, variables), 0)
+        raise Refuted(f"a place that the proof does not know: {type(node).__name__}")
+
+    def _passed(self, name: str, variables: dict[str, Any]) -> Pointer:
+        """Where a pointer points to, which goes on to the next place."""
+        found = self._within(variables.get(name), 0)
+        variables[name] = Pointer(found.cells, found.at + 1)
+        return found
+
+    @staticmethod
+    def _within(pointer: Any, further: int) -> Pointer:  # noqa: ANN401
+        if not isinstance(pointer, Pointer) or not 0 <= pointer.at + further < len(pointer.cells):
+            raise Refuted("a place outside of its array")
+        return Pointer(pointer.cells, pointer.at + further)
+
+    def _binary(self, op: str, left: Any, right: Any) -> Any:  # noqa: ANN401
+        if isinstance(left, Pointer) and isinstance(right, Number) and op == "+":
+            return Pointer(left.cells, left.at + self._whole(right))
+        if not (isinstance(left, Number) and isinstance(right, Number)):
+            raise Refuted(f"an operation that the proof does not know: {op}")
+        if op in (">>", "<<") and "float" not in (left.kind, right.kind):
+            return self._shifted(op, left, self._whole(right))
+        if op not in ("+", "-", "*"):
+            raise Refuted(f"an operation that the proof does not know: {op}")
+        kind = _common(left, right)
+        left, right = self._converted(left, kind), self._converted(right, kind)
+        if kind == "float":
+            return self._single(op, left.form, right.form)
+        natural = op != "-" and left.natural and right.natural
+        return self._fitted(Number(kind, self._exactly(op, left.form, right.form), natural))
+
+    def _exactly(self, op: str, left: Form, right: Form) -> Form:
+        if left.known and right.known:
+            made = _OPERATIONS[op](left.constant, right.constant)
+            if np.all(np.abs(made) <= _EXACT):
+                return self._space.number(made)
+        match op:
+            case "+":
+                return (left + right).trimmed()
+            case "-":
+                return (left - right).trimmed()
+            case _:
+                return left.product(right).trimmed()
+
+    def _single(self, op: str, left: Form, right: Form) -> Number:
+        if left.known and right.known:
+            made = _OPERATIONS[op](left.constant.astype(np.float32), right.constant.astype(np.float32))
+            return self._finite(self._space.number(made.astype(np.float64)))
+        return self._rounded(self._exactly(op, left, right))
+
+    def _rounded(self, form: Form) -> Number:
+        """Round to nearest float32."""
+        return self._finite(form.within(_half_ulp(form.largest)))
+
+    @staticmethod
+    def _finite(form: Form) -> Number:
+        if not np.all(form.largest < _LARGEST):
+            raise Refuted("a number of float32 has no bound")
+        return Number("float", form)
+
+    def _shifted(self, op: str, value: Number, bits: int) -> Number:
+        value = self._converted(value, _promoted(value))
+        if not 0 <= bits < value.bits:
+            raise Refuted(f"a shift by {bits} bits")
+        if op == "<<":
+            return self._fitted(Number(value.kind, value.form.times(2.0**bits), value.natural))
+        scaled = value.form.times(2.0**-bits)
+        if value.form.known:
+            return Number(value.kind, self._space.number(np.floor(scaled.constant)))
+        lost = 1.0 - 2.0**-bits  # rounded down
+        made = (scaled + self._space.number(-lost / 2.0)).within(lost / 2.0) if bits else scaled
+        return Number(value.kind, made, value.natural)
+
+    def _high(self, cell: Any) -> Number:  # noqa: ANN401
+        if not isinstance(cell, Cell) or cell.form is None:
+            raise Refuted("a member that the proof does not know: hi")
+        whole = self._shifted(">>", Number("int64_t", cell.form), cell.low_bits)
+        return self._fitted(Number("int32_t", whole.form))
+
+    # Functions whose text is known.
+
+    def _known_text(self, name: str, arguments: Sequence[Any]) -> Callable[..., Any] | None:
+        """What a function does whose text is known, made sure that it has it."""
+        cell = arguments[0].cells[arguments[0].at] if arguments and isinstance(arguments[0], Pointer) else None
+        known = (
+            {"add": self._added, "take_up": self._taken_up} if isinstance(cell, Cell) else {"product": self._product}
+        )
+        base = name.removeprefix(f"{self._unit.model}_")
+        if base not in known or name == base:
+            return None
+        check_text(self._unit.model, base, self._unit.texts.get(name, []))
+        return known[base]
+
+    def _added(self, where: Pointer, value: Number, shift: Number) -> None:
+        """The addition of a float32 to a word, rounded towards zero."""
+        cell = where.cells[where.at]
+        if value.kind != "float":
+            raise Refuted("an addition that the proof does not know")
+        scaled = value.form.times(2.0 ** (cell.low_bits - self._whole(shift)))
+        self._raise(cell, Number("int64_t", scaled.within(1.0)))
+
+    def _taken_up(self, where: Pointer, value: Number, bits: Number) -> None:
+        """The addition of a whole number, shifted as far as `NAME_shifted` does it."""
+        shifted = self.call(f"{self._unit.model}_shifted", value, bits)
+        self._raise(where.cells[where.at], self._converted(shifted, "int64_t"))
+
+    def _raise(self, cell: Cell, value: Number) -> None:
+        if cell.form is None:
+            raise Refuted("a word is not written")
+        total = cell.form + self._fitted(value).form
+        if not np.all(total.largest < 2.0 ** (31 + cell.low_bits) - 1.0):
+            raise Refuted("a state's word may overflow")
+        cell.form = total
+
+    def _product(self, d: Number, a: Number, least: Number, cut: Number | None = None) -> Number:
+        """A product without its lightest byte products, d in two's complement; rounded down."""
+        if d.kind == "float" or a.kind == "float":
+            raise Refuted("a product that the proof does not know")
+        d, a = self._converted(d, "int64_t"), self._converted(a, "uint32_t")
+        columns, cuts = self._whole(least), self._whole(cut) != 0 if cut is not None else False
+        bytes_of = [np.floor(a.form.constant / 2.0 ** (8 * j)) % 256.0 if a.form.known else 255.0 for j in range(4)]
+        most: float | Floats = 0.0
+        for i in range(4):
+            for j in range(4):
+                if i + j < columns:
+                    most = most + 255.0 * bytes_of[j] * 2.0 ** (8 * (i + j))
+                elif cuts and i + j == columns:
+                    most = most + 255.0 * 2.0 ** (8 * (i + j))
+        whole = self._fitted(Number("int64_t", self._exactly("*", d.form, a.form)))
+        lost = self._space.number(-np.asarray(most) / 2.0).within(np.asarray(most) / 2.0)
+        natural = d.natural and a.natural  # what is left out is part of a product that is not negative
+        made = self._fitted(Number("int64_t", whole.form + lost, natural))
+        return self._shifted(">>", made, 8 * (columns + int(cuts)))
+
+    def _converted(self, value: Any, kind: str | None) -> Any:  # noqa: ANN401
+        if not isinstance(value, Number) or kind is None or value.kind == kind:
+            return value
+        if kind == "float":
+            if value.form.known and np.all(np.abs(value.form.constant) <= 2.0**24):
+                return Number(kind, value.form)
+            return self._rounded(value.form)
+        if value.kind == "float":
+            raise Refuted("a float32 as a whole number")
+        return self._fitted(Number(kind, value.form, value.natural))
+
+    @staticmethod
+    def _fitted(value: Number) -> Number:
+        """The number itself, within its type."""
+        low, high = value.form.ends
+        natural = value.natural or bool(np.all(low >= 0.0))
+        low = np.maximum(low, 0.0) if natural else low
+        room = value.bits - (1 if value.signed else 0)
+        least = -(2.0**room) if value.signed else 0.0
+        if not (np.all(low >= least) and np.all(high <= 2.0**room - (1.0 if room < 53 else 2.0**11))):
+            raise Refuted(f"a number of {value.kind} can reach {low.min():.6g} .. {high.max():.6g}")
+        return Number(value.kind, value.form, natural)
+
+    @staticmethod
+    def _whole(value: Any) -> int:  # noqa: ANN401
+        if isinstance(value, Number) and value.kind != "float" and value.form.known:
+            found = value.form.constant
+            if np.all(found == found[0]):
+                return int(found[0])
+        raise Refuted("a count, a place or a shift that is no constant")
+
+
+class _Flash(list[Any]):
+    """A table, read at the place of each |PWM|."""
+
+    def __init__(self, table: Table, space: Space) -> None:
+        super().__init__()
+        self._table, self._space = table, space
+
+    def place(self, index: Any) -> Pointer:  # noqa: ANN401
+        """What is read there."""
+        if not isinstance(index, Number) or index.kind == "float" or not index.form.known:
+            raise Refuted("a table's place that is not known")
+        places = index.form.constant
+        if not (places.min() >= 0 and places.max() < len(self._table.values)):
+            raise Refuted("a place outside of its table")
+        found = Number(self._table.kind, self._space.number(self._table.values[places.astype(np.int64)]))
+        cell = _Flash(self._table, self._space)
+        cell.append(found)
+        return Pointer(cell, 0)
+
+
+_MADE = {"INT32_C": "int32_t", "UINT32_C": "uint32_t", "INT64_C": "int64_t"}
+_COMPARISONS = {
+    "<": operator.lt,
+    ">": operator.gt,
+    "<=": operator.le,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+}
+_OPERATIONS: dict[str, Callable[[Floats, Floats], Floats]] = {"+": np.add, "-": np.subtract, "*": np.multiply}
+
+
+def _promoted(value: Number) -> str:
+    """A small number's type where it is computed with."""
+    if value.bits >= 32:
+        return value.kind
+    return "uint16_t" if value.kind == "uint16_t" else "int16_t"
+
+
+def _common(left: Number, right: Number) -> str:
+    """The type in which two numbers are computed with; a change of sign is refuted where it would change the number."""
+    if "float" in (left.kind, right.kind):
+        return "float"
+    kinds = {_promoted(left), _promoted(right)}
+    for kind in ("uint64_t", "int64_t", "uint32_t", "int32_t", "uint16_t"):
+        if kind in kinds:
+            return kind
+    return "int16_t"
+
+
+def _half_ulp(largest: Floats) -> Floats:
+    """Half the distance of float32 numbers of at most this magnitude."""
+    found: Floats = np.maximum(np.ldexp(1.0, np.frexp(largest)[1] - 25), 2.0**-150)
+    return found

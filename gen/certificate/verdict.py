@@ -1,0 +1,29 @@
+"""What a proof gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was proven of one component.
+
+    Attributes
+    ----------
+    name
+        The component.
+    bound_K, reading_K
+        What is claimed: largest error of the word that is read, and of ``NAME_rise_mK``.
+    proven_K
+        What follows for the word.
+    inequalities
+        How many inequalities were decided.
+    """
+
+    name: str
+    bound_K: Fraction
+    reading_K: Fraction
+    proven_K: Fraction
+    inequalities: int

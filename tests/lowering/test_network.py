@@ -1,0 +1,214 @@
+"""A network as the board computes it: its terms, its ranges, its error's bound."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gen.coefficients import Coefficients, load
+from gen.errors import CheckFailed, InputError
+from gen.lowering.kinds import Arithmetic
+from gen.lowering.lower import lower
+from gen.lowering.network.defect import error_bound
+from gen.lowering.network.factors import lower_factor
+from gen.lowering.network.lower import lower_network
+from gen.lowering.network.ranges import matrix_row, reachable
+from gen.lowering.network.terms import Terms, terms_of
+from gen.model.network import Channel, Factor
+from gen.model.network_solution import NetworkSolution, Steps
+from gen.reference.board import reference_of
+from gen.reference.network import ReferenceNetwork
+from tests.networks import Tree, loaded, network_tree
+
+Array = NDArray[np.float64]
+ARITHMETICS: tuple[Arithmetic, ...] = ("fixed", "float")
+CASES = [(3, 4, False), (4, 6, True), (5, 10, True), (6, 7, False), (8, 1, True)]
+
+
+@pytest.mark.parametrize(("seed", "nodes", "plain"), CASES)
+def test_the_terms_are_the_networks_matrices(seed: int, nodes: int, plain: bool) -> None:
+    """Written by another module from the same file: h (M T + a ambient + f) at every |PWM|."""
+    model = loaded(network_tree(seed, nodes, plain=plain)).model
+    assert model.network is not None
+    solution = NetworkSolution(model)
+    terms = terms_of(model)
+    told = {"fan_percent": 100.0, "current_A": -7.0}
+    exact = solution.with_sensors(*model.network.matrices(np.arange(256), {} if plain else told))
+    corner = {k: float(factor(told[factor.channel])) for k, factor in enumerate(terms.factors)}
+    for state in range(len(terms.states)):
+        row, rest = matrix_row(terms, state, {k: corner[k] for k in terms.corners(state)[0]}, 17.0)
+        assert row / model.sample_time == pytest.approx(exact[0][:, state], rel=1e-12, abs=1e-18)
+        assert rest / model.sample_time == pytest.approx(exact[1][:, state] * 17.0 + exact[2][:, state], rel=1e-12)
+
+
+class Plant:
+    """The exact solution of one lane after another, and what the reference makes of the same."""
+
+    def __init__(self, coefficients: Coefficients, arithmetic: Arithmetic, lanes: int, seed: int) -> None:
+        self.program = lower(coefficients, arithmetic, "table")
+        self.model = coefficients.model
+        self.random = np.random.default_rng(seed)
+        self.lanes = lanes
+        self.solution = NetworkSolution(self.model)
+        low, high = self.model.domain_temperature
+        self.told = self.draw()
+        names = self.model.component_names
+        first = {name: self.random.integers(round(low * 1000), round(high * 1000) + 1, lanes) for name in names}
+        starts = {name: (value - self.told[0]).tolist() for name, value in first.items()}
+        board = reference_of(self.program, starts, self.told)
+        assert isinstance(board, ReferenceNetwork)
+        self.board = board
+        self.states = self.solution.start({n: v / 1000.0 for n, v in first.items()}, self.told[0] / 1000.0)
+        self.steps: dict[tuple[int, ...], Steps] = {}
+
+    def draw(self) -> NDArray[np.int64]:
+        """Values of all channels, in thousandths: ends as often as what lies between."""
+        drawn = []
+        for channel in self.program.channels:
+            inner = self.random.integers(channel.low, channel.high + 1, self.lanes)
+            end = self.random.choice([channel.low, channel.high], self.lanes)
+            drawn.append(np.where(self.random.random(self.lanes) < 0.5, end, inner))
+        return np.array(drawn, dtype=np.int64)
+
+    def advance(self, pwm: NDArray[np.int64]) -> None:
+        """One sample of both."""
+        columns = {c.column: self.told[k] / 1000.0 for k, c in enumerate(self.program.channels)}
+        others = {name: columns[name] for name in list(columns)[1:]}
+        steps = self.solution.steps(np.abs(pwm), np.full(self.lanes, self.model.sample_time), others)
+        change = np.einsum("lij,lj->li", steps.increment, self.states) + steps.heat
+        self.states = self.states + change + steps.ambient * (self.told[0] / 1000.0)[:, None]
+        self.board.set_channels(self.told)
+        self.board.step(pwm)
+
+    @property
+    def error(self) -> Array:
+        """Of each component's reading, K, shape (components, lanes)."""
+        shown = np.array([self.states[:, place] + offset for place, offset in self.solution.readings])
+        return np.asarray(np.abs(self.board.readings - shown))
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
+@pytest.mark.parametrize(("seed", "nodes", "plain"), CASES)
+def test_no_error_exceeds_the_bound_and_no_temperature_its_range(
+    seed: int, nodes: int, plain: bool, arithmetic: Arithmetic
+) -> None:
+    coefficients = loaded(network_tree(seed, nodes, plain=plain))
+    plant = Plant(coefficients, arithmetic, 24, seed)
+    network = plant.program.network
+    assert network is not None
+    bounds = np.array([part.proof.bound_K for part in network.components()])[:, None]
+    holds = plant.random.choice([1, 2, 7, 60, 900], plant.lanes)
+    pwm = np.zeros(plant.lanes, dtype=np.int64)
+    assert np.all(plant.error <= bounds)
+    for sample in range(1500):
+        fresh = sample % holds == 0
+        pwm = np.where(fresh, plant.random.choice([0, 255, 1, 128, -255], plant.lanes), pwm)
+        plant.told = np.where(fresh, plant.draw(), plant.told)
+        plant.advance(pwm)
+        assert np.all(plant.error <= bounds)
+        assert np.all(plant.states >= network.proof.low)
+        assert np.all(plant.states <= network.proof.high)
+    assert np.all(plant.board.saturations == 0)
+
+
+def test_the_range_is_no_wider_than_what_is_reached() -> None:
+    """The upper end is reached where the worst is held: full PWM, the warmest room, channels at their worst."""
+    tree = network_tree(4, 6, plain=True)
+    tree["domain"] |= {"temperature_degC": [0, 50], "ambient_degC": [0, 45]}
+    for heat in tree["network"]["heats"]:
+        heat["power_W"] = {"poly": [heat["power_W"]["poly"][0] * 6, 0, 0]}
+    for path in tree["network"]["paths"]:
+        path["conductance_W_per_K"] = {"poly": [0.3]}
+    model = loaded(tree).model
+    assert model.network is not None
+    ranges = reachable(model, terms_of(model))
+    assert ranges is not None
+    m, a, f = model.network.matrices(np.array([255]))
+    steady = np.linalg.solve(-m[0], a[0] * 45.0 + f[0])
+    assert steady.max() > 60.0
+    worst = np.maximum(steady, 50.0)
+    assert np.all(ranges.high >= worst)
+    assert ranges.high.max() == pytest.approx(worst.max(), abs=0.5)
+
+
+def test_one_nodes_bound_is_the_closed_form() -> None:
+    tree = network_tree(8, 1, plain=True)
+    tree["network"]["nodes"] = [{"name": "only", "capacity_J_per_K": 100.0, "sensor": {}}]
+    tree["network"]["paths"] = [{"between": ["only", "ambient"], "conductance_W_per_K": {"poly": [0.5]}}]
+    tree["network"]["heats"] = [{"node": "only", "power_W": {"poly": [0.1, 0]}}]
+    model = loaded(tree).model
+    terms: Terms = terms_of(model)
+    ranges = reachable(model, terms)
+    assert ranges is not None
+    rate, defect = 0.25 * 0.5 / 100.0, 1e-9
+    found = error_bound(terms, ranges, np.full((256, 1), defect))
+    assert found is not None
+    assert found[0] == pytest.approx(defect / (rate * math.exp(-rate)), rel=1e-4)
+    # and that is not below the exact accumulation of the same defect in every sample
+    assert found[0] >= defect / -math.expm1(-rate)
+
+
+@pytest.mark.parametrize(
+    "factor",
+    [
+        Factor("c", polynomial=(1.0, 0.0, 0.0)),
+        Factor("c", polynomial=(-0.001, 0.02, 0.5)),
+        Factor("c", polynomial=(0.002, -0.01, 0.03, 1.0)),
+        Factor("c", at=(-5.0, 0.0, 0.003, 8.0), value=(4.0, 0.25, 3.0, 0.0)),
+        Factor("c", at=(0.0, 10.0), value=(0.0, 1e-3)),
+        Factor("c", polynomial=(7.0,)),
+    ],
+)
+def test_a_factors_word_is_as_near_as_it_says(factor: Factor) -> None:
+    channel = Channel("c", -5.0, 10.0, 0.0)
+    largest = float(np.max(factor(np.linspace(-5, 10, 1001))))
+    program = lower_factor(factor, (channel,), largest, 0)
+    told = np.arange(-5000, 10001)
+    words = program.word(told)
+    exact = np.maximum(factor(told / 1000.0), 0.0)
+    assert np.all(np.abs(words * 2.0**-program.bits - exact) <= program.error)
+    assert program.error < 2e-7 * max(largest, 1e-3)
+    assert words.min() >= 0
+    assert words.max() < 2**31
+
+
+def test_a_bound_above_the_limit_is_no_build() -> None:
+    tree = network_tree(4, 6, plain=True)
+    tree["accuracy"] = {"fixed_limit_K": 1e-9}
+    with pytest.raises(
+        CheckFailed, match=r"node n\d: the guaranteed error bound of .* exceeds \$.accuracy.fixed_limit_K"
+    ):
+        lower(loaded(tree), "fixed", "table")
+
+
+def test_a_schedule_on_board_is_refused() -> None:
+    with pytest.raises(InputError, match="a network is built with tables alone"):
+        lower(loaded(network_tree(4, 6, plain=True)), "fixed", "onboard")
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
+def test_heat_that_runs_away_at_some_channel_is_no_build_or_no_file(arithmetic: Arithmetic) -> None:
+    tree: Tree = network_tree(3, 4)
+    tree["network"]["heats"][-1]["per_K"] = 0.1
+    tree["network"]["heats"][-1]["power_W"] = {"poly": [40.0, 0.0]}
+    with pytest.raises((CheckFailed, InputError), match=r"runs away|settles"):
+        lower_network(loaded(tree), arithmetic)
+
+
+def test_the_issues_goal_for_six_nodes() -> None:
+    """1e-5 K without, 1e-4 K with channels that scale a path."""
+    plain = [lower_network(loaded(network_tree(seed, 6, plain=True)), "fixed") for seed in range(20, 26)]
+    assert max(part.proof.bound_K for made in plain for part in made.components()) <= 1e-5
+    told = [lower_network(loaded(network_tree(seed, 6)), "fixed") for seed in range(20, 26)]
+    assert max(part.proof.bound_K for made in told for part in made.components()) <= 1e-4
+
+
+def test_the_example_is_lowered_in_both_arithmetics() -> None:
+    coefficients = load("examples/network/coeffs.json")
+    for arithmetic in ARITHMETICS:
+        assert [part.name for part in lower(coefficients, arithmetic, "table").parts] == list(
+            coefficients.model.component_names
+        )
