@@ -24,6 +24,31 @@ def from_parts(problem: Problem, scale: Scale) -> FloatArray:
     return vector
 
 
+ROLES = {"source": (-1.0, 1.0, -1.5), "sink": (1.0, -2.0, 0.5)}
+"""A small hot node within, and a large cold one outside: logarithms of the factors on a hidden node's capacity, heat
+and path to the ambient."""
+
+
+def in_roles(problem: Problem, start: FloatArray) -> FloatArray:
+    """Give hidden nodes roles by turns: a source of heat, a sink.
+
+    Parameters
+    ----------
+    start
+        Parameters in which all are alike, shape (P,).
+    """
+    structure, vector = problem.structure, start.copy()
+    roles = list(ROLES.values())
+    for number, node in enumerate(range(len(structure.sensed), structure.nodes)):
+        capacity, heat, loss = roles[number % len(roles)]
+        vector[structure.capacities[node]] += capacity
+        if node in structure.heated:
+            vector[structure.heats[structure.heated.index(node)].start + HEAT.level] += heat
+        if (node, -1) in structure.paths:
+            vector[structure.conductances[structure.paths.index((node, -1))].start + OUTSIDE.level] += loss
+    return vector
+
+
 def taken_over(problem: Problem, before: Problem, found: FloatArray) -> FloatArray:
     """Give the parameters of another structure or other bins for what both have; the rest as the prior has it.
 
