@@ -31,12 +31,14 @@ from gen.identification.network.foresight import Foresight, foresight
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.inputs import held
 from gen.identification.network.simulation import physical
-from gen.identification.network.uncertainty import Spread, Steady, spread_of, steady_of
+from gen.identification.network.uncertainty import Spread, spread_of
 
 FASTEST = 20.0
 """No node follows its neighbours within fewer steps of the board: its capacity is raised to this."""
 TWICE = 2.0
 """Standard deviations by which a declared error is widened."""
+MARGIN, LEAST_RISE_K = 0.5, 40.0
+"""Temperatures are declared up to this share of the largest rise beyond the hottest reading; a rise counts as so much."""
 POINT = 5
 """Distance of a table's points, counts: pchip through them is within 1e-4 of the curve."""
 
@@ -81,7 +83,6 @@ def _document(result: NetworkFound, settings: Settings) -> Document:
     low, high = measured_range(result)
     top = settings.full_scale
     spread = spread_of(result.found)
-    steady = steady_of(result.found, spread, np.arange(top + 1), top)
     return Document(
         format=FORMAT,
         version=VERSION,
@@ -91,7 +92,7 @@ def _document(result: NetworkFound, settings: Settings) -> Document:
         input=Input(name="pwm", full_scale=top, nominal_speed_rpm=settings.nominal_speed_rpm),
         ambient=_ambient(result),
         validity=Validity(pwm=(low, high), outside="extrapolate"),
-        domain=_domain(result, steady, top),
+        domain=_domain(result, top),
         accuracy=Accuracy(fixed_limit_K=FIXED_LIMIT_K, float_limit_K=FLOAT_LIMIT_K),
         network=_network(result, settings),
         provenance=Provenance(
@@ -117,7 +118,7 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     structure, vector = result.found.structure, result.found.vector
     names = (*structure.names, "ambient")
     # The curves at rest, then at the points of their tables.
-    pwm = np.unique([*range(POINT, settings.full_scale, POINT), settings.full_scale])
+    pwm = np.unique([1, *range(POINT, settings.full_scale, POINT), settings.full_scale])
     levels = held(np.concatenate([[0.0], pwm.astype(np.float64)]), settings.full_scale)
     physics = physical(structure, levels, vector)
     paths = []
@@ -154,16 +155,16 @@ def _exponential(value: FloatArray, full_scale: int) -> CurveEntry:
     return Exp1Curve(exp1=(_round(float(value[0])), _round(rate)))
 
 
-def _domain(result: NetworkFound, steady: Steady, full_scale: int) -> Domain:
+def _domain(result: NetworkFound, full_scale: int) -> Domain:
     data = result.data
     ambients = [float(value) for run in data.fine for value in (run.ambient.min(), run.ambient.max())]
     cold, warm = min([-10.0, *ambients]), max([50.0, *ambients])
     hottest = max(float(np.nanmax(run.reading)) for run in data.fine if np.isfinite(run.reading).any())
-    top = max(150.0, 1.1 * hottest, 1.1 * (float(np.max(steady.rise)) + warm))
+    top = hottest + MARGIN * max(hottest - min(ambients), LEAST_RISE_K)
     return Domain(
         pwm=(0, full_scale),
         ambient_degC=(math.floor(cold), math.ceil(warm)),
-        temperature_degC=(math.floor(cold), min(10.0 * math.ceil(top / 10.0), 5000.0)),
+        temperature_degC=(math.floor(cold), max(10.0 * math.ceil(top / 10.0), math.ceil(warm))),
     )
 
 
