@@ -75,10 +75,6 @@ def identify(
     fault = name_fault(name)
     if fault:
         raise InputError(fault, place="--name")
-    if report is not None and model == "network":
-        raise InputError(
-            "there is no report for networks yet; --json holds everything that was found", place="--report"
-        )
     check_outputs((out, json_file, report), runs)
     check_once(runs)
     for path in runs:

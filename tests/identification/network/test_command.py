@@ -70,12 +70,13 @@ def test_from_python_with_its_curves(paths: list[Path]) -> None:
     assert float(np.ptp(curve["casing_model_degC"])) > 10.0
 
 
-def test_there_is_no_report_yet_and_nothing_is_written(
-    paths: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_the_report_is_written_beside_and_an_unknown_model_is_told(
+    paths: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    out = tmp_path / "coeffs.json"
-    assert command(monkeypatch, *paths, "--model", "network", "--out", out, "--report", tmp_path / "r.html") == 2
-    assert "--report: there is no report for networks yet" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
+    out, page = tmp_path / "coeffs.json", tmp_path / "report.html"
+    arguments = (*paths, "--model", "network", "--max-hidden", 0, "--out", out, "--report", page)
+    assert command(monkeypatch, *arguments) == 0
+    assert "winding" in page.read_text()
+    assert out.exists()
     with pytest.raises(gen.InputError, match="model: found 'tree', expected 'parts', 'network'"):
         gen.identify(paths, model="tree")  # type: ignore[call-overload]
