@@ -17,6 +17,7 @@ from gen.coefficients.network import (
     NetworkEntry,
     NodeEntry,
     PathEntry,
+    PolyCurve,
     SensorEntry,
     TableCurve,
 )
@@ -28,8 +29,9 @@ from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Se
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.forecast import Band, bands
 from gen.identification.network.foresight import Foresight, foresight
+from gen.identification.network.forms import CONSTANT, WITHIN, Form
 from gen.identification.network.identify import NetworkFound
-from gen.identification.network.inputs import held
+from gen.identification.network.inputs import held, joined, turning
 from gen.identification.network.simulation import physical
 from gen.identification.network.uncertainty import Spread, spread_of
 
@@ -118,14 +120,14 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     structure, vector = result.found.structure, result.found.vector
     names = (*structure.names, "ambient")
     # The curves at rest, then at the points of their tables.
-    pwm = np.unique([1, *range(POINT, settings.full_scale, POINT), settings.full_scale])
-    levels = held(np.concatenate([[0.0], pwm.astype(np.float64)]), settings.full_scale)
+    pwm = np.unique([*range(0, settings.full_scale, POINT), settings.full_scale])
+    levels = joined(held(np.zeros(1), settings.full_scale), turning(pwm.astype(np.float64), settings.full_scale))
     physics = physical(structure, levels, vector)
     paths = []
     loss = np.zeros(structure.nodes)
     for q, (i, j) in enumerate(structure.paths):
         own = physics.conductance[:, q]
-        curve = _table(pwm, own[1:], float(own[0])) if j < 0 else _exponential(own, settings.full_scale)
+        curve = _path_curve(structure.forms[q], pwm, own, settings.full_scale)
         paths.append(PathEntry(between=(names[i], names[j]), conductance_W_per_K=curve))
         loss[[k for k in (i, j) if k >= 0]] += own.max()
     capacity = np.maximum(physics.capacity, FASTEST * settings.sample_time_s * loss)
@@ -141,6 +143,13 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
         HeatEntry(node=names[node], power_W=_table(pwm, physics.heat[1:, node], 0.0)) for node in structure.heated
     )
     return NetworkEntry(nodes=tuple(nodes), paths=tuple(paths), heats=heats)
+
+
+def _path_curve(form: Form, pwm: NDArray[np.int64], value: FloatArray, full_scale: int) -> CurveEntry:
+    """A path's curve from its values at rest and at the tables' points."""
+    if form is CONSTANT:
+        return PolyCurve(poly=(_round(float(value[0])),))
+    return _exponential(value, full_scale) if form is WITHIN else _table(pwm, value[1:], float(value[0]))
 
 
 def _table(pwm: NDArray[np.int64], value: FloatArray, rest: float) -> CurveEntry:

@@ -70,7 +70,12 @@ def taken_over(problem: Problem, before: Problem, found: FloatArray) -> FloatArr
     for q, path in enumerate(structure.paths):
         same = frozenset(number.get(i, -2) if i >= 0 else -1 for i in path)
         if same in paths:
-            vector[structure.conductances[q]] = found[old.conductances[paths[same]]]
+            there = paths[same]
+            if structure.forms[q] is old.forms[there]:
+                vector[structure.conductances[q]] = found[old.conductances[there]]
+            else:
+                level = found[old.conductances[there].start + old.forms[there].level]
+                vector[structure.conductances[q].start + structure.forms[q].level] = level
     heats = {node: h for h, node in enumerate(old.heated)}
     for h, node in enumerate(structure.heated):
         if number.get(node, -2) in heats:

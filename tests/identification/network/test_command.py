@@ -76,7 +76,7 @@ def test_the_report_is_written_beside_the_file(
     out, page = tmp_path / "coeffs.json", tmp_path / "r.html"
     assert command(monkeypatch, *paths, "--model", "network", "--max-hidden", 0, "--out", out, "--report", page) == 0
     assert sorted(tmp_path.iterdir()) == [out, page]
-    assert "casing" in page.read_text(encoding="utf-8")
+    assert "winding" in page.read_text(encoding="utf-8")
 
 
 def test_another_model_is_refused(paths: list[Path]) -> None:
