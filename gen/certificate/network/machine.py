@@ -48,6 +48,11 @@ class Number:
     natural: bool = False
 
     @property
+    def at_least_0(self) -> bool:
+        """Whether it is known not to be negative."""
+        return self.natural or self.kind.startswith("u")
+
+    @property
     def bits(self) -> int:
         """How many it has, of a whole number."""
         return int(self.kind.strip("uint_"))
@@ -425,7 +430,7 @@ class Machine:
         left, right = self._converted(left, kind), self._converted(right, kind)
         if kind == "float":
             return self._single(op, left.form, right.form)
-        natural = op != "-" and left.natural and right.natural
+        natural = op != "-" and left.at_least_0 and right.at_least_0
         return self._fitted(Number(kind, self._exactly(op, left.form, right.form), natural))
 
     def _exactly(self, op: str, left: Form, right: Form) -> Form:
@@ -462,13 +467,13 @@ class Machine:
         if not 0 <= bits < value.bits:
             raise Refuted(f"a shift by {bits} bits")
         if op == "<<":
-            return self._fitted(Number(value.kind, value.form.times(2.0**bits), value.natural))
+            return self._fitted(Number(value.kind, value.form.times(2.0**bits), value.at_least_0))
         scaled = value.form.times(2.0**-bits)
         if value.form.known:
             return Number(value.kind, self._space.number(np.floor(scaled.constant)))
         lost = 1.0 - 2.0**-bits  # rounded down
         made = (scaled + self._space.number(-lost / 2.0)).within(lost / 2.0) if bits else scaled
-        return Number(value.kind, made, value.natural)
+        return Number(value.kind, made, value.at_least_0)
 
     def _high(self, cell: Any) -> Number:  # noqa: ANN401
         if not isinstance(cell, Cell) or cell.form is None:
@@ -533,7 +538,7 @@ class Machine:
                     most = most + 255.0 * 2.0 ** (8 * (i + j))
         whole = self._fitted(Number("int64_t", self._exactly("*", d.form, a.form)))
         lost = self._space.number(-np.asarray(most) / 2.0).within(np.asarray(most) / 2.0)
-        natural = d.natural and a.natural  # what is left out is part of a product that is not negative
+        natural = d.at_least_0 and a.at_least_0  # what is left out is part of a product that is not negative
         made = self._fitted(Number("int64_t", whole.form + lost, natural))
         return Number("int64_t", made.form.times(2.0 ** (-8 * (columns + int(cuts)))), natural)
 
@@ -545,7 +550,7 @@ class Machine:
         for name in ("sum", "add", "down"):
             check_text(model, name, self._unit.texts.get(f"{model}_{name}", []))
         product = self._product(self._converted(factor, "int32_t"), word, self.known(2.0, "uint8_t"))
-        return self._fitted(Number("uint32_t", self._shifted(">>", product, 14).form, product.natural))
+        return self._fitted(Number("uint32_t", self._shifted(">>", product, 14).form, product.at_least_0))
 
     def _converted(self, value: Any, kind: str | None) -> Any:  # noqa: ANN401
         if not isinstance(value, Number) or kind is None or value.kind == kind:
@@ -556,7 +561,7 @@ class Machine:
             return self._rounded(value.form)
         if value.kind == "float":
             raise Refuted("a float32 as a whole number")
-        return self._fitted(Number(kind, value.form, value.natural))
+        return self._fitted(Number(kind, value.form, value.at_least_0))
 
     @staticmethod
     def _fitted(value: Number) -> Number:
@@ -632,4 +637,4 @@ def _common(left: Number, right: Number) -> str:
 def _half_ulp(largest: Floats) -> Floats:
     """Half the distance of float32 numbers of at most this magnitude."""
     found: Floats = np.maximum(np.ldexp(1.0, np.frexp(largest)[1] - 25), 2.0**-150)
-    return found
+    return np.asarray(np.where(largest == 0.0, 0.0, found), dtype=np.float64)
