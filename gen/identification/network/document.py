@@ -40,7 +40,7 @@ FASTEST = 20.0
 TWICE = 2.0
 """Standard deviations by which a declared error is widened."""
 MARGIN, LEAST_RISE_K = 0.5, 40.0
-"""Temperatures are declared so much of the largest rise beyond the hottest reading; a rise counts as at least so much."""
+"""Temperatures are declared so much of the largest rise beyond the hottest reading; a rise counts as this at least."""
 POINT = 5
 """Distance of a table's points, counts: pchip through them is within 1e-4 of the curve."""
 
