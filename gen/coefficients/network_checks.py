@@ -112,7 +112,11 @@ def _check_reach(network: Network, pwm: NDArray[np.int64]) -> None:
 def _table_warnings(network: Network, model: ThermalModel) -> tuple[str, ...]:
     curves = [(f"paths[{i}].conductance_W_per_K", path.curve) for i, path in enumerate(network.paths)]
     curves += [(f"heats[{i}].power_W", heat.curve) for i, heat in enumerate(network.heats)]
-    warnings = (table_warning(curve.turning, model.validity, f"$.network.{place}") for place, curve in curves)
+    low, high = model.validity
+    warnings = []
+    for place, curve in curves:
+        lowest = max(low, 1) if curve.at_rest is not None else low  # rest has a value of its own
+        warnings.append(table_warning(curve.turning, (lowest, high), f"$.network.{place}"))
     return tuple(warning for warning in warnings if warning is not None)
 
 

@@ -23,7 +23,7 @@ from gen.verification.runners import AvrRunner, HostRunner, Library, write_libra
 
 LANES, SAMPLES = 3, 40
 #: Nodes of each network, by its seed; what else it has is drawn.
-SIZES = (1, 2, 3, 5, 7, 10)
+SIZES = (1, 2, 4, 6, 7, 10)
 
 
 def drawn(seed: int, size: int) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def drawn(seed: int, size: int) -> dict[str, Any]:
             "channel": "fan_percent",
             "table": {"at": [0, 30.5, 100], "value": [1, *rng.uniform(0.4, 3.0, 2).round(3)]},
         }
-        square = {"channel": "current_A", "poly": [*rng.uniform(0.001, 0.02, 1).round(5), 0.0, 0.2]}
+        square = {"channel": "current_A", "poly": [*rng.uniform(0.0005, 0.005, 1).round(5), 0.0, 0.2]}
         return {"factors": [fan, square][: 1 + pick(1, 1)] if len(channels) > 1 else [fan]}
 
     def curve(scale: float) -> dict[str, Any]:
@@ -62,11 +62,11 @@ def drawn(seed: int, size: int) -> dict[str, Any]:
     pairs += [(a, b) for a in range(size) for b in range(a) if (a, b) not in pairs and rng.random() < 0.15]
     paths = [{"between": [name(a), name(b)], "conductance_W_per_K": curve(1.5), **factors()} for a, b in pairs]
     warm = sorted({0, *(k for k in range(size) if rng.random() < 0.4)})
-    paths += [{"between": [name(k), "ambient"], "conductance_W_per_K": curve(0.8), **factors()} for k in warm]
+    paths += [{"between": [name(k), "ambient"], "conductance_W_per_K": curve(1.6), **factors()} for k in warm]
     heats = []
     for k in range(size):
         power = {"poly": [round(float(rng.uniform(1e-5, 2e-4)), 7), round(float(rng.uniform(0, 0.02)), 5), 0]}
-        growth = {"per_K": [0.0039, -0.001][pick(1, 1)], "reference_degC": 25} if pick(2, 1) else {}
+        growth = {"per_K": [0.0015, -0.001][pick(1, 1)], "reference_degC": 25} if pick(2, 1) else {}
         heats += [{"node": name(k), "power_W": power, **growth, **factors()}]
     nodes = []
     for k in range(size):
@@ -157,6 +157,7 @@ def six_nodes() -> dict[str, Any]:
 def test_six_nodes_stay_within_what_was_asked(tmp_path: Path) -> None:
     """At most 6 000 cycles a sample, 40 KB of flash, 120 bytes of RAM and 1e-5 K."""
     emitted = library(written(six_nodes(), tmp_path), tmp_path)
+    assert emitted.program.network is not None
     profile = profile_of(emitted)
     mega = AvrRunner(emitted, tmp_path / "cache")
     found = mega.run(profile)
@@ -165,12 +166,11 @@ def test_six_nodes_stay_within_what_was_asked(tmp_path: Path) -> None:
     assert max(cost.cycles_constant, cost.cycles_change) < 6000
     assert cost.flash_bytes < 40_000
     assert cost.ram_bytes <= 120
-    bounds = [node.proof.bound_K for node in emitted.program.parts if node.proof is not None]
-    assert max(bounds) <= 1e-5
+    assert max(node.proof.bound_K for node in emitted.program.network.components()) <= 1e-5
 
 
 @pytest.mark.parametrize("arithmetic", ["fixed", "float"])
-@pytest.mark.parametrize("optimisation", ["-O0", "-Os", "-O2"])
+@pytest.mark.parametrize("optimisation", ["-O0", "-Os"])
 def test_the_boards_compiler_has_nothing_to_warn_of(arithmetic: Arithmetic, optimisation: str, tmp_path: Path) -> None:
     emitted = library(written(drawn(5, 6), tmp_path), tmp_path, arithmetic)
     sources = [tmp_path / "verify_avr.cpp", *emitted.sources]

@@ -93,7 +93,10 @@ def network_context(program: Program) -> NetworkContext:
         "tables": made.tables,
         "orders": orders,
         "sums": [_sum(product) for product in dict.fromkeys(network.products)],
-        "whole": {"least": WHOLE.least, "lines": network_words.multiply(WHOLE, network_words.operands())},
+        "whole": {
+            "least": WHOLE.least,
+            "lines": ["tst %D[d]", *network_words.multiply(WHOLE, network_words.operands())],
+        },
         "downs": sorted({scale.shift, 16} | ({WORD_BITS - 8 * WHOLE.least} if network.factors else set())),
         "ups": sorted({scale.left, *(left for factor in network.factors for left in _lefts(factor))}),
         "thirds": any(order in WEIGHT for order in range(2, network.orders + 1)),

@@ -59,11 +59,15 @@ def operands() -> Registers:
 
 
 def multiply(product: Product, use: Registers) -> list[str]:
-    """Adds a product to a sum."""
+    """Adds a product to a sum; N tells the sign of the difference if it has more than a byte."""
     width, sums = product.width, use.sum
     if width == 1:
         return [f"mulsu {use.d[0]}, {use.a[0]}", f"add {sums[0]}, r0", f"adc {sums[1]}, r1"]
-    lines = []
+    # A negative difference is taken for 2^(8 width) more: multiplications leave the flags of its subtraction alone.
+    lines = ["brpl 1f"]
+    for k, byte in enumerate(sums[width - product.unit :]):
+        lines.append(f"{'sbc' if k else 'sub'} {byte}, {use.a[k]}")
+    lines.append("1:")
     for chain in product.chains:
         kept = [use.low, use.middle][: len(chain) - 1]
         results = [byte for pair in kept for byte in pair] + ["r0", "r1"]
@@ -76,11 +80,7 @@ def multiply(product: Product, use: Registers) -> list[str]:
             place, results = 0, results[1:]
         for k, byte in enumerate(sums[place:]):
             lines.append(f"{'adc' if k else 'add'} {byte}, {results[k] if k < len(results) else use.zero}")
-    # A negative difference was taken for 2^(8 width) more.
-    lines += [f"sbrs {use.d[width - 1]}, 7", "rjmp 1f"]
-    for k, byte in enumerate(sums[width - product.unit :]):
-        lines.append(f"{'sbc' if k else 'sub'} {byte}, {use.a[k]}")
-    return [*lines, "1:"]
+    return lines
 
 
 def shift(names: Sequence[str], bits: int, wanted: int) -> tuple[list[str], list[str]]:
@@ -222,20 +222,20 @@ class Block:
         """
         use, width = fixed_registers(self.product), self.product.width
         own, d = _registers(8, width), use.d
-        if source is None and growing:
-            lines = [f"mov {to}, {byte}" for to, byte in zip(d, own, strict=True)]
-        elif source is None:
-            lines = [f"clr {byte}" for byte in d] + _difference(d, own)
-        elif growing:
-            there = use.a
-            lines = _reached("ldd", there, source)
-            lines += [f"mov {to}, {byte}" for to, byte in zip(d, own, strict=True)] + _difference(d, there)
-        else:
-            lines = _reached("ldd", d, source) + _difference(d, own)
         if rate is None:
-            lines += self._load(use.a, 4 * word + 4 - width)
+            lines = self._load(use.a, 4 * word + 4 - width)
         else:
-            lines += [f"ldi {byte}, {rate >> 8 * (4 - width + k) & 0xFF}" for k, byte in enumerate(use.a)]
+            lines = [f"ldi {byte}, {rate >> 8 * (4 - width + k) & 0xFF}" for k, byte in enumerate(use.a)]
+        copy = [f"mov {to}, {byte}" for to, byte in zip(d, own, strict=True)]
+        if source is None and growing:
+            lines += [*copy, f"tst {d[-1]}"]
+        elif source is None:
+            lines += [f"clr {byte}" for byte in d] + _difference(d, own)
+        elif growing:
+            there = _registers(20, width) if width > 1 else ["r21"]
+            lines += _reached("ldd", there, source) + copy + _difference(d, there)
+        else:
+            lines += _reached("ldd", d, source) + _difference(d, own)
         self.add(note, [*lines, f"#ADD{self.product.name}"])
 
     def heat(self, note: str, word: int, left: int) -> None:
@@ -245,7 +245,7 @@ class Block:
     def scaled_heat(self, note: str, word: int) -> None:
         """Add the product of a factor with a heat's word."""
         use = fixed_registers(FIRST)
-        loads = [*self._load(use.d, 4 * word), *self._load(use.a, 4 * word + 4)]
+        loads = [*self._load(use.d, 4 * word), *self._load(use.a, 4 * word + 4), f"tst {use.d[-1]}"]
         self.add(note, [*loads, f"#ADD{self.product.name}"])
 
     def _load(self, names: Sequence[str], place: int) -> list[str]:

@@ -17,6 +17,7 @@ from gen.coefficients.network import (
     NetworkEntry,
     NodeEntry,
     PathEntry,
+    PolyCurve,
     SensorEntry,
     TableCurve,
 )
@@ -28,15 +29,18 @@ from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Se
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.forecast import Band, bands
 from gen.identification.network.foresight import Foresight, foresight
+from gen.identification.network.forms import CONSTANT, WITHIN, Form
 from gen.identification.network.identify import NetworkFound
-from gen.identification.network.inputs import held
+from gen.identification.network.inputs import held, joined, turning
 from gen.identification.network.simulation import physical
-from gen.identification.network.uncertainty import Spread, Steady, spread_of, steady_of
+from gen.identification.network.uncertainty import Spread, spread_of
 
 FASTEST = 20.0
 """No node follows its neighbours within fewer steps of the board: its capacity is raised to this."""
 TWICE = 2.0
 """Standard deviations by which a declared error is widened."""
+MARGIN, LEAST_RISE_K = 0.5, 40.0
+"""Temperatures are declared so much of the largest rise beyond the hottest reading; a rise counts as this at least."""
 POINT = 5
 """Distance of a table's points, counts: pchip through them is within 1e-4 of the curve."""
 
@@ -81,7 +85,6 @@ def _document(result: NetworkFound, settings: Settings) -> Document:
     low, high = measured_range(result)
     top = settings.full_scale
     spread = spread_of(result.found)
-    steady = steady_of(result.found, spread, np.arange(top + 1), top)
     return Document(
         format=FORMAT,
         version=VERSION,
@@ -91,7 +94,7 @@ def _document(result: NetworkFound, settings: Settings) -> Document:
         input=Input(name="pwm", full_scale=top, nominal_speed_rpm=settings.nominal_speed_rpm),
         ambient=_ambient(result),
         validity=Validity(pwm=(low, high), outside="extrapolate"),
-        domain=_domain(result, steady, top),
+        domain=_domain(result, top),
         accuracy=Accuracy(fixed_limit_K=FIXED_LIMIT_K, float_limit_K=FLOAT_LIMIT_K),
         network=_network(result, settings),
         provenance=Provenance(
@@ -117,14 +120,14 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     structure, vector = result.found.structure, result.found.vector
     names = (*structure.names, "ambient")
     # The curves at rest, then at the points of their tables.
-    pwm = np.unique([*range(POINT, settings.full_scale, POINT), settings.full_scale])
-    levels = held(np.concatenate([[0.0], pwm.astype(np.float64)]), settings.full_scale)
+    pwm = np.unique([*range(0, settings.full_scale, POINT), settings.full_scale])
+    levels = joined(held(np.zeros(1), settings.full_scale), turning(pwm.astype(np.float64), settings.full_scale))
     physics = physical(structure, levels, vector)
     paths = []
     loss = np.zeros(structure.nodes)
     for q, (i, j) in enumerate(structure.paths):
         own = physics.conductance[:, q]
-        curve = _table(pwm, own[1:], float(own[0])) if j < 0 else _exponential(own, settings.full_scale)
+        curve = _path_curve(structure.forms[q], pwm, own, settings.full_scale)
         paths.append(PathEntry(between=(names[i], names[j]), conductance_W_per_K=curve))
         loss[[k for k in (i, j) if k >= 0]] += own.max()
     capacity = np.maximum(physics.capacity, FASTEST * settings.sample_time_s * loss)
@@ -142,6 +145,13 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     return NetworkEntry(nodes=tuple(nodes), paths=tuple(paths), heats=heats)
 
 
+def _path_curve(form: Form, pwm: NDArray[np.int64], value: FloatArray, full_scale: int) -> CurveEntry:
+    """A path's curve from its values at rest and at the tables' points."""
+    if form is CONSTANT:
+        return PolyCurve(poly=(_round(float(value[0])),))
+    return _exponential(value, full_scale) if form is WITHIN else _table(pwm, value[1:], float(value[0]))
+
+
 def _table(pwm: NDArray[np.int64], value: FloatArray, rest: float) -> CurveEntry:
     """A curve through points; at rest a value of its own."""
     points = Points(pwm=tuple(int(x) for x in pwm), value=tuple(_round(float(y)) for y in value), interpolation="pchip")
@@ -154,16 +164,16 @@ def _exponential(value: FloatArray, full_scale: int) -> CurveEntry:
     return Exp1Curve(exp1=(_round(float(value[0])), _round(rate)))
 
 
-def _domain(result: NetworkFound, steady: Steady, full_scale: int) -> Domain:
+def _domain(result: NetworkFound, full_scale: int) -> Domain:
     data = result.data
     ambients = [float(value) for run in data.fine for value in (run.ambient.min(), run.ambient.max())]
     cold, warm = min([-10.0, *ambients]), max([50.0, *ambients])
     hottest = max(float(np.nanmax(run.reading)) for run in data.fine if np.isfinite(run.reading).any())
-    top = max(150.0, 1.1 * hottest, 1.1 * (float(np.max(steady.rise)) + warm))
+    top = hottest + MARGIN * max(hottest - min(ambients), LEAST_RISE_K)
     return Domain(
         pwm=(0, full_scale),
         ambient_degC=(math.floor(cold), math.ceil(warm)),
-        temperature_degC=(math.floor(cold), min(10.0 * math.ceil(top / 10.0), 5000.0)),
+        temperature_degC=(math.floor(cold), max(10.0 * math.ceil(top / 10.0), math.ceil(warm))),
     )
 
 

@@ -1,7 +1,7 @@
 """How conductances and heats go with speed: a usual curve, and a smooth factor on it.
 
 The logarithm of each is a sum of known functions of the speed w (|PWM| over full scale) times free numbers: its level,
-and what bends it. Bends are a cubic spline through five knots whose values are a Gaussian process, so any smooth curve
+and what bends it. Bends are a cubic spline through six knots whose values are a Gaussian process, so any smooth curve
 is within reach (a sudden change to turbulence, a Stribeck curve) and none is wilder than the runs ask for.
 """
 
@@ -14,12 +14,12 @@ from scipy.interpolate import CubicSpline
 
 from gen.identification.network.bins import FloatArray
 
-KNOTS = np.array([0.2, 0.4, 0.6, 0.8, 1.0])
-BEND, SMOOTH = 0.6, 0.35
+KNOTS = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 1.0])
+BEND, SMOOTH = 0.8, 0.35
 """Standard deviation of the logarithm of the bend, and the share of full speed over which it stays alike."""
-SLOW = float(KNOTS[0])
-"""Speed to which the conductance at rest is compared; the bend is held below it."""
-REST, REST_WITHIN = -0.1, 0.3
+SLOW = 0.2
+"""Speed to which the conductance at rest is compared."""
+REST, REST_WITHIN = -0.1, 0.4
 """Logarithm of a conductance to the ambient at rest over that at `SLOW`, and its standard deviation."""
 SLOPE = 0.5
 """Standard deviation of the change of a path's logarithm from rest to full speed, for paths within the motor."""
@@ -60,6 +60,8 @@ class Form:
     def turning(self, speed: FloatArray) -> FloatArray:
         """Give the functions while it turns, shape (L, k)."""
         w = np.asarray(speed, dtype=np.float64)
+        if self is CONSTANT:
+            return np.ones((w.size, 1))
         if self is WITHIN:
             return np.column_stack([np.ones_like(w), w - 0.5])
         bend = spline(w)
@@ -69,7 +71,7 @@ class Form:
     def usual(self, speed: FloatArray) -> FloatArray:
         """Give the usual curve's logarithm, 0 at full speed, shape (L,)."""
         w = np.maximum(np.asarray(speed, dtype=np.float64), 1e-3)
-        if self is WITHIN:
+        if self in (WITHIN, CONSTANT):
             return np.zeros_like(w)
         # Natural and forced convection; friction and what grows with the square.
         curve = 0.5 + 0.5 * w**0.8 if self is OUTSIDE else 0.5 * w + 0.5 * w**2
@@ -77,8 +79,8 @@ class Form:
 
 
 def spline(speed: FloatArray) -> FloatArray:
-    """Give the cubic splines that are 1 at one knot, shape (L, knots); held below `SLOW`."""
-    return np.asarray(_SPLINE(np.clip(speed, SLOW, 1.0)), dtype=np.float64)
+    """Give the cubic splines that are 1 at one knot, shape (L, knots)."""
+    return np.asarray(_SPLINE(np.clip(speed, 0.0, 1.0)), dtype=np.float64)
 
 
 def _bend_precision() -> FloatArray:
@@ -116,6 +118,14 @@ WITHIN = Form(
     precision=_block(_NONE, np.array([[SLOPE**-2]])),
     level=0,
 )
+CONSTANT = Form(
+    name="within the motor, the same at every speed",
+    terms=("level",),
+    at_rest=np.ones(1),
+    mean=np.zeros(1),
+    precision=_NONE,
+    level=0,
+)
 HEAT = Form(
     name="heat",
     terms=("level", *_BENDS),
@@ -124,3 +134,4 @@ HEAT = Form(
     precision=_block(_NONE, _bend_precision()),
     level=0,
 )
+FORMS = (OUTSIDE, WITHIN, CONSTANT, HEAT)

@@ -23,7 +23,7 @@ MOST_HIDDEN = 3
 MOST_NODES = 10
 BETTER = 1.03
 """Left-out errors within this factor of the best are as good."""
-SLACK = 0.2
+SLACK = 0.1
 """Nor does a difference count that is below this share of a single reading's noise."""
 AT_LAST = 8
 """Linearisations on the fine bins."""
@@ -113,10 +113,10 @@ def identify_network(
 
 
 def _enough(scores: list[float], slack: float) -> bool:
-    """Whether one more hidden node is not worth a trial: none could be chosen, or the last two brought nothing."""
+    """Whether one more hidden node is not worth a trial: none could be chosen, or the last made it worse."""
     if scores[-1] <= slack:
         return True
-    return len(scores) > 2 and scores[-1] > scores[-2] / BETTER
+    return len(scores) > 2 and scores[-1] > scores[-2] * BETTER
 
 
 def _choice(scores: list[float], slack: float) -> int:

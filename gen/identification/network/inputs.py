@@ -18,7 +18,7 @@ MOST_LEVELS = 1500
 ROOM_S = 3600.0
 """Distance of the points between which the unknown part of an unmeasured ambient is a straight line."""
 MOST_HATS = 12
-COLD_K = 1.5
+COLD_K = 2.5
 """A motor whose parts all read the ambient to within this began cold: sensors may be off by as much."""
 STILL_K = 0.5
 """In a room that moves by more (standard deviation) parts lag behind it: then they are not as warm as the room."""
@@ -57,6 +57,23 @@ def held(pwm: FloatArray, full_scale: int) -> Levels:
     """Give the inputs of PWM that is held, shape (L,)."""
     speed = np.abs(np.asarray(pwm, dtype=np.float64)) / full_scale
     return Levels(np.ones_like(speed), (speed == 0.0).astype(np.float64), speed, speed**2)
+
+
+def turning(pwm: FloatArray, full_scale: int) -> Levels:
+    """Give the inputs of a motor that turns, the slowest turning at PWM 0 included, shape (L,)."""
+    speed = np.abs(np.asarray(pwm, dtype=np.float64)) / full_scale
+    return Levels(np.ones_like(speed), np.zeros_like(speed), speed, speed**2)
+
+
+def joined(first: Levels, second: Levels) -> Levels:
+    """Give the inputs of both, one after the other."""
+    pairs = (
+        (first.width, second.width),
+        (first.rest, second.rest),
+        (first.speed, second.speed),
+        (first.square, second.square),
+    )
+    return Levels(*(np.concatenate(pair) for pair in pairs))
 
 
 @dataclass(frozen=True, eq=False)

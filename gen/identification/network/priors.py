@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
-from gen.identification.network.forms import HEAT, OUTSIDE, WITHIN
+from gen.identification.network.forms import CONSTANT, HEAT, OUTSIDE, WITHIN
 from gen.identification.network.inputs import Inputs
 from gen.identification.network.scale import Scale
 from gen.identification.network.structure import Structure
@@ -22,7 +22,7 @@ FACTOR = 2.0
 """Standard deviation of a logarithm."""
 CAPACITY = 100.0
 """J/K."""
-OFFSET_K = 0.3
+OFFSET_K = 0.7
 """Standard deviation of a sensor's offset, K."""
 ROOM_K = 1.5
 """Of the level of an unmeasured ambient about what is assumed, K."""
@@ -59,7 +59,8 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
     mean, deviation = np.zeros(size), np.full(size, FACTOR)
     mean[structure.capacities], deviation[structure.capacities] = np.log(CAPACITY), FACTOR
     loss = CAPACITY / scale.settling_s
-    levels = {OUTSIDE: np.log(loss), WITHIN: np.log(2.0 * loss / max(nodes - 1, 1))}
+    inner = np.log(2.0 * loss / max(nodes - 1, 1))
+    levels = {OUTSIDE: np.log(loss), WITHIN: inner, CONSTANT: inner}
     blocks: list[tuple[slice, FloatArray]] = []
     for form, at in zip(structure.forms, structure.conductances, strict=True):
         mean[at] = form.mean

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
+from gen.identification.network.forms import WITHIN
 from gen.identification.network.left_out import LeftOut, Mask, left_out
 from gen.identification.network.priors import prior_of
 from gen.identification.network.problem import Problem
@@ -13,11 +16,14 @@ from gen.identification.network.search import Found, tightened
 from gen.identification.network.simulation import physical
 from gen.identification.network.starts import taken_over
 from gen.identification.network.structure import Structure
+from gen.identification.network.uncertainty import spread_of
 
 SHARES = (0.02, 0.005)
 """Of the whole heat: paths and heats that never carry more are candidates; the boldest cut that does no harm stays."""
 AT_EACH = 12
 """Linearisations after a cut."""
+SHOWN = 2.0
+"""Standard deviations from which a slope over speed is shown by the runs; a path without costs the board no table."""
 HARM = 1.02
 """Factor on the left-out error within which a cut does no harm."""
 
@@ -42,14 +48,39 @@ def pruned(found: Found, judged: LeftOut, folds: list[Mask], scale: Scale, slack
         if structure in tried:
             continue
         tried.add(structure)
-        inputs = found.problem.inputs
-        problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
-        start = taken_over(problem, found.problem, found.vector)
-        smaller = tightened(problem, start, found.density, AT_EACH, rounds=2)
-        errors = left_out(smaller, folds)
-        if errors.score_K**2 <= (HARM * judged.score_K) ** 2 + slack_K**2:
+        smaller, errors = _refitted(found, structure, folds, scale)
+        if _harmless(errors, judged, slack_K):
+            found, judged = smaller, errors
+            break
+    constant = _constant(found)
+    if constant:
+        smaller, errors = _refitted(found, replace(found.structure, constant=constant), folds, scale)
+        if _harmless(errors, judged, slack_K):
             return smaller, errors
     return found, judged
+
+
+def _refitted(found: Found, structure: Structure, folds: list[Mask], scale: Scale) -> tuple[Found, LeftOut]:
+    inputs = found.problem.inputs
+    problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
+    start = taken_over(problem, found.problem, found.vector)
+    smaller = tightened(problem, start, found.density, AT_EACH, rounds=2)
+    return smaller, left_out(smaller, folds)
+
+
+def _harmless(errors: LeftOut, judged: LeftOut, slack_K: float) -> bool:
+    return errors.score_K**2 <= (HARM * judged.score_K) ** 2 + slack_K**2
+
+
+def _constant(found: Found) -> frozenset[int]:
+    """Paths within the motor of which the runs do not show that they change with speed."""
+    deviation = spread_of(found).deviation
+    structure = found.structure
+    made = []
+    for q, (form, at) in enumerate(zip(structure.forms, structure.conductances, strict=True)):
+        if form is WITHIN and abs(found.vector[at.stop - 1]) < SHOWN * deviation[at.stop - 1]:
+            made.append(q)
+    return frozenset(made)
 
 
 def flows(found: Found) -> tuple[FloatArray, FloatArray]:

@@ -12,14 +12,14 @@ from gen.identification.network.inputs import Inputs
 from gen.identification.network.priors import prior_of
 from gen.identification.network.problem import Problem
 from gen.identification.network.scale import Scale
-from gen.identification.network.starts import from_parts
+from gen.identification.network.starts import from_parts, in_roles
 from gen.identification.network.structure import Structure
 from gen.identification.network.weights import density, weights
 
 LOOSE = (3000.0, 300.0, 80.0)
 """Densities of the errors with which the search begins, K^2 s: 2 K for ten minutes, and less each time."""
 FIRST_AT = 20.0
-AT_EACH, AT_LAST = 6, 24
+AT_EACH, AT_FIRST, AT_LAST = 6, 14, 14
 """Linearisations."""
 SAME = 0.25
 """Logarithm of the densities within which they agree with the residual's own."""
@@ -67,12 +67,18 @@ def search(structure: Structure, inputs: Inputs, scale: Scale) -> Found:
         What the parts do alone.
     """
     problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
-    vector = from_parts(problem, scale)
     sensors = len(structure.sensed)
-    for level in LOOSE:
-        loose = problem.weighed(weights(inputs, np.full(sensors, level)))
-        vector = approach(loose, vector, AT_EACH).vector
-    return tightened(problem, vector, np.full(sensors, FIRST_AT), AT_LAST)
+    alike = from_parts(problem, scale)
+    starts = [alike, in_roles(problem, alike)] if structure.hidden else [alike]
+    firm = problem.weighed(weights(inputs, np.full(sensors, FIRST_AT)))
+    found = []
+    for vector in starts:
+        for level in LOOSE:
+            loose = problem.weighed(weights(inputs, np.full(sensors, level)))
+            vector = approach(loose, vector, AT_EACH).vector
+        found.append(settle(firm, vector, AT_FIRST))
+    best = min(found, key=lambda fit: fit.cost)
+    return tightened(problem, best.vector, np.full(sensors, FIRST_AT), AT_LAST)
 
 
 def tightened(problem: Problem, start: FloatArray, of: FloatArray, most: int, rounds: int = 3) -> Found:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.identification.network.bins import FloatArray
-from gen.identification.network.forms import HEAT, OUTSIDE, SLOW, WITHIN
+from gen.identification.network.forms import FORMS, HEAT, SLOW
 from gen.identification.network.inputs import Inputs, Levels
 from gen.identification.network.structure import Structure
 
@@ -77,7 +77,7 @@ class Steps:
 def physical(structure: Structure, levels: Levels, vector: FloatArray) -> Physical:
     """Evaluate capacities, conductances and heats at each distinct input."""
     rest, turn = levels.rest[:, None], 1.0 - levels.rest[:, None]
-    curves = {form: (form.usual(levels.speed), form.turning(levels.speed)) for form in (OUTSIDE, WITHIN, HEAT)}
+    curves = {form: (form.usual(levels.speed), form.turning(levels.speed)) for form in FORMS}
     conductance = np.empty((levels.count, len(structure.paths)))
     by_term = np.empty((levels.count, structure.path_of.size))
     for q, (form, at) in enumerate(zip(structure.forms, structure.conductances, strict=True)):

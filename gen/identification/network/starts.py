@@ -24,6 +24,31 @@ def from_parts(problem: Problem, scale: Scale) -> FloatArray:
     return vector
 
 
+ROLES = {"source": (-1.0, 1.0, -1.5), "sink": (1.0, -2.0, 0.5)}
+"""A small hot node within, and a large cold one outside: logarithms of the factors on a hidden node's capacity, heat
+and path to the ambient."""
+
+
+def in_roles(problem: Problem, start: FloatArray) -> FloatArray:
+    """Give hidden nodes roles by turns: a source of heat, a sink.
+
+    Parameters
+    ----------
+    start
+        Parameters in which all are alike, shape (P,).
+    """
+    structure, vector = problem.structure, start.copy()
+    roles = list(ROLES.values())
+    for number, node in enumerate(range(len(structure.sensed), structure.nodes)):
+        capacity, heat, loss = roles[number % len(roles)]
+        vector[structure.capacities[node]] += capacity
+        if node in structure.heated:
+            vector[structure.heats[structure.heated.index(node)].start + HEAT.level] += heat
+        if (node, -1) in structure.paths:
+            vector[structure.conductances[structure.paths.index((node, -1))].start + OUTSIDE.level] += loss
+    return vector
+
+
 def taken_over(problem: Problem, before: Problem, found: FloatArray) -> FloatArray:
     """Give the parameters of another structure or other bins for what both have; the rest as the prior has it.
 
@@ -45,7 +70,12 @@ def taken_over(problem: Problem, before: Problem, found: FloatArray) -> FloatArr
     for q, path in enumerate(structure.paths):
         same = frozenset(number.get(i, -2) if i >= 0 else -1 for i in path)
         if same in paths:
-            vector[structure.conductances[q]] = found[old.conductances[paths[same]]]
+            there = paths[same]
+            if structure.forms[q] is old.forms[there]:
+                vector[structure.conductances[q]] = found[old.conductances[there]]
+            else:
+                level = found[old.conductances[there].start + old.forms[there].level]
+                vector[structure.conductances[q].start + structure.forms[q].level] = level
     heats = {node: h for h, node in enumerate(old.heated)}
     for h, node in enumerate(structure.heated):
         if number.get(node, -2) in heats:

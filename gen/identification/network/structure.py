@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from gen.identification.network.bins import FloatArray, IntArray
-from gen.identification.network.forms import HEAT, OUTSIDE, WITHIN, Form
+from gen.identification.network.forms import CONSTANT, HEAT, OUTSIDE, WITHIN, Form
 
 
 @dataclass(frozen=True)
@@ -25,12 +25,15 @@ class Structure:
         Pairs of nodes; the ambient is -1 and stands second.
     heated
         Nodes with a heat of their own.
+    constant
+        Paths within the motor, by their place, whose conductance is the same at every speed.
     """
 
     sensed: tuple[str, ...]
     hidden: int
     paths: tuple[tuple[int, int], ...]
     heated: tuple[int, ...]
+    constant: frozenset[int] = frozenset()
 
     @property
     def nodes(self) -> int:
@@ -75,7 +78,9 @@ class Structure:
     @cached_property
     def forms(self) -> tuple[Form, ...]:
         """How each path goes with speed."""
-        return tuple(OUTSIDE if j < 0 else WITHIN for _, j in self.paths)
+        return tuple(
+            OUTSIDE if j < 0 else CONSTANT if q in self.constant else WITHIN for q, (_, j) in enumerate(self.paths)
+        )
 
     @cached_property
     def conductances(self) -> tuple[slice, ...]:

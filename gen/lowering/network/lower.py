@@ -29,11 +29,11 @@ TARGET_K: Mapping[Arithmetic, float] = {"fixed": 9.5e-6, "float": 1e-3}
 """A bound that is good enough: a smaller one costs terms of the series, and longer words."""
 _TOLD_TARGET_K = 4e-5
 """The same in fixed point with channels, whose factors are short words."""
-_SLACK = 1.5
+_SLACK: Mapping[Arithmetic, float] = {"fixed": 1.1, "float": 1.5}
 """So is one that is no larger than the best by this factor."""
 _STATE_CYCLES = 60.0
 """About what a state costs in each term of the series, beside its products."""
-_DOUBT, _MOST_TRIED = 2.0, 8
+_DOUBT, _MOST_TRIED = 2.0, 4
 """By how much an estimate of a bound may exceed what is good enough to be looked at, and how many are."""
 _START_WORDS = 4.0
 """A state at its start is at most so many words from what it stands for: a scale of 2^-18, weights of 2^-32."""
@@ -111,9 +111,9 @@ def _bound(terms: Terms, ranges: Ranges, defect: Array) -> Array:
     return found
 
 
-def _enough(target: float, least: float, limit: float) -> float:
+def _enough(target: float, least: float, slack: float, limit: float) -> float:
     """Largest bound that is good enough, from the least one that can be had and the file's limit."""
-    return max(least, min(max(target, _SLACK * least), 0.95 * limit))
+    return max(least, min(max(target, slack * least), 0.95 * limit))
 
 
 def _fixed(
@@ -121,9 +121,11 @@ def _fixed(
 ) -> _Form:
     shape = fixed.choose_format(terms, factors, first, bits)
     base = fixed.roundings(terms, ranges, shape, factors, (FIRST,), ()).first
-    trials = []
+    trials: list[_Trial] = []
     for share in SHARES:
         orders, left = choose_orders(terms, first, base, share)
+        if any(trial.orders == orders for trial in trials):
+            continue
         for further in product(*(CHOICES[k] for k in range(2, max(orders) + 1))):
             products = (FIRST, *further)
             series = fixed.series_bits(terms, first, shape, products)
@@ -134,7 +136,7 @@ def _fixed(
     assert trials, "words are chosen with room to spare"
     best = min(trials, key=lambda trial: float((trial.defect / base).max()))
     least = _bound(terms, ranges, best.defect)
-    enough = _enough(_TOLD_TARGET_K if factors else TARGET_K["fixed"], float(least.max()), limit)
+    enough = _enough(_TOLD_TARGET_K if factors else TARGET_K["fixed"], float(least.max()), _SLACK["fixed"], limit)
     chosen, bound = _cheapest(terms, ranges, trials, best, least, enough)
     states = tuple(
         StateProgram(
@@ -186,7 +188,7 @@ def _float(
         rounding = float32.roundings(terms, ranges, bits, factors, first, max(orders))
         defect, _ = defects(terms, first, orders, left, rounding)
         tried.append((orders, defect, _bound(terms, ranges, defect)))
-    enough = _enough(TARGET_K["float"], float(tried[-1][2].max()), limit)
+    enough = _enough(TARGET_K["float"], float(tried[-1][2].max()), _SLACK["float"], limit)
     orders, defect, bound = next(found for found in tried if found[2].max() <= enough)
     states = tuple(
         StateProgram(
