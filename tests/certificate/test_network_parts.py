@@ -12,11 +12,14 @@ from hypothesis import strategies as st
 
 from gen.certificate.document import read as read_certificate
 from gen.certificate.exact import Floats
-from gen.certificate.network.check import NetworkProof, rest_weights
+from gen.certificate.network.arithmetic import Arithmetic as Computing
+from gen.certificate.network.arithmetic import Number
+from gen.certificate.network.check import NetworkProof
 from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.network.flow import change, flows
 from gen.certificate.network.forms import Form, Space
-from gen.certificate.network.machine import Machine, Model, Number
+from gen.certificate.network.machine import Machine, Model
+from gen.certificate.network.rest import rest_weights
 from gen.certificate.network.single import single
 from gen.certificate.network.source import Unit
 from gen.certificate.network.words import Layout
@@ -174,6 +177,9 @@ def machine(tmp_path: Path) -> Machine:
     return Machine(unit, {}, Space([(-300.0, 300.0)], [], 1), Model([]), lambda *_: pytest.fail("no channel"))
 
 
+KNOWN = Computing(Space([(-300.0, 300.0)], [], 1)).known
+
+
 def _number(low: float, high: float, kind: str) -> Number:
     return Number(kind, Space([(low, high)], [], 1).temperature(0))
 
@@ -181,8 +187,8 @@ def _number(low: float, high: float, kind: str) -> Number:
 def test_numbers_stay_within_their_types(machine: Machine) -> None:
     large, word = _number(-300.0, 300.0, "int16_t"), _number(-1e6, 1e6, "int32_t")
     with pytest.raises(Refuted, match="int16_t can reach"):  # on the AVR an int has 16 bits
-        machine.call("small", large, machine.known(200.0, "int16_t"))
-    assert machine.call("wide", large, machine.known(200.0, "int16_t")).form.largest[0] == pytest.approx(60000.0)
+        machine.call("small", large, KNOWN(200.0, "int16_t"))
+    assert machine.call("wide", large, KNOWN(200.0, "int16_t")).form.largest[0] == pytest.approx(60000.0)
     with pytest.raises(Refuted, match="uint32_t can reach"):
         machine.call("sign", word)
     low, high = machine.call("down", word).form.ends
@@ -190,7 +196,7 @@ def test_numbers_stay_within_their_types(machine: Machine) -> None:
     assert high[0] == pytest.approx(125000.0, abs=0.2)
     with pytest.raises(Refuted, match="can reach"):
         machine.call("down", _number(-3e9, 3e9, "int64_t"))
-    form = machine.call("rounds", machine.known(2.0**24 + 1.0)).form
+    form = machine.call("rounds", KNOWN(2.0**24 + 1.0)).form
     assert abs(form.constant[0] - (2.0**24 + 1.0) * float(np.float32(0.1))) <= form.radius[0] < 0.3
 
 

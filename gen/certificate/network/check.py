@@ -19,13 +19,15 @@ from typing import Any
 import numpy as np
 from pycparser import c_ast
 
-from gen.certificate.exact import ROUGHLY, Floats, inverse, ratios
+from gen.certificate.exact import ROUGHLY, Floats
+from gen.certificate.network.arithmetic import Arithmetic, Number
 from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.network.flow import Rows, change, flows
 from gen.certificate.network.forms import Form, Space
-from gen.certificate.network.machine import Cell, Machine, Model, Number
+from gen.certificate.network.machine import Cell, Machine, Model
 from gen.certificate.network.measured import Measured, Span, measure, spans
 from gen.certificate.network.order import check_order
+from gen.certificate.network.rest import rest_weights
 from gen.certificate.network.source import Unit, tables
 from gen.certificate.network.words import Layout
 from gen.certificate.refuted import Refuted
@@ -174,7 +176,7 @@ class NetworkProof:
         """What a sample adds to each state's error, shape (P, n)."""
         model = Model(self._words())
         machine = Machine(self._sample, self._tables, self._space, model, self._of_channel)
-        row = machine.known(np.arange(self._space.rows, dtype=np.float64), "uint8_t")
+        row = Arithmetic(self._space).known(np.arange(self._space.rows, dtype=np.float64), "uint8_t")
         machine.call(f"{self._project.model}_advance", row, self._ambient_word(self._measured.ambient))
         n = len(self._ranges)
         states = [self._space.temperature(k) for k in range(n)]
@@ -276,60 +278,3 @@ class _Calls(c_ast.NodeVisitor):  # type: ignore[misc]
                     self._found.append((name, int(channel)))
                 return
         self.generic_visit(node)
-
-
-def rest_weights(certificate: NetworkCertificate) -> list[dict[int | None, Fraction]]:
-    """Where hidden nodes rest at |PWM| 0 with neutral channels: weights of measured nodes and, under None, the ambient.
-
-    A node that nothing ties to these rests at the ambient.
-    """
-    own, hidden = certificate.equations, certificate.hidden
-    neutral = [_neutral(certificate, k) for k in range(len(own.factors))]
-    ties: dict[int, dict[int | None, Fraction]] = {node: {} for node in hidden}
-    for path in own.paths:
-        conductance = Fraction(path.at_rest_W_per_K)
-        for k in path.factors:
-            conductance *= neutral[k]
-        first, second = path.between
-        for here, there in ((first, second), (second, first)):
-            if here is not None and here in ties and conductance:
-                ties[here][there] = ties[here].get(there, Fraction(0)) + conductance
-    reached = {node for node in hidden if any(there not in ties for there in ties[node])}
-    while True:
-        further = {node for node in hidden if reached & {there for there in ties[node] if there is not None}} - reached
-        if not further:
-            break
-        reached |= further
-    solved = _solved({node: ties[node] for node in hidden if node in reached})
-    return [solved.get(node, {None: Fraction(1)}) for node in hidden]
-
-
-def _solved(ties: dict[int, dict[int | None, Fraction]]) -> dict[int, dict[int | None, Fraction]]:
-    """Weights of what is given in the balance of nodes that are tied to it and to each other."""
-    nodes = list(ties)
-    if not nodes:
-        return {}
-    given = list(dict.fromkeys(there for own in ties.values() for there in own if there not in ties))
-    system = [[sum(ties[a].values()) if a == b else -ties[a].get(b, Fraction(0)) for b in nodes] for a in nodes]
-    back = inverse(ratios(system))
-    right = ratios([[ties[node].get(there, Fraction(0)) for there in given] for node in nodes])
-    weights = back @ right
-    return {node: dict(zip(given, row, strict=True)) for node, row in zip(nodes, weights, strict=True)}
-
-
-def _neutral(certificate: NetworkCertificate, place: int) -> Fraction:
-    """A factor at its channel's neutral value, never below 0."""
-    factor = certificate.equations.factors[place]
-    x = Fraction(certificate.equations.channels[factor.channel].neutral, 1000)
-    if factor.polynomial:
-        value = Fraction(0)
-        for coefficient in factor.polynomial:
-            value = value * x + Fraction(coefficient)
-        return max(value, Fraction(0))
-    at, values = ([Fraction(one) for one in many] for many in (factor.at, factor.value))
-    if x <= at[0]:
-        return max(values[0], Fraction(0))
-    for (a, y), (b, z) in zip(zip(at, values, strict=True), zip(at[1:], values[1:], strict=True), strict=False):
-        if x <= b:
-            return max(y + (z - y) * (x - a) / (b - a), Fraction(0))
-    return max(values[-1], Fraction(0))

@@ -16,51 +16,14 @@ import numpy as np
 from pycparser import c_ast
 
 from gen.certificate.exact import Floats
+from gen.certificate.network.arithmetic import Arithmetic, Number
 from gen.certificate.network.forms import Form, Space
 from gen.certificate.network.single import single
 from gen.certificate.network.source import Table, Unit
 from gen.certificate.network.words import check_text
 from gen.certificate.refuted import Refuted
 
-#: Below this whole numbers are exact in float64.
-_EXACT = 2.0**53
-#: float32's largest number.
-_LARGEST = float(np.finfo(np.float32).max)
 _MOST_ROUNDS = 1024
-
-
-@dataclass(frozen=True, eq=False)
-class Number:
-    """A number of the C++.
-
-    Attributes
-    ----------
-    kind
-        Its type.
-    form
-        What it is.
-    natural
-        Whether it is known not to be negative, whatever the form says: factors may come close to 0.
-    """
-
-    kind: str
-    form: Form
-    natural: bool = False
-
-    @property
-    def at_least_0(self) -> bool:
-        """Whether it is known not to be negative."""
-        return self.natural or self.kind.startswith("u")
-
-    @property
-    def bits(self) -> int:
-        """How many it has, of a whole number."""
-        return int(self.kind.strip("uint_"))
-
-    @property
-    def signed(self) -> bool:
-        """Whether it may be negative."""
-        return not self.kind.startswith("u")
 
 
 @dataclass
@@ -132,11 +95,8 @@ class Machine:
         of_channel: Callable[[str, int], Number],
     ) -> None:
         self._unit, self._tables, self._space = unit, tables, space
+        self._do = Arithmetic(space)
         self._model, self._of_channel = model, of_channel
-
-    def known(self, value: float | Floats, kind: str = "int32_t") -> Number:
-        """A number that is known."""
-        return Number(kind, self._space.number(value))
 
     def call(self, name: str, *arguments: Any) -> Any:  # noqa: ANN401
         """Run a function.
@@ -156,13 +116,13 @@ class Machine:
         parameters = tree.decl.type.args.params if tree.decl.type.args is not None else []
         for parameter, value in zip(parameters, arguments, strict=False):
             if isinstance(value, Number):
-                value = self._converted(value, self._kind(parameter.type))
+                value = self._do.converted(value, self._kind(parameter.type))
             variables[parameter.name] = value
         try:
             self._block(tree.body, variables)
         except _Returned as returned:
             result = returned.value
-            return self._converted(result, self._kind(tree.decl.type.type)) if isinstance(result, Number) else result
+            return self._do.converted(result, self._kind(tree.decl.type.type)) if isinstance(result, Number) else result
         return None
 
     def _chosen(self, name: str, arguments: Sequence[Any]) -> c_ast.FuncDef:
@@ -232,12 +192,12 @@ class Machine:
     def _declared(self, node: c_ast.Decl, variables: dict[str, Any]) -> Any:  # noqa: ANN401
         match node.type:
             case c_ast.ArrayDecl(type=inner, dim=length):
-                kind, count = self._kind(inner), self._whole(self._value(length, variables))
+                kind, count = self._kind(inner), self._do.whole(self._value(length, variables))
                 if node.init is None:
                     return [Number(kind or "", self._space.number(np.nan))] * count
                 match node.init:
                     case c_ast.InitList(exprs=[c_ast.Constant(value="0" | "0.0f")]):
-                        return [self.known(0.0, kind or "")] * count
+                        return [self._do.known(0.0, kind or "")] * count
                 raise Refuted(f"{node.name} is not filled with zeros")
             case c_ast.PtrDecl():
                 return self._value(node.init, variables)
@@ -245,7 +205,7 @@ class Machine:
                 kind = self._kind(node.type)
                 if node.init is None:
                     return Number(kind or "", self._space.number(np.nan))
-                return self._converted(self._value(node.init, variables), kind)
+                return self._do.converted(self._value(node.init, variables), kind)
 
     def _loop(self, node: c_ast.For, variables: dict[str, Any]) -> None:
         """``for (uint8_t i = 0; i < N; ++i)``."""
@@ -256,13 +216,13 @@ class Machine:
                 next=c_ast.UnaryOp(op="++", expr=c_ast.ID(name=counted)),
             ) if name == compared == counted and name not in variables:
                 start = self._declared(first, variables)
-                last = self._whole(self._value(end, variables))
-                for count in range(self._whole(start), last):
-                    if count - self._whole(start) >= _MOST_ROUNDS:
+                last = self._do.whole(self._value(end, variables))
+                for count in range(self._do.whole(start), last):
+                    if count - self._do.whole(start) >= _MOST_ROUNDS:
                         raise Refuted("a loop that goes round too often")
-                    inner = {**variables, name: self._converted(self.known(float(count)), start.kind)}
+                    inner = {**variables, name: self._do.converted(self._do.known(float(count)), start.kind)}
                     self._block(node.stmt, inner)
-                    if self._whole(inner[name]) != count:
+                    if self._do.whole(inner[name]) != count:
                         raise Refuted("a loop that changes its own count")
                     for kept in variables:
                         variables[kept] = inner[kept]
@@ -286,7 +246,7 @@ class Machine:
         if op != "=":
             value = self._binary(op.removesuffix("="), old, value)
         if isinstance(old, Number) and isinstance(value, Number):
-            return self._converted(value, old.kind)
+            return self._do.converted(value, old.kind)
         if isinstance(old, Pointer) and isinstance(value, Pointer):
             return value
         raise Refuted("an assignment of another type")
@@ -296,13 +256,13 @@ class Machine:
         if not isinstance(cell, Cell) or op != "=":
             raise Refuted("an assignment that the proof does not know")
         if half == "lo":
-            if self._whole(value) != 0:
+            if self._do.whole(value) != 0:
                 raise Refuted("a word's lower bits are not cleared")
             cell.form = None
         else:
             if cell.form is not None:
                 raise Refuted("a word's lower bits are not cleared")
-            cell.form = self._converted(value, "int32_t").form.times(2.0**cell.low_bits)
+            cell.form = self._do.converted(value, "int32_t").form.times(2.0**cell.low_bits)
 
     # Expressions.
 
@@ -313,12 +273,12 @@ class Machine:
             case c_ast.ID(name=name):
                 return self._named(name, variables)
             case c_ast.UnaryOp(op="-", expr=inner):
-                return self._binary("-", self.known(0.0, "int16_t"), self._value(inner, variables))
+                return self._binary("-", self._do.known(0.0, "int16_t"), self._value(inner, variables))
             case c_ast.UnaryOp(op="&", expr=c_ast.ArrayRef() as inner):
                 found = self._place(inner, variables)
                 return found.cells[found.at] if isinstance(found.cells, _Flash) else found
             case c_ast.Cast(to_type=c_ast.Typename(type=to)):
-                return self._converted(self._value(node.expr, variables), self._kind(to))
+                return self._do.converted(self._value(node.expr, variables), self._kind(to))
             case c_ast.TernaryOp(cond=condition, iftrue=yes, iffalse=no):
                 return self._value(yes if self._decided(condition, variables) else no, variables)
             case c_ast.BinaryOp(op=op, left=left, right=right):
@@ -339,7 +299,7 @@ class Machine:
         """A comparison of numbers that are known."""
         match node:
             case c_ast.BinaryOp(op=("<" | ">" | "<=" | ">=" | "==" | "!=") as op, left=left, right=right):
-                one, other = (self._whole(self._value(side, variables)) for side in (left, right))
+                one, other = (self._do.whole(self._value(side, variables)) for side in (left, right))
                 return bool(_COMPARISONS[op](one, other))
         raise Refuted("a condition that the proof does not know")
 
@@ -360,14 +320,14 @@ class Machine:
             return Pointer(value, 0) if isinstance(value, list) else value
         if name in self._unit.constants:
             value, kind = self._unit.constants[name]
-            return self._fitted(self.known(float(value), kind))
+            return self._do.fitted(self._do.known(float(value), kind))
         if name in self._tables:
             return Pointer(_Flash(self._tables[name], self._space), 0)
         raise Refuted(f"a name that the proof does not know: {name}")
 
     def _literal(self, kind: str, text: str) -> Number:
         if kind == "float":
-            return self.known(single(text), "float")
+            return self._do.known(single(text), "float")
         digits = text.rstrip("uULl")
         suffix = text[len(digits) :]
         if not digits.isdecimal() or suffix not in ("", "u", "L", "UL"):
@@ -375,11 +335,11 @@ class Machine:
         value = int(digits)
         plain = "int16_t" if value < 1 << 15 else "int32_t" if value < 1 << 31 else "int64_t"
         chosen = {"": plain, "u": "uint16_t", "L": "int32_t", "UL": "uint32_t"}[suffix]
-        return self._fitted(self.known(float(value), chosen))
+        return self._do.fitted(self._do.known(float(value), chosen))
 
     def _called(self, name: str, given: list[Any]) -> Any:  # noqa: ANN401
         if name in _MADE and len(given) == 1:
-            return self._converted(given[0], _MADE[name])
+            return self._do.converted(given[0], _MADE[name])
         if name.startswith("pgm_read_") and len(given) == 1 and isinstance(given[0], Number):
             kinds = {"byte": "uint8_t", "word": "uint16_t", "dword": "uint32_t", "float": "float"}
             if kinds.get(name.removeprefix("pgm_read_")) == given[0].kind:
@@ -393,12 +353,12 @@ class Machine:
             case c_ast.ArrayRef(
                 name=c_ast.StructRef(type=".", name=c_ast.ID(name=of), field=c_ast.ID(name="channel")), subscript=index
             ) if self._is_model(of):
-                return Pointer([Told(self._whole(self._value(index, variables)))], 0)
+                return Pointer([Told(self._do.whole(self._value(index, variables)))], 0)
             case c_ast.ArrayRef(name=of, subscript=index):
                 array, number = self._value(of, variables), self._value(index, variables)
                 if isinstance(array, Pointer) and isinstance(array.cells, _Flash) and array.at == 0:
                     return array.cells.place(number)
-                return self._within(array, self._whole(number))
+                return self._within(array, self._do.whole(number))
             case c_ast.UnaryOp(op="*", expr=c_ast.UnaryOp(op="p++", expr=c_ast.ID(name=name))):
                 return self._passed(name, variables)
             case c_ast.UnaryOp(op="*", expr=inner):
@@ -419,67 +379,16 @@ class Machine:
 
     def _binary(self, op: str, left: Any, right: Any) -> Any:  # noqa: ANN401
         if isinstance(left, Pointer) and isinstance(right, Number) and op == "+":
-            return Pointer(left.cells, left.at + self._whole(right))
+            return Pointer(left.cells, left.at + self._do.whole(right))
         if not (isinstance(left, Number) and isinstance(right, Number)):
             raise Refuted(f"an operation that the proof does not know: {op}")
-        if op in (">>", "<<") and "float" not in (left.kind, right.kind):
-            return self._shifted(op, left, self._whole(right))
-        if op not in ("+", "-", "*"):
-            raise Refuted(f"an operation that the proof does not know: {op}")
-        kind = _common(left, right)
-        left, right = self._converted(left, kind), self._converted(right, kind)
-        if kind == "float":
-            return self._single(op, left.form, right.form)
-        natural = op != "-" and left.at_least_0 and right.at_least_0
-        return self._fitted(Number(kind, self._exactly(op, left.form, right.form), natural))
-
-    def _exactly(self, op: str, left: Form, right: Form) -> Form:
-        if left.known and right.known:
-            made = _OPERATIONS[op](left.constant, right.constant)
-            if np.all(np.abs(made) <= _EXACT):
-                return self._space.number(made)
-        match op:
-            case "+":
-                return (left + right).trimmed()
-            case "-":
-                return (left - right).trimmed()
-            case _:
-                return left.product(right).trimmed()
-
-    def _single(self, op: str, left: Form, right: Form) -> Number:
-        if left.known and right.known:
-            made = _OPERATIONS[op](left.constant.astype(np.float32), right.constant.astype(np.float32))
-            return self._finite(self._space.number(made.astype(np.float64)))
-        return self._rounded(self._exactly(op, left, right))
-
-    def _rounded(self, form: Form) -> Number:
-        """Round to nearest float32."""
-        return self._finite(form.within(_half_ulp(form.largest)))
-
-    @staticmethod
-    def _finite(form: Form) -> Number:
-        if not np.all(form.largest < _LARGEST):
-            raise Refuted("a number of float32 has no bound")
-        return Number("float", form)
-
-    def _shifted(self, op: str, value: Number, bits: int) -> Number:
-        value = self._converted(value, _promoted(value))
-        if not 0 <= bits < value.bits:
-            raise Refuted(f"a shift by {bits} bits")
-        if op == "<<":
-            return self._fitted(Number(value.kind, value.form.times(2.0**bits), value.at_least_0))
-        scaled = value.form.times(2.0**-bits)
-        if value.form.known:
-            return Number(value.kind, self._space.number(np.floor(scaled.constant)))
-        lost = 1.0 - 2.0**-bits  # rounded down
-        made = (scaled + self._space.number(-lost / 2.0)).within(lost / 2.0) if bits else scaled
-        return Number(value.kind, made, value.at_least_0)
+        return self._do.binary(op, left, right)
 
     def _high(self, cell: Any) -> Number:  # noqa: ANN401
         if not isinstance(cell, Cell) or cell.form is None:
             raise Refuted("a member that the proof does not know: hi")
-        whole = self._shifted(">>", Number("int64_t", cell.form), cell.low_bits)
-        return self._fitted(Number("int32_t", whole.form))
+        whole = self._do.shifted(">>", Number("int64_t", cell.form), cell.low_bits)
+        return self._do.fitted(Number("int32_t", whole.form))
 
     # Functions whose text is known.
 
@@ -501,18 +410,18 @@ class Machine:
         cell = where.cells[where.at]
         if value.kind != "float":
             raise Refuted("an addition that the proof does not know")
-        scaled = value.form.times(2.0 ** (cell.low_bits - self._whole(shift)))
+        scaled = value.form.times(2.0 ** (cell.low_bits - self._do.whole(shift)))
         self._raise(cell, Number("int64_t", scaled.within(1.0)))
 
     def _taken_up(self, where: Pointer, value: Number, bits: Number) -> None:
         """The addition of a whole number, shifted as far as `NAME_shifted` does it."""
         shifted = self.call(f"{self._unit.model}_shifted", value, bits)
-        self._raise(where.cells[where.at], self._converted(shifted, "int64_t"))
+        self._raise(where.cells[where.at], self._do.converted(shifted, "int64_t"))
 
     def _raise(self, cell: Cell, value: Number) -> None:
         if cell.form is None:
             raise Refuted("a word is not written")
-        total = cell.form + self._fitted(value).form
+        total = cell.form + self._do.fitted(value).form
         if not np.all(total.largest < 2.0 ** (31 + cell.low_bits) - 1.0):
             raise Refuted("a state's word may overflow")
         cell.form = total
@@ -524,8 +433,8 @@ class Machine:
         """
         if d.kind == "float" or a.kind == "float":
             raise Refuted("a product that the proof does not know")
-        d, a = self._converted(d, "int64_t"), self._converted(a, "uint32_t")
-        columns, cuts = self._whole(least), self._whole(cut) != 0 if cut is not None else False
+        d, a = self._do.converted(d, "int64_t"), self._do.converted(a, "uint32_t")
+        columns, cuts = self._do.whole(least), self._do.whole(cut) != 0 if cut is not None else False
         if not 0 <= columns < 4:
             raise Refuted(f"a product without {columns} columns")
         bytes_of = [np.floor(a.form.constant / 2.0 ** (8 * j)) % 256.0 if a.form.known else 255.0 for j in range(4)]
@@ -536,10 +445,10 @@ class Machine:
                     most = most + 255.0 * bytes_of[j] * 2.0 ** (8 * (i + j))
                 elif cuts and i + j == columns:
                     most = most + 255.0 * 2.0 ** (8 * (i + j))
-        whole = self._fitted(Number("int64_t", self._exactly("*", d.form, a.form)))
+        whole = self._do.fitted(Number("int64_t", self._do.exactly("*", d.form, a.form)))
         lost = self._space.number(-np.asarray(most) / 2.0).within(np.asarray(most) / 2.0)
         natural = d.at_least_0 and a.at_least_0  # what is left out is part of a product that is not negative
-        made = self._fitted(Number("int64_t", whole.form + lost, natural))
+        made = self._do.fitted(Number("int64_t", whole.form + lost, natural))
         return Number("int64_t", made.form.times(2.0 ** (-8 * (columns + int(cuts)))), natural)
 
     def _scaled(self, word: Number, factor: Number) -> Number:
@@ -549,39 +458,8 @@ class Machine:
             raise Refuted("a sum has other than 64 bits")
         for name in ("sum", "add", "down"):
             check_text(model, name, self._unit.texts.get(f"{model}_{name}", []))
-        product = self._product(self._converted(factor, "int32_t"), word, self.known(2.0, "uint8_t"))
-        return self._fitted(Number("uint32_t", self._shifted(">>", product, 14).form, product.at_least_0))
-
-    def _converted(self, value: Any, kind: str | None) -> Any:  # noqa: ANN401
-        if not isinstance(value, Number) or kind is None or value.kind == kind:
-            return value
-        if kind == "float":
-            if value.form.known and np.all(np.abs(value.form.constant) <= 2.0**24):
-                return Number(kind, value.form)
-            return self._rounded(value.form)
-        if value.kind == "float":
-            raise Refuted("a float32 as a whole number")
-        return self._fitted(Number(kind, value.form, value.at_least_0))
-
-    @staticmethod
-    def _fitted(value: Number) -> Number:
-        """The number itself, within its type."""
-        low, high = value.form.ends
-        natural = value.natural or bool(np.all(low >= 0.0))
-        low = np.maximum(low, 0.0) if natural else low
-        room = value.bits - (1 if value.signed else 0)
-        least = -(2.0**room) if value.signed else 0.0
-        if not (np.all(low >= least) and np.all(high <= 2.0**room - (1.0 if room < 53 else 2.0**11))):
-            raise Refuted(f"a number of {value.kind} can reach {low.min():.6g} .. {high.max():.6g}")
-        return Number(value.kind, value.form, natural)
-
-    @staticmethod
-    def _whole(value: Any) -> int:  # noqa: ANN401
-        if isinstance(value, Number) and value.kind != "float" and value.form.known:
-            found = value.form.constant
-            if np.all(found == found[0]):
-                return int(found[0])
-        raise Refuted("a count, a place or a shift that is no constant")
+        product = self._product(self._do.converted(factor, "int32_t"), word, self._do.known(2.0, "uint8_t"))
+        return self._do.fitted(Number("uint32_t", self._do.shifted(">>", product, 14).form, product.at_least_0))
 
 
 class _Flash(list[Any]):
@@ -613,28 +491,3 @@ _COMPARISONS = {
     "==": operator.eq,
     "!=": operator.ne,
 }
-_OPERATIONS: dict[str, Callable[[Floats, Floats], Floats]] = {"+": np.add, "-": np.subtract, "*": np.multiply}
-
-
-def _promoted(value: Number) -> str:
-    """A small number's type where it is computed with."""
-    if value.bits >= 32:
-        return value.kind
-    return "uint16_t" if value.kind == "uint16_t" else "int16_t"
-
-
-def _common(left: Number, right: Number) -> str:
-    """The type in which two numbers are computed with; a change of sign is refuted where it would change the number."""
-    if "float" in (left.kind, right.kind):
-        return "float"
-    kinds = {_promoted(left), _promoted(right)}
-    for kind in ("uint64_t", "int64_t", "uint32_t", "int32_t", "uint16_t"):
-        if kind in kinds:
-            return kind
-    return "int16_t"
-
-
-def _half_ulp(largest: Floats) -> Floats:
-    """Half the distance of float32 numbers of at most this magnitude."""
-    found: Floats = np.maximum(np.ldexp(1.0, np.frexp(largest)[1] - 25), 2.0**-150)
-    return np.asarray(np.where(largest == 0.0, 0.0, found), dtype=np.float64)
