@@ -61,7 +61,7 @@ def approach(problem: Problem, start: FloatArray, most: int, tolerance: float = 
     tolerance
         Relative decrease of the cost at which to end.
     """
-    unit = 1.0 / np.sqrt(np.diag(problem.prior.precision))
+    unit = problem.prior.deviation
     vector = start
     evaluated, normal = problem.linearised(vector)
     cost = evaluated.cost + problem.penalty(vector)
@@ -73,7 +73,7 @@ def approach(problem: Problem, start: FloatArray, most: int, tolerance: float = 
         for _ in range(TRIALS):
             factor = cho_factor(matrix + np.diag(damping * np.diag(matrix)), check_finite=False)
             step = np.clip(cho_solve(factor, right, check_finite=False), -unit, unit)
-            trial = vector + step
+            trial = problem.prior.within(vector + step)
             new = problem.evaluate(trial).cost + problem.penalty(trial)
             expected = float(step @ (2.0 * right - matrix @ step))
             ratio = (cost - new) / expected if expected > 0.0 else -1.0
@@ -100,7 +100,7 @@ def settle(problem: Problem, start: FloatArray, most: int, tolerance: float = TO
     evaluated, normal = problem.linearised(vector)
     cost = evaluated.cost + problem.penalty(vector)
     radius = FIRST_RADIUS
-    deviation = 1.0 / np.sqrt(np.diag(problem.prior.precision))
+    deviation = problem.prior.deviation
     small = 0
     iteration = 1
     while iteration < most:
@@ -109,7 +109,8 @@ def settle(problem: Problem, start: FloatArray, most: int, tolerance: float = TO
         improved = False
         for _ in range(TRIALS):
             step = trust.step(radius)
-            trial = vector + step
+            trial = problem.prior.within(vector + step)
+            step = trial - vector
             tried = problem.evaluate(trial)
             new = tried.cost + problem.penalty(trial)
             expected = float(step @ (2.0 * right - matrix @ step))

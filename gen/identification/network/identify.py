@@ -21,7 +21,7 @@ from gen.identification.network.structure import full
 
 MOST_HIDDEN = 3
 MOST_NODES = 10
-BETTER = 1.03
+BETTER = 1.1
 """Left-out errors within this factor of the best are as good."""
 SLACK = 0.1
 """Nor does a difference count that is below this share of a single reading's noise."""

@@ -9,6 +9,7 @@ and heats together: it is the prior's.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from gen.identification.network.structure import Structure
 
 FACTOR = 2.0
 """Standard deviation of a logarithm."""
+FARTHEST = 8.0
+"""Standard deviations from its mean beyond which no parameter is tried."""
 CAPACITY = 100.0
 """J/K."""
 OFFSET_K = 0.7
@@ -45,10 +48,14 @@ class Prior:
     mean: FloatArray
     precision: FloatArray
 
-    @property
+    @cached_property
     def deviation(self) -> FloatArray:
         """Standard deviations, shape (P,)."""
-        return np.sqrt(np.diag(np.linalg.inv(self.precision)))
+        return np.asarray(np.sqrt(np.diag(np.linalg.inv(self.precision))), dtype=np.float64)
+
+    def within(self, vector: FloatArray) -> FloatArray:
+        """Hold parameters to where numbers stay finite: no search has to go further than this."""
+        return np.clip(vector, self.mean - FARTHEST * self.deviation, self.mean + FARTHEST * self.deviation)
 
 
 def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
