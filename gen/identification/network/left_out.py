@@ -14,7 +14,8 @@ from gen.identification.network.search import Found
 
 MOST_FOLDS = 5
 STRETCHES = 8
-"""A run that is alone is cut into so many; each fold leaves out every fourth."""
+"""Where there are few runs each is cut into so many; each fold leaves out every fourth."""
+FEW = 2
 AT_EACH = 5
 """Linearisations of a fold, from where all runs lead."""
 
@@ -45,8 +46,10 @@ class LeftOut:
 def folds_of(inputs: Inputs) -> list[Mask]:
     """Give what each fold leaves out, shape (N,) each."""
     runs = len(inputs.runs)
-    if runs == 1:
-        part = (inputs.begins / inputs.runs[0].duration * STRETCHES).astype(np.int64)
+    if runs <= FEW:
+        # Half of the data, and speeds that no other run has, would be too much to leave out.
+        duration = np.array([run.duration for run in inputs.runs])[inputs.run]
+        part = (inputs.begins / duration * STRETCHES).astype(np.int64)
         return [(part % (STRETCHES // 2)) == k for k in range(STRETCHES // 2)]
     # Neighbours in the list are often alike (speeds in order): a fold takes runs from all over it.
     count = min(runs, MOST_FOLDS)
