@@ -54,8 +54,8 @@ def network_statement(coefficients: Coefficients) -> dict[str, Any]:
         state = place
         if node in lagging:
             state = len(states)
-            states.append({"name": f"{node.name}_sensor", "lags": place, "lag_s": node.sensor.lag})
-        components.append({"name": node.name, "node": place, "state": state, "offset_K": node.sensor.offset})
+            states.append({"name": f"{node.name}_sensor", "lags": place, "time_constant_s": node.sensor.lag})
+        components.append({"name": node.name, "node": place, "state": state, "shown_K": node.sensor.offset})
     return {"equations": _equations(network, model), "states": states, "components": components}
 
 

@@ -69,7 +69,7 @@ def _other_conductance(tree: dict[str, Any]) -> None:
 
 
 def _other_lag(tree: dict[str, Any]) -> None:
-    tree["states"][5]["lag_s"] *= 1.0 + 1e-6
+    tree["states"][5]["time_constant_s"] *= 1.0 + 1e-6
 
 
 def _other_reference(tree: dict[str, Any]) -> None:
@@ -81,7 +81,7 @@ def _other_rest(tree: dict[str, Any]) -> None:
 
 
 def _other_offset(tree: dict[str, Any]) -> None:
-    tree["components"][2]["offset_K"] += 1e-4
+    tree["components"][2]["shown_K"] += 1e-4
 
 
 def _no_factor(tree: dict[str, Any]) -> None:

@@ -24,19 +24,34 @@ KEYS = {key for part in OBJECTS.values() for key in part["properties"]} - ELSEWH
 OTHER_FORMATS = {
     # the JSON summary of `gen refine` (and, of the Python interface, that of `gen identify`)
     "commands/refine.py": {"name", "component", "parameters", "evidence"},
-    "interface/loop.py": {"name", "component", "parameters", "evidence", "components", "order", "value"},
+    "interface/loop.py": {"name", "component", "parameters", "evidence", "components", "order", "value", "network"},
     "refinement/page.py": {"name", "component", "parameters", "evidence", "note"},
     "refinement/residual_charts.py": {"component"},
     # the JSON summary of `gen identify`: a measured error by speed, a fitted number with its interval
     "identification/page.py": {"components"},
+    "identification/network/page.py": {
+        "between",
+        "conductance_W_per_K",
+        "heats",
+        "name",
+        "node",
+        "nodes",
+        "paths",
+        "power_W",
+    },
     "identification/summary.py": {"components", "value", "model_minus_measured_K"},
     # the manifest of a project
     "certificate/claims.py": {"components", "name"},
+    # the certificate of a network
+    "certificate/network/document.py": {"components"},
+    "firmware/network_certificate.py": {"components", "factors"},
     # faults, channels and results of `gen emulate`
     "commands/emulate.py": {"alarms", "profile", "ambient", "encoder"},
     "emulate/results.py": {"alarms"},
     # contexts of templates, and lists of names in them
-    "firmware/context.py": {"name"},
+    "firmware/context.py": {"name", "channels"},
+    "firmware/contexts/network.py": {"constant", "heats", "note"},
+    "firmware/contexts/network_words.py": {"note"},
     "firmware/contexts/effects.py": {"name", "heats"},
     "firmware/device.py": {"ambient", "channels", "encoder", "observe", "memory", "column", "direction"},
     "firmware/effects_report.py": {"effects"},
@@ -54,7 +69,9 @@ OTHER_FORMATS = {
 #: Where a dict with such keys is no object of the file: an effect's values, which may be a channel or an offset alone.
 VALUES = ("airflow", "load_heating", "sensor_offset", "supply_voltage")
 OTHER_DICTS = {f"model/effects/catalogue/{name}.py" for name in VALUES} | {
-    "firmware/certificate.py"  # the certificate's own form of an equation
+    "firmware/certificate.py",  # the certificate's own form of an equation
+    "firmware/network_certificate.py",
+    "identification/network/summary.py",  # the JSON summary of `gen identify`
 }
 
 

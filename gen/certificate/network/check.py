@@ -193,9 +193,9 @@ class NetworkProof:
         room = certificate.equations.channels[0].neutral / 1000.0
         begin: dict[int, tuple[float, float, float]] = {}
         for part in certificate.components:
-            wrong = (off + abs(self._measured.offsets[part.name] * self._unit - part.offset_K)) * (1.0 + ROUGHLY)
+            wrong = (off + abs(self._measured.offsets[part.name] * self._unit - part.shown_K)) * (1.0 + ROUGHLY)
             # What is not started after a begin rests at the ambient.
-            ends = (min(asked[0] - part.offset_K, room), max(asked[1] - part.offset_K, room))
+            ends = (min(asked[0] - part.shown_K, room), max(asked[1] - part.shown_K, room))
             for place in {part.node, part.state}:
                 begin[place] = (*ends, wrong)
         hidden = self._hidden(begin)
@@ -235,7 +235,7 @@ class NetworkProof:
         """What a reading is off by."""
         part = self._certificate.components[number]
         offset = self._measured.offsets[part.name]
-        word = abs(offset * self._unit - part.offset_K) + self._unit  # the word's upper half, rounded down
+        word = abs(offset * self._unit - part.shown_K) + self._unit  # the word's upper half, rounded down
         bound = (self._error[part.state] + word) * (1.0 + ROUGHLY)
         low, high = self._ranges[part.state] + (-self._error[part.state], self._error[part.state])
         furthest = max(abs(low), abs(high), high - self._ambient[0], self._ambient[1] - low) + abs(offset) * self._unit

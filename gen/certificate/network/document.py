@@ -96,7 +96,7 @@ class State(_Strict):
         Its enumerator in the C++, without the prefix.
     capacity_J_per_K
         Of a node.
-    lags, lag_s
+    lags, time_constant_s
         Instead: which node it lags behind, and its time constant.
     range_degC
         What the exact solution never leaves.
@@ -107,13 +107,15 @@ class State(_Strict):
     name: Identifier
     capacity_J_per_K: Positive | None = None
     lags: Place | None = None
-    lag_s: Positive | None = None
+    time_constant_s: Positive | None = None
     range_degC: tuple[Number, Number]
     error_K: Positive
 
     @model_validator(mode="after")
     def _one_kind(self) -> State:
-        if (self.capacity_J_per_K is None) == (self.lag_s is None) or (self.lags is None) != (self.lag_s is None):
+        if (self.capacity_J_per_K is None) == (self.time_constant_s is None) or (self.lags is None) != (
+            self.time_constant_s is None
+        ):
             raise ValueError("a state is either a node or lags behind one")
         if self.range_degC[0] >= self.range_degC[1]:
             raise ValueError("a range is empty")
@@ -189,7 +191,7 @@ class Component(_Strict):
         Of the component.
     node, state
         What is measured; what is read, another one where the sensor lags.
-    offset_K
+    shown_K
         Reading less temperature.
     bound_K, reading_K
         Largest error of the reading's word, and of ``NAME_rise_mK`` against the ambient that was told last.
@@ -198,7 +200,7 @@ class Component(_Strict):
     name: Identifier
     node: Place
     state: Place
-    offset_K: Number
+    shown_K: Number
     bound_K: Width
     reading_K: Width
 

@@ -67,8 +67,8 @@ def flows(certificate: NetworkCertificate) -> list[Flow]:
         if heat.per_K:
             found.append(Flow(heat.node, float(heat.reference_degC), -warmth * heat.per_K, factors))
     for place, state in enumerate(certificate.states):
-        if state.lags is not None and state.lag_s is not None:
-            found.append(Flow(place, state.lags, np.full(certificate.rows, h / state.lag_s), ()))
+        if state.lags is not None and state.time_constant_s is not None:
+            found.append(Flow(place, state.lags, np.full(certificate.rows, h / state.time_constant_s), ()))
     return found
 
 
