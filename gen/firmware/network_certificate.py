@@ -9,6 +9,7 @@ from gen.firmware.contexts.identity import ROOM_degC
 from gen.lowering.kinds import OUTPUT_BITS
 from gen.lowering.network.program import NetworkProgram, NetworkProof
 from gen.lowering.network.ranges import MARGIN_K
+from gen.lowering.network.terms import identifier, lagging_reading
 from gen.lowering.program import Program
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import ThermalModel
@@ -46,7 +47,9 @@ def network_statement(coefficients: Coefficients) -> dict[str, Any]:
     network = model.network
     assert network is not None
     lagging = [node for node in network.sensed if node.sensor is not None and node.sensor.lag > 0.0]
-    states: list[dict[str, Any]] = [{"name": node.name, "capacity_J_per_K": node.capacity} for node in network.nodes]
+    states: list[dict[str, Any]] = [
+        {"name": identifier(node.name), "capacity_J_per_K": node.capacity} for node in network.nodes
+    ]
     components = []
     for node in network.sensed:
         assert node.sensor is not None
@@ -54,7 +57,8 @@ def network_statement(coefficients: Coefficients) -> dict[str, Any]:
         state = place
         if node in lagging:
             state = len(states)
-            states.append({"name": f"{node.name}_sensor", "lags": place, "time_constant_s": node.sensor.lag})
+            name = identifier(lagging_reading(node.name))
+            states.append({"name": name, "lags": place, "time_constant_s": node.sensor.lag})
         components.append({"name": node.name, "node": place, "state": state, "shown_K": node.sensor.offset})
     return {"equations": _equations(network, model), "states": states, "components": components}
 

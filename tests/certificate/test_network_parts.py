@@ -22,7 +22,7 @@ from gen.certificate.network.machine import Machine, Model
 from gen.certificate.network.rest import rest_weights
 from gen.certificate.network.single import single
 from gen.certificate.network.source import Unit
-from gen.certificate.network.words import Layout
+from gen.certificate.network.words import low_bits
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 from gen.lowering.kinds import Arithmetic
@@ -49,7 +49,7 @@ def test_no_sample_of_the_reference_is_off_by_more_than_the_defect(tmp_path: Pat
     assert network is not None
     defects = NetworkProof(Project(out, certificate.model), certificate).defects()
     generator = np.random.default_rng(5)
-    bits = network.fraction_bits + Layout.of(Project(out, certificate.model)).low_bits
+    bits = network.fraction_bits + low_bits(Project(out, certificate.model))
     ends = np.array([state.range_degC for state in certificate.states])
     share = generator.uniform(size=(lanes, len(ends)))
     share[: lanes // 2] = np.round(share[: lanes // 2])  # corners: there the terms are largest

@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 import gen
-from gen.coefficients import Coefficients, load
+from gen.coefficients import Coefficients, load, parse
 from gen.lowering.kinds import Arithmetic
 from gen.verification.verify import verify
+from tests.examples import ROOT
 from tests.networks import loaded, network_tree
 
 ARITHMETICS: tuple[Arithmetic, ...] = ("fixed", "float")
@@ -39,10 +40,30 @@ def test_no_word_differs_and_no_error_exceeds_its_bound(name: str, arithmetic: A
     assert result.cost.cycles_change < 100_000
 
 
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
+def test_a_node_may_be_called_as_the_library_calls_its_own(arithmetic: Arithmetic) -> None:
+    """Functions, types and states of the emitted C++, and what the reading that lags would be called."""
+    text = (ROOT / "examples" / "network" / "coeffs.json").read_text(encoding="utf-8")
+    for node, name in {
+        "brush": "model",
+        "winding": "model_sensor",
+        "bearing": "step",
+        "magnet": "T_model",
+        "casing": "difference",
+    }.items():
+        text = text.replace(f'"{node}"', f'"{name}"')
+    (result,) = verify(
+        parse(text.encode()), (arithmetic,), ("table",), "host", scale=0.01, host_builds=("g++ -O2", "clang++ -O2")
+    )
+    assert result.passed
+    assert result.refuted is None
+    assert set(result.proven_K) == {"model", "step", "T_model", "difference"}
+
+
 _FAULTS: dict[str, tuple[str, str, str]] = {
     "a table's word": ("schedule.cpp", r"(PROGMEM = \{\n    )(\d+)UL", r"\g<1>1\g<2>UL"),
-    "a source": ("step.cpp", r"v\[AMBIENT\] - ", r"v[fan_motor_magnet] - "),
-    "a shift": ("step.cpp", r"(take_up\(&T\[fan_motor_casing\], sum, )(\d+)", r"\g<1>9"),
+    "a source": ("step.cpp", r"v\[AMBIENT\] - ", r"v[fan_motor_T_magnet] - "),
+    "a shift": ("step.cpp", r"(take_up\(&T\[fan_motor_T_casing\], sum, )(\d+)", r"\g<1>9"),
     "an offset": (".cpp", r"(READING\[.*?\] PROGMEM = \{\n    \{)(-?\d+)L", r"\g<1>\g<2>1L"),
 }
 

@@ -29,7 +29,7 @@ from gen.certificate.network.measured import Measured, Span, measure, spans
 from gen.certificate.network.order import check_order
 from gen.certificate.network.rest import rest_weights
 from gen.certificate.network.source import Unit, tables
-from gen.certificate.network.words import Layout
+from gen.certificate.network.words import low_bits
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 from gen.certificate.verdict import Verdict
@@ -84,9 +84,9 @@ class NetworkProof:
 
     def __init__(self, project: Project, certificate: NetworkCertificate) -> None:
         self._certificate, self._project = certificate, project
-        self._layout = Layout.of(project)
-        check_order(project, certificate, self._layout)
-        self._measured: Measured = measure(project, certificate, self._layout)
+        self._low_bits = low_bits(project)
+        check_order(project, certificate)
+        self._measured: Measured = measure(project, certificate, self._low_bits)
         self._sample, self._interface = Unit(project, "_step.cpp"), Unit(project, ".cpp")
         self._tables = tables(project)
         self._unit = 2.0**-certificate.fraction_bits
@@ -162,15 +162,13 @@ class NetworkProof:
 
     def _words(self) -> list[Any]:
         """The states' words at the beginning of a sample."""
-        scale = 2.0 ** (self._certificate.fraction_bits + self._layout.low_bits)
+        scale = 2.0 ** (self._certificate.fraction_bits + self._low_bits)
         forms = [self._space.temperature(k).times(scale) for k in range(len(self._ranges))]
-        if self._layout.kind == "int64_t":
-            return [Number("int64_t", form) for form in forms]
-        return [Cell(form, self._layout.low_bits) for form in forms]
+        return [Cell(form, self._low_bits) for form in forms]
 
     def _degrees_of(self, word: Any) -> Form:  # noqa: ANN401
         form: Form = word.form
-        return form.times(2.0 ** -(self._certificate.fraction_bits + self._layout.low_bits))
+        return form.times(2.0 ** -(self._certificate.fraction_bits + self._low_bits))
 
     def defects(self) -> Floats:
         """What a sample adds to each state's error, shape (P, n)."""

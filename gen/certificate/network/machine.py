@@ -307,8 +307,6 @@ class Machine:
         match node:
             case c_ast.StructRef(type=".", name=c_ast.ID(name=name), field=c_ast.ID(name="state")):
                 return self._is_model(name)
-            case c_ast.ID(name=name):
-                return self._is_model(name)
         return False
 
     def _is_model(self, name: str) -> bool:
@@ -401,8 +399,7 @@ class Machine:
         base = name.removeprefix(f"{self._unit.model}_")
         if base not in known or name == base:
             return None
-        text = "add_float" if base == "add" else base
-        check_text(self._unit.model, text, self._unit.texts.get(name, []))
+        check_text(self._unit.model, base, self._unit.texts.get(name, []))
         return known[base]
 
     def _added(self, where: Pointer, value: Number, shift: Number) -> None:
@@ -456,7 +453,7 @@ class Machine:
         model = self._unit.model
         if self._unit.kinds.get(f"{model}_Sum") != "int64_t":
             raise Refuted("a sum has other than 64 bits")
-        for name in ("sum", "add", "down"):
+        for name in ("sum", "plus", "down"):
             check_text(model, name, self._unit.texts.get(f"{model}_{name}", []))
         product = self._product(self._do.converted(factor, "int32_t"), word, self._do.known(2.0, "uint8_t"))
         return self._do.fitted(Number("uint32_t", self._do.shifted(">>", product, 14).form, product.at_least_0))

@@ -19,7 +19,6 @@ from pathlib import Path
 
 from gen import toolchain
 from gen.certificate.network.document import Factor, NetworkCertificate
-from gen.certificate.network.words import Layout
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 
@@ -188,7 +187,7 @@ class Measured:
     reading_K: float
 
 
-def measure(project: Project, certificate: NetworkCertificate, layout: Layout) -> Measured:
+def measure(project: Project, certificate: NetworkCertificate, low_bits: int) -> Measured:
     """Run the interface.
 
     Raises
@@ -199,9 +198,9 @@ def measure(project: Project, certificate: NetworkCertificate, layout: Layout) -
         If it does not compile, or does not do what it should.
     """
     model, (ambient, *_) = project.model, certificate.equations.channels
-    word = f"{model}_model.{layout.within}T[k]"
+    word = f"{model}_model.state.T[k]"
     checks = [
-        _STATE.format(model=model, name=state.name, place=k, neutral=ambient.neutral, low_bits=layout.low_bits)
+        _STATE.format(model=model, name=state.name, place=k, neutral=ambient.neutral, low_bits=low_bits)
         for k, state in enumerate(certificate.states)
     ]
     for number, channel in enumerate(certificate.equations.channels):
@@ -217,7 +216,7 @@ def measure(project: Project, certificate: NetworkCertificate, layout: Layout) -
                 low=certificate.start_mC[0],
                 high=certificate.start_mC[1],
                 neutral=ambient.neutral,
-                low_bits=layout.low_bits,
+                low_bits=low_bits,
             )
         )
     program = _INTERFACE.format(
@@ -234,7 +233,7 @@ def measure(project: Project, certificate: NetworkCertificate, layout: Layout) -
         start_low=certificate.start_mC[0],
         start_high=certificate.start_mC[1],
         checks="".join(checks),
-        whole=word if layout.kind == "int64_t" else f"(int64_t){word}.hi * (1 << {layout.low_bits}) + {word}.lo",
+        whole=f"(int64_t){word}.hi * (1 << {low_bits}) + {word}.lo",
     )
     lines = _output(project, program, "interface.inc", "").split("\n")
     count = len(certificate.components)

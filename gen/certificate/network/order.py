@@ -8,14 +8,13 @@ from __future__ import annotations
 import re
 
 from gen.certificate.network.document import NetworkCertificate
-from gen.certificate.network.words import Layout
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project, spaced
 
 _MARKS = re.compile(r'\b[A-Z0-9_]+_(?:ONE_COPY|SMALL)\b|extern "C"|\bstatic\b|\binline\b')
 
 
-def check_order(project: Project, certificate: NetworkCertificate, layout: Layout) -> None:
+def check_order(project: Project, certificate: NetworkCertificate) -> None:
     """Compare the functions of the interface with what the theorem is about.
 
     Raises
@@ -30,7 +29,7 @@ def check_order(project: Project, certificate: NetworkCertificate, layout: Layou
         f" N_model.channel[{name}] = {told.neutral}L;"
         for name, told in zip(_channels(project), certificate.equations.channels, strict=False)
     )
-    word = f"N_model.{layout.within}T[state]"
+    word = "N_model.state.T[state]"
     expected = {
         "begin": (
             f"N_model.flags = 0;{neutral} const int32_t ambient = degrees(N_model.channel[M_CHANNEL_AMBIENT]); "
@@ -47,12 +46,8 @@ def check_order(project: Project, certificate: NetworkCertificate, layout: Layou
             f"rest_at(reading.node, word); rest_at(reading.state, word);{rest}"
         ),
         "reading_of": "Reading reading; memcpy_P(&reading, &READING[component], sizeof reading); return reading;",
-        "rest_at": (
-            f"{word} = (int64_t)word * (INT64_C(1) << 32);"
-            if layout.kind == "int64_t"
-            else f"{word}.lo = 0; {word}.hi = word;"
-        ),
-        "upper": f"return (int32_t)({word} >> 32);" if layout.kind == "int64_t" else f"return {word}.hi;",
+        "rest_at": f"{word}.lo = 0; {word}.hi = word;",
+        "upper": f"return {word}.hi;",
         "channel": (
             "if (channel >= M_CHANNELS) { return; } "
             "const int32_t low = (int32_t)pgm_read_dword(&CHANNEL_LOW[channel]), "

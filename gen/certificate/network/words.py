@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project, spaced
@@ -14,13 +13,13 @@ _STRUCTS = {
 }
 _TEXTS = {
     "sum": "N_Sum N_sum(uint16_t start) { return start; }",
-    "add": "N_Sum N_add(N_Sum sum, int32_t d, uint32_t a) { return sum + N_product(d, a, 2, false); }",
+    "plus": "N_Sum N_plus(N_Sum sum, int32_t d, uint32_t a) { return sum + N_product(d, a, 2, false); }",
     "down": "int32_t N_down(N_Sum sum, uint8_t bits) { return (int32_t)(sum >> bits); }",
     "scaled": (
         "uint32_t N_scaled(uint32_t word, int32_t factor) "
-        "{ return (uint32_t)N_down(N_add(N_sum(0), factor, word), 14); }"
+        "{ return (uint32_t)N_down(N_plus(N_sum(0), factor, word), 14); }"
     ),
-    "add_float": (
+    "add": (
         "void N_add(N_Accumulator *sum, float value, uint8_t shift) { "
         "const float scale = 256.0f / static_cast<float>(UINT64_C(1) << shift); "
         "const int64_t whole = static_cast<int64_t>(sum->hi) * 256 + sum->lo + static_cast<int64_t>(value * scale); "
@@ -42,48 +41,25 @@ _TEXTS = {
 }
 
 
-@dataclass(frozen=True)
-class Layout:
-    """The states' words in RAM.
+def low_bits(project: Project) -> int:
+    """Bits of a state's ``lo``, below what is read of it; from ``NAME_model.h``.
 
-    Attributes
-    ----------
-    kind
-        ``int64_t``, of which the upper 32 bits are read, or the name of a structure of ``lo`` and ``hi``.
-    low_bits
-        Bits below what is read.
-    within
-        What stands between ``NAME_model.`` and ``T``.
+    Raises
+    ------
+    Refuted
+        If the states' words are none that the proof knows.
     """
-
-    kind: str
-    low_bits: int
-    within: str
-
-    @classmethod
-    def of(cls, project: Project) -> Layout:
-        """Read it from ``NAME_model.h``.
-
-        Raises
-        ------
-        Refuted
-            If it is none that the proof knows.
-        """
-        model, text = project.model, project.text("_model.h")
-        kinds = re.findall(rf"\b(\w+) T\[{model}_STATES\];", text)
-        if len(kinds) != 1:
-            raise Refuted("the states do not lie in one array")
-        within = "state." if re.search(rf"\b{model}_State state;", text) else ""
-        if kinds[0] == "int64_t":
-            return cls("int64_t", 32, within)
-        kind = kinds[0].removeprefix(f"{model}_")
-        low_bits, struct = _STRUCTS.get(kind, (0, ""))
-        headers = " ".join(
-            spaced(project.text(path.name.removeprefix(model))) for path in sorted(project.sources.glob(f"{model}*.h"))
-        )
-        if not low_bits or headers.count(struct.replace("N_", f"{model}_")) != 1:
-            raise Refuted(f"a state's word is none that the proof knows: {kinds[0]}")
-        return cls(kind, low_bits, within)
+    model, text = project.model, project.text("_model.h")
+    kinds = re.findall(rf"\b(\w+) T\[{model}_STATES\];", text)
+    if len(kinds) != 1 or not re.search(rf"\b{model}_State state;", text):
+        raise Refuted("the states do not lie in one array")
+    bits, struct = _STRUCTS.get(kinds[0].removeprefix(f"{model}_"), (0, ""))
+    headers = " ".join(
+        spaced(project.text(path.name.removeprefix(model))) for path in sorted(project.sources.glob(f"{model}*.h"))
+    )
+    if not bits or headers.count(struct.replace("N_", f"{model}_")) != 1:
+        raise Refuted(f"a state's word is none that the proof knows: {kinds[0]}")
+    return bits
 
 
 def check_text(model: str, name: str, found: list[str]) -> None:
@@ -95,7 +71,5 @@ def check_text(model: str, name: str, found: list[str]) -> None:
         If it has another one.
     """
     expected = _TEXTS[name].replace("N_", f"{model}_")
-    of_words = re.compile(rf"\b{model}_(?:{'|'.join(_STRUCTS)}) \*")
-    own = [text for text in found if bool(of_words.search(text)) == bool(of_words.search(expected))]
-    if [text.removeprefix("static inline ") for text in own] != [expected]:
+    if [text.removeprefix("static inline ") for text in found] != [expected]:
         raise Refuted(f"{model}_{name} is not the function that the proof knows")

@@ -78,8 +78,8 @@ def network_context(program: Program) -> NetworkContext:
             {
                 "name": reading.name,
                 "offset": reading.offset,
-                "state": network.states[reading.state].name,
-                "node": network.states[reading.node].name,
+                "state": network.states[reading.state].identifier,
+                "node": network.states[reading.node].identifier,
             }
             for reading in network.readings
         ],
@@ -134,8 +134,8 @@ def _hidden(network: NetworkProgram) -> list[dict[str, Any]]:
     made = []
     for node, weights in zip(network.hidden, network.rest, strict=True):
         pairs = zip(network.readings, weights.tolist(), strict=False)
-        own = [{"node": network.states[reading.node].name, "word": word} for reading, word in pairs]
-        made.append({"name": network.states[node].name, "weights": own})
+        own = [{"node": network.states[reading.node].identifier, "word": word} for reading, word in pairs]
+        made.append({"identifier": network.states[node].identifier, "weights": own})
     return made
 
 
@@ -178,6 +178,7 @@ class _Terms:
             title = f"{state.name}: {note}"
         return {
             "name": state.name,
+            "identifier": state.identifier,
             "index": number,
             "note": note,
             "title": title,
@@ -194,9 +195,9 @@ class _Terms:
 
     def _term(self, program: TermProgram) -> dict[str, Any]:
         term, index = program.term, len(self.terms)
-        target = f"{self._name}_{self._network.states[term.target].name}"
+        target = f"{self._name}_{self._network.states[term.target].identifier}"
         if term.source == "state":
-            source, place = f"{self._name}_{self._network.states[term.other].name}", term.other
+            source, place = f"{self._name}_{self._network.states[term.other].identifier}", term.other
             label = f"{self._network.states[term.target].name} from {self._network.states[term.other].name}"
         elif term.source == "ambient":
             source, place = "AMBIENT", len(self._network.states)
@@ -300,7 +301,7 @@ class _Terms:
     def _single_step(self, number: int, k: int) -> dict[str, Any]:
         state = self._network.states[k]
         heats = [self._single_heat(heat) for heat in state.heats] if number == 1 else []
-        return {"name": state.name, "heat": " + ".join(["0.0f", *heats])}
+        return {"identifier": state.identifier, "heat": " + ".join(["0.0f", *heats])}
 
     def _steps(self, order: dict[str, Any], partaking: list[int]) -> list[dict[str, Any]]:
         """The states' sums in one order, each as C++ and as a block of assembly."""
@@ -335,6 +336,7 @@ class _Terms:
             made.append(
                 {
                     "name": own.name,
+                    "identifier": own.identifier,
                     "terms": [self._product(order, term) for term in state["terms"]],
                     "heats": state["heats"] if number == 1 else [],
                     "to_state": to_state,

@@ -12,7 +12,7 @@ from gen.lowering.effects.program import Channel
 from gen.lowering.kinds import Arithmetic, Integers
 from gen.lowering.network.factors import FactorProgram
 from gen.lowering.network.series import Product
-from gen.lowering.network.terms import Term, Warmth
+from gen.lowering.network.terms import Term, Warmth, identifier
 from gen.lowering.recursion.guarantee import rounded_up
 
 Array = NDArray[np.float64]
@@ -90,6 +90,11 @@ class StateProgram:
     heats: tuple[HeatProgram, ...]
     shift: int
     orders: int
+
+    @property
+    def identifier(self) -> str:
+        """Its name in the C++, behind the model's."""
+        return identifier(self.name)
 
 
 @dataclass(frozen=True)

@@ -123,6 +123,17 @@ class Terms:
         return float(np.prod([self.spans[k, 1] for k in factors]))
 
 
+def lagging_reading(node: str) -> str:
+    """Name of the state that follows a node as its sensor does; no node can be called so."""
+    return f"{node}.sensor"
+
+
+def identifier(state: str) -> str:
+    """A state's name in the C++, behind the model's: like no function or type there, whatever its node is called."""
+    node, _, sensor = state.partition(".")
+    return f"{'S' if sensor else 'T'}_{node}"
+
+
 def scaled(part: Term | Warmth, corner: dict[int, float]) -> Array:
     """A term's rate, or a heat, by row of the domain, with factors as a corner has them."""
     values = part.rate if isinstance(part, Term) else part.heat
@@ -173,7 +184,7 @@ def terms_of(model: ThermalModel) -> Terms:
             rate = np.full(len(rows), step / node.sensor.lag)
             label = f"nodes[{network.index(node.name)}].sensor"
             terms.append(Term(len(names), "state", network.index(node.name), 0.0, False, rate, (), label))
-            names.append(f"{node.name}_sensor")
+            names.append(lagging_reading(node.name))
     return Terms(tuple(names), tuple(terms), tuple(heats), tuple(factors), _spans(network, factors))
 
 
