@@ -141,10 +141,8 @@ def test_one_nodes_bound_is_the_closed_form() -> None:
     tree["network"]["heats"] = [{"node": "only", "power_W": {"poly": [0.1, 0]}}]
     model = loaded(tree).model
     terms: Terms = terms_of(model)
-    ranges = reachable(model, terms)
-    assert ranges is not None
     rate, defect = 0.25 * 0.5 / 100.0, 1e-9
-    found = error_bound(terms, ranges, np.full((256, 1), defect))
+    found = error_bound(terms, np.full((256, 1), defect))
     assert found is not None
     assert found[0] == pytest.approx(defect / (rate * math.exp(-rate)), rel=1e-4)
     # and that is not below the exact accumulation of the same defect in every sample

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.network.ranges import Ranges, matrix_row
+from gen.lowering.network.ranges import matrix_row
 from gen.lowering.network.terms import Term, Terms
 
 Array = NDArray[np.float64]
@@ -54,16 +54,16 @@ def magnitudes(terms: Terms, first: Array, order: int) -> list[Array]:
     """Bounds on y1..y_order, each of shape (rows, n), K, from a bound on y1."""
     found = [first]
     for k in range(2, order + 1):
-        found.append(_next(terms, found[-1], [1.0] * len(terms.terms)) / k)
+        found.append(_next(terms, found[-1]) / k)
     return found
 
 
-def _next(terms: Terms, before: Array, weights: Sequence[float | Array]) -> Array:
-    """Sum over terms of rate (|y_source| + |y_target|), each rate weighted."""
+def _next(terms: Terms, before: Array) -> Array:
+    """Sum over terms of rate (|y_source| + |y_target|)."""
     total = np.zeros_like(before)
-    for term, weight in zip(terms.terms, weights, strict=True):
+    for term in terms.terms:
         source = before[:, term.other] if term.source == "state" else 0.0
-        rate = term.rate * terms.largest(term.factors) * weight
+        rate = term.rate * terms.largest(term.factors)
         total[:, term.target] += rate * (before[:, term.target] + source)
     return total
 
@@ -89,7 +89,7 @@ def choose_orders(terms: Terms, first: Array, floor: Array, share: float) -> tup
     """
     size = len(terms.states)
     bounds = magnitudes(terms, first, MOST_ORDERS + 1)
-    ratio = max(float(_next(terms, np.ones_like(first), [1.0] * len(terms.terms)).max()) / (MOST_ORDERS + 2), 0.0)
+    ratio = float(_next(terms, np.ones_like(first)).max()) / (MOST_ORDERS + 2)
     tail = bounds[MOST_ORDERS] + bounds[MOST_ORDERS].max(axis=1, keepdims=True) * ratio / max(1e-9, 1.0 - ratio)
     orders = [MOST_ORDERS] * size
     left = tail.copy()
@@ -121,7 +121,7 @@ def defects(
         Both of shape (rows, n); and by order, largest magnitude of y as the board has it, K.
     """
     bounds = magnitudes(terms, first, max(orders))
-    reach = _next(terms, np.full_like(first, 0.5), [1.0] * len(terms.terms))
+    reach = _next(terms, np.full_like(first, 0.5))
     for term in terms.terms:
         if term.source != "state":
             reach[:, term.target] += 0.5 * term.rate * terms.largest(term.factors)
@@ -134,12 +134,12 @@ def defects(
             error = error + _THIRD_ERROR * before
         # Words are cut in one direction: two differ by what one loses.
         cut = rounding.kept[k - 2]
-        grown = (_next(terms, error, [1.0] * len(terms.terms)) + cut * reach) / k
+        grown = (_next(terms, error) + cut * reach) / k
         held = before + error + cut
         for term in terms.terms:
             source = held[:, term.other] if term.source == "state" else 0.0
             grown[:, term.target] += rounding.rate(k, term) * (held[:, term.target] + source) / k
-        summed = _next(terms, held, [1.0] * len(terms.terms))
+        summed = _next(terms, held)
         for state in range(len(terms.states)):
             grown[:, state] += rounding.sum(k, state, summed[:, state]) / k
         partakes = np.array([k <= own for own in orders])
@@ -150,7 +150,7 @@ def defects(
     return np.asarray(total, dtype=np.float64), words
 
 
-def error_bound(terms: Terms, ranges: Ranges, defect: Array) -> Array | None:
+def error_bound(terms: Terms, defect: Array) -> Array | None:
     """The least u with -h M u exp(-h |M_ii|) >= defect for every row and all that channels may say; K, shape (n,).
 
     With e' = exp(h M) e + d, |d| <= defect, and |e| <= u: exp(h M) has no negative entry, so |e'| <= exp(h M) u +
@@ -162,7 +162,7 @@ def error_bound(terms: Terms, ranges: Ranges, defect: Array) -> Array | None:
     rows, right = [], []
     for target in range(len(terms.states)):
         for corner in terms.corners(target):
-            left, _ = matrix_row(terms, target, corner, ranges.ambient[0])
+            left, _ = matrix_row(terms, target, corner, 0.0)  # what drives it has no part in the error
             own = np.exp(-np.abs(left[:, target]))
             rows.append(left * own[:, None])
             right.append(-defect[:, target])
