@@ -5,14 +5,10 @@ The library is compiled for this computer without its effects, which come after 
 
 from __future__ import annotations
 
-import os
-import subprocess
-import tempfile
 from dataclasses import dataclass
 from fractions import Fraction
-from pathlib import Path
 
-from gen import toolchain
+from gen.certificate.compiled import printed, scratch
 from gen.certificate.document import LOW_BITS, Certificate
 from gen.certificate.exact import Ratios, ratios
 from gen.certificate.refuted import Refuted
@@ -185,24 +181,10 @@ def measure(project: Project, certificate: Certificate) -> dict[str, Measured]:
 
 
 def _output(project: Project, program: str) -> str:
-    compiler = str(toolchain.program("g++"))
-    with tempfile.TemporaryDirectory(prefix="gen-check-") as scratch:
-        main = Path(scratch) / "measure.cpp"
+    with scratch() as folder:
+        main = folder / "measure.cpp"
         main.write_text(program, encoding="utf-8")
         names = (f"{project.model}_schedule.cpp", f"{project.model}_accumulator.cpp")
-        others = [str(project.sources / name) for name in names if (project.sources / name).is_file()]
-        flags = ["-std=gnu++11", "-O2", "-ffp-contract=off", f"-I{project.sources}", "-o", str(main.with_suffix(""))]
-        made = subprocess.run(
-            [compiler, *flags, str(main), *others],
-            env={**os.environ, "TMPDIR": scratch},  # an interrupted compiler's files go with the folder
-            capture_output=True,
-            text=True,
-        )
-        if made.returncode:
-            raise Refuted(f"the library does not compile: {made.stderr.strip().splitlines()[0]}")
-        ran = subprocess.run([str(main.with_suffix(""))], capture_output=True, text=True, check=False)
-    if ran.returncode:
-        last = ran.stdout.rstrip().rpartition("\n")[2]
-        what = last.removeprefix("failed ") if last.startswith("failed ") else f"it ends with {ran.returncode}"
-        raise Refuted(f"the C++ does not do what the proof is about: {what}")
-    return ran.stdout
+        others = [project.sources / name for name in names if (project.sources / name).is_file()]
+        flags = ["-std=gnu++11", "-O2", "-ffp-contract=off", f"-I{project.sources}"]
+        return printed(folder, [main, *others], flags)

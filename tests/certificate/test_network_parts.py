@@ -18,7 +18,8 @@ from gen.certificate.network.check import NetworkProof
 from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.network.flow import change, flows
 from gen.certificate.network.forms import Form, Space
-from gen.certificate.network.machine import Machine, Model
+from gen.certificate.network.machine import Machine
+from gen.certificate.network.memory import Model
 from gen.certificate.network.rest import rest_weights
 from gen.certificate.network.single import single
 from gen.certificate.network.source import Unit

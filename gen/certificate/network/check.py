@@ -24,8 +24,9 @@ from gen.certificate.network.arithmetic import Arithmetic, Number
 from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.network.flow import Rows, change, flows
 from gen.certificate.network.forms import Form, Space
-from gen.certificate.network.machine import Cell, Machine, Model
+from gen.certificate.network.machine import Machine
 from gen.certificate.network.measured import Measured, Span, measure, spans
+from gen.certificate.network.memory import Cell, Model
 from gen.certificate.network.order import check_order
 from gen.certificate.network.rest import rest_weights
 from gen.certificate.network.source import Unit, tables

@@ -9,59 +9,21 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from pycparser import c_ast
 
-from gen.certificate.exact import Floats
 from gen.certificate.network.arithmetic import Arithmetic, Number
-from gen.certificate.network.forms import Form, Space
+from gen.certificate.network.forms import Space
+from gen.certificate.network.known import KnownTexts
+from gen.certificate.network.memory import Cell, Flash, Model, Pointer, Told
 from gen.certificate.network.single import single
 from gen.certificate.network.source import Table, Unit
 from gen.certificate.network.words import check_text
 from gen.certificate.refuted import Refuted
 
 _MOST_ROUNDS = 1024
-
-
-@dataclass
-class Cell:
-    """A state's word of ``hi`` and ``lo``.
-
-    Attributes
-    ----------
-    form
-        The whole number; None where ``lo`` alone was written.
-    low_bits
-        Of ``lo``.
-    """
-
-    form: Form | None
-    low_bits: int
-
-
-@dataclass(frozen=True)
-class Pointer:
-    """A place in an array."""
-
-    cells: list[Any]
-    at: int
-
-
-@dataclass(frozen=True)
-class Told:
-    """A channel's value."""
-
-    channel: int
-
-
-@dataclass
-class Model:
-    """The model in RAM: the states' words."""
-
-    T: list[Any]
 
 
 class _Returned(Exception):
@@ -96,6 +58,7 @@ class Machine:
     ) -> None:
         self._unit, self._tables, self._space = unit, tables, space
         self._do = Arithmetic(space)
+        self._known = KnownTexts(unit, space, self.call)
         self._model, self._of_channel = model, of_channel
 
     def call(self, name: str, *arguments: Any) -> Any:  # noqa: ANN401
@@ -108,7 +71,7 @@ class Machine:
         """
         if len(arguments) == 1 and isinstance(arguments[0], Told):
             return self._of_channel(name, arguments[0].channel)
-        known = self._known_text(name, arguments)
+        known = self._known.of(name, arguments)
         if known is not None:
             return known(*arguments)
         tree = self._chosen(name, arguments)
@@ -276,7 +239,7 @@ class Machine:
                 return self._binary("-", self._do.known(0.0, "int16_t"), self._value(inner, variables))
             case c_ast.UnaryOp(op="&", expr=c_ast.ArrayRef() as inner):
                 found = self._place(inner, variables)
-                return found.cells[found.at] if isinstance(found.cells, _Flash) else found
+                return found.cells[found.at] if isinstance(found.cells, Flash) else found
             case c_ast.Cast(to_type=c_ast.Typename(type=to)):
                 return self._do.converted(self._value(node.expr, variables), self._kind(to))
             case c_ast.TernaryOp(cond=condition, iftrue=yes, iffalse=no):
@@ -320,7 +283,7 @@ class Machine:
             value, kind = self._unit.constants[name]
             return self._do.fitted(self._do.known(float(value), kind))
         if name in self._tables:
-            return Pointer(_Flash(self._tables[name], self._space), 0)
+            return Pointer(Flash(self._tables[name], self._space), 0)
         raise Refuted(f"a name that the proof does not know: {name}")
 
     def _literal(self, kind: str, text: str) -> Number:
@@ -354,7 +317,7 @@ class Machine:
                 return Pointer([Told(self._do.whole(self._value(index, variables)))], 0)
             case c_ast.ArrayRef(name=of, subscript=index):
                 array, number = self._value(of, variables), self._value(index, variables)
-                if isinstance(array, Pointer) and isinstance(array.cells, _Flash) and array.at == 0:
+                if isinstance(array, Pointer) and isinstance(array.cells, Flash) and array.at == 0:
                     return array.cells.place(number)
                 return self._within(array, self._do.whole(number))
             case c_ast.UnaryOp(op="*", expr=c_ast.UnaryOp(op="p++", expr=c_ast.ID(name=name))):
@@ -387,96 +350,6 @@ class Machine:
             raise Refuted("a member that the proof does not know: hi")
         whole = self._do.shifted(">>", Number("int64_t", cell.form), cell.low_bits)
         return self._do.fitted(Number("int32_t", whole.form))
-
-    # Functions whose text is known.
-
-    def _known_text(self, name: str, arguments: Sequence[Any]) -> Callable[..., Any] | None:
-        """What a function does whose text is known, made sure that it has it."""
-        cell = arguments[0].cells[arguments[0].at] if arguments and isinstance(arguments[0], Pointer) else None
-        of_words: dict[str, Callable[..., Any]] = {"add": self._added, "take_up": self._taken_up}
-        of_numbers: dict[str, Callable[..., Any]] = {"product": self._product, "scaled": self._scaled}
-        known = of_words if isinstance(cell, Cell) else of_numbers
-        base = name.removeprefix(f"{self._unit.model}_")
-        if base not in known or name == base:
-            return None
-        check_text(self._unit.model, base, self._unit.texts.get(name, []))
-        return known[base]
-
-    def _added(self, where: Pointer, value: Number, shift: Number) -> None:
-        """The addition of a float32 to a word, rounded towards zero."""
-        cell = where.cells[where.at]
-        if value.kind != "float":
-            raise Refuted("an addition that the proof does not know")
-        scaled = value.form.times(2.0 ** (cell.low_bits - self._do.whole(shift)))
-        self._raise(cell, Number("int64_t", scaled.within(1.0)))
-
-    def _taken_up(self, where: Pointer, value: Number, bits: Number) -> None:
-        """The addition of a whole number, shifted as far as `NAME_shifted` does it."""
-        shifted = self.call(f"{self._unit.model}_shifted", value, bits)
-        self._raise(where.cells[where.at], self._do.converted(shifted, "int64_t"))
-
-    def _raise(self, cell: Cell, value: Number) -> None:
-        if cell.form is None:
-            raise Refuted("a word is not written")
-        total = cell.form + self._do.fitted(value).form
-        if not np.all(total.largest < 2.0 ** (31 + cell.low_bits) - 1.0):
-            raise Refuted("a state's word may overflow")
-        cell.form = total
-
-    def _product(self, d: Number, a: Number, least: Number, cut: Number | None = None) -> Number:
-        """A product without its lightest byte products, d in two's complement.
-
-        Those that are left out make up everything below what is shifted away, so that the shift rounds nothing.
-        """
-        if d.kind == "float" or a.kind == "float":
-            raise Refuted("a product that the proof does not know")
-        d, a = self._do.converted(d, "int64_t"), self._do.converted(a, "uint32_t")
-        columns, cuts = self._do.whole(least), self._do.whole(cut) != 0 if cut is not None else False
-        if not 0 <= columns < 4:
-            raise Refuted(f"a product without {columns} columns")
-        bytes_of = [np.floor(a.form.constant / 2.0 ** (8 * j)) % 256.0 if a.form.known else 255.0 for j in range(4)]
-        most: float | Floats = 0.0
-        for i in range(4):
-            for j in range(4):
-                if i + j < columns:
-                    most = most + 255.0 * bytes_of[j] * 2.0 ** (8 * (i + j))
-                elif cuts and i + j == columns:
-                    most = most + 255.0 * 2.0 ** (8 * (i + j))
-        whole = self._do.fitted(Number("int64_t", self._do.exactly("*", d.form, a.form)))
-        lost = self._space.number(-np.asarray(most) / 2.0).within(np.asarray(most) / 2.0)
-        natural = d.at_least_0 and a.at_least_0  # what is left out is part of a product that is not negative
-        made = self._do.fitted(Number("int64_t", whole.form + lost, natural))
-        return Number("int64_t", made.form.times(2.0 ** (-8 * (columns + int(cuts)))), natural)
-
-    def _scaled(self, word: Number, factor: Number) -> Number:
-        """2^-30 of the product of a word with a factor: 32 bits that a signed number has on the way, unsigned again."""
-        model = self._unit.model
-        if self._unit.kinds.get(f"{model}_Sum") != "int64_t":
-            raise Refuted("a sum has other than 64 bits")
-        for name in ("sum", "plus", "down"):
-            check_text(model, name, self._unit.texts.get(f"{model}_{name}", []))
-        product = self._product(self._do.converted(factor, "int32_t"), word, self._do.known(2.0, "uint8_t"))
-        return self._do.fitted(Number("uint32_t", self._do.shifted(">>", product, 14).form, product.at_least_0))
-
-
-class _Flash(list[Any]):
-    """A table, read at the place of each |PWM|."""
-
-    def __init__(self, table: Table, space: Space) -> None:
-        super().__init__()
-        self._table, self._space = table, space
-
-    def place(self, index: Any) -> Pointer:  # noqa: ANN401
-        """What is read there."""
-        if not isinstance(index, Number) or index.kind == "float" or not index.form.known:
-            raise Refuted("a table's place that is not known")
-        places = index.form.constant
-        if not (places.min() >= 0 and places.max() < len(self._table.values)):
-            raise Refuted("a place outside of its table")
-        found = Number(self._table.kind, self._space.number(self._table.values[places.astype(np.int64)]))
-        cell = _Flash(self._table, self._space)
-        cell.append(found)
-        return Pointer(cell, 0)
 
 
 _MADE = {"INT32_C": "int32_t", "UINT32_C": "uint32_t", "INT64_C": "int64_t"}

@@ -6,20 +6,15 @@ wide, as they are on the AVR, and the compiler traps what overflows.
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from math import inf, nextafter
-from pathlib import Path
 
-from gen import toolchain
+from gen.certificate.compiled import printed, scratch
 from gen.certificate.network.document import Factor, NetworkCertificate
-from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 
 _LONG = re.compile(r"\b(\d+)(U?)L\b")
@@ -326,40 +321,19 @@ def _up(value: float) -> float:
 
 def _output(project: Project, program: str, interface: str, sample: str) -> str:
     """Compile a program with one of the network's files in it, and run it."""
-    compiler, model = str(toolchain.program("g++")), project.model
-    with tempfile.TemporaryDirectory(prefix="gen-check-") as scratch:
-        main = Path(scratch) / "main.cpp"
+    model = project.model
+    with scratch() as folder:
+        main = folder / "main.cpp"
         main.write_text(program, encoding="utf-8")
-        others = [main]
+        sources = [main]
         for name, own in ((f"{model}.cpp", interface), (f"{model}_step.cpp", sample)):
-            copy = Path(scratch) / (own or name)
+            copy = folder / (own or name)
             text = (project.sources / name).read_text(encoding="utf-8")
             copy.write_text(_LONG.sub(_as_32_bits, text), encoding="utf-8")
-            others += [] if own else [copy]
+            sources += [] if own else [copy]
         for name in (f"{model}_schedule.cpp", f"{model}_accumulator.cpp"):
-            others += [project.sources / name] if (project.sources / name).is_file() else []
-        made = subprocess.run(
-            [
-                compiler,
-                *_FLAGS,
-                f"-I{scratch}",
-                f"-I{project.sources}",
-                "-o",
-                str(main.with_suffix("")),
-                *map(str, others),
-            ],
-            env={**os.environ, "TMPDIR": scratch},  # an interrupted compiler's files go with the folder
-            capture_output=True,
-            text=True,
-        )
-        if made.returncode:
-            raise Refuted(f"the library does not compile: {made.stderr.strip().splitlines()[0]}")
-        ran = subprocess.run([str(main.with_suffix(""))], capture_output=True, text=True, check=False)
-    if ran.returncode:
-        last = ran.stdout.rstrip().rpartition("\n")[2]
-        what = last.removeprefix("failed ") if last.startswith("failed ") else f"it ends with {ran.returncode}"
-        raise Refuted(f"the C++ does not do what the proof is about: {what}")
-    return ran.stdout
+            sources += [project.sources / name] if (project.sources / name).is_file() else []
+        return printed(folder, sources, [*_FLAGS, f"-I{folder}", f"-I{project.sources}"])
 
 
 def _as_32_bits(literal: re.Match[str]) -> str:
