@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from gen.certificate.document import read as read_certificate
-from gen.certificate.exact import Floats
 from gen.certificate.network.arithmetic import Arithmetic as Computing
 from gen.certificate.network.arithmetic import Number
 from gen.certificate.network.check import NetworkProof
@@ -110,12 +112,24 @@ def test_the_exact_change_is_that_of_the_matrix_exponential(tmp_path: Path) -> N
             assert np.all(form.radius < 1e-11)
 
 
-def _at(form: Form, t: Floats, p: Floats) -> Floats:
-    """A form's value where the temperatures' and factors' symbols are these."""
+def _at(form: Form, t: NDArray[Any], p: NDArray[Any]) -> NDArray[Any]:
+    """A form's value where the temperatures' and factors' symbols are these: arrays of float64, or of fractions."""
     total = np.zeros_like(form.radius)
     for powers, coefficients in form.terms.items():
         total = total + np.prod(p ** np.array(powers)) * (coefficients[0] + t @ coefficients[1:])
     return total
+
+
+def _fractions(form: Form) -> Form:
+    """The same form, so that nothing is rounded when it is evaluated."""
+    exact = np.vectorize(Fraction, otypes=[object])
+    return Form({powers: exact(coefficients) for powers, coefficients in form.terms.items()}, exact(form.radius))
+
+
+def _symbol(form: Form, value: Fraction) -> Fraction:
+    """Where in -1 .. 1 the symbol of a temperature or of a factor stands for this value."""
+    (half,) = (row[0] for powers, c in form.terms.items() for k, row in enumerate(c) if row[0] and (k or any(powers)))
+    return (value - Fraction(form.constant[0])) / Fraction(half)
 
 
 @pytest.mark.parametrize("nodes", [3, 5, 8])
@@ -137,14 +151,17 @@ POINTS = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3)
 def test_a_form_holds_what_it_stands_for(t: list[float], p: list[float], c: float) -> None:
     space = Space([(-10.0, 120.0), (0.0, 45.0), (3.0, 4.0)], [(0.0, 2.0), (1.0, 1.5), (0.1, 0.7)], 1)
     about_t, about_p = [(55.0, 65.0), (22.5, 22.5), (3.5, 0.5)], [(1.0, 1.0), (1.25, 0.25), (0.4, 0.3)]
-    temperatures = [middle + half * at for (middle, half), at in zip(about_t, t, strict=True)]
-    factors = [middle + half * at for (middle, half), at in zip(about_p, p, strict=True)]
+    temperatures = [Fraction(middle + half * at) for (middle, half), at in zip(about_t, t, strict=True)]
+    factors = [Fraction(middle + half * at) for (middle, half), at in zip(about_p, p, strict=True)]
     made = space.temperature(0) - space.temperature(1).times(c)
     made = made.product(space.factor(0)).product(space.factor(1)) + space.temperature(2).product(space.factor(2))
-    value = (temperatures[0] - c * temperatures[1]) * factors[0] * factors[1] + temperatures[2] * factors[2]
+    value = (temperatures[0] - Fraction(c) * temperatures[1]) * factors[0] * factors[1] + temperatures[2] * factors[2]
+    hot = np.array([_symbol(space.temperature(k), at) for k, at in enumerate(temperatures)])
+    strong = np.array([_symbol(space.factor(k), at) for k, at in enumerate(factors)])
+    assert all(abs(at) <= 1 for at in (*hot, *strong))
+    assert abs(_at(_fractions(made), hot, strong)[0] - value) <= Fraction(made.radius[0])
     low, high = made.ends
     assert low[0] <= value <= high[0]
-    assert abs(_at(made, np.array(t), np.array(p))[0] - value) <= made.radius[0] + 1e-9  # half widths are rounded up
     assert made.radius[0] < 1e-9
     wide, narrow = made.within(1.0), made.within(1.0).trimmed(1e-3)
     assert wide.ends[0][0] >= narrow.ends[0][0] - 1e-9
