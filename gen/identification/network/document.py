@@ -32,7 +32,6 @@ from gen.identification.network.foresight import Foresight, foresight
 from gen.identification.network.forms import CONSTANT, WITHIN, Form
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.inputs import held, joined, turning
-from gen.identification.network.simulation import physical
 from gen.identification.network.uncertainty import Spread, spread_of
 
 FASTEST = 20.0
@@ -122,7 +121,7 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     # The curves at rest, then at the points of their tables.
     pwm = np.unique([*range(0, settings.full_scale, POINT), settings.full_scale])
     levels = joined(held(np.zeros(1), settings.full_scale), turning(pwm.astype(np.float64), settings.full_scale))
-    physics = physical(structure, levels, vector)
+    physics = structure.physical(levels, vector)
     paths = []
     loss = np.zeros(structure.nodes)
     for q, (i, j) in enumerate(structure.paths):

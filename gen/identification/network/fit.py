@@ -14,6 +14,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh
 
 from gen.identification.network.bins import FloatArray
+from gen.identification.network.physics import Shape
 from gen.identification.network.problem import Evaluated, Normal, Problem
 
 FIRST_RADIUS, LARGEST_RADIUS = 0.5, 4.0
@@ -49,7 +50,7 @@ class Fit:
     iterations: int
 
 
-def approach(problem: Problem, start: FloatArray, most: int, tolerance: float = TOLERANCE) -> Fit:
+def approach(problem: Problem[Shape], start: FloatArray, most: int, tolerance: float = TOLERANCE) -> Fit:
     """Go down from afar, each parameter by at most its prior's standard deviation at once.
 
     Parameters
@@ -94,7 +95,7 @@ def approach(problem: Problem, start: FloatArray, most: int, tolerance: float = 
     return Fit(vector, cost, evaluated, normal, iteration)
 
 
-def settle(problem: Problem, start: FloatArray, most: int, tolerance: float = TOLERANCE) -> Fit:
+def settle(problem: Problem[Shape], start: FloatArray, most: int, tolerance: float = TOLERANCE) -> Fit:
     """Go to the minimum; parameters as for :func:`approach`."""
     vector = start
     evaluated, normal = problem.linearised(vector)

@@ -10,15 +10,15 @@ import numpy as np
 
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import held
+from gen.identification.network.physics import Shape
 from gen.identification.network.steady import settled
-from gen.identification.network.structure import Structure
 
 WITHIN = 0.7
 """Standard deviation of the logarithm of a hidden node's steady rise over the mean of the sensed ones."""
 SPEEDS = held(np.array([0.25, 0.5, 0.75, 1.0]), 1)
 
 
-def off(structure: Structure, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+def off(structure: Shape, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
     """How far hidden nodes are from that, in standard deviations.
 
     Returns
@@ -26,8 +26,8 @@ def off(structure: Structure, vector: FloatArray) -> tuple[FloatArray, FloatArra
     residual, slopes
         Shapes (k,) and (k, p): by the parameters that all runs share.
     """
-    sensors = len(structure.sensed)
-    if structure.hidden == 0:
+    sensors = structure.sensors
+    if structure.nodes == sensors:
         return np.zeros(0), np.zeros((0, structure.size))
     found = settled(structure, SPEEDS, vector)
     rise = np.maximum(found.rise, 1e-6)

@@ -7,15 +7,15 @@ The vector of parameters begins with those that all runs share (see `structure`)
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from gen.identification.network.bins import FloatArray, IntArray
 from gen.identification.network.inputs import Inputs
-from gen.identification.network.plausible import off
+from gen.identification.network.physics import Shape
 from gen.identification.network.priors import Prior
-from gen.identification.network.simulation import Slopes, physical, sensitivities, simulate, steps_of
-from gen.identification.network.structure import Structure
+from gen.identification.network.simulation import Slopes, sensitivities, simulate, steps_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +53,14 @@ class Normal:
     vector: FloatArray
 
 
+S_co = TypeVar("S_co", bound=Shape, covariant=True)
+
+
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Problem(Generic[S_co]):
     """Runs, network and priors."""
 
-    structure: Structure
+    structure: S_co
     inputs: Inputs
     prior: Prior
 
@@ -88,7 +91,7 @@ class Problem:
     def _begin(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Temperatures at the start, shape (R, n), and the unknown part of the ambient, shape (N,)."""
         own = self.per_run(vector)
-        nodes, sensors = self.structure.nodes, len(self.structure.sensed)
+        nodes, sensors = self.structure.nodes, self.structure.sensors
         begin = np.repeat(self.inputs.begin[:, -1:], nodes, axis=1)
         begin[:, :sensors] = self.inputs.begin[:, :sensors]
         room = np.einsum("nb,nb->n", self.inputs.room, own[self.inputs.run, nodes:])
@@ -96,15 +99,16 @@ class Problem:
 
     def evaluate(self, vector: FloatArray) -> Evaluated:
         """Simulate all runs."""
-        found = physical(self.structure, self.inputs.levels, vector)
+        found = self.structure.physical(self.inputs.levels, vector)
         steps = steps_of(self.structure, self.inputs.levels, found)
         start, room = self._begin(vector)
         return self._evaluated(vector, *simulate(self.inputs, steps, found, start, room))
 
     def _evaluated(self, vector: FloatArray, before: FloatArray, after: FloatArray) -> Evaluated:
-        inputs, sensors = self.inputs, len(self.structure.sensed)
+        inputs, sensors = self.inputs, self.structure.sensors
         old, new = before[:, :sensors], after[:, :sensors]
-        model = old + inputs.share * (new - old) + vector[self.structure.offsets]
+        at, change = old + inputs.share * (new - old), (new - old) / inputs.width[:, None]
+        model = self.structure.shown(inputs, vector, at, change)
         residual = np.where(inputs.covered > 0.0, inputs.target - model, 0.0)
         return Evaluated(residual, float(np.einsum("ns,ns->", inputs.weight, residual**2)), after)
 
@@ -130,11 +134,16 @@ class Problem:
             Derivatives by the shared parameters and the own ones of the bin's run, shape (N, S, p).
         """
         structure, inputs = self.structure, self.inputs
-        found = physical(structure, inputs.levels, vector)
+        found = structure.physical(inputs.levels, vector)
         steps = steps_of(structure, inputs.levels, found)
         start, room = self._begin(vector)
         before, after = simulate(inputs, steps, found, start, room)
-        return self._evaluated(vector, before, after), sensitivities(structure, inputs, found, steps, before, room)
+        slopes = sensitivities(structure, inputs, found, steps, before, room)
+        old, new = before[:, : structure.sensors], after[:, : structure.sensors]
+        at, change = old + inputs.share * (new - old), (new - old) / inputs.width[:, None]
+        for sensor, column, each in structure.by_reading(inputs, at, change):
+            slopes[:, sensor, column] += each
+        return self._evaluated(vector, before, after), slopes
 
     def assembled(self, normal: Normal, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Normal equations of all parameters with priors.
@@ -151,7 +160,7 @@ class Problem:
             right[at] += normal.vector[r]
         matrix += self.prior.precision
         right -= self.prior.precision @ (vector - self.prior.mean)
-        implausible, slopes = off(self.structure, vector)
+        implausible, slopes = self.structure.implausible(vector)
         shared = self.structure.size
         matrix[:shared, :shared] += slopes.T @ slopes
         right[:shared] -= slopes.T @ implausible
@@ -160,9 +169,9 @@ class Problem:
     def penalty(self, vector: FloatArray) -> float:
         """Give the prior's part of the cost."""
         away = vector - self.prior.mean
-        implausible, _ = off(self.structure, vector)
+        implausible, _ = self.structure.implausible(vector)
         return float(away @ self.prior.precision @ away + implausible @ implausible)
 
-    def weighed(self, weight: FloatArray) -> Problem:
+    def weighed(self, weight: FloatArray) -> Problem[S_co]:
         """Give the same problem with other weights of the readings."""
         return replace(self, inputs=replace(self.inputs, weight=weight))

@@ -13,7 +13,6 @@ from gen.identification.network.priors import prior_of
 from gen.identification.network.problem import Problem
 from gen.identification.network.scale import Scale
 from gen.identification.network.search import Found, tightened
-from gen.identification.network.simulation import physical
 from gen.identification.network.starts import taken_over
 from gen.identification.network.structure import Structure
 from gen.identification.network.uncertainty import spread_of
@@ -93,7 +92,7 @@ def flows(found: Found) -> tuple[FloatArray, FloatArray]:
     """
     problem = found.problem
     structure, inputs = problem.structure, problem.inputs
-    physics = physical(structure, inputs.levels, found.vector)
+    physics = structure.physical(inputs.levels, found.vector)
     ends = np.column_stack([found.fit.evaluated.after, inputs.ambient])
     conductance = physics.conductance[inputs.level]
     most = [

@@ -39,7 +39,7 @@ class Found:
         Of the residual, shape (S,), K^2 s.
     """
 
-    problem: Problem
+    problem: Problem[Structure]
     fit: Fit
     density: FloatArray
 
@@ -81,7 +81,7 @@ def search(structure: Structure, inputs: Inputs, scale: Scale) -> Found:
     return tightened(problem, best.vector, np.full(sensors, FIRST_AT), AT_LAST)
 
 
-def tightened(problem: Problem, start: FloatArray, of: FloatArray, most: int, rounds: int = 3) -> Found:
+def tightened(problem: Problem[Structure], start: FloatArray, of: FloatArray, most: int, rounds: int = 3) -> Found:
     """Fit until the weights agree with what is left.
 
     Parameters

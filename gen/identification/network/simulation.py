@@ -15,34 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.identification.network.bins import FloatArray
-from gen.identification.network.forms import FORMS, HEAT, SLOW
 from gen.identification.network.inputs import Inputs, Levels
-from gen.identification.network.structure import Structure
+from gen.identification.network.physics import Physical, Shape
 
 Slopes = NDArray[np.float32]
-LARGEST = 60.0
-"""Of a logarithm: what a search tries must not overflow."""
-
-
-@dataclass(frozen=True, eq=False)
-class Physical:
-    """What the parameters mean at each distinct input.
-
-    Attributes
-    ----------
-    capacity
-        Shape (n,), J/K.
-    conductance, by_term
-        Shape (L, Q), W/K, and derivatives by the free terms, shape (L, F).
-    heat, by_heat_term
-        Shape (L, n), W, and derivatives, shape (L, heated, k).
-    """
-
-    capacity: FloatArray
-    conductance: FloatArray
-    by_term: FloatArray
-    heat: FloatArray
-    by_heat_term: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,35 +50,13 @@ class Steps:
     outside: FloatArray
 
 
-def physical(structure: Structure, levels: Levels, vector: FloatArray) -> Physical:
-    """Evaluate capacities, conductances and heats at each distinct input."""
-    rest, turn = levels.rest[:, None], 1.0 - levels.rest[:, None]
-    curves = {form: (form.usual(levels.speed), form.turning(levels.speed)) for form in FORMS}
-    conductance = np.empty((levels.count, len(structure.paths)))
-    by_term = np.empty((levels.count, structure.path_of.size))
-    for q, (form, at) in enumerate(zip(structure.forms, structure.conductances, strict=True)):
-        usual, functions = curves[form]
-        own = vector[at]
-        moved = turn * np.exp(np.minimum(usual + functions @ own, LARGEST))[:, None]
-        slow = float(form.usual(np.array([SLOW]))[0])
-        still = rest * np.exp(np.minimum(slow + form.at_rest @ own, LARGEST))
-        conductance[:, q] = (moved + still)[:, 0]
-        by_term[:, at.start - structure.nodes : at.stop - structure.nodes] = moved * functions + still * form.at_rest
-    usual, functions = curves[HEAT]
-    heat = np.zeros((levels.count, structure.nodes))
-    by_heat = np.empty((levels.count, len(structure.heated), HEAT.size))
-    for h, (node, at) in enumerate(zip(structure.heated, structure.heats, strict=True)):
-        given = turn * np.exp(np.minimum(usual + functions @ vector[at], LARGEST))[:, None]
-        heat[:, node] = given[:, 0]
-        by_heat[:, h] = given * functions
-    return Physical(np.exp(vector[structure.capacities]), conductance, by_term, heat, by_heat)
-
-
-def steps_of(structure: Structure, levels: Levels, found: Physical) -> Steps:
+def steps_of(structure: Shape, levels: Levels, found: Physical) -> Steps:
     """Discretise the network at each distinct input."""
     incidence, root = structure.incidence, np.sqrt(found.capacity)
     scaled = incidence / root
     matrix = -np.einsum("lq,qi,qj->lij", found.conductance, scaled, scaled, optimize=True)
+    if found.growth is not None:
+        matrix[:, *np.diag_indices(structure.nodes)] += found.growth / found.capacity
     rates, vectors = np.linalg.eigh(matrix)
     rates = np.minimum(rates, -1e-12)
     exponent = rates * levels.width[:, None]
@@ -157,14 +111,14 @@ def simulate(
 
 
 def sensitivities(
-    structure: Structure,
+    structure: Shape,
     inputs: Inputs,
     found: Physical,
     steps: Steps,
     before: FloatArray,
     room: FloatArray,
 ) -> Slopes:
-    """Derivatives of the modelled readings.
+    """Derivatives of the sensed nodes' temperatures at the readings' time.
 
     Returns
     -------
@@ -173,7 +127,7 @@ def sensitivities(
         by the hats of the room. Single precision: they only point the way.
     """
     sources = _sources(structure, inputs, found, steps, before, room)
-    nodes, sensors = structure.nodes, len(structure.sensed)
+    nodes, sensors = structure.nodes, structure.sensors
     made = np.empty((inputs.level.size, sensors, sources.shape[-1]), dtype=np.float32)
     current = np.zeros((len(inputs.runs), nodes, sources.shape[-1]), dtype=np.float32)
     current[:, :, structure.size : structure.size + nodes] = np.eye(nodes)
@@ -186,13 +140,11 @@ def sensitivities(
         current = np.matmul(matrix[low:high], current[: high - low])
         current += sources[low:high]
         shown += late[low:high] * current[:, :sensors]
-    for s, column in enumerate(structure.offsets.tolist()):
-        made[:, s, column] = 1.0
     return made
 
 
 def _sources(
-    structure: Structure, inputs: Inputs, found: Physical, steps: Steps, before: FloatArray, room: FloatArray
+    structure: Shape, inputs: Inputs, found: Physical, steps: Steps, before: FloatArray, room: FloatArray
 ) -> Slopes:
     """What each parameter adds to the temperatures within one bin, shape (N, n, p)."""
     level = inputs.level
@@ -217,8 +169,7 @@ def _sources(
     back = structure.outer.astype(single)[:, None] * (phi * ambient.astype(single)[:, None])[:, None, :]
     flow = by_path * (back - inner)
     stored = -by_node * ((by_node * change) @ first)
-    heated = list(structure.heated)
-    warmed = by_node[:, heated] * phi[:, None, :] / root.astype(single)[heated][:, None]
+    warmed = by_node * phi[:, None, :] / root.astype(single)[:, None]
     size = structure.size
     sources = np.zeros((level.size, nodes, size + nodes + inputs.room.shape[-1]), dtype=single)
     to_nodes = np.swapaxes(turned, 1, 2).astype(single)[level] / root.astype(single)[:, None]
@@ -227,14 +178,13 @@ def _sources(
         return np.asarray(to_nodes @ np.swapaxes(columns, 1, 2), dtype=single)
 
     sources[..., :nodes] = temperatures(stored)
-    path = structure.path_of
-    last = nodes + path.size
-    by_term = found.by_term.astype(single)[level]
-    np.multiply(temperatures(flow)[..., path], by_term[:, None], out=sources[..., nodes:last])
-    if heated:
-        by_heat = found.by_heat_term.astype(single)[level]
-        each = temperatures(warmed)[..., None] * by_heat[:, None]
-        sources[..., last : structure.offsets[0]] = each.reshape(level.size, nodes, -1)
+    found.by_path.add_to(sources, temperatures(flow), level)
+    found.by_heat.add_to(sources, temperatures(warmed), level)
+    if found.by_growth is not None:
+        # Heat by temperature is a path to 0 degC that gives instead of taking.
+        warmth = (by_node * state) @ first
+        warmth += (by_node * drive) @ second
+        found.by_growth.add_to(sources, temperatures(by_node / root.astype(single)[:, None] ** 2 * warmth), level)
     if inputs.room.shape[-1]:
         reach = np.einsum("lij,lj->li", steps.gain, steps.outside)[level]
         sources[..., size + nodes :] = reach[..., None] * inputs.room[:, None, :]

@@ -8,9 +8,10 @@ from gen.identification.network.bins import FloatArray
 from gen.identification.network.forms import HEAT, OUTSIDE
 from gen.identification.network.problem import Problem
 from gen.identification.network.scale import Scale
+from gen.identification.network.structure import Structure
 
 
-def from_parts(problem: Problem, scale: Scale) -> FloatArray:
+def from_parts(problem: Problem[Structure], scale: Scale) -> FloatArray:
     """Begin with what each part does alone, all of them coupled as the prior has it."""
     structure = problem.structure
     vector = problem.prior.mean.copy()
@@ -29,7 +30,7 @@ ROLES = {"source": (-1.0, 1.0, -1.5), "sink": (1.0, -2.0, 0.5)}
 and path to the ambient."""
 
 
-def in_roles(problem: Problem, start: FloatArray) -> FloatArray:
+def in_roles(problem: Problem[Structure], start: FloatArray) -> FloatArray:
     """Give hidden nodes roles by turns: a source of heat, a sink.
 
     Parameters
@@ -49,7 +50,7 @@ def in_roles(problem: Problem, start: FloatArray) -> FloatArray:
     return vector
 
 
-def taken_over(problem: Problem, before: Problem, found: FloatArray) -> FloatArray:
+def taken_over(problem: Problem[Structure], before: Problem[Structure], found: FloatArray) -> FloatArray:
     """Give the parameters of another structure or other bins for what both have; the rest as the prior has it.
 
     Parameters

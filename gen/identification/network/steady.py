@@ -8,8 +8,7 @@ import numpy as np
 
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
-from gen.identification.network.simulation import Physical, physical
-from gen.identification.network.structure import Structure
+from gen.identification.network.physics import Physical, Shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,19 +33,15 @@ class Settled:
     physics: Physical
 
 
-def settled(structure: Structure, levels: Levels, vector: FloatArray) -> Settled:
+def settled(structure: Shape, levels: Levels, vector: FloatArray) -> Settled:
     """Solve L x = P at each speed; a path's derivative takes out what flows through it."""
-    physics = physical(structure, levels, vector)
+    physics = structure.physical(levels, vector)
     incidence, nodes = structure.incidence, structure.nodes
     laplacian = np.einsum("lq,qi,qj->lij", physics.conductance, incidence, incidence, optimize=True)
     inverse = np.linalg.inv(laplacian)
     rise = np.einsum("lij,lj->li", inverse, physics.heat)
     slopes = np.zeros((levels.count, nodes, structure.size))
     by_flow = -(inverse @ incidence.T) * (rise @ incidence.T)[:, None, :]
-    path = structure.path_of
-    last = nodes + path.size
-    slopes[..., nodes:last] = by_flow[..., path] * physics.by_term[:, None, :]
-    if structure.heated:
-        into = inverse[:, :, list(structure.heated), None] * physics.by_heat_term[:, None]
-        slopes[..., last : structure.offsets[0]] = into.reshape(levels.count, nodes, -1)
+    physics.by_path.add_to(slopes, by_flow)
+    physics.by_heat.add_to(slopes, inverse)
     return Settled(rise, slopes, laplacian, physics)

@@ -8,7 +8,13 @@ from functools import cached_property
 import numpy as np
 
 from gen.identification.network.bins import FloatArray, IntArray
-from gen.identification.network.forms import CONSTANT, HEAT, OUTSIDE, WITHIN, Form
+from gen.identification.network.forms import CONSTANT, FORMS, HEAT, OUTSIDE, SLOW, WITHIN, Form
+from gen.identification.network.inputs import Inputs, Levels
+from gen.identification.network.physics import Partial, Physical
+from gen.identification.network.plausible import off
+
+LARGEST = 60.0
+"""Of a logarithm: what a search tries must not overflow."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +45,11 @@ class Structure:
     def nodes(self) -> int:
         """How many."""
         return len(self.sensed) + self.hidden
+
+    @property
+    def sensors(self) -> int:
+        """How many nodes are sensed."""
+        return len(self.sensed)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -108,6 +119,56 @@ class Structure:
     def size(self) -> int:
         """Parameters that all runs share."""
         return self.nodes + self.path_of.size + HEAT.size * len(self.heated) + len(self.sensed)
+
+    def physical(self, levels: Levels, vector: FloatArray) -> Physical:
+        """Evaluate capacities, conductances and heats at each distinct input."""
+        rest, turn = levels.rest[:, None], 1.0 - levels.rest[:, None]
+        curves = {form: (form.usual(levels.speed), form.turning(levels.speed)) for form in FORMS}
+        conductance = np.empty((levels.count, len(self.paths)))
+        by_term = np.empty((levels.count, self.path_of.size))
+        for q, (form, at) in enumerate(zip(self.forms, self.conductances, strict=True)):
+            usual, functions = curves[form]
+            own = vector[at]
+            moved = turn * np.exp(np.minimum(usual + functions @ own, LARGEST))[:, None]
+            slow = float(form.usual(np.array([SLOW]))[0])
+            still = rest * np.exp(np.minimum(slow + form.at_rest @ own, LARGEST))
+            conductance[:, q] = (moved + still)[:, 0]
+            by_term[:, at.start - self.nodes : at.stop - self.nodes] = moved * functions + still * form.at_rest
+        usual, functions = curves[HEAT]
+        heat = np.zeros((levels.count, self.nodes))
+        by_heat = np.empty((levels.count, len(self.heated), HEAT.size))
+        for h, (node, at) in enumerate(zip(self.heated, self.heats, strict=True)):
+            given = turn * np.exp(np.minimum(usual + functions @ vector[at], LARGEST))[:, None]
+            heat[:, node] = given[:, 0]
+            by_heat[:, h] = given * functions
+        last = self.nodes + self.path_of.size
+        return Physical(
+            capacity=np.exp(vector[self.capacities]),
+            conductance=conductance,
+            heat=heat,
+            by_path=Partial(self.path_of, np.arange(self.nodes, last), by_term),
+            by_heat=Partial(
+                np.repeat(np.array(self.heated, dtype=np.int64), HEAT.size),
+                np.arange(last, int(self.offsets[0])),
+                by_heat.reshape(levels.count, -1),
+            ),
+        )
+
+    def shown(self, inputs: Inputs, vector: FloatArray, temperature: FloatArray, change: FloatArray) -> FloatArray:  # noqa: D102
+        return np.asarray(temperature + vector[self.offsets])
+
+    def by_reading(
+        self,
+        inputs: Inputs,
+        temperature: FloatArray,
+        change: FloatArray,
+    ) -> list[tuple[int, int, FloatArray | float]]:
+        """Every sensor's offset adds to what it shows."""
+        return [(s, int(place), 1.0) for s, place in enumerate(self.offsets)]
+
+    def implausible(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """How far hidden nodes are off what they may be (see `plausible`)."""
+        return off(self, vector)
 
 
 def _slices(first: int, sizes: list[int]) -> tuple[slice, ...]:

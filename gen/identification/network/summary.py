@@ -12,7 +12,6 @@ from gen.identification.network.document import measured_range, rest_was_measure
 from gen.identification.network.forecast import bands
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.inputs import held
-from gen.identification.network.simulation import physical
 from gen.identification.network.uncertainty import Spread, Steady, spread_of, steady_of, undetermined
 
 SETTLED = 3.0
@@ -222,7 +221,7 @@ class Summary:
     def _paths(self, names: tuple[str, ...]) -> list[dict[str, Any]]:
         structure, vector = self.result.found.structure, self.result.found.vector
         levels = held(np.array([0.0, 127.5, 255.0]), 255)
-        conductance = physical(structure, levels, vector).conductance
+        conductance = structure.physical(levels, vector).conductance
         made = []
         for q, (i, j) in enumerate(structure.paths):
             level = structure.conductances[q].start + structure.forms[q].level
@@ -239,7 +238,7 @@ class Summary:
 
     def _heats(self, names: tuple[str, ...]) -> list[dict[str, Any]]:
         structure, vector = self.result.found.structure, self.result.found.vector
-        heat = physical(structure, held(np.array([127.5, 255.0]), 255), vector).heat
+        heat = structure.physical(held(np.array([127.5, 255.0]), 255), vector).heat
         return [
             {"node": names[i], "power_W": {"at_half_speed": float(heat[0, i]), "at_full_speed": float(heat[1, i])}}
             for i in structure.heated

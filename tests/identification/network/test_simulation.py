@@ -18,7 +18,7 @@ from gen.identification.network.inputs import inputs_of
 from gen.identification.network.priors import prior_of
 from gen.identification.network.problem import Problem
 from gen.identification.network.scale import scale_of
-from gen.identification.network.structure import full
+from gen.identification.network.structure import Structure, full
 from gen.identification.network.weights import weights
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
@@ -28,7 +28,7 @@ NAMES = ("a", "b")
 
 
 @pytest.fixture(scope="module")
-def problem() -> Problem:
+def problem() -> Problem[Structure]:
     """Runs of different lengths, one of them without a measured ambient, one with PWM that changes all the time."""
     rng = np.random.default_rng(1)
     runs = []
@@ -46,18 +46,18 @@ def problem() -> Problem:
     return Problem(structure, inputs, prior_of(structure, inputs, scale_of(inputs)))
 
 
-def moved(problem: Problem) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def moved(problem: Problem[Structure]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     return problem.prior.mean + np.random.default_rng(2).normal(0.0, 0.3, problem.size)
 
 
-def columns(problem: Problem) -> Iterator[tuple[int, int, int]]:
+def columns(problem: Problem[Structure]) -> Iterator[tuple[int, int, int]]:
     """Each run's parameters: run, place among the run's own columns, place in the vector."""
     for run in range(problem.runs):
         for own, place in enumerate(problem.columns(run).tolist()):
             yield run, own, place
 
 
-def test_derivatives_of_the_readings_agree_with_differences(problem: Problem) -> None:
+def test_derivatives_of_the_readings_agree_with_differences(problem: Problem[Structure]) -> None:
     vector, step = moved(problem), 1e-5
     _, slopes = problem.slopes(vector)
     differences = {}
@@ -76,7 +76,7 @@ def test_derivatives_of_the_readings_agree_with_differences(problem: Problem) ->
         assert found == pytest.approx(wanted, rel=2e-3, abs=2e-4 + 2e-4 * float(np.abs(wanted).max())), place
 
 
-def test_normal_equations_give_the_cost_s_own_slope(problem: Problem) -> None:
+def test_normal_equations_give_the_cost_s_own_slope(problem: Problem[Structure]) -> None:
     """Half of minus the cost's gradient, priors and hidden nodes' plausible warmth included."""
     vector, step = moved(problem), 1e-5
     _, normal = problem.linearised(vector)

@@ -1,0 +1,134 @@
+"""What the parameters of a network mean at each distinct input, and how that changes with each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.identification.network.bins import FloatArray, IntArray
+from gen.identification.network.inputs import Inputs, Levels
+
+
+@dataclass(frozen=True, eq=False)
+class Partial:
+    """Derivatives that are not zero: each of one path's conductance, or of one node's heat, by one parameter.
+
+    Attributes
+    ----------
+    of
+        The path or node, shape (F,).
+    by
+        Place of the parameter among those that all runs share, shape (F,).
+    value
+        At each distinct input, shape (L, F).
+    """
+
+    of: IntArray
+    by: IntArray
+    value: FloatArray
+
+    def add_to(self, made: NDArray[Any], unit: NDArray[Any], level: IntArray | None = None) -> None:
+        """Add what each parameter does: its derivatives times what a unit of each path or node does.
+
+        Parameters
+        ----------
+        made
+            Where each parameter has a column, shape (N, n, p).
+        unit
+            Of each path or node, shape (N, n, paths or nodes).
+        level
+            Which distinct input holds, shape (N,); None where N is their number.
+        """
+        if self.by.size == 0:
+            return
+        value = self.value.astype(unit.dtype)
+        each = unit[..., self.of] * (value if level is None else value[level])[:, None, :]
+        first = int(self.by[0])
+        if np.array_equal(self.by, np.arange(first, first + self.by.size)):
+            made[..., first : first + self.by.size] += each
+            return
+        # One parameter may act in several places.
+        for column, by in enumerate(self.by.tolist()):
+            made[..., by] += each[..., column]
+
+
+@dataclass(frozen=True, eq=False)
+class Physical:
+    """Capacities, conductances and heats at L distinct inputs.
+
+    Attributes
+    ----------
+    capacity
+        Shape (n,), J/K.
+    conductance
+        Shape (L, Q), W/K.
+    heat
+        Shape (L, n), W, of nodes at 0 degC.
+    by_path, by_heat
+        Derivatives of conductances (W/K) and heats (W).
+    growth
+        What each node's heat grows by with its temperature, shape (L, n), W/K; None for nowhere.
+    by_growth
+        Its derivatives, W/K.
+    """
+
+    capacity: FloatArray
+    conductance: FloatArray
+    heat: FloatArray
+    by_path: Partial
+    by_heat: Partial
+    growth: FloatArray | None = None
+    by_growth: Partial | None = None
+
+
+class Shape(Protocol):
+    """Which numbers of a network are free.
+
+    The vector of shared parameters begins with the logarithms of the capacities.
+    """
+
+    @property
+    def nodes(self) -> int:
+        """How many nodes."""
+
+    @property
+    def sensors(self) -> int:
+        """How many of them, the first ones, are sensed."""
+
+    @property
+    def size(self) -> int:
+        """Parameters that all runs share."""
+
+    @property
+    def incidence(self) -> FloatArray:
+        """For each path +1 at its first and -1 at its second node, shape (Q, n)."""
+
+    @property
+    def outer(self) -> FloatArray:
+        """1 for each path to the ambient, shape (Q,)."""
+
+    def physical(self, levels: Levels, vector: FloatArray) -> Physical:
+        """Evaluate capacities, conductances and heats at each distinct input."""
+
+    def shown(self, inputs: Inputs, vector: FloatArray, temperature: FloatArray, change: FloatArray) -> FloatArray:
+        """What sensors show.
+
+        Parameters
+        ----------
+        inputs, vector
+            The bins, and the parameters that all runs share and then others.
+        temperature, change
+            Of the sensed nodes at the readings' time, degC and K/s, shape (N, S).
+        """
+
+    def by_reading(
+        self, inputs: Inputs, temperature: FloatArray, change: FloatArray
+    ) -> Sequence[tuple[int, int, FloatArray | float]]:
+        """Derivatives of what sensors show by their own parameters: sensor, place of the parameter, shape (N,)."""
+
+    def implausible(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """How far off what is known of the whole, in standard deviations, shape (k,), and derivatives, shape (k, p)."""
