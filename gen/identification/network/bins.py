@@ -60,6 +60,8 @@ class Binned:
         Distance of the readings, shape (S,), s.
     ambient_known
         Whether the ambient was measured.
+    further
+        Means of whatever else drives the motor, shape (K, E); E may be 0.
     """
 
     name: str
@@ -75,6 +77,7 @@ class Binned:
     noise_K: FloatArray
     sample_s: FloatArray
     ambient_known: bool
+    further: FloatArray
 
     @property
     def width(self) -> FloatArray:
@@ -88,7 +91,13 @@ class Binned:
 
 
 def binned(
-    name: str, run: Run, names: Sequence[str], ambient: FloatArray | float, full_scale: int, longest: float = LONGEST_S
+    name: str,
+    run: Run,
+    names: Sequence[str],
+    ambient: FloatArray | float,
+    full_scale: int,
+    longest: float = LONGEST_S,
+    further: Sequence[FloatArray] = (),
 ) -> Binned:
     """Condense one run.
 
@@ -106,6 +115,8 @@ def binned(
         The count that is 100 %.
     longest
         Longest bin, s.
+    further
+        What else drives the motor, at each row.
     """
     time = run.time_s - run.time_s[0]
     level = np.abs(run.pwm).astype(np.float64)
@@ -131,6 +142,7 @@ def binned(
         noise_K=np.array([_noise(run.temps.get(n)) for n in names]),
         sample_s=np.array([_distance(time, run.temps.get(n)) for n in names]),
         ambient_known=not isinstance(ambient, float),
+        further=np.array([_means(edges, time, values) for values in further]).reshape(len(further), edges.size - 1).T,
     )
 
 

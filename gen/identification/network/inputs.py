@@ -40,12 +40,15 @@ class Levels:
         Share of time at PWM 0.
     speed, square
         |PWM| over full scale while it turns, and its square.
+    further
+        What else drives the motor, shape (L, E).
     """
 
     width: FloatArray
     rest: FloatArray
     speed: FloatArray
     square: FloatArray
+    further: FloatArray
 
     @property
     def count(self) -> int:
@@ -56,13 +59,13 @@ class Levels:
 def held(pwm: FloatArray, full_scale: int) -> Levels:
     """Give the inputs of PWM that is held, shape (L,)."""
     speed = np.abs(np.asarray(pwm, dtype=np.float64)) / full_scale
-    return Levels(np.ones_like(speed), (speed == 0.0).astype(np.float64), speed, speed**2)
+    return Levels(np.ones_like(speed), (speed == 0.0).astype(np.float64), speed, speed**2, np.empty((speed.size, 0)))
 
 
 def turning(pwm: FloatArray, full_scale: int) -> Levels:
     """Give the inputs of a motor that turns, the slowest turning at PWM 0 included, shape (L,)."""
     speed = np.abs(np.asarray(pwm, dtype=np.float64)) / full_scale
-    return Levels(np.ones_like(speed), np.zeros_like(speed), speed, speed**2)
+    return Levels(np.ones_like(speed), np.zeros_like(speed), speed, speed**2, np.empty((speed.size, 0)))
 
 
 def joined(first: Levels, second: Levels) -> Levels:
@@ -72,6 +75,7 @@ def joined(first: Levels, second: Levels) -> Levels:
         (first.rest, second.rest),
         (first.speed, second.speed),
         (first.square, second.square),
+        (first.further, second.further),
     )
     return Levels(*(np.concatenate(pair) for pair in pairs))
 
@@ -159,7 +163,7 @@ def inputs_of(runs: Sequence[Binned]) -> Inputs:
     def flat(values: Callable[[Binned], FloatArray]) -> FloatArray:
         return np.ascontiguousarray(np.concatenate([values(runs[r]) for r in order])[row])
 
-    level, distinct = _levels(flat(lambda r: np.column_stack([r.width, r.rest, r.speed, r.square])))
+    level, distinct = _levels(flat(lambda r: np.column_stack([r.width, r.rest, r.speed, r.square, r.further])))
     covered = flat(lambda r: r.covered)
     starts = [_begin(own) for own in runs]
     hats = _hats(runs)
@@ -170,7 +174,7 @@ def inputs_of(runs: Sequence[Binned]) -> Inputs:
         run=run,
         level=level,
         begins=flat(lambda r: r.edges[:-1]),
-        levels=Levels(*(np.ascontiguousarray(column) for column in distinct.T)),
+        levels=Levels(*(np.ascontiguousarray(column) for column in distinct.T[:4]), distinct[:, 4:]),
         ambient=flat(lambda r: r.ambient),
         room=flat(lambda r: _room(r, hats)),
         target=np.where(covered > 0.0, flat(lambda r: r.reading), 0.0),
@@ -188,9 +192,13 @@ def _levels(table: FloatArray) -> tuple[IntArray, FloatArray]:
     Parameters
     ----------
     table
-        Width, rest, speed and square of each bin, shape (N, 4).
+        Width, rest, speed and square of each bin, and what else drives the motor, shape (N, 4 + E).
     """
     key = np.round(table, 6)
+    if table.shape[1] > 4:
+        # Each bin has channels of its own: rounding would not make them fewer.
+        distinct, index = np.unique(key, axis=0, return_inverse=True)
+        return np.ravel(index), distinct
     index = np.zeros(len(table), dtype=np.int64)
     for coarse in (1.0, 4.0, 16.0, 64.0):
         index = np.ravel(np.unique(key, axis=0, return_inverse=True)[1])

@@ -1,0 +1,1 @@
+"""Refinement of a network: effects are its terms, fitted together with it."""

@@ -1,0 +1,337 @@
+"""A file's network with everything in it free within what is known of it, and effects on top."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray, IntArray
+from gen.identification.network.forms import HEAT, OUTSIDE, WITHIN, Form
+from gen.identification.network.inputs import Inputs, Levels
+from gen.identification.network.physics import Physical
+from gen.model.network import Curve, Factor, Network
+from gen.refinement.network.anchors import USUAL_AMBIENT
+from gen.refinement.network.columns import Columns
+from gen.refinement.network.draft import Draft, Slope
+from gen.refinement.network.effects import Motor, NetworkEffect
+from gen.refinement.network.effects.base import Place
+from gen.refinement.network.writer import NetworkWriter, Scale
+
+CAPACITY, LEVEL, BEND_SHARE, AT_REST, SLOPE_OVER_SPEED, OFFSET_K = 0.15, 0.15, 0.15, 0.3, 0.2, 0.15
+"""Standard deviations of what the file may be off by: logarithms of capacities, of levels, of bends over speed (as a
+share of what identification allows), of conductances at rest, of what changes within the motor with speed; offsets."""
+LEAST_W_PER_K = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Anchored:
+    """Parameters: logarithms of capacities; of each path and heat how far it is off the file's curve, by logarithms;
+    changes of the sensors' offsets, K; then each effect's numbers.
+
+    Attributes
+    ----------
+    network
+        The file's.
+    full_scale
+        The count that is 100 %.
+    columns
+        What else drives the motor.
+    effects
+        On top.
+    """
+
+    network: Network
+    full_scale: int
+    columns: Columns
+    effects: tuple[NetworkEffect, ...] = ()
+
+    def with_effects(self, *effects: NetworkEffect) -> Anchored:
+        """The same with these effects alone."""
+        return Anchored(self.network, self.full_scale, self.columns, effects)
+
+    # Nodes and paths.
+
+    @cached_property
+    def order(self) -> tuple[int, ...]:
+        """The file's nodes, the sensed ones first."""
+        numbers = range(len(self.network.nodes))
+        sensed = [k for k in numbers if self.network.nodes[k].sensor is not None]
+        return (*sensed, *(k for k in numbers if k not in sensed))
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of all nodes; the effects' own have none."""
+        own = [self.network.nodes[k].name for k in self.order]
+        return (*own, *(f"{effect.name} of {effect.component}" for effect in self.effects if effect.nodes))
+
+    @property
+    def base_nodes(self) -> int:
+        """How many the file has."""
+        return len(self.network.nodes)
+
+    @property
+    def nodes(self) -> int:
+        """How many."""
+        return self.base_nodes + sum(effect.nodes for effect in self.effects)
+
+    @property
+    def sensors(self) -> int:
+        """How many are sensed."""
+        return len(self.network.sensed)
+
+    @cached_property
+    def base_paths(self) -> tuple[tuple[int, int], ...]:
+        """The file's paths."""
+        place = {self.network.nodes[k].name: i for i, k in enumerate(self.order)}
+        return tuple(
+            (place[path.first], -1 if path.second is None else place[path.second]) for path in self.network.paths
+        )
+
+    @cached_property
+    def base_heats(self) -> tuple[int, ...]:
+        """Nodes of the file's heats."""
+        place = {self.network.nodes[k].name: i for i, k in enumerate(self.order)}
+        return tuple(place[heat.node] for heat in self.network.heats)
+
+    @cached_property
+    def paths(self) -> tuple[tuple[int, int], ...]:
+        """All paths."""
+        made = list(self.base_paths)
+        for effect, place in zip(self.effects, self.places, strict=True):
+            made += [(place.node if i == -2 else i, j) for i, j in effect.paths]
+        return tuple(made)
+
+    @cached_property
+    def incidence(self) -> FloatArray:
+        """For each path +1 at its first and -1 at its second node, shape (Q, n)."""
+        made = np.zeros((len(self.paths), self.nodes))
+        for q, (i, j) in enumerate(self.paths):
+            made[q, i] = 1.0
+            if j >= 0:
+                made[q, j] = -1.0
+        return made
+
+    @cached_property
+    def outer(self) -> FloatArray:
+        """1 for each path to the ambient, shape (Q,)."""
+        return np.array([1.0 if j < 0 else 0.0 for _, j in self.paths])
+
+    def motor(self) -> Motor:
+        """What effects need to know of the file's network."""
+        full = self._levels_at_full_speed()
+        conductance = np.array([self._curve(p.curve, p.factors, full)[0][0] for p in self.network.paths])
+        heat = sum(float(self._curve(h.curve, h.factors, full)[0][0]) for h in self.network.heats)
+        return Motor(
+            names=self.names[: self.base_nodes],
+            sensed=self.sensors,
+            paths=self.base_paths,
+            heated=tuple(dict.fromkeys(self.base_heats)),
+            columns=self.columns,
+            typical_W=max(heat, 1e-6),
+            typical_W_per_K=float(np.median(conductance[conductance > 0.0])),
+            typical_J_per_K=float(np.median(self.network.capacities)),
+            usual_degC=self._usual(),
+        )
+
+    def _usual(self) -> tuple[float, ...]:
+        """Where the nodes settle at half speed, degC."""
+        m, a, f = self.network.matrices(np.array([self.full_scale // 2]))
+        settled = np.linalg.solve(-m[0], a[0] * USUAL_AMBIENT + f[0])
+        return tuple(float(settled[k]) for k in self.order)
+
+    def _levels_at_full_speed(self) -> Levels:
+        one = np.ones(1)
+        neutral = self.network.neutral()
+        zero = {name: np.array([neutral.get(name, 0.0)]) for name in self.columns.channels}
+        further = np.column_stack(self.columns.of_run(one, zero, later=False))
+        return Levels(one, np.zeros(1), one, one, further)
+
+    # Places in the vector.
+
+    @cached_property
+    def forms(self) -> tuple[Form, ...]:
+        """How each path of the file may be off."""
+        return tuple(OUTSIDE if j < 0 else WITHIN for _, j in self.base_paths)
+
+    @cached_property
+    def _firsts(self) -> tuple[IntArray, IntArray, int]:
+        """Where each path's and each heat's numbers begin, and where the offsets do."""
+        sizes = np.array([form.size for form in self.forms] + [HEAT.size] * len(self.base_heats))
+        firsts = self.nodes + np.concatenate([[0], np.cumsum(sizes)])
+        count = len(self.forms)
+        return firsts[:count], firsts[count:-1], int(firsts[-1])
+
+    @property
+    def offsets(self) -> IntArray:
+        """Places of the changes of offsets, shape (S,)."""
+        return self._firsts[2] + np.arange(self.sensors)
+
+    @cached_property
+    def places(self) -> tuple[Place, ...]:
+        """Of the effects."""
+        first, node, path = self._firsts[2] + self.sensors, self.base_nodes, len(self.base_paths)
+        made = []
+        for effect in self.effects:
+            count = len(effect.numbers) - effect.nodes
+            columns = np.concatenate([np.arange(node, node + effect.nodes), np.arange(first, first + count)])
+            made.append(Place(columns.astype(np.int64), node, path))
+            first, node, path = first + count, node + effect.nodes, path + len(effect.paths)
+        return tuple(made)
+
+    @property
+    def size(self) -> int:
+        """Parameters that all runs share."""
+        return self._firsts[2] + self.sensors + sum(len(e.numbers) - e.nodes for e in self.effects)
+
+    # What is known before.
+
+    def prior(self) -> tuple[FloatArray, FloatArray]:
+        """Mean, shape (size,), and precision, shape (size, size)."""
+        mean, deviation = np.zeros(self.size), np.full(self.size, LEVEL)
+        mean[: self.base_nodes] = np.log(self.network.capacities[list(self.order)])
+        deviation[: self.base_nodes] = CAPACITY
+        paths, heats, _ = self._firsts
+        precision = np.zeros((self.size, self.size))
+        for form, first in zip((*self.forms, *[HEAT] * heats.size), (*paths, *heats), strict=True):
+            at = slice(first + form.level, first + form.level + 1)
+            deviation[at] = LEVEL
+            if form is OUTSIDE:
+                deviation[first] = AT_REST
+            if form is WITHIN:
+                deviation[first + 1] = SLOPE_OVER_SPEED
+        deviation[self.offsets] = OFFSET_K
+        for effect, place in zip(self.effects, self.places, strict=True):
+            mean[place.columns] = [number.mean for number in effect.numbers]
+            deviation[place.columns] = [number.deviation for number in effect.numbers]
+        precision[np.diag_indices(self.size)] = deviation**-2
+        for form, first in zip((*self.forms, *[HEAT] * heats.size), (*paths, *heats), strict=True):
+            if form is not WITHIN:
+                bends = slice(first + form.level + 1, first + form.size)
+                precision[bends, bends] = form.precision[form.level + 1 :, form.level + 1 :] / BEND_SHARE**2
+        return mean, precision
+
+    def start(self) -> FloatArray:
+        """Where the search begins: at the file, with the effects' own starts."""
+        vector = self.prior()[0]
+        for effect, place in zip(self.effects, self.places, strict=True):
+            vector[place.columns] = [number.fitted(number.start) for number in effect.numbers]
+        return vector
+
+    def values(self, vector: FloatArray) -> list[tuple[float, ...]]:
+        """Give each effect's numbers."""
+        return [
+            tuple(number.value(float(x)) for number, x in zip(effect.numbers, vector[place.columns], strict=True))
+            for effect, place in zip(self.effects, self.places, strict=True)
+        ]
+
+    # The network at distinct inputs.
+
+    def _told(self, factors: Sequence[Factor], levels: Levels) -> FloatArray:
+        made = np.ones(levels.count)
+        for factor in factors:
+            channel = self.network.channel(factor.channel)
+            value = self.columns.power(levels, factor.channel, 1)
+            made = made * factor(np.clip(value, channel.low, channel.high))
+        return made
+
+    def _curve(self, curve: Curve, factors: Sequence[Factor], levels: Levels) -> tuple[FloatArray, FloatArray]:
+        """What a curve of the file gives while turning and at rest, factors included, shape (L,) each."""
+        pwm = levels.speed * self.full_scale
+        held = pwm if self.network.held is None else np.clip(pwm, *self.network.held)
+        still = curve.at_rest
+        if still is None:
+            still = float(curve.turning(np.array([float(self.network.held[0]) if self.network.held else 0.0]))[0])
+        told = self._told(factors, levels)
+        return np.maximum(curve.turning(held), 0.0) * told, still * told
+
+    def physical(self, levels: Levels, vector: FloatArray) -> Physical:
+        """Evaluate capacities, conductances and heats at each distinct input."""
+        draft = Draft(np.exp(np.clip(vector[: self.nodes], -60.0, 60.0)), levels.count, len(self.paths))
+        rest, turn = levels.rest, 1.0 - levels.rest
+        paths, heats, _ = self._firsts
+        for q, (path, form, first) in enumerate(zip(self.network.paths, self.forms, paths, strict=True)):
+            turning, still = self._curve(path.curve, path.factors, levels)
+            value, slopes = _off(form, int(first), turn * turning, rest * still, levels, vector)
+            draft.conductance.add(q, value, slopes)
+        for node, heat, first in zip(self.base_heats, self.network.heats, heats, strict=True):
+            turning, still = self._curve(heat.curve, heat.factors, levels)
+            value, slopes = _off(
+                HEAT, int(first), turn * turning + rest * still, np.zeros(levels.count), levels, vector
+            )
+            draft.warm(node, value, heat.per_K, heat.reference, slopes)
+        for effect, place in zip(self.effects, self.places, strict=True):
+            effect.act(draft, levels, vector[place.columns], place)
+        # The modes need conductances above 0.
+        np.maximum(draft.conductance.value, LEAST_W_PER_K, out=draft.conductance.value)
+        return draft.physical()
+
+    def shown(self, inputs: Inputs, vector: FloatArray, temperature: FloatArray, change: FloatArray) -> FloatArray:
+        """Give what sensors show, shape (N, S), degC."""
+        sensors = [node.sensor for node in self.network.sensed if node.sensor is not None]
+        # A sensor that lags reads what was, to first order.
+        made = temperature - change * np.array([sensor.lag for sensor in sensors])
+        made += vector[self.offsets] + np.array([sensor.offset for sensor in sensors])
+        later = self.columns.later(inputs.levels)[inputs.level]
+        for effect, place in zip(self.effects, self.places, strict=True):
+            read = effect.read(temperature, change, inputs.begins / 3600.0)
+            if read is not None:
+                sensor, unit = read
+                made[:, sensor] += vector[place.columns[0]] * later * unit
+        return np.asarray(made)
+
+    def by_reading(
+        self, inputs: Inputs, temperature: FloatArray, change: FloatArray
+    ) -> list[tuple[int, int, FloatArray | float]]:
+        """Derivatives of what sensors show by offsets and by effects on readings."""
+        made: list[tuple[int, int, FloatArray | float]] = [(s, int(at), 1.0) for s, at in enumerate(self.offsets)]
+        later = self.columns.later(inputs.levels)[inputs.level]
+        for effect, place in zip(self.effects, self.places, strict=True):
+            read = effect.read(temperature, change, inputs.begins / 3600.0)
+            if read is not None:
+                made.append((read[0], int(place.columns[0]), later * read[1]))
+        return made
+
+    def implausible(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Nothing: what a node may be, the file says."""
+        return np.zeros(0), np.zeros((0, self.size))
+
+    # Writing.
+
+    def write(self, entry: NetworkWriter, vector: FloatArray) -> None:
+        """Write what was fitted into a file's network, the effects last."""
+        names = self.names
+        for i in range(self.base_nodes):
+            entry.capacity(names[i], float(np.exp(vector[i])))
+        paths, heats, _ = self._firsts
+        for q, (form, first) in enumerate(zip(self.forms, paths, strict=True)):
+            own = vector[first : first + form.size]
+            entry.scale_path_number(q, _scale(form, own), float(np.exp(form.at_rest @ own)))
+        for h, first in enumerate(heats):
+            entry.scale_heat_number(h, _scale(HEAT, vector[first : first + HEAT.size]))
+        for s, at in enumerate(self.offsets):
+            entry.sensor(names[s], offset_K=float(vector[at]))
+        for effect, values in zip(self.effects, self.values(vector), strict=True):
+            effect.write(entry, values)
+
+
+def _scale(form: Form, own: FloatArray) -> Scale:
+    """How far a curve is off, by speed."""
+    return lambda w: np.asarray(np.exp(form.turning(w) @ own))
+
+
+def _off(
+    form: Form, first: int, turning: FloatArray, still: FloatArray, levels: Levels, vector: FloatArray
+) -> tuple[FloatArray, list[Slope]]:
+    """A curve of the file, off by what its numbers say, and derivatives by them."""
+    own = vector[first : first + form.size]
+    functions = form.turning(levels.speed)
+    moved = turning * np.exp(np.clip(functions @ own, -60.0, 60.0))
+    made, slopes = moved, [moved * functions[:, k] for k in range(form.size)]
+    if form is not HEAT:
+        held = still * np.exp(np.clip(form.at_rest @ own, -60.0, 60.0))
+        made = moved + held
+        slopes = [slope + held * form.at_rest[k] for k, slope in enumerate(slopes)]
+    return made, [(first + k, slope) for k, slope in enumerate(slopes)]

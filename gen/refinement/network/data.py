@@ -1,0 +1,130 @@
+"""Runs as the refinement of a network sees them: bins of the later ones and of what the file stands for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+from gen.coefficients import Coefficients
+from gen.identification.network.bins import Binned, FloatArray, binned
+from gen.identification.network.inputs import Inputs, inputs_of
+from gen.refinement.network.anchors import anchors, declared_density
+from gen.refinement.network.columns import Columns
+from gen.refinement.network.effects import Offered
+from gen.replay import Inputs as Driven
+from gen.replay import inputs_of as driven_by
+from gen.runs import Run
+
+BIN_S, MOST_BINS = 60.0, 4000
+"""Longest bin, and how many all later runs together may have."""
+MOVES, ITS_OWN = 0.01, 0.2
+"""A channel explains nothing that moves by less than this share of its size, or of whose movements less than this share
+is not that of |PWM|."""
+BACKWARDS_S, RESTS_S = 120.0, 300.0
+
+
+@dataclass(frozen=True, eq=False)
+class Data:
+    """Later runs beside what the file stands for.
+
+    Attributes
+    ----------
+    inputs
+        All bins; the later runs come first, in their order.
+    later
+        How many runs are later ones.
+    columns
+        What else drives the motor.
+    offered
+        What the later runs offer to explain an error with.
+    declared
+        Density of the errors that the file declares, shape (S,), K^2 s.
+    """
+
+    inputs: Inputs
+    later: int
+    columns: Columns
+    offered: Offered
+    declared: FloatArray
+
+    @property
+    def is_later(self) -> NDArray[np.bool_]:
+        """Whether a bin is of a later run, shape (N,)."""
+        return np.asarray(self.inputs.run < self.later)
+
+
+def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]]) -> Data:
+    """Condense runs.
+
+    Parameters
+    ----------
+    coefficients
+        The file: which nodes are sensed, what the ambient is, which channels it reads.
+    runs
+        The later runs by name, read with :func:`gen.replay.read_for`.
+    """
+    model = coefficients.model
+    names = model.component_names
+    driven = [driven_by(coefficients, run, name) for name, run in runs]
+    own = [channel.column for channel in model.network.channels] if model.network else []
+    columns = Columns(_channels(runs, driven, own))
+    full_scale = coefficients.document.input.full_scale
+    total = sum(float(run.time_s[-1] - run.time_s[0]) for _, run in runs)
+    longest = max(BIN_S, 1.5 * total / MOST_BINS)
+    made: list[Binned] = []
+    for (name, run), inputs in zip(runs, driven, strict=True):
+        further = columns.of_run(run.pwm.astype(np.float64), inputs.channels, later=True)
+        ambient = np.asarray(inputs.ambient, dtype=np.float64)
+        made.append(binned(name, run, names, ambient, full_scale, longest, further))
+    neutral = model.network.neutral() if model.network else {}
+    for number, run in enumerate(anchors(coefficients)):
+        told = {name: np.full(run.time_s.size, neutral.get(name, 0.0)) for name in columns.channels}
+        further = columns.of_run(run.pwm.astype(np.float64), told, later=False)
+        ambient = run.ambient if run.ambient is not None else np.zeros(run.time_s.size)
+        made.append(binned(f"the file itself, {number + 1}", run, names, ambient, full_scale, 4.0 * BIN_S, further))
+    return Data(inputs_of(made), len(runs), columns, _offered(runs, driven, columns), declared_density(coefficients))
+
+
+def _channels(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], own: Sequence[str]) -> tuple[str, ...]:
+    """Channels that every run has and that say more than |PWM| does, and those that the model reads anyway."""
+    common = set.intersection(*(set(inputs.channels) for inputs in driven))
+    pwm = np.abs(np.concatenate([run.pwm for _, run in runs]))
+    _, level = np.unique(pwm, return_inverse=True)
+    number = np.bincount(level)
+    moving = []
+    for name in sorted(common):
+        values = np.abs(np.concatenate([inputs.channels[name] for inputs in driven]))
+        smooth = np.concatenate(
+            [_slow(run, inputs.channels[name]) for (_, run), inputs in zip(runs, driven, strict=True)]
+        )
+        smooth = np.abs(smooth)
+        by_pwm = (np.bincount(level, smooth) / number)[level]
+        size = float(np.sqrt(np.mean(values**2)))
+        if np.std(smooth - by_pwm) > MOVES * size and np.std(smooth - by_pwm) > ITS_OWN * np.std(smooth):
+            moving.append(name)
+    return tuple(dict.fromkeys([*own, *moving]))
+
+
+def _slow(run: Run, values: FloatArray) -> FloatArray:
+    """A channel's mean over a minute about each row: noise heats nothing."""
+    rows = max(1, round(60.0 / max(float(np.median(np.diff(run.time_s))), 1e-6)))
+    return np.asarray(uniform_filter1d(values, min(rows, values.size), mode="nearest"), dtype=np.float64)
+
+
+def _offered(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], columns: Columns) -> Offered:
+    backwards = rests = 0.0
+    for _, run in runs:
+        step = np.diff(run.time_s)
+        backwards += float(step[run.pwm[:-1] < 0].sum())
+        rests += float(step[run.pwm[:-1] == 0].sum())
+    every = {name: np.concatenate([inputs.channels[name] for inputs in driven]) for name in columns.channels}
+    return Offered(
+        ranges={name: (float(values.min()), float(values.max())) for name, values in every.items()},
+        typical={name: float(np.median(values)) for name, values in every.items()},
+        backwards=backwards > BACKWARDS_S,
+        rests=rests > RESTS_S,
+    )

@@ -1,0 +1,84 @@
+"""A network at the distinct inputs of some runs while effects are put on it, with its derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.physics import Partial, Physical
+
+Slope = tuple[int, FloatArray]
+"""A parameter's place, and the derivative by it at each distinct input, shape (L,)."""
+
+
+class Quantity:
+    """Conductances of Q paths, or heats of n nodes, with derivatives.
+
+    Parameters
+    ----------
+    value
+        Shape (L, Q).
+    """
+
+    def __init__(self, value: FloatArray) -> None:
+        self.value = value
+        self._slopes: list[tuple[int, int, FloatArray]] = []
+
+    def add(self, at: int, value: FloatArray, slopes: Iterable[Slope]) -> None:
+        """Add to one of them."""
+        self.value[:, at] += value
+        self._slopes += [(at, place, slope) for place, slope in slopes]
+
+    def scale(self, at: int, factor: FloatArray, slopes: Iterable[Slope]) -> None:
+        """Multiply one of them."""
+        before = self.value[:, at].copy()
+        self._slopes = [(of, by, slope * factor if of == at else slope) for of, by, slope in self._slopes]
+        self._slopes += [(at, place, slope * before) for place, slope in slopes]
+        self.value[:, at] = before * factor
+
+    def partial(self) -> Partial:
+        """Give the derivatives."""
+        return Partial(
+            np.array([of for of, _, _ in self._slopes], dtype=np.int64),
+            np.array([by for _, by, _ in self._slopes], dtype=np.int64),
+            np.array([slope for _, _, slope in self._slopes]).reshape(len(self._slopes), len(self.value)).T,
+        )
+
+
+class Draft:
+    """Conductances in W/K; heats in W of nodes at 0 degC, and what they grow by with the node's temperature, W/K."""
+
+    def __init__(self, capacity: FloatArray, levels: int, paths: int) -> None:
+        self._capacity = capacity
+        self.conductance = Quantity(np.zeros((levels, paths)))
+        self.heat = Quantity(np.zeros((levels, capacity.size)))
+        self.growth = Quantity(np.zeros((levels, capacity.size)))
+
+    def warm(self, node: int, power: FloatArray, per_K: float, reference: float, slopes: Iterable[Slope]) -> None:
+        """Add a heat of power (1 + per_K (T - reference))."""
+        slopes = list(slopes)
+        at_zero = 1.0 - per_K * reference
+        self.heat.add(node, power * at_zero, [(place, slope * at_zero) for place, slope in slopes])
+        if per_K:
+            self.growth.add(node, power * per_K, [(place, slope * per_K) for place, slope in slopes])
+
+    def scale_heats(self, node: int, factor: FloatArray, slopes: Iterable[Slope]) -> None:
+        """Multiply all heat of a node."""
+        slopes = list(slopes)
+        self.heat.scale(node, factor, slopes)
+        self.growth.scale(node, factor, slopes)
+
+    def physical(self) -> Physical:
+        """Give what the fit needs."""
+        growing = bool(np.any(self.growth.value)) or self.growth.partial().by.size > 0
+        return Physical(
+            capacity=self._capacity,
+            conductance=self.conductance.value,
+            heat=self.heat.value,
+            by_path=self.conductance.partial(),
+            by_heat=self.heat.partial(),
+            growth=self.growth.value if growing else None,
+            by_growth=self.growth.partial() if growing else None,
+        )

@@ -1,0 +1,187 @@
+"""What an effect is in a network: numbers that are fitted, what they do to it, and how they are written down."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray, IntArray
+from gen.identification.network.inputs import Levels
+from gen.refinement.network.columns import Columns
+from gen.refinement.network.draft import Draft, Slope
+from gen.refinement.network.writer import NetworkWriter
+
+WHOLE = "motor"
+"""The component of an effect that acts on the whole motor."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number that is fitted, with what is known of it before any run.
+
+    Parameters
+    ----------
+    name
+        With its unit.
+    start
+        Where the search begins.
+    mean, deviation
+        A normal distribution, of the logarithm where `log`.
+    low, high
+        Physical limits, of the number itself.
+    log
+        Fitted by its logarithm.
+    """
+
+    name: str
+    start: float
+    mean: float
+    deviation: float
+    low: float
+    high: float
+    log: bool = False
+
+    def fitted(self, value: float) -> float:
+        """Give the number as it is fitted."""
+        return float(np.log(value)) if self.log else value
+
+    def value(self, fitted: float) -> float:
+        """Give the number from what was fitted, within what can be computed."""
+        return float(np.exp(np.clip(fitted, -60.0, 60.0))) if self.log else fitted
+
+
+@dataclass(frozen=True)
+class Motor:
+    """What an effect needs to know of the network that it is put on.
+
+    Attributes
+    ----------
+    names
+        Of its nodes, the sensed ones first, the effects' own last.
+    sensed
+        How many are sensed.
+    paths
+        Pairs of nodes, the ambient as -1 second; then the effects' own.
+    heated
+        Nodes with heat.
+    columns
+        What else drives the motor.
+    typical_W, typical_W_per_K, typical_J_per_K
+        Whole heat at full speed, median conductance, median capacity.
+    usual_degC
+        Of each node: where it settles at half speed.
+    """
+
+    names: tuple[str, ...]
+    sensed: int
+    paths: tuple[tuple[int, int], ...]
+    heated: tuple[int, ...]
+    columns: Columns
+    typical_W: float
+    typical_W_per_K: float
+    typical_J_per_K: float
+    usual_degC: tuple[float, ...]
+
+    @property
+    def outer(self) -> list[int]:
+        """Paths to the ambient."""
+        return [q for q, (_, j) in enumerate(self.paths) if j < 0]
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where an effect stands in the fit.
+
+    Attributes
+    ----------
+    columns
+        Places of its numbers in the vector, shape (k,).
+    node
+        Its own node, where it has one.
+    path
+        The first of its own paths.
+    """
+
+    columns: IntArray
+    node: int
+    path: int
+
+    def slopes(self, *each: FloatArray) -> list[Slope]:
+        """Give derivatives by its numbers in their order, shape (L,) each, their places."""
+        return list(zip(self.columns.tolist(), each, strict=False))
+
+
+class NetworkEffect(ABC):
+    """An effect with what it acts on; everything that it does is in later runs only.
+
+    Attributes
+    ----------
+    name
+        In the library.
+    component
+        A node, or the whole motor.
+    numbers
+        What is fitted.
+    """
+
+    name: str
+    component: str
+    numbers: tuple[Number, ...]
+    nodes = 0
+    """Nodes of its own: none or one, whose capacity (J/K) is then its first number."""
+
+    @property
+    def paths(self) -> tuple[tuple[int, int], ...]:
+        """Paths of its own; its own node is -2."""
+        return ()
+
+    def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: B027
+        """Put it on the network.
+
+        Parameters
+        ----------
+        draft
+            The network.
+        levels
+            Distinct inputs.
+        values
+            Its numbers as they are fitted, shape (k,).
+        place
+            Where it stands.
+        """
+
+    def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray] | None:
+        """Say what it adds to a sensor's readings for each unit of its one number.
+
+        Parameters
+        ----------
+        temperature, change
+            Of the sensed nodes, degC and K/s, shape (N, S).
+        hours
+            Since the run began, shape (N,).
+
+        Returns
+        -------
+        sensor, unit
+            And K for each unit, shape (N,); None for an effect on the network.
+        """
+        return None
+
+    def doubts(self, values: Sequence[float]) -> list[str]:
+        """Say what is not as it would be if this were the reason, for numbers within their limits."""
+        return []
+
+    @abstractmethod
+    def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:
+        """Write it into a coefficient file's network.
+
+        Parameters
+        ----------
+        entry
+            The network.
+        values
+            Its numbers, not their logarithms.
+        """

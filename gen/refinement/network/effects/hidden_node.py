@@ -1,0 +1,77 @@
+"""A mass that the model lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.inputs import Levels
+from gen.refinement.network.draft import Draft
+from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place
+from gen.refinement.network.effects.offered import Offered
+from gen.refinement.network.writer import NetworkWriter
+
+OWN = -2
+"""The node itself, in its paths."""
+
+
+FASTEST_S, SLOWEST_S = 30.0, 40_000.0
+
+
+class HiddenNode(NetworkEffect):
+    """A node of its own: a capacity, a path to a node, one to the ambient, and heat that goes with w^2."""
+
+    name = "hidden_node"
+    nodes = 1
+
+    def __init__(self, motor: Motor, node: int) -> None:
+        self.component = motor.names[node]
+        self._node, self._columns = node, motor.columns
+        g, c, p = motor.typical_W_per_K, motor.typical_J_per_K, motor.typical_W
+
+        def by_log(name: str, start: float, mean: float, deviation: float) -> Number:
+            return Number(name, start, float(np.log(mean)), deviation, 1e-9, 1e9, log=True)
+
+        self.numbers = (
+            by_log("capacity_J_per_K", c, c, 1.5),
+            by_log("conductance_W_per_K", 0.3 * g, g, 1.5),
+            by_log("to_ambient_W_per_K", 0.02 * g, 0.05 * g, 2.0),
+            by_log("power_at_full_speed_W", 0.02 * p, 0.05 * p, 2.0),
+        )
+
+    @property
+    def paths(self) -> tuple[tuple[int, int], ...]:  # noqa: D102
+        return ((OWN, self._node), (OWN, -1))
+
+    def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
+        later = self._columns.later(levels)
+        _, inner, outer, power = np.exp(np.clip(values, -60.0, 60.0))
+        columns = place.columns.tolist()
+        draft.conductance.add(place.path, inner * later, [(columns[1], inner * later)])
+        # In earlier runs the node stands apart: a way out keeps it at the ambient.
+        draft.conductance.add(
+            place.path + 1, np.full(levels.count, outer), [(columns[2], np.full(levels.count, outer))]
+        )
+        heat = later * (1.0 - levels.rest) * levels.square * power
+        draft.heat.add(place.node, heat, [(columns[3], heat)])
+
+    def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
+        settles = values[0] / (values[1] + values[2])
+        if FASTEST_S < settles < SLOWEST_S:
+            return []
+        return [f"it would settle within {settles:.0f} s: such runs do not show that"]
+
+    def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
+        capacity, inner, outer, power = values
+        name = entry.node(capacity)
+        entry.path(self.component, name, inner)
+        entry.path(name, "ambient", outer)
+        entry.heat_over_speed(name, lambda w: power * w**2)
+
+
+def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
+    """At every node."""
+    for node in range(len(motor.names)):
+        yield HiddenNode(motor, node)

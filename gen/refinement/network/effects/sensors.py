@@ -1,0 +1,94 @@
+"""What stands between a node and its reading: offset, gain, lag, drift."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray
+from gen.refinement.network.effects.base import Motor, NetworkEffect, Number
+from gen.refinement.network.effects.offered import Offered
+from gen.refinement.network.writer import NetworkWriter
+
+
+class SensorEffect(NetworkEffect):
+    """One number at one sensor."""
+
+    held_by_the_file = False
+    """Whether a coefficient file has a place for it."""
+    least = 0.0
+    """What is no more than a good sensor may do."""
+
+    def __init__(self, motor: Motor, sensor: int) -> None:
+        self.component = motor.names[sensor]
+        self._sensor = sensor
+
+    def doubts(self, values: Sequence[float]) -> list[str]:
+        """Small errors of sensors beside another effect explain nothing."""
+        return [] if abs(values[0]) >= self.least else ["no more than any sensor may be off by"]
+
+    def _of(self, values: FloatArray) -> FloatArray:
+        return np.asarray(values[:, self._sensor])
+
+    def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:
+        """Write nothing: it is a matter of the sensor, not of the motor."""
+
+
+class SensorOffset(SensorEffect):
+    """A constant."""
+
+    name = "sensor_offset"
+    held_by_the_file = True
+    numbers = (Number("offset_K", 0.0, 0.0, 3.0, -50.0, 50.0),)
+    least = 0.3
+
+    def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray]:  # noqa: D102
+        return self._sensor, np.ones_like(hours)
+
+    def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
+        entry.sensor(self.component, offset_K=values[0])
+
+
+class SensorGain(SensorEffect):
+    """A share of the rise over 25 degC."""
+
+    name = "sensor_gain"
+    numbers = (Number("gain_error", 0.0, 0.0, 0.1, -0.6, 1.0),)
+    least = 0.01
+
+    def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray]:  # noqa: D102
+        return self._sensor, self._of(temperature) - 25.0
+
+
+class SensorLag(SensorEffect):
+    """A time constant, to first order: readings as they were so long ago."""
+
+    name = "sensor_lag"
+    held_by_the_file = True
+    numbers = (Number("lag_s", 0.0, 0.0, 60.0, 0.0, 3600.0),)
+    least = 3.0
+
+    def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray]:  # noqa: D102
+        return self._sensor, -self._of(change)
+
+    def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
+        entry.sensor(self.component, lag_s=max(values[0], 0.0))
+
+
+class Drift(SensorEffect):
+    """Kelvin an hour since the run began."""
+
+    name = "drift"
+    numbers = (Number("drift_K_per_h", 0.0, 0.0, 1.0, -50.0, 50.0),)
+    least = 0.05
+
+    def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray]:  # noqa: D102
+        return self._sensor, hours
+
+
+def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
+    """Each at each sensor."""
+    for kind in (SensorOffset, SensorGain, SensorLag, Drift):
+        for sensor in range(motor.sensed):
+            yield kind(motor, sensor)

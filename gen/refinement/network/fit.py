@@ -1,0 +1,174 @@
+"""The file's network with effects, fitted to later runs and to what the file stands for, all together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.fit import Fit, settle
+from gen.identification.network.inputs import Inputs
+from gen.identification.network.priors import Prior
+from gen.identification.network.problem import Problem
+from gen.identification.network.weights import density
+from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.data import Data
+from gen.refinement.network.folds import folds_of
+
+AT_FIRST, AT_EACH, AT_LEFT_OUT, AT_TRIAL = 14, 10, 4, 4
+"""Linearisations: of the file alone, of an effect beside it, of a fold, of a trial."""
+SAME = 0.25
+ROUNDS = 3
+HIDDEN_START_K, START_K = 1.0, 0.5
+"""How far the nodes may be at the start from what the first readings say, K."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """One hypothesis at its best.
+
+    Attributes
+    ----------
+    problem
+        With its weights.
+    fit
+        The minimum.
+    """
+
+    problem: Problem[Anchored]
+    fit: Fit
+
+    @property
+    def shape(self) -> Anchored:
+        """What was fitted."""
+        return self.problem.structure
+
+    @property
+    def vector(self) -> FloatArray:
+        """Parameters, shape (P,)."""
+        return self.fit.vector
+
+
+class Bench:
+    """Runs, and what to fit to them.
+
+    Parameters
+    ----------
+    data
+        The runs.
+    """
+
+    def __init__(self, data: Data) -> None:
+        self.data = data
+        self.folds = folds_of(data)
+        self._weight = np.zeros_like(data.inputs.covered)
+
+    def weigh(self, of: FloatArray) -> None:
+        """Weigh the later runs by a density of errors, shape (S,), K^2 s."""
+        later = self.data.is_later[:, None]
+        self._weight = self.data.inputs.covered / np.where(later, of, self.data.declared)
+
+    def problem(self, shape: Anchored) -> Problem[Anchored]:
+        """Give the problem of a hypothesis, with the present weights."""
+        inputs = self.data.inputs
+        own = shape.nodes + inputs.room.shape[-1]
+        size = shape.size + len(inputs.runs) * own
+        mean, precision = np.zeros(size), np.zeros((size, size))
+        mean[: shape.size], precision[: shape.size, : shape.size] = shape.prior()
+        deviation = np.full(own, 1e-3)
+        for r in range(len(inputs.runs)):
+            first = shape.size + r * own
+            deviation[: shape.sensors], deviation[shape.sensors : shape.nodes] = inputs.loose[r]
+            if r >= self.data.later:
+                deviation[: shape.nodes] = 1e-3
+            at = np.arange(first, first + own)
+            precision[at, at] = deviation**-2
+        problem = Problem(shape, inputs, Prior(mean, precision))
+        return problem.weighed(self._weight)
+
+    def first(self, shape: Anchored) -> Fitted:
+        """Fit the file alone until the weights agree with what is left."""
+        sensors = shape.sensors
+        of = np.full(sensors, 100.0)
+        start = None
+        for _ in range(ROUNDS):
+            self.weigh(of)
+            problem = self.problem(shape)
+            start = self._start(shape, problem) if start is None else start
+            fit = settle(problem, start, AT_FIRST)
+            start = fit.vector
+            own = self.density(fit)
+            if np.all(np.abs(np.log(own / of)) < SAME):
+                break
+            of = own
+        return Fitted(problem, fit)
+
+    def density(self, fit: Fit) -> FloatArray:
+        """Density of what a fit leaves of the later runs, shape (S,), K^2 s."""
+        inputs = self.data.inputs
+        residual = np.where(self.data.is_later[:, None], fit.evaluated.residual, 0.0)
+        return density(_masked(inputs, self.data), residual)
+
+    def begin(self, shape: Anchored, base: Fitted) -> tuple[Problem[Anchored], FloatArray]:
+        """Give the problem of a hypothesis, and where its search begins: at what was fitted without it."""
+        problem = self.problem(shape)
+        start = self._start(shape, problem)
+        old = base.shape
+        count = old.base_nodes
+        start[:count] = base.vector[:count]
+        between = shape.offsets[-1] + 1 - shape.nodes
+        start[shape.nodes : shape.nodes + between] = base.vector[old.nodes : old.nodes + between]
+        for k, effect in enumerate(old.effects):
+            if k < len(shape.effects) and shape.effects[k] is effect:
+                start[shape.places[k].columns] = base.vector[old.places[k].columns]
+        mine, theirs = problem.per_run(start), base.problem.per_run(base.vector)
+        shared = min(shape.nodes, old.nodes)
+        mine[:, :shared] = theirs[:, :shared]
+        start[shape.size :] = mine.ravel()
+        return problem, start
+
+    def fit(self, shape: Anchored, base: Fitted, most: int = AT_EACH) -> Fitted:
+        """Fit a hypothesis from where the fit without it ended."""
+        problem, start = self.begin(shape, base)
+        return Fitted(problem, settle(problem, start, most))
+
+    def promise(self, shape: Anchored, base: Fitted) -> float:
+        """Give the decrease of the cost that an effect promises, the last of the shape's.
+
+        By one linear step where it goes straight with its numbers, else by a short search.
+        """
+        problem, start = self.begin(shape, base)
+        if any(number.log for number in shape.effects[-1].numbers[:1]) and shape.effects[-1].paths:
+            return base.fit.cost - settle(problem, start, AT_TRIAL).cost
+        evaluated, normal = problem.linearised(start)
+        matrix, right = problem.assembled(normal, start)
+        factor = cho_factor(matrix + np.diag(1e-9 * np.diag(matrix)), check_finite=False)
+        step = cho_solve(factor, right, check_finite=False)
+        begun = evaluated.cost + problem.penalty(start)
+        unit = problem.prior.deviation
+        step = np.clip(step, -2.0 * unit, 2.0 * unit)
+        expected = float(step @ (2.0 * right - matrix @ step))
+        return base.fit.cost - begun + expected
+
+    def left_out(self, fitted: Fitted) -> FloatArray:
+        """Fit without each fold and predict it: errors, shape (N, S), K; NaN where nothing was predicted."""
+        problem, inputs = fitted.problem, self.data.inputs
+        error = np.full(inputs.covered.shape, np.nan)
+        for mask in self.folds:
+            without = problem.weighed(np.where(mask[:, None], 0.0, problem.inputs.weight))
+            evaluated = problem.evaluate(settle(without, fitted.vector, AT_LEFT_OUT).vector)
+            seen = mask[:, None] & (inputs.covered > 0.0)
+            error[seen] = evaluated.residual[seen]
+        return error
+
+    def _start(self, shape: Anchored, problem: Problem[Anchored]) -> FloatArray:
+        start = problem.prior.mean.copy()
+        start[: shape.size] = shape.start()
+        return start
+
+
+def _masked(inputs: Inputs, data: Data) -> Inputs:
+    """The later runs alone, as far as densities go."""
+    return replace(inputs, covered=np.where(data.is_later[:, None], inputs.covered, 0.0))

@@ -1,0 +1,99 @@
+"""What left-out data say of a hypothesis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from gen.identification.network.bins import FloatArray
+from gen.refinement.network.data import Data
+from gen.refinement.network.fit import Fitted
+
+LEVEL = 0.05
+LEAST_GAIN = 0.05
+"""Share by which an effect must lower the left-out error: less is not worth what it costs."""
+LEAST_NOISE_K = 0.05
+BLOCK_S = 1800.0
+"""Errors are compared in blocks of this length: shorter ones are not independent of each other."""
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """A hypothesis with its error on what was left out.
+
+    Attributes
+    ----------
+    fitted
+        At its best, all runs seen.
+    error
+        On what was left out, shape (N, S), K; NaN where nothing was predicted.
+    score_K
+        Root mean square of it, the noise of single readings included.
+    noise_K
+        Of single readings, root mean square over the sensors.
+    """
+
+    fitted: Fitted
+    error: FloatArray
+    score_K: float
+    noise_K: float
+
+    @property
+    def floors(self) -> float:
+        """The score in noise floors."""
+        return self.score_K / self.noise_K
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of its effects."""
+        return tuple(effect.name for effect in self.fitted.shape.effects)
+
+
+def judged(data: Data, fitted: Fitted, error: FloatArray) -> Judged:
+    """Give the score of left-out errors."""
+    cover = np.where(np.isfinite(error), data.inputs.covered, 0.0)
+    square = float(np.sum(cover * np.nan_to_num(error) ** 2) / max(float(cover.sum()), 1e-9))
+    noise = float(np.sqrt(np.mean([run.noise_K**2 for run in data.inputs.runs[: data.later]])))
+    noise = max(noise, LEAST_NOISE_K)
+    return Judged(fitted, error, float(np.sqrt(square + noise**2)), noise)
+
+
+def blocks(data: Data, error: FloatArray) -> FloatArray:
+    """Mean square errors in blocks of half an hour of each run, all sensed nodes together, shape (B,), K^2."""
+    inputs = data.inputs
+    seen = np.isfinite(error)
+    cover = np.where(seen, inputs.covered, 0.0)
+    square = np.sum(cover * np.nan_to_num(error) ** 2, axis=1)
+    length = np.array([max(BLOCK_S, run.duration / 48.0) for run in inputs.runs])[inputs.run]
+    key = inputs.run * 100_000 + (inputs.begins / length).astype(np.int64)
+    _, index = np.unique(key[data.is_later], return_inverse=True)
+    total = np.bincount(index, square[data.is_later])
+    weight = np.bincount(index, cover.sum(axis=1)[data.is_later])
+    return np.asarray(total[weight > 0.0] / weight[weight > 0.0])
+
+
+def p_better(data: Data, worse: Judged, better: Judged) -> float:
+    """One-sided p-value that one predicts what was left out better than another, by blocks.
+
+    By the mean of the differences and by their ranks, as gains of a real effect are skewed; the smaller one, doubled.
+    """
+    gain = blocks(data, worse.error) - blocks(data, better.error)
+    moved = gain[np.abs(gain) > 1e-12]
+    if moved.size < 4 or gain.mean() <= 0.0:
+        return 1.0
+    by_mean = float(stats.ttest_1samp(moved, 0.0, alternative="greater").pvalue)
+    by_rank = float(stats.wilcoxon(moved, alternative="greater").pvalue)
+    return min(1.0, 2.0 * min(by_mean, by_rank))
+
+
+def doubts(fitted: Fitted) -> list[str]:
+    """Say what speaks against the effects' numbers: a physical limit, or what they would mean."""
+    said = []
+    for effect, values in zip(fitted.shape.effects, fitted.shape.values(fitted.vector), strict=True):
+        said += effect.doubts(values)
+        for number, value in zip(effect.numbers, values, strict=True):
+            if not number.low < value < number.high:
+                said.append(f"{number.name} of {effect.name} is at its limit")
+    return said

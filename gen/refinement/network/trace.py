@@ -1,0 +1,158 @@
+"""From the error of a network to effects: each is fitted together with all that the network may be off by.
+
+A linear step says what each candidate promises; the best of each name are fitted; the best of these are judged on what
+is left out, in turn. What predicts it best is added, if it does so by more than chance and by more than a little; then
+the same again beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.data import Data
+from gen.refinement.network.effects import NetworkEffect, candidates
+from gen.refinement.network.fit import Bench, Fitted
+from gen.refinement.network.judged import LEAST_GAIN, LEVEL, Judged, doubts, judged, p_better
+
+MOST_EFFECTS = 3
+AS_GOOD = 1.25
+"""Left-out errors within this factor may be as good: then what differs by chance is told by fewer numbers."""
+ENOUGH = 1.1
+"""Noise floors below which nothing more is sought."""
+FITTED_OF_EACH = 2
+"""Candidates of one name that are fitted."""
+LEFT_OUT = 7
+"""Names that are judged on what was left out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Considered:
+    """A candidate that was judged.
+
+    Attributes
+    ----------
+    effect
+        What was tried beside those that were found before.
+    judged
+        Its errors.
+    p_value
+        That it predicts what was left out better than without it, by chance.
+    reasons
+        Why it is not accepted; empty if it may be.
+    """
+
+    effect: NetworkEffect
+    judged: Judged
+    p_value: float
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One search for one more effect.
+
+    Attributes
+    ----------
+    without
+        The network before it.
+    considered
+        The best of each name, the best first.
+    added
+        What was accepted; None for nothing.
+    lookalikes
+        Others that predict what was left out as well, by name.
+    """
+
+    without: Judged
+    considered: tuple[Considered, ...]
+    added: Considered | None
+    lookalikes: tuple[Considered, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """All that was found.
+
+    Attributes
+    ----------
+    data, bench
+        The runs.
+    file
+        The file as it is, judged on the later runs.
+    steps
+        One for each search; the last one may have added nothing.
+    """
+
+    data: Data
+    bench: Bench
+    steps: tuple[Step, ...]
+
+    @property
+    def null(self) -> Judged:
+        """Without any effect, all that the file leaves open fitted."""
+        return self.steps[0].without
+
+    @property
+    def final(self) -> Judged:
+        """With all that was found."""
+        added = [step.added for step in self.steps if step.added is not None]
+        return added[-1].judged if added else self.null
+
+
+def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Traced:
+    """Find effects one after the other."""
+    bench = Bench(data)
+    progress("the network without any effect")
+    base = bench.first(shape)
+    now = judged(data, base, bench.left_out(base))
+    steps: list[Step] = []
+    every = candidates(shape.motor(), data.offered)
+    while len(steps) < MOST_EFFECTS:
+        step = _search(bench, now, every if now.floors > ENOUGH else [], progress)
+        steps.append(step)
+        if step.added is None:
+            break
+        now = step.added.judged
+    return Traced(data, bench, tuple(steps))
+
+
+def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress: Callable[[str], None]) -> Step:
+    """One more effect."""
+    data, base = bench.data, now.fitted
+    found = base.shape.effects
+    taken = {(effect.name, effect.component) for effect in found}
+    promised: dict[str, list[tuple[float, NetworkEffect]]] = {}
+    progress(f"{len(every)} candidates beside {', '.join(now.names) or 'nothing'}")
+    for effect in every:
+        if (effect.name, effect.component) not in taken:
+            gain = bench.promise(base.shape.with_effects(*found, effect), base)
+            promised.setdefault(effect.name, []).append((gain, effect))
+    fits: list[Fitted] = []
+    for name, offers in promised.items():
+        progress(f"{name} beside {', '.join(now.names) or 'nothing'}")
+        best = sorted(offers, key=lambda offer: -offer[0])[:FITTED_OF_EACH]
+        own = [bench.fit(base.shape.with_effects(*found, effect), base) for _, effect in best]
+        fits.append(min(own, key=lambda fitted: fitted.fit.cost))
+    fits.sort(key=lambda fitted: fitted.fit.cost)
+    considered = []
+    for fitted in fits[:LEFT_OUT]:
+        progress(f"{fitted.shape.effects[-1].name}: left-out error")
+        one = judged(data, fitted, bench.left_out(fitted))
+        considered.append(_considered(data, now, one, len(promised)))
+    considered.sort(key=lambda one: one.judged.score_K)
+    accepted = [one for one in considered if not one.reasons]
+    added = accepted[0] if accepted else None
+    alike = tuple(one for one in accepted[1:] if added is not None and p_better(data, one.judged, added.judged) > LEVEL)
+    return Step(now, tuple(considered), added, alike)
+
+
+def _considered(data: Data, without: Judged, one: Judged, tried: int) -> Considered:
+    p = p_better(data, without, one)
+    reasons = doubts(one.fitted)
+    if one.score_K > (1.0 - LEAST_GAIN) * without.score_K:
+        reasons.append(f"lowers the error on what was left out by less than {LEAST_GAIN:.0%}")
+    if p > LEVEL / tried:
+        reasons.append("not more than chance")
+    return Considered(one.fitted.shape.effects[-1], one, p, tuple(reasons))
