@@ -3,7 +3,7 @@
 from gen.coefficients.document import Document
 from gen.coefficients.kinds import transfer_functions_only
 from gen.coefficients.reader import Coefficients, check_form, load, parse
-from gen.coefficients.writer import as_json, dump, with_effects, with_rules
+from gen.coefficients.writer import as_json, dump, with_effects, with_network, with_rules
 
 __all__ = [
     "Coefficients",
@@ -15,5 +15,6 @@ __all__ = [
     "parse",
     "transfer_functions_only",
     "with_effects",
+    "with_network",
     "with_rules",
 ]

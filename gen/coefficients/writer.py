@@ -14,6 +14,7 @@ from typing import Any
 from gen.coefficients.base import Part
 from gen.coefficients.document import Document
 from gen.coefficients.effects import EffectEntry
+from gen.coefficients.network import NetworkEntry
 from gen.coefficients.provenance import ErrorBand
 from gen.coefficients.reader import read_tree
 from gen.coefficients.rules import RuleDraft, Rules
@@ -42,6 +43,31 @@ def with_effects(text: str, effects: Sequence[EffectEntry]) -> str:
     tree = _source(text)
     if effects:
         tree["effects"] = [*tree.get("effects", []), *(as_json(effect) for effect in effects)]
+    return _text(tree)
+
+
+def with_network(text: str, network: NetworkEntry, said: str) -> str:
+    """Give the text of a file with another network in the place of its own.
+
+    Parameters
+    ----------
+    text
+        The file.
+    network
+        The network.
+    said
+        Where it comes from: added to what the file says of its method.
+
+    Raises
+    ------
+    InputError
+        When the text is no coefficient file; what it says is not checked.
+    """
+    tree = _source(text)
+    tree["network"] = as_json(network)
+    provenance = dict(tree.get("provenance") or {"source": "gen refine"})
+    provenance["method"] = "; ".join(part for part in (provenance.get("method", ""), said) if part)
+    tree["provenance"] = provenance
     return _text(tree)
 
 

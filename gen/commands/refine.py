@@ -12,6 +12,7 @@ from gen.commands.options import check_files, check_once
 from gen.progress import progress_line
 
 if TYPE_CHECKING:
+    from gen.refinement.network.refine import NetworkRefinement
     from gen.refinement.refine import Refinement
 
 _LISTS = ("--fit", "--test")
@@ -68,6 +69,9 @@ _FILE = click.Path(path_type=Path)
 @click.option("--out", type=_FILE, required=True, help="The refined coefficient file.")
 @click.option("--report", type=_FILE, help="Write the story with pictures, one HTML file.")
 @click.option("--json", "json_file", type=_FILE, help="Write what was found as JSON.")
+@click.option(
+    "--accept-change", is_flag=True, help="Of a network: learn, too, what looks as if the motor had changed since."
+)
 def refine(
     coefficients: Path,
     fit_runs: tuple[Path, ...],
@@ -75,6 +79,7 @@ def refine(
     out: Path,
     report: Path | None,
     json_file: Path | None,
+    accept_change: bool,
 ) -> None:
     """Trace what a model misses in measured runs to a physical effect, and add it to the model.
 
@@ -92,7 +97,7 @@ def refine(
     check_files(coefficients, (*fit_runs, *test_runs))
     model = load(coefficients)
     with progress_line() as progress:
-        refined = run(model, fit=fit_runs, test=test_runs, progress=progress)
+        refined = run(model, fit=fit_runs, test=test_runs, accept_change=accept_change, progress=progress)
     found = refined.found
     for warning in found.warnings:
         click.echo(f"warning: {warning}", err=True)
@@ -103,10 +108,11 @@ def refine(
     if json_file is not None:
         write_text(json_file, json.dumps(found.summary(), indent=1) + "\n")
     _say(found)
-    click.echo(f"{out}: {len(found.effects)} effect(s) added")
+    held = "" if found.text != model.text or not found.effects else "; none of them is in it, see the warnings"
+    click.echo(f"{out}: {len(found.effects)} effect(s) found{held}")
 
 
-def _say(found: Refinement) -> None:
+def _say(found: Refinement | NetworkRefinement) -> None:
     click.echo(f"verdict: {found.verdict}")
     click.echo(f"  judged on what was left out in turn: {found.judged_on}")
     for effect in found.effects:

@@ -6,8 +6,9 @@ The commands call these functions, too. Everything slow to import is imported by
 from gen.interface.certificate import Check, check
 from gen.interface.files import load, read_run
 from gen.interface.firmware import Build, Verification, build, verify
-from gen.interface.loop import Identification, NetworkIdentification, Refinement, identify, refine
+from gen.interface.identification import Identification, NetworkIdentification, identify
 from gen.interface.model import Model
+from gen.interface.refinement import Refinement, refine
 from gen.interface.simulation import simulate
 
 __all__ = [

@@ -8,7 +8,8 @@ run that excites it, a fault from one day on.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -39,17 +40,51 @@ def admitted(coefficients: Coefficients, runs: Sequence[Condensed]) -> tuple[lis
     InputError
         If none is left.
     """
-    kept, warnings = [], []
-    for run in runs:
-        declared = run.comments.get("fault", "").strip().lower()
-        healthy = run.comments.get("healthy", "yes").strip().lower()
-        if declared not in _HEALTHY or healthy in ("no", "false", "0"):
-            warnings.append(f"{run.name}: left out, its comments name a fault ({declared or 'healthy: ' + healthy})")
-        else:
-            kept.append(run)
-    if not kept:
-        raise InputError("no run is left to fit: all of them name a fault in their comments", file=runs[0].name)
+    named, warnings = healthy([(run.name, run) for run in runs])
+    kept = [run for _, run in named]
     return kept, warnings + _signatures(coefficients, kept)
+
+
+class Commented(Protocol):
+    """A run with its file's comments."""
+
+    @property
+    def comments(self) -> Mapping[str, str]:
+        """By key."""
+
+
+AnyRun = TypeVar("AnyRun", bound=Commented)
+
+
+def healthy(runs: Sequence[tuple[str, AnyRun]]) -> tuple[list[tuple[str, AnyRun]], list[str]]:
+    """Leave out runs whose own comments name a fault.
+
+    Parameters
+    ----------
+    runs
+        By name.
+
+    Returns
+    -------
+    runs, warnings
+        What is left, and sentences for the user.
+
+    Raises
+    ------
+    InputError
+        If none is left.
+    """
+    kept, warnings = [], []
+    for name, run in runs:
+        declared = run.comments.get("fault", "").strip().lower()
+        well = run.comments.get("healthy", "yes").strip().lower()
+        if declared not in _HEALTHY or well in ("no", "false", "0"):
+            warnings.append(f"{name}: left out, its comments name a fault ({declared or 'healthy: ' + well})")
+        else:
+            kept.append((name, run))
+    if not kept:
+        raise InputError("no run is left to fit: all of them name a fault in their comments", file=runs[0][0])
+    return kept, warnings
 
 
 def _signatures(coefficients: Coefficients, runs: Sequence[Condensed]) -> list[str]:

@@ -6,7 +6,7 @@ solved at every row of the run first, and only the difference is averaged: a cha
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -113,6 +113,19 @@ def condense(coefficients: Coefficients, path: Path) -> Condensed:
     """
     run = read_measured(coefficients, path)
     return _condensed(coefficients, run, str(path))
+
+
+def check_apart(fit_paths: Sequence[Path], test_paths: Sequence[Path]) -> None:
+    """Check that no test run takes part in a fit.
+
+    Raises
+    ------
+    InputError
+        With the file that is in both.
+    """
+    both = {path.resolve() for path in fit_paths} & {path.resolve() for path in test_paths}
+    if both:
+        raise InputError("is given as --fit and as --test; test runs must take no part", file=str(sorted(both)[0]))
 
 
 def check_measured(coefficients: Coefficients, path: Path) -> None:

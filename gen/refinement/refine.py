@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from gen.coefficients import Coefficients, as_json, parse, with_effects
-from gen.errors import InputError
 from gen.refinement.admission import admitted
 from gen.refinement.candidates import Tracing
-from gen.refinement.condense import Condensed, check_measured, condense
+from gen.refinement.condense import Condensed, check_apart, check_measured, condense
 from gen.refinement.effect_entries import effect_entries
+from gen.refinement.errors import Errors
 from gen.refinement.excitation import Excitation, excitation
 from gen.refinement.leftover import Remains, leftover
 from gen.refinement.offered import each_speed_once
-from gen.refinement.run_errors import Curve, Score, run_errors, total
+from gen.refinement.run_errors import run_errors
 from gen.refinement.trace import trace
 
 EXPLAINED = 1.3
@@ -25,25 +25,6 @@ NOTHING = 1.5
 """Nothing missing: without any effect it is at most this many."""
 SCHEDULE_BY_STRETCH = "a wrong schedule on thirds of each run, as each speed was run once"
 Verdict = str
-
-
-@dataclass
-class Errors:
-    """Errors of one model: by run and component, fit and test apart."""
-
-    fit: dict[str, dict[str, Score]] = field(default_factory=dict)
-    test: dict[str, dict[str, Score]] = field(default_factory=dict)
-    curves: dict[str, Curve] = field(default_factory=dict)
-
-    def summary(self) -> dict[str, Any]:
-        """As the JSON summary has it."""
-        made: dict[str, Any] = {}
-        for key in ("fit", "test"):
-            made[key] = total(s for run in getattr(self, key).values() for s in run.values()).summary()
-        made["per_run"] = {
-            run: {name: s.summary() for name, s in scores.items()} for run, scores in {**self.fit, **self.test}.items()
-        }
-        return made
 
 
 @dataclass
@@ -152,9 +133,7 @@ def refine(
 def _check_test_runs(
     baseline: Coefficients, fit_paths: Sequence[Path], test_paths: Sequence[Path], progress: Callable[[str], None]
 ) -> None:
-    both = {path.resolve() for path in fit_paths} & {path.resolve() for path in test_paths}
-    if both:
-        raise InputError("is given as --fit and as --test; test runs must take no part", file=str(sorted(both)[0]))
+    check_apart(fit_paths, test_paths)
     for path in test_paths:
         progress(f"checking {path}")
         check_measured(baseline, path)  # only whether it can be judged: its values stay unopened until the end

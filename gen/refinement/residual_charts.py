@@ -8,7 +8,8 @@ import numpy as np
 
 from gen.pages.charts import Chart, Series
 from gen.refinement.condense import Condensed
-from gen.refinement.refine import Errors, Refinement
+from gen.refinement.errors import Errors
+from gen.refinement.refine import Refinement
 
 Points = tuple[str, list[Series]]
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from gen.pages.panels import Course, Panel, Panels
-from gen.refinement.refine import Errors, Refinement
+from gen.refinement.errors import Errors
 from gen.refinement.run_errors import total
 from gen.refinement.thinning import Samples
 
@@ -20,6 +21,18 @@ ALL_POINTS = 12_000
 """Dots on the page, about: many charts have fewer each."""
 LONG_S = 5400.0
 """Runs longer than this are drawn over hours, others over minutes."""
+
+
+class BeforeAndAfter(Protocol):
+    """What was refined."""
+
+    @property
+    def before(self) -> Errors:
+        """Errors of the model before."""
+
+    @property
+    def after(self) -> Errors:
+        """And after."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +54,7 @@ class RunPictures:
     shown: bool
 
 
-def run_pictures(found: Refinement, short: dict[str, str]) -> tuple[list[RunPictures], int]:
+def run_pictures(found: BeforeAndAfter, short: dict[str, str]) -> tuple[list[RunPictures], int]:
     """Pictures of the test runs, then of the fit runs.
 
     Parameters
@@ -74,7 +87,7 @@ def run_pictures(found: Refinement, short: dict[str, str]) -> tuple[list[RunPict
     return pictures, len(names) - len(drawn)
 
 
-def _title(found: Refinement, name: str, short: str) -> str:
+def _title(found: BeforeAndAfter, name: str, short: str) -> str:
     kind = "test" if name in found.before.test else "fit"
     unit, seconds = _unit(found.before.curves[name].span_s)
     before, after = (_rmse_K(errors, name) for errors in (found.before, found.after))
@@ -90,7 +103,7 @@ def _unit(span_s: float) -> tuple[str, float]:
     return ("h", 3600.0) if span_s > LONG_S else ("min", 60.0)
 
 
-def _chart(found: Refinement, name: str, component: str, identifier: str, points: int) -> Panels:
+def _chart(found: BeforeAndAfter, name: str, component: str, identifier: str, points: int) -> Panels:
     old, new = found.before.curves[name], found.after.curves[name]
     unit, seconds = _unit(old.span_s)
 

@@ -14,6 +14,8 @@ import numpy as np
 from gen.coefficients import Coefficients
 from gen.refinement.condense import free_run
 from gen.refinement.thinning import Samples, held, measured
+from gen.runs import Run
+from gen.runs.run import FloatArray
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,21 @@ def run_errors(
     most_points
         Of each series of the curve that is given back.
     """
-    run, shown = free_run(baseline, model, path)
+    return compared(*free_run(baseline, model, path), most_points)
+
+
+def compared(run: Run, shown: dict[str, FloatArray], most_points: int = 600) -> tuple[dict[str, Score], Curve]:
+    """Compare what a model shows with what was measured.
+
+    Parameters
+    ----------
+    run
+        The run.
+    shown
+        By measured component, degC, at the run's rows.
+    most_points
+        Of each series of the curve that is given back.
+    """
     time_s = run.time_s
     pwm = held(time_s, run.pwm.astype(np.float64)).thinned(most_points)
     curve = Curve(float(time_s[0]), float(time_s[-1] - time_s[0]), pwm, left_out=run.thinned)

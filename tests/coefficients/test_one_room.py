@@ -24,7 +24,8 @@ KEYS = {key for part in OBJECTS.values() for key in part["properties"]} - ELSEWH
 OTHER_FORMATS = {
     # the JSON summary of `gen refine` (and, of the Python interface, that of `gen identify`)
     "commands/refine.py": {"name", "component", "parameters", "evidence"},
-    "interface/loop.py": {"name", "component", "parameters", "evidence", "components", "order", "value", "network"},
+    "interface/identification.py": {"components", "order", "value", "network"},
+    "interface/refinement.py": {"name", "component", "parameters", "evidence"},
     "refinement/page.py": {"name", "component", "parameters", "evidence", "note"},
     "refinement/residual_charts.py": {"component"},
     # the JSON summary of `gen identify`: a measured error by speed, a fitted number with its interval
@@ -72,6 +73,9 @@ OTHER_DICTS = {f"model/effects/catalogue/{name}.py" for name in VALUES} | {
     "firmware/certificate.py",  # the certificate's own form of an equation
     "firmware/network_certificate.py",
     "identification/network/summary.py",  # the JSON summary of `gen identify`
+    # the JSON summary of `gen refine`: a channel that an effect reads, an effect
+    *(f"refinement/network/effects/{name}.py" for name in ("airflow", "load_heating", "supply_voltage")),
+    "refinement/network/refine.py",
 }
 
 

@@ -174,7 +174,7 @@ def inputs_of(runs: Sequence[Binned]) -> Inputs:
         run=run,
         level=level,
         begins=flat(lambda r: r.edges[:-1]),
-        levels=Levels(*(np.ascontiguousarray(column) for column in distinct.T[:4]), distinct[:, 4:]),
+        levels=_as_levels(distinct),
         ambient=flat(lambda r: r.ambient),
         room=flat(lambda r: _room(r, hats)),
         target=np.where(covered > 0.0, flat(lambda r: r.reading), 0.0),
@@ -184,6 +184,11 @@ def inputs_of(runs: Sequence[Binned]) -> Inputs:
         begin=np.array([start for start, _ in starts]),
         loose=np.array([loose for _, loose in starts]),
     )
+
+
+def _as_levels(table: FloatArray) -> Levels:
+    width, rest, speed, square = np.ascontiguousarray(table[:, :4].T)
+    return Levels(width, rest, speed, square, table[:, 4:])
 
 
 def _levels(table: FloatArray) -> tuple[IntArray, FloatArray]:

@@ -300,8 +300,8 @@ class Anchored:
 
     # Writing.
 
-    def write(self, entry: NetworkWriter, vector: FloatArray) -> None:
-        """Write what was fitted into a file's network, the effects last."""
+    def write(self, entry: NetworkWriter, vector: FloatArray, kept: Sequence[NetworkEffect]) -> None:
+        """Write what was fitted into a file's network, and last those effects that are kept."""
         names = self.names
         for i in range(self.base_nodes):
             entry.capacity(names[i], float(np.exp(vector[i])))
@@ -314,7 +314,8 @@ class Anchored:
         for s, at in enumerate(self.offsets):
             entry.sensor(names[s], offset_K=float(vector[at]))
         for effect, values in zip(self.effects, self.values(vector), strict=True):
-            effect.write(entry, values)
+            if effect in kept:
+                effect.write(entry, values)
 
 
 def _scale(form: Form, own: FloatArray) -> Scale:

@@ -69,7 +69,7 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]]) -> Da
     """
     model = coefficients.model
     names = model.component_names
-    driven = [driven_by(coefficients, run, name) for name, run in runs]
+    driven = [driven_by(coefficients, run, name, as_declared=False) for name, run in runs]
     own = [channel.column for channel in model.network.channels] if model.network else []
     columns = Columns(_channels(runs, driven, own))
     full_scale = coefficients.document.input.full_scale

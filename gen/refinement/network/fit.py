@@ -163,6 +163,13 @@ class Bench:
             error[seen] = evaluated.residual[seen]
         return error
 
+    def as_it_is(self, shape: Anchored) -> FloatArray:
+        """Give the errors of the file as it is on the later runs, shape (N, S), K; NaN elsewhere."""
+        problem = self.problem(shape)
+        residual = problem.evaluate(self._start(shape, problem)).residual
+        seen = self.data.is_later[:, None] & (self.data.inputs.covered > 0.0)
+        return np.where(seen, residual, np.nan)
+
     def _start(self, shape: Anchored, problem: Problem[Anchored]) -> FloatArray:
         start = problem.prior.mean.copy()
         start[: shape.size] = shape.start()

@@ -77,16 +77,16 @@ class Traced:
 
     Attributes
     ----------
-    data, bench
+    data
         The runs.
     file
-        The file as it is, judged on the later runs.
+        The file as it is, judged on all later runs.
     steps
         One for each search; the last one may have added nothing.
     """
 
     data: Data
-    bench: Bench
+    file: Judged
     steps: tuple[Step, ...]
 
     @property
@@ -115,7 +115,7 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
         if step.added is None:
             break
         now = step.added.judged
-    return Traced(data, bench, tuple(steps))
+    return Traced(data, judged(data, base, bench.as_it_is(shape)), tuple(steps))
 
 
 def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress: Callable[[str], None]) -> Step:

@@ -167,8 +167,8 @@ class NetworkWriter:
         """Add to what stands between a node and its reading."""
         node = next(node for node in self.entry.nodes if node.name == name)
         old = node.sensor or SensorEntry()
-        changed = {"offset_K": short(old.offset_K + offset_K), "lag_s": short(old.lag_s + lag_s)}
-        self._nodes(name, sensor=SensorEntry(**changed))
+        sensor = SensorEntry(offset_K=short(old.offset_K + offset_K), lag_s=short(old.lag_s + lag_s))
+        self._nodes(name, sensor=sensor)
 
     def _nodes(self, name: str, **parts: object) -> None:
         self._replace(

@@ -21,6 +21,7 @@ class Airflow(NetworkEffect):
 
     def __init__(self, motor: Motor, channel: str, largest: float, paths: Sequence[int], component: str) -> None:
         self.component = component
+        self.acts_by = {"channel": channel}
         self.channel, self._largest, self._acts = channel, largest, tuple(paths)
         self._between = [ends(motor.paths[q], motor.names) for q in paths]
         self._columns: Columns = motor.columns

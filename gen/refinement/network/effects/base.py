@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -130,6 +131,8 @@ class NetworkEffect(ABC):
     name: str
     component: str
     numbers: tuple[Number, ...]
+    acts_by: Mapping[str, str] = MappingProxyType({})
+    """What else it takes to say what it is: the channel, the other node."""
     nodes = 0
     """Nodes of its own: none or one, whose capacity (J/K) is then its first number."""
 

@@ -22,6 +22,7 @@ class Coupling(NetworkEffect):
     def __init__(self, motor: Motor, first: int, second: int) -> None:
         self.component = motor.names[first]
         self.other = motor.names[second]
+        self.acts_by = {"other": self.other}
         self._pair = (first, second)
         self._columns = motor.columns
         typical = motor.typical_W_per_K

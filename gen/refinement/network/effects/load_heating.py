@@ -22,6 +22,7 @@ class LoadHeating(NetworkEffect):
 
     def __init__(self, motor: Motor, channel: str, square: float, node: int, power: int) -> None:
         self.component = motor.names[node]
+        self.acts_by = {"channel": channel}
         self.channel, self._node, self._power = channel, node, power
         self._columns = motor.columns
         self._replaces = node in motor.heated

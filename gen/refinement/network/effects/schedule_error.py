@@ -25,8 +25,8 @@ class ScheduleError(NetworkEffect):
     def __init__(self, motor: Motor, node: int) -> None:
         self.component = motor.names[node]
         self._node, self._columns = node, motor.columns
-        self._has = node in motor.heated
-        if self._has:
+        self.replaces = node in motor.heated
+        if self.replaces:
             self.numbers = tuple(
                 Number(f"factor_at_{knot:.0%}_of_full_speed".replace("%", "pct"), 1.0, 0.0, BEND, 0.02, 50.0, log=True)
                 for knot in KNOTS
@@ -37,7 +37,7 @@ class ScheduleError(NetworkEffect):
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         later = self._columns.later(levels)
         turning = later * (1.0 - levels.rest)
-        if not self._has:
+        if not self.replaces:
             unit = turning * levels.speed
             draft.heat.add(self._node, values[0] * unit, place.slopes(unit))
             return
@@ -47,12 +47,12 @@ class ScheduleError(NetworkEffect):
         draft.scale_heats(self._node, 1.0 + turning * (factor - 1.0), place.slopes(*slopes))
 
     def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
-        if self._has and not all(1.0 / MOST_FACTOR < value < MOST_FACTOR for value in values):
+        if self.replaces and not all(1.0 / MOST_FACTOR < value < MOST_FACTOR for value in values):
             return ["heat at some speed would be off by a factor of more than three: that is no error of a schedule"]
         return []
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
-        if not self._has:
+        if not self.replaces:
             entry.heat_over_speed(self.component, lambda w: np.maximum(values[0] * w, 0.0))
             return
         logs = np.log(np.asarray(values))

@@ -20,6 +20,7 @@ class SupplyVoltage(NetworkEffect):
     component = WHOLE
 
     def __init__(self, motor: Motor, channel: str, usual: float) -> None:
+        self.acts_by = {"channel": channel}
         self.channel, self._usual = channel, usual
         self._columns = motor.columns
         self._heated = motor.heated

@@ -1,9 +1,8 @@
-"""From measured runs to a model, and from further runs to what it lacks."""
+"""From measured runs to a model."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
@@ -12,6 +11,7 @@ from gen.errors import InputError
 from gen.interface.arguments import one_of, several, within
 from gen.interface.files import RunLike, run_files
 from gen.interface.model import Model
+from gen.interface.reported import Progress, Reported, silent
 from gen.interface.threads import one_thread
 
 if TYPE_CHECKING:
@@ -22,33 +22,6 @@ if TYPE_CHECKING:
     from gen.identification.identify import Identified
     from gen.identification.network.identify import NetworkFound
     from gen.identification.network.summary import Summary
-    from gen.refinement.refine import Refinement as Found
-
-Progress = Callable[[str], None]
-
-
-def _silent(_: str) -> None:
-    """Say nothing."""
-
-
-class Reported(ABC):
-    """What can be written as a report."""
-
-    @abstractmethod
-    def html(self) -> str:
-        """The report as one HTML page."""
-
-    def report(self, path: Path | str) -> None:
-        """Write the report.
-
-        Raises
-        ------
-        InputError
-            If it cannot be written.
-        """
-        from gen.files import write_text
-
-        write_text(Path(path), self.html())
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,7 +204,7 @@ def identify(
     rpm: float = 2650.0,
     max_order: int = 4,
     max_hidden: int = 3,
-    progress: Progress = _silent,
+    progress: Progress = silent,
 ) -> Identification: ...
 
 
@@ -247,7 +220,7 @@ def identify(
     rpm: float = 2650.0,
     max_order: int = 4,
     max_hidden: int = 3,
-    progress: Progress = _silent,
+    progress: Progress = silent,
 ) -> NetworkIdentification: ...
 
 
@@ -263,7 +236,7 @@ def identify(
     rpm: float = 2650.0,
     max_order: int = 4,
     max_hidden: int = 3,
-    progress: Progress = _silent,
+    progress: Progress = silent,
 ) -> Identification | NetworkIdentification:
     """Identify a speed-scheduled model from measured runs.
 
@@ -343,120 +316,3 @@ def _network(
     result = identify_network(data, progress, max_hidden)
     text, loaded = network_text(result, settings)
     return NetworkIdentification(Model(loaded, text), result)
-
-
-@dataclass(frozen=True, eq=False)
-class Refinement(Reported):
-    """What a refinement found.
-
-    Parameters
-    ----------
-    model
-        The refined model.
-    baseline
-        The model that it began with.
-    found
-        All that was found.
-    """
-
-    model: Model
-    baseline: Model
-    found: Found
-
-    @property
-    def verdict(self) -> str:
-        """``explained``, ``partly explained``, ``nothing missing`` or ``unexplained``."""
-        return self.found.verdict
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What to look at, one sentence each."""
-        return tuple(self.found.warnings)
-
-    def details(self) -> dict[str, Any]:
-        """The JSON summary, as ``gen refine --json`` writes it."""
-        return self.found.summary()
-
-    def effects(self) -> pd.DataFrame:
-        """A row for each effect that was added: ``component``, ``effect``, ``parameters`` and its look-alikes."""
-        import pandas as pd
-
-        rows = [
-            {
-                "component": effect["component"],
-                "effect": effect["name"],
-                "parameters": effect["parameters"],
-                "lookalikes": [other["name"] for other in effect["evidence"]["lookalikes"]],
-            }
-            for effect in self.found.effects
-        ]
-        return pd.DataFrame(rows, columns=["component", "effect", "parameters", "lookalikes"])
-
-    def errors(self) -> pd.DataFrame:
-        """RMSE in K before and after, by kind (``fit``, ``test``), run and part."""
-        import pandas as pd
-
-        rows = []
-        for kind in ("fit", "test"):
-            before, after = getattr(self.found.before, kind), getattr(self.found.after, kind)
-            for run, parts in before.items():
-                for name, score in parts.items():
-                    rows.append(
-                        {
-                            "kind": kind,
-                            "run": Path(run).stem,
-                            "component": name,
-                            "before_rmse_K": score.summary()["rmse_K"],
-                            "after_rmse_K": after[run][name].summary()["rmse_K"],
-                        }
-                    )
-        return pd.DataFrame(rows).set_index(["kind", "run", "component"])
-
-    def html(self) -> str:
-        """The report as one HTML page."""
-        from gen.refinement.page import page
-
-        return page(self.found, self.baseline.coefficients)
-
-
-@one_thread
-def refine(
-    model: Model, *, fit: Sequence[RunLike], test: Sequence[RunLike], progress: Progress = _silent
-) -> Refinement:
-    """Trace what a model misses in measured runs to physical effects, and add them to the model.
-
-    Parameters
-    ----------
-    model
-        The baseline.
-    fit
-        Runs to learn from: files or frames.
-    test
-        Runs that take no part; opened once, at the end.
-    progress
-        Called with what is being done.
-
-    Raises
-    ------
-    InputError
-        If a run is none or is given twice, or no run can be fitted; if the model is a network.
-
-    Examples
-    --------
-    >>> motor = gen.load("coeffs.json")  # doctest: +SKIP
-    >>> found = gen.refine(motor, fit=["mon.csv", "tue.csv"], test=["wed.csv"])  # doctest: +SKIP
-    >>> found.verdict, found.errors()  # doctest: +SKIP
-    >>> found.model.save("refined.json")  # doctest: +SKIP
-    """
-    from gen.coefficients import parse
-    from gen.refinement.refine import refine as run
-
-    model.transfer_functions_only("gen refine")
-    several("fit", fit)
-    several("test", test)
-    if {id(run) for run in fit} & {id(run) for run in test if not isinstance(run, (str, Path))}:
-        raise InputError("a run is given as fit and as test; test runs must take no part")
-    with run_files([*fit, *test]) as paths:
-        found = run(model.coefficients, model.text, paths[: len(fit)], paths[len(fit) :], progress)
-    refined = Model(parse(found.text.encode()), found.text) if found.effects else model
-    return Refinement(refined, model, found)

@@ -1,0 +1,50 @@
+"""A fault is not an effect: what looks like another motor is said, and not learnt."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gen.identification.network.forms import spline
+from gen.refinement.network.data import Data
+from gen.refinement.network.effects import NetworkEffect
+from gen.refinement.network.effects.schedule_error import ScheduleError
+
+GROWN = 1.03
+"""Heat that has grown by more than this at every speed that was run is a fault's pattern: no curve errs like that."""
+
+
+def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Data) -> str:
+    """Say why what was found may be another motor, or nothing.
+
+    A wrong schedule is too high at some speeds and too low at others, or wrong at a few; a bearing or a brush that is
+    worn heats more at all of them, at one node alone.
+
+    Parameters
+    ----------
+    effect, values
+        What was found, and its numbers.
+    data
+        The runs, for the speeds that they hold.
+    """
+    if not isinstance(effect, ScheduleError):
+        return ""
+    levels = data.inputs.levels
+    turning = (levels.rest < 0.5) & (data.columns.later(levels) > 0.5)
+    speed = np.unique(np.round(levels.speed[turning], 2))
+    if effect.replaces:
+        factor = np.exp(spline(speed) @ np.log(np.asarray(values)))
+        if float(factor.min()) < GROWN:
+            return ""
+        grown = f"by {factor.min() - 1.0:.0%} to {factor.max() - 1.0:.0%}"
+    elif values[0] > 0.0:
+        grown = f"by {values[0]:.3g} W at full speed"
+    else:
+        return ""
+    again = f"{100.0 * float(np.median(speed)):.0f} %"
+    return (
+        f"{effect.component}: its heat has grown {grown} at every speed that was run, and there alone. The motor has "
+        f"changed since the file was made (a worn bearing or brush heats like that), or the file was wrong there: run "
+        f"{again} again as then. It is not written into the model without --accept-change"
+    )
