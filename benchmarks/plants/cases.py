@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.plants.course import LEAD_S, Course, course
-from benchmarks.plants.decoys import CHANNELS, decoys
+from benchmarks.plants.decoys import CHANNELS, decoys, electric
 from benchmarks.plants.draw import random_plant
 from benchmarks.plants.files import write
 from benchmarks.plants.plant import Plant
@@ -144,18 +144,18 @@ def measure(bench: Bench, profile: Profile, kind: RoomKind) -> Measured:
         columns[f"{bench.plant.names[node]}_degC"] = sensor.read(rng, run.temperature[:, node], bench.row_s)
     if room.measured:
         columns["ambient_degC"] = bench.thermometer.read(rng, run.ambient, bench.row_s)
-    columns |= decoys(rng, bench.plant, run, bench.channels)
-    kept = _kept(rng, run.pwm, bench.lost)
-    run = Course(run.time[kept], run.pwm[kept], run.temperature[kept], run.ambient[kept])
-    return Measured(profile, room, run, {name: values[kept] for name, values in columns.items()})
+    columns |= decoys(rng, electric(bench.plant.losses, run.pwm), run, bench.channels)
+    rows = kept(rng, run.pwm, bench.lost)
+    run = Course(run.time[rows], run.pwm[rows], run.temperature[rows], run.ambient[rows])
+    return Measured(profile, room, run, {name: values[rows] for name, values in columns.items()})
 
 
-def _kept(rng: np.random.Generator, pwm: NDArray[np.int64], lost: float) -> NDArray[np.bool_]:
+def kept(rng: np.random.Generator, pwm: NDArray[np.int64], lost: float) -> NDArray[np.bool_]:
     """Rows that the logger did not lose; where PWM changes and at the ends it loses none."""
-    kept = rng.random(pwm.size) >= lost
-    kept[0] = kept[-1] = True
-    kept[1:] |= pwm[1:] != pwm[:-1]
-    return np.asarray(kept)
+    rows = rng.random(pwm.size) >= lost
+    rows[0] = rows[-1] = True
+    rows[1:] |= pwm[1:] != pwm[:-1]
+    return np.asarray(rows)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from benchmarks.plants.plant import Plant, Running
+from benchmarks.plants.plant import FollowedRates
 from benchmarks.plants.profiles import Profile
 from benchmarks.plants.rooms import Room
 
@@ -20,6 +21,20 @@ LEAD_S = 10800.0
 """For how long a motor stood in its room before anything was done with it: it lags a room that moves."""
 RELATIVE, ABSOLUTE_K = 1e-6, 1e-5
 """Tolerances of the integration: far below a sensor's step."""
+
+
+class Motor(Protocol):
+    """What can be followed: a plant, or one of which something has been changed."""
+
+    @property
+    def changes(self) -> Sequence[float]:
+        """Times at which something of it jumps beside PWM, s."""
+
+    def rest(self, ambient: float) -> FloatArray:
+        """State after a long rest in a room of this temperature (degC); temperatures of the nodes first."""
+
+    def rates(self, pwm: int, begin: float) -> FollowedRates:
+        """How its state changes at a PWM, from a time in s to the next change."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +48,8 @@ class Course:
     pwm
         Counts, held until the next row, shape (N,).
     temperature
-        Of all nodes before that PWM has acted, degC, shape (N, nodes).
+        Of all nodes before that PWM has acted, degC, shape (N, nodes); whatever else a motor's state has comes after
+        them.
     ambient
         Of the room, degC, shape (N,).
     """
@@ -44,29 +60,36 @@ class Course:
     ambient: FloatArray
 
 
-def course(plant: Plant, profile: Profile, room: Room, row_s: float) -> Course:
+def course(motor: Motor, profile: Profile, room: Room, row_s: float, start: FloatArray | None = None) -> Course:
     """Follow a motor from rest in its room.
 
     Parameters
     ----------
-    plant, profile, room
+    motor, profile, room
         What is run, how, and where. The room's time is that of the run: what came before is at negative times.
     row_s
         From row to row, s; holds last multiples of it.
+    start
+        State at the run's first row, whatever came before; by itself what came before tells it.
     """
-    before = sum(seconds for _, seconds in profile.before)
-    state = np.full(plant.size, float(room.at(np.array([-before - LEAD_S]))[0]))
-    state = _follow(plant, ((0, LEAD_S), *profile.before), room, -before - LEAD_S, state, None)[-1]
+    state = begun(motor, profile, room) if start is None else start
     rows = round(profile.duration / row_s)
     time = np.arange(rows + 1, dtype=np.float64) * row_s
     edges = np.cumsum([seconds for _, seconds in profile.holds])
     levels = np.array([pwm for pwm, _ in profile.holds], dtype=np.int64)
     pwm = levels[np.minimum(np.searchsorted(edges, time, side="right"), levels.size - 1)]
-    return Course(time, pwm, _follow(plant, profile.holds, room, 0.0, state, time), room.at(time))
+    return Course(time, pwm, _follow(motor, profile.holds, room, 0.0, state, time), room.at(time))
+
+
+def begun(motor: Motor, profile: Profile, room: Room) -> FloatArray:
+    """State at a run's first row: after a long rest in the room, and what was done right before the run."""
+    begin = -LEAD_S - sum(seconds for _, seconds in profile.before)
+    state = motor.rest(float(room.at(np.array([begin]))[0]))
+    return np.asarray(_follow(motor, ((0, LEAD_S), *profile.before), room, begin, state, None)[-1])
 
 
 def _follow(
-    plant: Plant,
+    motor: Motor,
     holds: tuple[tuple[int, float], ...],
     room: Room,
     begin: float,
@@ -77,12 +100,12 @@ def _follow(
     found = [state[None, :]] if rows is None else []
     for pwm, seconds in holds:
         end = begin + seconds
-        running = plant.at(pwm)
-        cuts = [begin, *(when for when, _ in room.jumps if begin < when < end), end]
+        jumps = {*motor.changes, *(when for when, _ in room.jumps)}
+        cuts = [begin, *sorted(when for when in jumps if begin < when < end), end]
         for first, last in pairwise(cuts):
             inside = rows[(rows >= first) & (rows < last)] if rows is not None else np.empty(0)
             solved = solve_ivp(
-                _rates(running, _smooth(room, first)),
+                _rates(motor.rates(pwm, first), _smooth(room, first)),
                 (first, last),
                 state,
                 method="LSODA",
@@ -100,9 +123,9 @@ def _follow(
     return np.concatenate([*found, state[None, :]])
 
 
-def _rates(running: Running, ambient: Callable[[float], float]) -> Callable[[float, FloatArray], FloatArray]:
-    """How fast the temperatures change, by time and temperatures, K/s."""
-    return lambda time, temperature: running.rates(temperature, ambient(time))
+def _rates(rates: FollowedRates, ambient: Callable[[float], float]) -> Callable[[float, FloatArray], FloatArray]:
+    """How fast the state changes, by time and state."""
+    return lambda time, state: rates(state, ambient(time))
 
 
 def _smooth(room: Room, begin: float) -> Callable[[float], float]:

@@ -39,6 +39,8 @@ class Losses:
         Copper loss at a current of one, its ripple's at D = 1/2, and the exponent of D (1 - D) in it.
     drop
         Brush voltage at a current of one; it hardly grows above it.
+    supply
+        Voltage, as a share of the rated one: speed follows it, and what the chopped winding's ripple loses its square.
     """
 
     droop: float
@@ -55,10 +57,12 @@ class Losses:
     ripple: float
     ripple_exponent: float
     drop: float
+    supply: float = 1.0
 
     def speed(self, duty: float) -> float:
         """Share of full speed."""
-        return duty * (1.0 - self.droop * duty) / (1.0 - self.droop)
+        mean = duty * self.supply
+        return mean * (1.0 - self.droop * mean) / (1.0 - self.droop)
 
     def torque(self, speed: float) -> float:
         """Friction torque while turning, relative."""
@@ -90,7 +94,7 @@ class Losses:
     def copper(self, duty: float) -> float:
         """Heat of the winding at 25 degC."""
         chopped = (4.0 * duty * (1.0 - duty)) ** self.ripple_exponent
-        return float(self.resistance * self.current(duty) ** 2 + self.ripple * chopped)
+        return float(self.resistance * self.current(duty) ** 2 + self.ripple * chopped * self.supply**2)
 
     def brush(self, duty: float) -> float:
         """Heat of the current's way through the brushes."""

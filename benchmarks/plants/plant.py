@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,8 @@ from benchmarks.plants.laws import Law
 from benchmarks.plants.losses import COPPER_PER_K, COPPER_REFERENCE, Losses
 
 FloatArray = NDArray[np.float64]
+FollowedRates = Callable[[FloatArray, float], FloatArray]
+"""How a state changes, by itself and the room's temperature in degC; temperatures in K/s."""
 FULL_PWM = 255
 STEFAN_BOLTZMANN = 5.670374419e-8
 """W/m2 K4"""
@@ -109,6 +112,19 @@ class Plant:
     def at(self, pwm: int) -> Running:
         """The plant at a PWM of -255..255 counts; it turns the same in both directions."""
         return Running(self, abs(pwm) / FULL_PWM)
+
+    @property
+    def changes(self) -> tuple[float, ...]:
+        """Nothing of it jumps beside PWM."""
+        return ()
+
+    def rest(self, ambient: float) -> FloatArray:
+        """Temperatures after a long rest in a room, degC, shape (N,)."""
+        return np.full(self.size, ambient)
+
+    def rates(self, pwm: int, begin: float) -> FollowedRates:
+        """How its temperatures change at a PWM of -255..255 counts, K/s."""
+        return self.at(pwm).rates
 
     def steady(self, pwm: int, ambient: float) -> FloatArray:
         """Temperatures that it settles at, degC, shape (N,).

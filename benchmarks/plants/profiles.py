@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -75,6 +75,15 @@ def fresh(rng: Callable[[str], np.random.Generator]) -> tuple[Profile, ...]:
     turning = Profile("test_turning", _holds(rng("test_turning"), 4 * HOUR, (4.0, 35.0)))
     stopping = _holds(rng("test_stopping"), 4 * HOUR, (4.0, 35.0), stops=0.25, backwards=0.4)
     return (turning, Profile("test_stopping", stopping))
+
+
+def later(rng: Callable[[str], np.random.Generator], names: Sequence[str]) -> tuple[Profile, ...]:
+    """Runs of 4 h of a motor in use, each with stops and reversals, which begin cold."""
+    return tuple(Profile(name, _used(rng(name))) for name in names)
+
+
+def _used(rng: np.random.Generator) -> tuple[tuple[int, float], ...]:
+    return _holds(rng, 4 * HOUR, (4.0, 40.0), stops=0.2, backwards=0.25)
 
 
 def _holds(

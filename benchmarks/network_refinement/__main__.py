@@ -1,0 +1,203 @@
+"""The command: trials by kinds and benches, judged in one process or two."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import asdict
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+
+from benchmarks import network_refinement
+from benchmarks.network_refinement.judge import Judged, judge
+from benchmarks.network_refinement.table import goals, rows, text
+from benchmarks.plants.planted.draw import LIBRARY, NotVisible
+from benchmarks.plants.planted.later import FIT_NAMES
+from benchmarks.plants.planted.trial import FAULTS, KINDS, NOTHING, OUTSIDE, Trial, setting, write_trial
+
+GROUPS = {"single": tuple(LIBRARY), "outside": tuple(OUTSIDE), "faults": tuple(FAULTS)}
+
+
+def options_of(arguments: Sequence[str] | None = None) -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.network_refinement",
+        description=network_refinement.__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--cases", nargs="+", default=["singlex1", "nothingx2"], help="KINDxN: 16x3 nothingx10 ...")
+    parser.add_argument("--seed", type=int, default=0, help="of the first motor; the others follow")
+    parser.add_argument("--fit-runs", type=_runs, default=(2,), help="2, 6 or 2,6")
+    parser.add_argument("--only", help="of the trials, those in which this was planted")
+    parser.add_argument("--first", type=int, help="only as many of the trials")
+    parser.add_argument("--jobs", type=int, choices=(1, 2), default=1, help="processes")
+    parser.add_argument("--json", type=Path, help="write every trial and the tables here, after each trial anew")
+    parser.add_argument("--models", type=Path, help="keep identified networks here, and take those that are there")
+    parser.add_argument("--case", type=Trial.parse, help="SEED:EFFECT:FIT: this one only")
+    parser.add_argument("--keep", type=Path, help="with --case: write its files here and leave them")
+    options = parser.parse_args(arguments)
+    if options.keep and not options.case:
+        parser.error("--keep needs --case")
+    if options.only and options.only not in (*KINDS, NOTHING):
+        parser.error(f"--only: nothing is called {options.only}")
+    try:
+        options.trials = [options.case] if options.case else chosen(options)
+    except ValueError as error:
+        parser.error(f"--cases: {error}")
+    return options
+
+
+def _runs(text: str) -> tuple[int, ...]:
+    found = tuple(int(word) for word in text.split(","))
+    if not all(1 <= runs <= len(FIT_NAMES) for runs in found):
+        raise ValueError(text)
+    return found
+
+
+def chosen(options: argparse.Namespace) -> list[Trial]:
+    """The trials, motor by motor."""
+    cells = [cell for words in options.cases for cell in cells_of(words)]
+    found = [Trial(options.seed + number, names, runs) for number, names in cells for runs in options.fit_runs]
+    if options.only:
+        found = [trial for trial in found if options.only in (trial.names or (NOTHING,))]
+    return sorted(dict.fromkeys(found), key=lambda trial: trial.seed)[: options.first]
+
+
+def cells_of(words: str) -> list[tuple[int, tuple[str, ...]]]:
+    """Numbers of motors, and what is planted on each, of one KINDxN.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    matched = re.fullmatch(r"(\w+?)x(\d+)", words)
+    if not matched:
+        raise ValueError(f"{words}: not KINDxN")
+    kind, count = matched[1], int(matched[2])
+    if kind == "pairs":
+        return [(number, _pair(number)) for number in range(count)]
+    if kind == NOTHING:
+        return [(number, ()) for number in range(count)]
+    names = GROUPS.get(kind) or ((kind,) if kind in KINDS else tuple(LIBRARY)[: int(kind)])
+    return [(number, (name,)) for number in range(count) for name in names]
+
+
+def _pair(number: int) -> tuple[str, ...]:
+    """Two effects of the library."""
+    rng = np.random.default_rng([20274, number])
+    return tuple(str(name) for name in rng.choice(list(LIBRARY), 2, replace=False))
+
+
+def in_a_folder(trial: Trial, models: Path, keep: Path | None = None) -> Judged:
+    """Judge a trial in a folder of its own."""
+    with tempfile.TemporaryDirectory(prefix="refinement-") as name:
+        folder = keep or Path(name)
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            written = write_trial(trial, folder)
+        except NotVisible as error:
+            return Judged(str(trial), planted=list(trial.names), status="unseen", message=str(error))
+        except Exception as error:  # the plant's own fault; the trial still counts
+            return _raised(trial, error)
+        return judge(written, folder, models)
+
+
+def of_a_motor(trials: Sequence[Trial], models: Path) -> list[Judged]:
+    """Judge the trials of one motor, which is identified once."""
+    return [in_a_folder(trial, models) for trial in trials]
+
+
+def judged(trials: Sequence[Trial], models: Path, jobs: int) -> Iterator[Judged]:
+    """Judge trials, in their order; those whose process dies are told as raised."""
+    if jobs == 1:
+        yield from (in_a_folder(trial, models) for trial in trials)
+        return
+    with ProcessPoolExecutor(jobs) as pool:
+        motors = [list(mine) for _, mine in groupby(trials, key=lambda trial: trial.seed)]
+        waiting = [(mine, pool.submit(of_a_motor, mine, models)) for mine in motors]
+        for mine, future in waiting:
+            try:
+                yield from future.result()
+            except BrokenProcessPool as error:
+                yield from (_raised(trial, error) for trial in mine)
+
+
+def _raised(trial: Trial, error: Exception) -> Judged:
+    return Judged(str(trial), planted=list(trial.names), status="raised", message=f"{type(error).__name__}: {error}")
+
+
+def as_json(results: Sequence[Judged]) -> str:
+    """Every trial and the tables; what is no number is null."""
+    trials = [
+        {**asdict(r), "named": r.named, "first": r.first, "among": r.among, "false": r.false, "flagged": r.flagged}
+        for r in results
+    ]
+    asked = {str(n): [asdict(g) for g in goals(results, n)] for n in sorted({r.fit_runs for r in results})}
+    made = {"trials": trials, "table": [asdict(row) for row in rows(results)], "goals": asked}
+    return json.dumps(_without_nan(made), indent=1, default=float) + "\n"
+
+
+def _without_nan(value: Any) -> Any:  # noqa: ANN401 (JSON)
+    if isinstance(value, dict):
+        return {key: _without_nan(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_without_nan(entry) for entry in value]
+    return None if isinstance(value, float) and value != value else value
+
+
+def told(result: Judged) -> str:
+    """One line on a trial."""
+    named = ", ".join(result.named) or "nothing"
+    said = f"named {named}, {result.verdict}" if result.status == "ok" else f"{result.status}: {result.message[:80]}"
+    return (
+        f"{result.trial}{f' on {result.bench}' if not result.trial.startswith(f'{result.bench}:') else ''}: {said}; "
+        f"{result.before:.2f} -> {result.after:.2f} floors, {result.seconds:.1f} s"
+    )
+
+
+def main() -> None:
+    """Judge, and print the tables."""
+    options = options_of()
+    with tempfile.TemporaryDirectory(prefix="models-") as name:
+        models = options.models or Path(name)
+        models.mkdir(parents=True, exist_ok=True)
+        if options.keep:
+            result = in_a_folder(options.case, models, options.keep)
+            (options.keep / "judged.json").write_text(as_json([result]), encoding="utf-8")
+            _leave_truth(options.case, options.keep)
+            print(as_json([result]) + text([result]))
+            return
+        results: list[Judged] = []
+        for result in judged(options.trials, models, options.jobs):
+            results.append(result)
+            print(f"{len(results)}/{len(options.trials)} {told(result)}", file=sys.stderr, flush=True)
+            if options.json:
+                options.json.parent.mkdir(parents=True, exist_ok=True)
+                options.json.write_text(as_json(results), encoding="utf-8")
+    print(text(results))
+
+
+def _leave_truth(trial: Trial, folder: Path) -> None:
+    """Write down what is truly there."""
+    try:
+        made = asdict(setting(trial.seed, trial.names))
+    except NotVisible as error:
+        made = {"unseen": str(error)}
+    (folder / "truth.json").write_text(json.dumps(made, indent=1, default=float) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

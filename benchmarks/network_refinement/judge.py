@@ -1,0 +1,206 @@
+"""One trial: identify before, refine with what came later, and compare with what was planted."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import gen
+from benchmarks.plants.planted.trial import Setting, Trial, Written, write_identification
+from gen.errors import CheckFailed, InputError
+
+FAULT_WORDS = ("fault", "healthy")
+"""A warning with one of these tells that the motor may not be what it was."""
+
+
+@dataclass
+class Judged:
+    """What came out of a trial.
+
+    Parameters
+    ----------
+    trial, bench
+        Which, and the seed of the bench that it was on.
+    planted
+        Names of what was planted.
+    truth
+        What it is and how far it moves what the sensors are at, by name.
+    status
+        `ok`; `refused`, when refinement said in words that it cannot; `raised`, when anything else happened; `unseen`,
+        when no bench shows the change; `no model`, when the motor could not be identified.
+    message
+        Why there is no result.
+    verdict
+        As refinement tells it.
+    effects
+        What it named, in its order: component, effect, parameters, lookalikes.
+    floor_K, before_K, after_K
+        Of single samples, over all sensed nodes that the model has and both test runs, K.
+    before_by_run, after_by_run
+        The same by test run.
+    told_K
+        What refinement says of the test runs after it, K.
+    warnings
+        What it said beside.
+    seconds
+        That refinement took.
+    """
+
+    trial: str
+    bench: int = -1
+    planted: list[str] = field(default_factory=list)
+    truth: dict[str, Any] = field(default_factory=dict)
+    status: str = "ok"
+    message: str = ""
+    verdict: str = ""
+    effects: list[dict[str, Any]] = field(default_factory=list)
+    floor_K: float = float("nan")
+    before_K: float = float("nan")
+    after_K: float = float("nan")
+    before_by_run: dict[str, float] = field(default_factory=dict)
+    after_by_run: dict[str, float] = field(default_factory=dict)
+    told_K: float = float("nan")
+    warnings: list[str] = field(default_factory=list)
+    seconds: float = 0.0
+
+    @property
+    def fit_runs(self) -> int:
+        """How many there were."""
+        return Trial.parse(self.trial).fit_runs
+
+    @property
+    def named(self) -> list[str]:
+        """What was named, each once, in order."""
+        return list(dict.fromkeys(str(effect["effect"]) for effect in self.effects))
+
+    @property
+    def first(self) -> bool:
+        """Whether the first name is of something that was planted; of nothing, whether nothing was named."""
+        if self.status != "ok":
+            return False
+        return self.named[0] in self.planted if self.named and self.planted else not self.named and not self.planted
+
+    @property
+    def among(self) -> bool:
+        """Whether all that was planted is among the names and their lookalikes."""
+        said = {*self.named, *(name for effect in self.effects for name in effect["lookalikes"])}
+        return self.status == "ok" and set(self.planted) <= said
+
+    @property
+    def false(self) -> list[str]:
+        """Names of what was not planted."""
+        return [name for name in self.named if name not in self.planted]
+
+    @property
+    def flagged(self) -> bool:
+        """Whether it was said that the motor may be faulty."""
+        said = [*self.warnings, self.verdict, self.message if self.status == "refused" else ""]
+        return any(word in line.lower() for line in said for word in FAULT_WORDS)
+
+    @property
+    def before(self) -> float:
+        """The error before, in noise floors."""
+        return self.before_K / self.floor_K
+
+    @property
+    def after(self) -> float:
+        """The error after, in noise floors."""
+        return self.after_K / self.floor_K
+
+
+def identified(made: Setting, models: Path) -> gen.Model:
+    """The network of a bench before anything was changed; one that the folder has is not identified again.
+
+    Raises
+    ------
+    InputError, CheckFailed
+        If it cannot be identified.
+    """
+    room = "measured" if made.ambient_measured else "held"
+    kept = models / f"{made.bench.seed}-{room}.json"
+    if not kept.exists():
+        folder = models / f"{made.bench.seed}-{room}"
+        folder.mkdir(parents=True, exist_ok=True)
+        runs = write_identification(made, folder)
+        gen.identify(list(runs), name="plant", model="network").model.save(kept)
+        for run in runs:
+            run.unlink()
+        folder.rmdir()
+    return gen.load(kept)
+
+
+def judge(written: Written, folder: Path, models: Path) -> Judged:
+    """Refine with a trial's files and compare; the models are left in the folder."""
+    made = written.setting
+    result = Judged(
+        str(written.trial), made.bench.seed, [one.name for one in made.planted], truth(made), floor_K=written.floor_K
+    )
+    try:
+        model = identified(made, models)
+    except Exception as error:  # of identification, which is judged elsewhere; the trial still counts
+        result.status, result.message = "no model", f"{type(error).__name__}: {error}".replace(f"{models}/", "")
+        return result
+    model.save(folder / "identified.json")
+    started = time.perf_counter()
+    try:
+        result.before_K, result.before_by_run = errors(model, written)
+        started = time.perf_counter()
+        found = gen.refine(model, fit=list(written.fit), test=list(written.test))
+        result.seconds = time.perf_counter() - started
+        _told(found, result, folder)
+        found.model.save(folder / "refined.json")
+        result.after_K, result.after_by_run = errors(found.model, written)
+    except (InputError, CheckFailed) as error:
+        result.status, result.message = "refused", str(error).replace(f"{folder}/", "").replace(f"{models}/", "")
+    except Exception as error:  # any other is a defect, and counted: no trial is dropped
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        result.status, result.message = "raised", f"{type(error).__name__}: {error} ({place.name}:{place.lineno})"
+    result.seconds = result.seconds or time.perf_counter() - started
+    return result
+
+
+def truth(made: Setting) -> dict[str, Any]:
+    """What was planted, as JSON has it."""
+    names = made.bench.plant.names
+    found: dict[str, Any] = {}
+    for one in made.planted:
+        parameters = asdict(one.change)
+        where = {key: names[value] for key, value in parameters.items() if key in ("node", "first", "second")}
+        found[one.name] = {"parameters": parameters, "where": where, "sight": asdict(one.sight)}
+    return found
+
+
+def _told(found: gen.Refinement, result: Judged, folder: Path) -> None:
+    """What refinement says."""
+    result.verdict = found.verdict
+    result.warnings = [warning.replace(f"{folder}/", "") for warning in found.warnings]
+    columns = ["component", "effect", "parameters", "lookalikes"]
+    result.effects = [
+        {str(key): value for key, value in entry.items()} | {"lookalikes": [str(name) for name in entry["lookalikes"]]}
+        for entry in found.effects()[columns].to_dict("records")
+    ]
+    told = found.details().get("after", {}).get("test", {}).get("rmse_K")
+    result.told_K = float("nan") if told is None else float(told)
+
+
+def errors(model: gen.Model, written: Written) -> tuple[float, dict[str, float]]:
+    """Root mean square of model minus read over the test runs' samples, and of each run, K."""
+    names = [written.setting.bench.plant.names[node] for node in written.setting.bench.plant.sensed]
+    kept = [name for name in names if name in model.components]
+    squares: dict[str, NDArray[np.float64]] = {}
+    for path in written.test:
+        run, simulated = gen.read_run(path), gen.simulate(model, path)
+        away = [(simulated[f"{name}_degC"] - run[f"{name}_degC"]).dropna().to_numpy() for name in kept]
+        squares[path.stem] = np.concatenate(away) ** 2
+    return _rms(list(squares.values())), {name: _rms([values]) for name, values in squares.items()}
+
+
+def _rms(squares: Sequence[NDArray[np.float64]]) -> float:
+    return float(np.sqrt(np.mean(np.concatenate(squares))))
