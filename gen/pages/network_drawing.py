@@ -36,12 +36,15 @@ class DrawnNode:
         What heats it, W; 0 for nothing.
     sure
         Whether the runs determine its capacity and heat; else it is grey.
+    added
+        Whether it was not there before, or is not what it was.
     """
 
     name: str
     sensed: bool
     heat: float = 0.0
     sure: bool = True
+    added: bool = False
 
 
 @dataclass(frozen=True)
@@ -56,12 +59,15 @@ class DrawnPath:
         W/K, above 0.
     sure
         Whether the runs determine it; else it is grey.
+    added
+        Whether it was not there before, or is not what it was.
     """
 
     first: int
     second: int | None
     conductance: float
     sure: bool = True
+    added: bool = False
 
 
 def network_svg(
@@ -140,6 +146,7 @@ def _path(path: DrawnPath, places: Sequence[Point], largest: float) -> str:
     kind = "way" if path.sure else "way unsure"
     if path.second is None:
         kind += " out"
+    kind += " added" if path.added else ""
     label = f"{path.conductance:.3g} W/K"
     bend = "L" if path.second is None else _bend((x1, y1), (x2, y2))
     return (
@@ -162,7 +169,7 @@ def _bend(one: Point, other: Point) -> str:
 
 def _node(node: DrawnNode, place: Point) -> list[str]:
     x, y = place
-    kind = f"node{'' if node.sensed else ' hidden'}{'' if node.sure else ' unsure'}"
+    kind = f"node{'' if node.sensed else ' hidden'}{'' if node.sure else ' unsure'}{' added' if node.added else ''}"
     centre = _centre()
     away = hypot(x - centre[0], y - centre[1])
     ox, oy = (x - centre[0]) / away, (y - centre[1]) / away

@@ -17,6 +17,7 @@ from gen.refinement.judgement import ALONE, TOO_LITTLE
 from gen.refinement.refine import Refinement
 from gen.refinement.residual_charts import error_courses, left_chart, residual_charts
 from gen.refinement.run_charts import run_pictures
+from gen.refinement.run_tables import error_rows, short_names, totals
 from gen.refinement.stacked_runs import THIRDS
 
 _SENTENCES = {
@@ -46,18 +47,8 @@ def page(found: Refinement, baseline: Coefficients) -> str:
 def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
     tracing = found.tracing
     names = tracing.problem.components
-    before, after = found.before.summary(), found.after.summary()
-    totals = [[key, *_four(before[key], after[key])] for key in ("fit", "test")]
-    short = _short_names([*found.before.fit, *found.before.test])
+    short = short_names([*found.before.fit, *found.before.test])
     pictures, not_drawn = run_pictures(found, short)
-    errors = {
-        kind: [
-            [short[run] if first else "", name, *_four(before["per_run"][run][name], after["per_run"][run][name])]
-            for run, parts in getattr(found.before, kind).items()
-            for first, name in zip([True] + [False] * len(parts), parts, strict=False)
-        ]
-        for kind in ("test", "fit")
-    }
     return {
         "name": baseline.name,
         "verdict": found.verdict,
@@ -74,8 +65,8 @@ def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
         "tried": tracing.tried,
         "level": tracing.level,
         "effects": [_effect(effect) for effect in found.effects],
-        "totals": totals,
-        "errors": errors,
+        "totals": totals(found.before, found.after),
+        "errors": error_rows(found.before, found.after, short),
         "runs": [(short[run.name], number % 8) for number, run in enumerate(found.runs)],
         "courses": list(islice(error_courses(found, short), _MOST_COURSES)),
         "left": [left_chart(found, name) for name in names],
@@ -90,10 +81,6 @@ def _one_run(found: Refinement) -> bool:
 def _left_out(found: Refinement) -> str:
     """What the judgement looked at."""
     return "left-out thirds of the run" if _one_run(found) else "left-out runs"
-
-
-def _four(before: dict[str, float], after: dict[str, float]) -> list[str]:
-    return [f"{which[key]:.2f}" for key in ("rmse_K", "max_abs_K") for which in (before, after)]
 
 
 def _component(found: Refinement, name: str) -> dict[str, Any]:
@@ -191,12 +178,6 @@ def _number(value: object) -> str:
 
 def _interval(ends: list[float] | None) -> str:
     return "" if ends is None else f"{ends[0]:.4g} .. {ends[1]:.4g}"
-
-
-def _short_names(paths: list[str]) -> dict[str, str]:
-    """File names where they tell the runs apart, else the paths as they were given."""
-    names = [path.rsplit("/", 1)[-1] for path in paths]
-    return dict(zip(paths, names if len(set(names)) == len(names) else paths, strict=True))
 
 
 def _next(found: Refinement) -> list[str]:

@@ -2,8 +2,31 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
 from gen.coefficients import Coefficients
+from gen.model.effects import registry
+from gen.model.network import Network
+from gen.pages.environment import page_environment
+from gen.pages.network_drawing import DrawnNode, DrawnPath, network_svg
+from gen.pages.panels import panels_svg
 from gen.refinement.network.refine import NetworkRefinement
+from gen.refinement.network.trace import Step
+from gen.refinement.run_charts import run_pictures
+from gen.refinement.run_tables import error_rows, short_names, totals
+
+_SENTENCES = {
+    "explained": "With what is below, what is left on what was left out is near the sensors' noise.",
+    "partly explained": "What is below lowers the error on what was left out by more than chance, but something is "
+    "left, or the motor is no longer the one that the file was made from: the names are the nearest, not certain.",
+    "nothing missing": "The error is near the sensors' noise; no effect is added.",
+    "unexplained": "Something is missing, and no effect of the library explains it on what was left out.",
+}
+_MOVED = 0.2
+"""A conductance that changes by more than this share is drawn as changed."""
 
 
 def network_refinement_page(found: NetworkRefinement, baseline: Coefficients, refined: Coefficients) -> str:
@@ -16,4 +39,108 @@ def network_refinement_page(found: NetworkRefinement, baseline: Coefficients, re
     baseline, refined
         The file that it began with, and the one that it led to.
     """
-    return ""
+    short = short_names([*found.before.fit, *found.before.test])
+    pictures, not_drawn = run_pictures(found, short)
+    environment = page_environment(panels=panels_svg)
+    return environment.get_template("network_refinement.html.j2").render(
+        name=baseline.name,
+        verdict=found.verdict,
+        sentence=_SENTENCES[found.verdict],
+        judged_on=found.judged_on,
+        warnings=found.warnings,
+        pictures=pictures,
+        not_drawn=not_drawn,
+        drawings=_drawings(found, baseline, refined),
+        steps=_steps(found),
+        effects=[_effect(effect) for effect in found.effects],
+        totals=totals(found.before, found.after),
+        errors=error_rows(found.before, found.after, short),
+    )
+
+
+def _steps(found: NetworkRefinement) -> list[dict[str, Any]]:
+    made, beside = [], []
+    for step in found.traced.steps:
+        if step.considered:
+            made.append(
+                {
+                    "beside": " and ".join(beside) or "nothing",
+                    "without": f"{step.without.score_K:.2f}",
+                    "rows": _rows(step),
+                }
+            )
+        if step.added is not None:
+            beside.append(f"{step.added.effect.name} ({step.added.effect.component})")
+    return made
+
+
+def _rows(step: Step) -> list[tuple[str, str, str, str]]:
+    return [
+        (
+            f"{one.effect.name}, {one.effect.component}",
+            f"{one.judged.score_K:.2f}",
+            "<1e-9" if one.p_value < 1e-9 else f"{one.p_value:.1g}",
+            "; ".join(one.reasons),
+        )
+        for one in step.considered
+    ]
+
+
+def _effect(effect: dict[str, Any]) -> dict[str, Any]:
+    evidence = effect["evidence"]
+    rows = []
+    for key, value in effect["parameters"].items():
+        ends = evidence["intervals_95"].get(key)
+        shown = f"{value:.4g}" if isinstance(value, float) else str(value)
+        rows.append([key, shown, f"{ends[0]:.4g} .. {ends[1]:.4g}" if ends else ""])
+    return {
+        "name": effect["name"],
+        "component": effect["component"],
+        "title": registry()[effect["name"]].title,
+        "rows": rows,
+        "note": evidence.get("note", ""),
+        "lookalikes": evidence["lookalikes"],
+    }
+
+
+def _drawings(found: NetworkRefinement, baseline: Coefficients, refined: Coefficients) -> list[Markup]:
+    """The network before and after, in one arrangement; once where nothing was added."""
+    old, new = baseline.model.network, refined.model.network
+    assert old is not None
+    assert new is not None
+    named = {effect["component"] for effect in found.effects}
+    after = network_svg("network-after", "The network as refined", *_drawn(new, old, named))
+    if found.text and not found.effects:
+        return [network_svg("network", "The network", *_drawn(new, new, set()))]
+    return [network_svg("network-before", "The network before", *_drawn(old, old, set())), after]
+
+
+def _drawn(network: Network, before: Network, named: set[str]) -> tuple[list[DrawnNode], list[DrawnPath]]:
+    known = {node.name for node in before.nodes}
+    heat = {node.name: 0.0 for node in network.nodes}
+    for number, source in enumerate(network.heats):
+        if not source.factors:
+            heat[source.node] += float(network.powers[255, number])
+    nodes = [
+        DrawnNode(
+            node.name, node.sensor is not None, heat[node.name], added=node.name not in known or node.name in named
+        )
+        for node in network.nodes
+    ]
+    was = {frozenset((path.first, path.second)): k for k, path in enumerate(before.paths)}
+    paths = []
+    for number, path in enumerate(network.paths):
+        conductance = float(network.conductances[255, number])
+        other = was.get(frozenset((path.first, path.second)))
+        changed = other is None or _moved(network, number, before, other)
+        if conductance > 0.0:
+            second = None if path.second is None else network.index(path.second)
+            paths.append(DrawnPath(network.index(path.first), second, conductance, added=changed))
+    return nodes, paths
+
+
+def _moved(network: Network, number: int, before: Network, other: int) -> bool:
+    """Whether a path conducts otherwise than before at some speed, or by another channel."""
+    ratio = network.conductances[:, number] / np.maximum(before.conductances[:, other], 1e-12)
+    more = len(network.paths[number].factors) != len(before.paths[other].factors)
+    return more or bool(np.max(np.abs(np.log(np.maximum(ratio, 1e-6)))) > _MOVED)
