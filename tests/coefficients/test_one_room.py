@@ -27,6 +27,7 @@ OTHER_FORMATS = {
     "interface/identification.py": {"components", "order", "value", "network"},
     "interface/refinement.py": {"name", "component", "parameters", "evidence"},
     "refinement/page.py": {"name", "component", "parameters", "evidence", "note"},
+    "refinement/network/page.py": {"name", "component", "parameters", "evidence", "note"},
     "refinement/residual_charts.py": {"component"},
     # the JSON summary of `gen identify`: a measured error by speed, a fitted number with its interval
     "identification/page.py": {"components"},
