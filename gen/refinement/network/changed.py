@@ -44,7 +44,7 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
         return ""
     again = f"{100.0 * float(np.median(speed)):.0f} %"
     return (
-        f"{effect.component}: its heat has grown {grown} at every speed that was run, and there alone, as a fault's does: "
-        f"the motor has changed since the file was made (a worn bearing or brush heats like that), or the file was wrong "
-        f"there: run {again} again as then. It is not written into the model without --accept-change"
+        f"{effect.component}: its heat has grown {grown} at every speed that was run, and there alone, as a fault's "
+        f"does: the motor has changed since the file was made (a worn bearing or brush heats like that), or the file "
+        f"was wrong there: run {again} again as then. It is not written into the model without --accept-change"
     )
