@@ -3,7 +3,7 @@ and each channel with what a polynomial in it needs."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,8 +11,8 @@ import numpy as np
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
 
-POWERS = (1, 2, 3)
-"""Of a channel: means of these are exact, however much it moves within a bin."""
+POWERS = (1, 2, 0.5)
+"""Of a channel: their means are exact, however much it moves within a bin. The root is that of its size."""
 _FIRST = 2
 
 
@@ -42,7 +42,7 @@ class Columns:
         """
         made = [np.full(pwm.size, float(later)), (pwm < 0).astype(np.float64)]
         for name in self.channels:
-            made += [told[name] ** power for power in POWERS]
+            made += [told[name], told[name] ** 2, np.sqrt(np.abs(told[name]))]
         return made
 
     def later(self, levels: Levels) -> FloatArray:
@@ -53,13 +53,6 @@ class Columns:
         """Share of time turning backwards, shape (L,)."""
         return levels.further[:, 1]
 
-    def power(self, levels: Levels, channel: str, power: int) -> FloatArray:
-        """Mean of a channel's power 0..3, shape (L,)."""
-        if power == 0:
-            return np.ones(levels.count)
+    def power(self, levels: Levels, channel: str, power: float) -> FloatArray:
+        """Mean of a channel's power 1, 2 or 1/2, shape (L,)."""
         return levels.further[:, _FIRST + len(POWERS) * self.channels.index(channel) + POWERS.index(power)]
-
-    def polynomial(self, levels: Levels, channel: str, coefficients: Sequence[float]) -> FloatArray:
-        """Mean of a polynomial in a channel, highest power first, shape (L,)."""
-        degree = len(coefficients) - 1
-        return np.asarray(sum(c * self.power(levels, channel, degree - k) for k, c in enumerate(coefficients)))

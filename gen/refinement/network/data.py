@@ -21,9 +21,11 @@ from gen.runs import Run
 
 BIN_S, MOST_BINS = 60.0, 4000
 """Longest bin, and how many all later runs together may have."""
-MOVES, ITS_OWN = 0.01, 0.2
+MOVES, ITS_OWN = 0.01, 0.05
 """A channel explains nothing that moves by less than this share of its size, or of whose movements less than this share
 is not that of |PWM|."""
+DEGREE = 3
+"""What follows |PWM| does so as a polynomial of this degree, with a value of its own at rest."""
 BACKWARDS_S, RESTS_S = 120.0, 300.0
 
 
@@ -92,19 +94,17 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]]) -> Da
 def _channels(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], own: Sequence[str]) -> tuple[str, ...]:
     """Channels that every run has and that say more than |PWM| does, and those that the model reads anyway."""
     common = set.intersection(*(set(inputs.channels) for inputs in driven))
-    pwm = np.abs(np.concatenate([run.pwm for _, run in runs]))
-    _, level = np.unique(pwm, return_inverse=True)
-    number = np.bincount(level)
+    pwm = np.abs(np.concatenate([run.pwm for _, run in runs])).astype(np.float64)
+    turning = (pwm > 0.0).astype(np.float64)
+    share = pwm / max(float(pwm.max()), 1.0)
+    known = np.column_stack([1.0 - turning, *(turning * share**power for power in range(DEGREE + 1))])
     moving = []
     for name in sorted(common):
-        values = np.abs(np.concatenate([inputs.channels[name] for inputs in driven]))
-        smooth = np.concatenate(
-            [_slow(run, inputs.channels[name]) for (_, run), inputs in zip(runs, driven, strict=True)]
-        )
-        smooth = np.abs(smooth)
-        by_pwm = (np.bincount(level, smooth) / number)[level]
+        each = zip(runs, driven, strict=True)
+        values = np.abs(np.concatenate([_slow(run, inputs.channels[name]) for (_, run), inputs in each]))
+        left = values - known @ np.linalg.lstsq(known, values, rcond=None)[0]
         size = float(np.sqrt(np.mean(values**2)))
-        if np.std(smooth - by_pwm) > MOVES * size and np.std(smooth - by_pwm) > ITS_OWN * np.std(smooth):
+        if np.std(left) > max(MOVES * size, ITS_OWN * float(np.std(values))):
             moving.append(name)
     return tuple(dict.fromkeys([*own, *moving]))
 

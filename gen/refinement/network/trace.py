@@ -19,6 +19,8 @@ from gen.refinement.network.judged import LEAST_GAIN, LEVEL, Judged, doubts, jud
 MOST_EFFECTS = 3
 AS_GOOD = 1.25
 """Left-out errors within this factor may be as good: then what differs by chance is told by fewer numbers."""
+PLAIN, PLAIN_LEVEL, LEAST_DECREASE = 0.75, 0.2, 25.0
+"""Left-out error over that without it, p-value, and decrease of the weighed squares, of what is plain."""
 ENOUGH = 1.1
 """Noise floors below which nothing more is sought."""
 FITTED_OF_EACH = 2
@@ -83,22 +85,19 @@ class Traced:
         The file as it is, judged on all later runs.
     steps
         One for each search; the last one may have added nothing.
+    final
+        With all that was found.
     """
 
     data: Data
     file: Judged
     steps: tuple[Step, ...]
+    final: Judged
 
     @property
     def null(self) -> Judged:
         """Without any effect, all that the file leaves open fitted."""
         return self.steps[0].without
-
-    @property
-    def final(self) -> Judged:
-        """With all that was found."""
-        added = [step.added for step in self.steps if step.added is not None]
-        return added[-1].judged if added else self.null
 
 
 def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Traced:
@@ -114,8 +113,11 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
         steps.append(step)
         if step.added is None:
             break
-        now = step.added.judged
-    return Traced(data, judged(data, base, bench.as_it_is(shape)), tuple(steps))
+        # What is explained no longer hides what is not: the runs count for more.
+        found = step.added.judged.fitted
+        again = bench.tightened(found.shape, found.vector)
+        now = judged(data, again, bench.left_out(again))
+    return Traced(data, judged(data, base, bench.as_it_is(shape)), tuple(steps), now)
 
 
 def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress: Callable[[str], None]) -> Step:
@@ -153,6 +155,15 @@ def _considered(data: Data, without: Judged, one: Judged, tried: int) -> Conside
     reasons = doubts(one.fitted)
     if one.score_K > (1.0 - LEAST_GAIN) * without.score_K:
         reasons.append(f"lowers the error on what was left out by less than {LEAST_GAIN:.0%}")
-    if p > LEVEL / tried:
+    if p > LEVEL / tried and not _plain(without, one, p):
         reasons.append("not more than chance")
     return Considered(one.fitted.shape.effects[-1], one, p, tuple(reasons))
+
+
+def _plain(without: Judged, one: Judged, p_value: float) -> bool:
+    """Whether it explains too much of the error to need a test by blocks.
+
+    What acts for minutes in hours (a stop, a gust) shows in few blocks, however plainly.
+    """
+    gain = without.fitted.fit.cost - one.fitted.fit.cost
+    return one.score_K < PLAIN * without.score_K and p_value < PLAIN_LEVEL and gain > LEAST_DECREASE

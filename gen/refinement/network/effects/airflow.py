@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from gen.coefficients.network import FactorEntry
+import numpy as np
+
+from gen.coefficients.network import FactorEntry, FactorPoints
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
 from gen.refinement.network.columns import Columns
@@ -13,48 +15,58 @@ from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Num
 from gen.refinement.network.effects.offered import Offered
 from gen.refinement.network.writer import NetworkWriter, ends, short
 
+POINTS = 9
+"""Of the table that a file holds for a root."""
+
 
 class Airflow(NetworkEffect):
-    """G (1 + a v + b v^2), v a channel over its largest value; on one path to the ambient, or on all."""
+    """G (1 + a v^m), v a channel over its largest value; on one path to the ambient, or on all.
+
+    m is 1, or 1/2 (laminar flow along a plate and across a cylinder, Incropera et al., Fundamentals of Heat and Mass
+    Transfer, 7.2 and 7.4).
+    """
 
     name = "airflow"
 
-    def __init__(self, motor: Motor, channel: str, largest: float, paths: Sequence[int], component: str) -> None:
+    def __init__(
+        self, motor: Motor, channel: str, largest: float, power: float, paths: Sequence[int], component: str
+    ) -> None:
         self.component = component
         self.acts_by = {"channel": channel}
-        self.channel, self._largest, self._acts = channel, largest, tuple(paths)
+        self.channel, self._largest, self._power, self._acts = channel, largest, power, tuple(paths)
         self._between = [ends(motor.paths[q], motor.names) for q in paths]
         self._columns: Columns = motor.columns
-        self.numbers = (
-            Number("gain_at_most_flow", 0.3, 0.0, 2.0, 0.0, 30.0),
-            Number("curvature_at_most_flow", 0.0, 0.0, 1.0, -15.0, 15.0),
-        )
+        self.numbers = (Number("gain_at_most_flow", 0.3, 0.0, 2.0, 0.0, 30.0),)
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
-        later = self._columns.later(levels)
-        first = later * self._columns.power(levels, self.channel, 1) / self._largest
-        # What curvature adds is zero at both ends.
-        second = later * self._columns.power(levels, self.channel, 2) / self._largest**2 - first
-        factor = 1.0 + values[0] * first + values[1] * second
-        held = factor.clip(0.02)
+        flow = self._columns.power(levels, self.channel, self._power) / self._largest**self._power
+        unit = self._columns.later(levels) * flow
+        factor = (1.0 + values[0] * unit).clip(0.02)
         for q in self._acts:
-            draft.conductance.scale(q, held, place.slopes(first, second))
-
-    def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
-        return ["more flow would cool less"] if abs(values[1]) > values[0] else []
+            draft.conductance.scale(q, factor, place.slopes(unit))
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
-        a, b, v = values[0], values[1], self._largest
-        poly = (short(b / v**2), short((a - b) / v), 1.0)
+        if self._power == 1.0:
+            poly = (short(values[0] / self._largest), 1.0)
+            factor = FactorEntry(channel=self.channel, poly=poly)
+        else:
+            # Closer together where the root is steep.
+            share = np.linspace(0.0, 1.0, POINTS) ** 2
+            points = FactorPoints(
+                at=tuple(short(float(x)) for x in share * self._largest),
+                value=tuple(short(1.0 + values[0] * float(x) ** self._power) for x in share),
+            )
+            factor = FactorEntry(channel=self.channel, table=points)
         for between in self._between:
-            entry.factor_on_path(between, FactorEntry(channel=self.channel, poly=poly))
+            entry.factor_on_path(between, factor)
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
     """Every channel that moves may be a flow: on all paths to the ambient, or on one."""
     for channel in data.flows:
         largest = max(abs(end) for end in data.ranges[channel])
-        yield Airflow(motor, channel, largest, motor.outer, WHOLE)
-        if len(motor.outer) > 1:
-            for q in motor.outer:
-                yield Airflow(motor, channel, largest, [q], motor.names[motor.paths[q][0]])
+        for power in (1.0, 0.5):
+            yield Airflow(motor, channel, largest, power, motor.outer, WHOLE)
+            if len(motor.outer) > 1:
+                for q in motor.outer:
+                    yield Airflow(motor, channel, largest, power, [q], motor.names[motor.paths[q][0]])

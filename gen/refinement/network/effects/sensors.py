@@ -67,7 +67,7 @@ class SensorLag(SensorEffect):
     name = "sensor_lag"
     held_by_the_file = True
     numbers = (Number("lag_s", 0.0, 0.0, 60.0, 0.0, 3600.0),)
-    least = 3.0
+    least = 15.0
 
     def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray]:  # noqa: D102
         return self._sensor, -self._of(change)
