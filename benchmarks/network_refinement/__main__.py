@@ -24,8 +24,9 @@ from benchmarks import network_refinement
 from benchmarks.network_refinement.judge import Judged, judge
 from benchmarks.network_refinement.table import goals, rows, text
 from benchmarks.plants.planted.draw import LIBRARY, NotVisible
+from benchmarks.plants.planted.kinds import FAULTS, KINDS, OUTSIDE
 from benchmarks.plants.planted.later import FIT_NAMES
-from benchmarks.plants.planted.trial import FAULTS, KINDS, NOTHING, OUTSIDE, Trial, setting, write_trial
+from benchmarks.plants.planted.trial import NOTHING, Trial, setting, write_trial
 
 GROUPS = {"single": tuple(LIBRARY), "outside": tuple(OUTSIDE), "faults": tuple(FAULTS)}
 

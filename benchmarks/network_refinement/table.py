@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.network_refinement.judge import Judged
 from benchmarks.plants.planted.draw import LIBRARY
-from benchmarks.plants.planted.trial import FAULTS, OUTSIDE
+from benchmarks.plants.planted.kinds import FAULTS, OUTSIDE
 
 WORSE = 1.05
 """Error after over error before, from which on refinement made a model worse."""

@@ -30,6 +30,10 @@ class Motor(Protocol):
     def changes(self) -> Sequence[float]:
         """Times at which something of it jumps beside PWM, s."""
 
+    @property
+    def longest_s(self) -> float:
+        """Step of the integration that may be too long to see something that happens within it, s."""
+
     def rest(self, ambient: float) -> FloatArray:
         """State after a long rest in a room of this temperature (degC); temperatures of the nodes first."""
 
@@ -112,7 +116,7 @@ def _follow(
                 t_eval=np.append(inside, last),
                 rtol=RELATIVE,
                 atol=ABSOLUTE_K,
-                max_step=900.0,
+                max_step=motor.longest_s,
             )
             if not solved.success:
                 raise RuntimeError(f"the integration failed at {solved.t[-1]:.0f} s: {solved.message}")

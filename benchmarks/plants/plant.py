@@ -118,6 +118,11 @@ class Plant:
         """Nothing of it jumps beside PWM."""
         return ()
 
+    @property
+    def longest_s(self) -> float:
+        """A quarter of an hour: nothing of it happens at one temperature alone."""
+        return 900.0
+
     def rest(self, ambient: float) -> FloatArray:
         """Temperatures after a long rest in a room, degC, shape (N,)."""
         return np.full(self.size, ambient)

@@ -383,7 +383,7 @@ def test_decoys_vary_but_say_nothing_that_pwm_does_not() -> None:
 
 
 def test_the_plants_share_no_line_with_what_they_judge() -> None:
-    for path in Path(cases.__file__).parent.glob("*.py"):
+    for path in Path(cases.__file__).parent.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []

@@ -38,6 +38,11 @@ class Altered:
         """When what varies jumps, s."""
         return tuple(sorted({time for steps in self.signals.values() for time in steps.times}))
 
+    @property
+    def longest_s(self) -> float:
+        """The longest step of the integration, s."""
+        return min([self.plant.longest_s, *(change.longest_s for change in self.planted)])
+
     def rest(self, ambient: float) -> FloatArray:
         """Temperatures of all nodes, and behind them the changes' own states."""
         own = [value for change in self.planted for value in change.begin(ambient)]

@@ -94,6 +94,8 @@ class Change:
     ----------
     states
         How many states of its own it has.
+    longest_s
+        Step of the integration in s, in which something of it may come and go unseen if it is longer.
     needs, lacks
         Channels that the later runs log for it, and that they do not log.
     else_held
@@ -101,6 +103,7 @@ class Change:
     """
 
     states: ClassVar[int] = 0
+    longest_s: ClassVar[float] = 900.0
     needs: ClassVar[tuple[str, ...]] = ()
     lacks: ClassVar[tuple[str, ...]] = ()
     else_held: ClassVar[bool] = False

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
 from benchmarks.plants.cases import Bench, bench, measure, profile_chance
 from benchmarks.plants.files import write
-from benchmarks.plants.planted.draw import LIBRARY, Drafting, NotVisible, Planted, planted
+from benchmarks.plants.planted.draw import NotVisible, Planted, planted
+from benchmarks.plants.planted.kinds import KINDS
 from benchmarks.plants.planted.later import FIT_NAMES, TEST_NAMES, floor, log
 from benchmarks.plants.profiles import DataKind, fitted
 from benchmarks.plants.rooms import RoomKind
 
 NOTHING = "nothing"
-OUTSIDE: Mapping[str, Drafting] = {}
-"""Kinds that the library of effects does not have."""
-FAULTS: Mapping[str, Drafting] = {}
-"""Wear that nobody declared."""
-KINDS: Mapping[str, Drafting] = {**LIBRARY, **OUTSIDE, **FAULTS}
-"""Everything that can be planted, by name."""
 FARTHER = 1000
 """Seeds to the next bench to try, where the sensors of one do not see a change."""
 BENCHES = 12

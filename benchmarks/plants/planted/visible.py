@@ -63,11 +63,16 @@ def _unchanged(stand: Bench, name: str, held: bool) -> FloatArray:
 
 
 def moved(stand: Bench, change: Change, name: str) -> FloatArray:
-    """What the sensors are at with a change minus without it, in one run, K, shape (N, sensed nodes)."""
+    """What the sensors are at with a change minus without it, in one run, K, shape (N, sensed nodes and 1).
+
+    The last is by how much the room's thermometer is off.
+    """
     changed = follow(stand, (change,), name, ROW_S)
     if isinstance(change, InitialState):
-        return _beside_guesses(stand, changed, name)
-    return changed.seen - _unchanged(stand, name, change.else_held)
+        away = _beside_guesses(stand, changed, name)
+    else:
+        away = changed.seen - _unchanged(stand, name, change.else_held)
+    return np.column_stack([away, changed.room_seen - changed.run.ambient])
 
 
 def _beside_guesses(stand: Bench, changed: Followed, name: str) -> FloatArray:

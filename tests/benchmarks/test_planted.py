@@ -1,0 +1,456 @@
+"""What is planted on the random motors: each change against a solution by hand, and what it must leave as it was."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+import gen
+from benchmarks.plants.cases import Bench, Case, bench, write_case
+from benchmarks.plants.course import Course, course
+from benchmarks.plants.laws import Law
+from benchmarks.plants.plant import Plant, Source, Surface
+from benchmarks.plants.planted import faults, losses, outside, paths, sensing, surroundings
+from benchmarks.plants.planted.altered import Altered
+from benchmarks.plants.planted.change import Change, Steps
+from benchmarks.plants.planted.draw import LIBRARY, NotVisible, planted
+from benchmarks.plants.planted.kinds import FAULTS, KINDS, OUTSIDE
+from benchmarks.plants.planted.later import FIT_NAMES, TEST_NAMES, channels, floor, follow, log
+from benchmarks.plants.planted.trial import Setting, Trial, setting, trials, write_identification, write_trial
+from benchmarks.plants.planted.visible import LEAST_PEAK_K, LEAST_RMS_K, MOST_PEAK_K, sight
+from benchmarks.plants.profiles import DataKind, Profile
+from benchmarks.plants.rooms import Room, RoomKind
+from gen.model.effects import catalogue_only, registry
+from tests.benchmarks.test_plants import LINEAR, LOSSES, by_hand
+
+FloatArray = NDArray[np.float64]
+LONG = 60 * 3600.0
+NODE = Plant(
+    names=("part",),
+    capacity=(200.0,),
+    links=(),
+    surfaces=(Surface(0, Law(0.5)),),
+    sources=(Source(0, "friction", 40.0),),
+    losses=LOSSES,
+    sensed=(0,),
+)
+"""One node with 40 W for each unit of friction and 0.5 W/K to the room."""
+FRICTION = 40.0 * LOSSES.friction(200 / 255)
+"""W at PWM 200."""
+
+
+def settled(plant: Plant, change: Change, pwm: int, signals: Mapping[str, float] | None = None) -> FloatArray:
+    """Temperatures after a long time at one PWM in a room of 21 degC, what varies being held."""
+    held = {name: Steps(0.0, (0.0,), (value,)) for name, value in (signals or {}).items()}
+    motor = Altered(plant, (change,), held)
+    return np.asarray(course(motor, Profile("run", ((pwm, LONG),)), Room(21.0), 3600.0).temperature[-1])
+
+
+def run_of(motor: Altered | Plant, *holds: tuple[int, float], row_s: float = 2.0) -> Course:
+    return course(motor, Profile("run", holds), Room(21.0), row_s)
+
+
+def solved(a: FloatArray, heat: FloatArray, outlet: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.solve(a, -(heat + 21.0 * outlet)))
+
+
+def test_an_added_mass_settles_as_a_fourth_equation_says() -> None:
+    a, heat, outlet = by_hand(150)
+    big = np.zeros((4, 4))
+    big[:3, :3] = a
+    big[[1, 3], [1, 3]] -= 0.6
+    big[1, 3] = big[3, 1] = 0.6
+    big[3, 3] -= 0.1
+    change = paths.HiddenNode(node=1, capacity=150.0, conductance=0.6, outlet=0.1, kind="friction", share=7.0)
+    friction = 7.0 * LOSSES.friction(150 / 255)
+    expected = solved(big, np.append(heat, friction), np.append(outlet, 0.1))
+    np.testing.assert_allclose(settled(LINEAR, change, 150), expected, atol=2e-3)
+
+
+def test_a_mass_that_only_takes_up_heat_delays_and_changes_nothing_in_the_end() -> None:
+    change = paths.HiddenNode(node=1, capacity=900.0, conductance=2.0, outlet=0.0, kind="friction", share=0.0)
+    np.testing.assert_allclose(settled(LINEAR, change, 150)[:3], LINEAR.steady(150, 21.0), atol=2e-3)
+    with_it, without = run_of(Altered(LINEAR, (change,), {}), (150, 1800.0)), run_of(LINEAR, (150, 1800.0))
+    assert with_it.temperature[-1, 1] < without.temperature[-1, 1] - 0.5
+
+
+def test_a_new_path_carries_what_it_conducts_for_each_kelvin() -> None:
+    a, heat, outlet = by_hand(150)
+    a[[0, 2], [0, 2]] -= 0.35
+    a[0, 2] += 0.35
+    a[2, 0] += 0.35
+    found = settled(LINEAR, paths.Coupling(first=2, second=0, conductance=0.35), 150)
+    np.testing.assert_allclose(found, solved(a, heat, outlet), atol=2e-3)
+
+
+def test_other_cooling_at_rest_acts_at_rest_alone() -> None:
+    still = paths.StandstillCooling(nodes=(0,), factor=3.0)
+    motor = Altered(NODE, (still,), {})
+    rows = run_of(motor, (200, 3600.0), (0, 1200.0))
+    plain = run_of(NODE, (200, 3600.0), (0, 1200.0))
+    turning = rows.time <= 3600.0
+    np.testing.assert_allclose(rows.temperature[turning], plain.temperature[turning], atol=1e-9)
+    rise = rows.temperature[rows.time == 3600.0, 0] - 21.0
+    at_rest = rows.time >= 3600.0
+    expected = 21.0 + rise * np.exp(-1.5 * (rows.time[at_rest] - 3600.0) / 200.0)
+    np.testing.assert_allclose(rows.temperature[at_rest, 0], expected, atol=2e-3)
+
+
+def test_moved_air_cools_as_the_correlation_says() -> None:
+    # Incropera and DeWitt, example 7.4: 12.7 mm in air at 10 m/s, measured 102, by this correlation 96 W/m2 K
+    assert paths.cross_flow(10.0, 0.0127) == pytest.approx(96.0, rel=0.03)
+    assert paths.cross_flow(0.0, 0.05) == pytest.approx(0.3 * 0.027 / 0.05)
+    change = paths.Airflow(nodes=(0,), area=0.004, diameter=0.05)
+    forced = 0.004 * (paths.cross_flow(3.0, 0.05) - paths.cross_flow(0.0, 0.05))
+    assert settled(NODE, change, 200, {"air": 3.0})[0] == pytest.approx(21.0 + FRICTION / (0.5 + forced), abs=2e-3)
+    assert settled(NODE, change, 200, {"air": 0.0})[0] == pytest.approx(21.0 + FRICTION / 0.5, abs=2e-3)
+
+
+def test_a_load_heats_by_the_square_of_the_whole_current() -> None:
+    plant = replace(NODE, sources=(Source(0, "copper", 3.0), Source(0, "brush", 4.0)))
+    duty = 200 / 255
+    current = LOSSES.current(duty) + 0.4
+    ripple = 0.2 * (4 * duty * (1 - duty)) ** 1.5
+    watts = 3.0 * (0.5 * current**2 + ripple) + 4.0 * 0.1 * current * (1 - np.exp(-3 * current))
+    found = settled(plant, losses.LoadHeating(torque=1.0), 200, {"load": 0.4})[0]
+    assert found == pytest.approx(21.0 + watts / 0.5, abs=2e-3)
+    assert settled(plant, losses.LoadHeating(torque=1.0), 0, {"load": 0.4})[0] == pytest.approx(21.0, abs=1e-3)
+
+
+def test_a_lower_supply_turns_the_motor_as_a_lower_pwm_would() -> None:
+    lower = settled(NODE, losses.SupplyVoltage(swing=0.1), 200, {"supply": 0.75})
+    np.testing.assert_allclose(lower, NODE.steady(150, 21.0), atol=2e-3)
+    fan = replace(NODE, surfaces=(Surface(0, Law(0.3, 2.0)),), sources=(Source(0, "iron", 30.0),))
+    lower = settled(fan, losses.SupplyVoltage(swing=0.1), 200, {"supply": 0.75})
+    np.testing.assert_allclose(lower, fan.steady(150, 21.0), atol=2e-3)
+    assert LOSSES.copper(0.5) > replace(LOSSES, supply=0.8).copper(0.5)
+
+
+def test_a_loss_that_depends_on_temperature_settles_where_its_balance_does() -> None:
+    grows = settled(NODE, losses.TemperatureDependentLoss(source=0, per_K=0.006, thins=False), 200)[0]
+    share = FRICTION * 0.006
+    assert grows == pytest.approx((FRICTION - 25.0 * share + 0.5 * 21.0) / (0.5 - share), abs=5e-3)
+    thins = settled(NODE, losses.TemperatureDependentLoss(source=0, per_K=0.02, thins=True), 200)[0]
+    balance = brentq(lambda t: FRICTION * np.exp(-0.02 * (t - 25.0)) - 0.5 * (t - 21.0), 0.0, 200.0)
+    assert thins == pytest.approx(balance, abs=2e-3)
+
+
+def test_a_black_surface_loses_by_the_fourth_powers() -> None:
+    def balance(t: float) -> float:
+        return float(FRICTION - 0.5 * (t - 21.0) - 5.670374419e-8 * 0.03 * ((t + 273.15) ** 4 - (21.0 + 273.15) ** 4))
+
+    found = settled(NODE, paths.Radiation(node=0, area=0.03), 200)[0]
+    assert found == pytest.approx(brentq(balance, 0.0, 200.0), abs=2e-3)
+
+
+def test_backwards_and_at_some_speeds_losses_are_otherwise() -> None:
+    rubs = losses.Direction(sources=(0,), factor=1.5)
+    assert settled(NODE, rubs, -200)[0] - 21.0 == pytest.approx(1.5 * FRICTION / 0.5, abs=2e-3)
+    assert settled(NODE, rubs, 200)[0] - 21.0 == pytest.approx(FRICTION / 0.5, abs=2e-3)
+    hums = losses.ScheduleError(sources=(0,), centre=200 / 255, width=25 / 255, gain=0.8)
+    assert settled(NODE, hums, 200)[0] - 21.0 == pytest.approx(1.8 * FRICTION / 0.5, abs=2e-3)
+    expected = 1.4 * 40.0 * LOSSES.friction(175 / 255) / 0.5
+    assert settled(NODE, hums, -175)[0] - 21.0 == pytest.approx(expected, abs=2e-3)
+
+
+def test_wear_heats_by_its_factor_and_grows_over_the_runs() -> None:
+    assert settled(NODE, faults.Worn(sources=(0,), factor=2.0), 200)[0] - 21.0 == pytest.approx(
+        2.0 * FRICTION / 0.5, abs=2e-3
+    )
+    grows = faults.Wearing(sources=(0,), gain=2.0)
+    rng = np.random.default_rng(0)
+    first, last = (grows.signals(rng, number, 14400.0)["wear"] for number in (0, 7))
+    assert first.at(0.0) == pytest.approx(0.6)
+    assert first.at(14399.0) < last.at(0.0) < last.at(14399.0) < 2.0
+    assert settled(NODE, grows, 200, {"wear": 0.5})[0] - 21.0 == pytest.approx(1.5 * FRICTION / 0.5, abs=2e-3)
+
+
+TIME = np.arange(0.0, 14400.0, 2.0)
+TRUE = 30.0 + 10.0 * np.sin(TIME / 2000.0)
+AIR = np.full(TIME.size, 21.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (sensing.SensorOffset(1, -2.5), TRUE - 2.5),
+        (sensing.SensorGain(1, 0.1, of_rise=True), 21.0 + 1.1 * (TRUE - 21.0)),
+        (sensing.SensorGain(1, -0.1, of_rise=False), 0.9 * TRUE),
+        (sensing.Drift(1, 1.5, None), TRUE + 1.5 * TIME / 3600.0),
+        (sensing.Drift(1, -2.0, 1.0), TRUE - 2.0 * (1.0 - np.exp(-TIME / 3600.0))),
+        (outside.Ceiling(1, 35.0), np.minimum(TRUE, 35.0)),
+    ],
+)
+def test_a_changed_sensor_reads_what_its_formula_says_and_the_others_are_as_they_were(
+    change: sensing.SensorChange, expected: FloatArray
+) -> None:
+    np.testing.assert_allclose(change.seen(1, TRUE, TIME, AIR), expected, atol=1e-12)
+    np.testing.assert_array_equal(change.seen(0, TRUE, TIME, AIR), TRUE)
+
+
+def test_a_sensor_on_a_pad_answers_late() -> None:
+    step = np.where(TIME < 100.0, 20.0, 60.0)
+    seen = sensing.SensorLag(0, 400.0).seen(0, step, TIME, AIR)
+    late = TIME >= 100.0
+    np.testing.assert_allclose(seen[late], 60.0 - 40.0 * np.exp(-(TIME[late] - 98.0) / 400.0), atol=1e-9)
+    assert np.all(seen[~late] == 20.0)
+
+
+def test_what_ran_before_leaves_heat_inside() -> None:
+    rng = np.random.default_rng(3)
+    profile = surroundings.InitialState(ran=3600.0).profile(rng, Profile("run", ((0, 600.0),)))
+    (level, ran), (rest, rested) = profile.before
+    assert rest == 0
+    assert 1800.0 <= ran <= 3600.0
+    assert 60.0 <= rested <= 480.0
+    found = course(NODE, profile, Room(21.0), 2.0).temperature[0, 0]
+    hot = 40.0 * LOSSES.friction(level / 255) / 0.5 * (1.0 - np.exp(-ran / 400.0))
+    assert found == pytest.approx(21.0 + hot * np.exp(-rested / 400.0), abs=5e-3)
+
+
+def test_walls_follow_the_room_late_and_are_not_there_while_it_is_held() -> None:
+    change = surroundings.Ambient(swing=6.0, walls=1.0, lag=5000.0)
+    assert settled(NODE, change, 200)[0] == pytest.approx(21.0 + FRICTION / 0.5, abs=2e-3)
+    opened = Room(21.0, jumps=((0.0, 4.0),))
+    motor = Altered(NODE, (change,), {})
+    run = course(motor, Profile("run", ((0, 4 * 3600.0),)), opened, 20.0)
+    # a wall and then the node: two first orders in series
+    late = 1.0 - (5000.0 * np.exp(-run.time / 5000.0) - 400.0 * np.exp(-run.time / 400.0)) / 4600.0
+    np.testing.assert_allclose(run.temperature[:, 0], 21.0 + 4.0 * late, atol=2e-3)
+    room = change.room(np.random.default_rng(1), Room(23.0), 14400.0)
+    assert float(np.ptp(room.at(TIME))) > 5.0
+    assert room.mean == 23.0
+
+
+def test_what_melts_takes_up_its_latent_heat_once() -> None:
+    closed = replace(NODE, surfaces=(Surface(0, Law(1e-9)),))
+    change = outside.Melting(node=0, at=30.0, width=0.5, latent=3000.0)
+    seconds = round((200.0 * 20.0 + 3000.0) / FRICTION)
+    run = run_of(Altered(closed, (change,), {}), (200, float(seconds)), row_s=1.0)
+    stored = FRICTION * seconds - 3000.0
+    assert run.temperature[-1, 0] == pytest.approx(21.0 + stored / 200.0, abs=5e-3)
+
+
+def test_a_ducts_air_comes_late_and_warms_by_what_it_carries() -> None:
+    change = outside.Duct(first=0, second=2, delay=600.0, conductance=0.05)
+    late = run_of(Altered(LINEAR, (change,), {}), (200, 3600.0))
+    plain = run_of(LINEAR, (200, 3600.0))
+    early = plain.time <= 240.0
+    assert np.max(np.abs(late.temperature[early, :3] - plain.temperature[early])) < 0.02
+    a, heat, outlet = by_hand(200)
+    a[2, 0] += 0.05
+    heat[2] -= 0.05 * 21.0
+    np.testing.assert_allclose(settled(LINEAR, change, 200)[:3], solved(a, heat, outlet), atol=5e-3)
+
+
+def test_a_bimetal_that_has_shut_opens_only_when_it_is_cooler() -> None:
+    change = outside.Bimetal(node=0, shuts=40.0, opens=30.0, conductance=0.4)
+    between = settled(NODE, change, 110)[0]
+    free = 21.0 + 40.0 * LOSSES.friction(110 / 255) / 0.5
+    assert 30.0 < free < 40.0
+    assert between == pytest.approx(free, abs=5e-3)
+    motor = Altered(NODE, (change,), {})
+    after = run_of(motor, (255, 4000.0), (200, 8000.0), row_s=20.0).temperature[-1, 0]
+    alone = run_of(motor, (200, 8000.0), row_s=20.0).temperature[-1, 0]
+    assert alone == pytest.approx(after, abs=0.02)  # above 40 degC when free: both have shut
+    assert after == pytest.approx(21.0 + FRICTION / 0.9, abs=0.05)
+
+
+def test_what_varies_outside_of_the_library_varies_between_its_ends() -> None:
+    rng = np.random.default_rng(5)
+    cycle = outside.LoadCycle(torque=0.7, period=2400.0).signals(rng, 0, 14400.0)["cycle"]
+    assert min(cycle.values) == 0.0
+    assert max(cycle.values) == pytest.approx(0.7, abs=0.02)
+    timer = outside.Neighbour(node=0, watts=5.0, period=3000.0, on=0.4)
+    along = timer.signals(rng, 0, 144000.0)["neighbour"].along(np.arange(0.0, 144000.0, 10.0))
+    assert np.mean(along) == pytest.approx(0.4, abs=0.02)
+    assert set(along) == {0.0, 1.0}
+    assert settled(NODE, timer, 200, {"neighbour": 1.0})[0] == pytest.approx(21.0 + (FRICTION + 5.0) / 0.5, abs=2e-3)
+    sticks = outside.StickSlip(sources=(0,), below=0.5, factor=3.0)
+    slow = 40.0 * LOSSES.friction(100 / 255)
+    assert settled(NODE, sticks, 100, {"sticks": 1.0})[0] == pytest.approx(21.0 + 3.0 * slow / 0.5, abs=2e-3)
+    assert settled(NODE, sticks, 200, {"sticks": 1.0})[0] == pytest.approx(21.0 + FRICTION / 0.5, abs=2e-3)
+    dusty = settled(NODE, outside.Fouling(most=0.5), 200, {"dust": 0.2})[0]
+    assert dusty == pytest.approx(21.0 + FRICTION / 0.4, abs=2e-3)
+
+
+def test_a_thermometer_beside_the_motor_reads_a_share_of_its_rise() -> None:
+    temperature = np.stack([np.full(TIME.size, 30.0), np.full(TIME.size, 61.0)], axis=1)
+    seen = outside.WarmedThermometer(node=1, share=0.05, lag=300.0).room_seen(AIR, temperature, TIME)
+    np.testing.assert_allclose(seen, 23.0)
+
+
+def test_meters_see_what_varies() -> None:
+    signals = {"load": Steps(0.0, (0.0, 10.0), (0.0, 0.5)), "supply": Steps(1.0, (20.0,), (0.9,))}
+    motor = Altered(LINEAR, (losses.LoadHeating(1.0), losses.SupplyVoltage(0.1)), signals)
+    time, pwm = np.array([0.0, 10.0, 20.0, 30.0]), np.array([100, 100, -100, 0])
+    seen = motor.electric(time, pwm)
+    lower = replace(LOSSES, supply=0.9)
+    np.testing.assert_allclose(seen.voltage, [24.0, 24.0, 21.6, 21.6])
+    duty = 100 / 255
+    currents = [LOSSES.current(duty), LOSSES.current(duty) + 0.5, lower.current(duty) + 0.5, 0.0]
+    np.testing.assert_allclose(seen.current, currents)
+    np.testing.assert_allclose(seen.speed, [LOSSES.speed(duty), LOSSES.speed(duty), -lower.speed(duty), 0.0])
+
+
+def test_nothing_planted_is_the_motor_as_it_was() -> None:
+    stand = bench(5)
+    found = follow(stand, (), "later_2", 10.0)
+    plain = course(stand.plant, found.profile, found.room, 10.0)
+    np.testing.assert_allclose(found.run.temperature, plain.temperature, atol=1e-9)
+    np.testing.assert_array_equal(found.seen, found.run.temperature[:, list(stand.plant.sensed)])
+
+
+def test_later_runs_last_four_hours_with_stops_and_reversals() -> None:
+    levels = []
+    for name in (*FIT_NAMES, *TEST_NAMES):
+        profile = follow(bench(3), (), name, 60.0).profile
+        assert profile.duration == 4 * 3600.0
+        assert all(240.0 <= seconds <= 2400.0 for _, seconds in profile.holds[:-1])
+        levels += [pwm for pwm, _ in profile.holds]
+    assert {np.sign(pwm) for pwm in levels} == {-1, 0, 1}
+
+
+SEES = {"initial_state": 5, "ceiling": 2}
+"""Benches that see what few do."""
+DRAWN = [(SEES.get(name, (1, 2, 4)[number % 3]), name) for number, name in enumerate(KINDS)]
+
+
+@pytest.mark.parametrize(("seed", "name"), DRAWN)
+def test_what_is_planted_can_be_seen_and_is_no_other_motor(seed: int, name: str) -> None:
+    made = planted(bench(seed), name, KINDS[name])
+    assert LEAST_PEAK_K <= made.sight.peak_K <= MOST_PEAK_K
+    assert min(made.sight.fit_K, made.sight.test_K) >= LEAST_RMS_K
+    again = planted(bench(seed), name, KINDS[name])
+    assert again == made
+    assert sight(bench(seed), made.change) == made.sight
+
+
+def test_there_are_sixteen_effects_and_the_library_knows_them_all() -> None:
+    with catalogue_only():  # no effect that another test made known
+        assert set(LIBRARY) == set(registry())
+    assert len(LIBRARY) == 16
+    assert len(OUTSIDE) >= 6
+    assert not set(LIBRARY) & set(OUTSIDE)
+    assert len(KINDS) == len(LIBRARY) + len(OUTSIDE) + len(FAULTS)
+
+
+def test_what_cannot_be_seen_is_not_planted(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(NotVisible, match="initial_state"):
+        planted(bench(0), "initial_state", KINDS["initial_state"])  # its nodes without a sensor forget at once
+
+
+@pytest.mark.parametrize("names", [(), ("hidden_node",), ("ambient", "drift")])
+def test_identification_runs_know_nothing_of_what_is_planted_later(names: tuple[str, ...], tmp_path: Path) -> None:
+    made = setting(2, names)
+    assert made.bench.seed == 2
+    plain, own = tmp_path / "plain", tmp_path / "own"
+    plain.mkdir()
+    own.mkdir()
+    case = write_case(Case(2, DataKind.MIXED, RoomKind.HELD), plain)
+    found = write_identification(made, own)
+    assert [path.name for path in found] == [path.name for path in case.fit]
+    for path, other in zip(found, case.fit, strict=True):
+        if "ambient" in names:
+            frame, whole = gen.read_run(path), gen.read_run(other)
+            assert "ambient_degC" not in frame
+            assert frame.equals(whole.drop(columns="ambient_degC"))
+        else:
+            assert path.read_bytes() == other.read_bytes()
+
+
+def logged(stand: Bench, changes: Sequence[Change], name: str = "later_1") -> dict[str, FloatArray]:
+    return {key: np.asarray(values, dtype=np.float64) for key, values in log(stand, changes, name).columns.items()}
+
+
+CHANNELS: list[tuple[str, Change]] = [
+    ("airflow_mps", paths.Airflow((0,), 0.01, 0.05)),
+    ("current_A", losses.LoadHeating(0.5)),
+    ("voltage_V", losses.SupplyVoltage(0.1)),
+]
+
+
+@pytest.mark.parametrize(("channel", "change"), CHANNELS)
+def test_a_channel_is_logged_for_what_needs_it_and_tells_nothing_by_being_there(channel: str, change: Change) -> None:
+    benches = [bench(seed) for seed in range(20)]
+    assert all(channel in channels(stand, (change,)) for stand in benches)
+    assert 3 <= sum(channel in channels(stand, ()) for stand in benches) < 20
+    assert all(set(stand.channels) <= set(channels(stand, ())) for stand in benches)
+    stand = bench(4)
+    varying = logged(stand, (change,))[channel]
+    steps = np.abs(np.diff(np.convolve(varying, np.full(30, 1 / 30), "valid")))
+    assert np.max(steps) > 5.0 * np.median(steps)
+
+
+def test_who_logs_no_current_logs_none() -> None:
+    with_it = next(stand for stand in map(bench, range(20)) if "current_A" in stand.channels)
+    change = outside.LoadCycle(0.3, 2000.0)
+    assert "current_A" not in logged(with_it, (change,))
+    assert set(with_it.channels) - {"current_A"} <= set(logged(with_it, (change,)))
+
+
+def test_the_floor_is_noise_alone_whatever_is_planted() -> None:
+    stand = bench(2)
+    node = stand.plant.sensed[0]
+    found = {
+        name: floor(stand, [log(stand, changes, run) for run in TEST_NAMES])
+        for name, changes in {
+            "nothing": (),
+            "offset": (sensing.SensorOffset(node, 5.0),),
+            "lag": (sensing.SensorLag(node, 500.0),),
+            "load": (losses.LoadHeating(0.5),),
+        }.items()
+    }
+    for value in found.values():
+        assert value == pytest.approx(found["nothing"], rel=0.05)
+    assert 0.05 < found["nothing"] < 0.7
+
+
+def test_a_trials_files_are_read_and_are_the_same_with_two_fit_runs_or_six(tmp_path: Path) -> None:
+    two, six = tmp_path / "two", tmp_path / "six"
+    two.mkdir()
+    six.mkdir()
+    trial = Trial(1, ("airflow", "sensor_offset"), 2)
+    small, large = write_trial(trial, two), write_trial(replace(trial, fit_runs=6), six)
+    assert [path.stem for path in small.fit] == list(FIT_NAMES[:2])
+    assert [path.stem for path in large.fit] == list(FIT_NAMES)
+    for path in (*small.fit, *small.test):
+        assert path.read_bytes() == (six / path.name).read_bytes()
+    assert small.floor_K == large.floor_K
+    stand = small.setting.bench
+    for path in small.fit:
+        frame = gen.read_run(path)
+        sensed = {f"{stand.plant.names[node]}_degC" for node in stand.plant.sensed}
+        assert {*sensed, "ambient_degC", "airflow_mps", *stand.channels} <= set(frame.columns)
+
+
+def test_trials_have_names() -> None:
+    trial = Trial(3, ("airflow", "drift"), 6)
+    assert Trial.parse(str(trial)) == trial
+    assert Trial.parse("3:nothing:2") == Trial(3, (), 2)
+    for wrong in ("3:wind:2", "3:airflow:7", "3:airflow"):
+        with pytest.raises(ValueError, match=r".*"):
+            Trial.parse(wrong)
+    made = trials([1, 2], [("drift",), ()], [2, 6])
+    assert [str(one) for one in made[:4]] == ["1:drift:2", "1:drift:6", "1:nothing:2", "1:nothing:6"]
+
+
+def test_where_one_bench_sees_nothing_another_stands_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    from benchmarks.plants.planted import trial as module
+
+    def only_far(stand: Bench, name: str, drafting: Callable[..., object]) -> object:
+        if stand.seed < 2000:
+            raise NotVisible(name)
+        return object()
+
+    monkeypatch.setattr(module, "planted", only_far)
+    module.setting.cache_clear()
+    found: Setting = setting(7, ("drift",))
+    assert found.bench.seed == 2007
+    module.setting.cache_clear()
