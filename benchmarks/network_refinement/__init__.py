@@ -12,4 +12,5 @@ what a perfect model of all that was changed says in the same samples. They are 
 
 ``--case SEED:EFFECT:FIT --keep FOLDER`` leaves one trial's run files, models and figures, and the truth in
 ``truth.json``. ``--models FOLDER`` keeps identified networks for the next time: empty it when identification changes.
+With ``--go-on`` an interrupted command, given again, takes what its ``--json`` has as judged.
 """

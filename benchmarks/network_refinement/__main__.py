@@ -11,8 +11,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict
-from itertools import groupby
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -45,10 +44,13 @@ def options_of(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--first", type=int, help="only as many of the trials")
     parser.add_argument("--jobs", type=int, choices=(1, 2), default=1, help="processes")
     parser.add_argument("--json", type=Path, help="write every trial and the tables here, after each trial anew")
+    parser.add_argument("--go-on", action="store_true", help="take the trials that --json has as judged")
     parser.add_argument("--models", type=Path, help="keep identified networks here, and take those that are there")
     parser.add_argument("--case", type=Trial.parse, help="SEED:EFFECT:FIT: this one only")
     parser.add_argument("--keep", type=Path, help="with --case: write its files here and leave them")
     options = parser.parse_args(arguments)
+    if options.go_on and not options.json:
+        parser.error("--go-on needs --json")
     if options.keep and not options.case:
         parser.error("--keep needs --case")
     if options.only and options.only not in (*KINDS, NOTHING):
@@ -116,24 +118,18 @@ def in_a_folder(trial: Trial, models: Path, keep: Path | None = None) -> Judged:
         return judge(written, folder, models)
 
 
-def of_a_motor(trials: Sequence[Trial], models: Path) -> list[Judged]:
-    """Judge the trials of one motor, which is identified once."""
-    return [in_a_folder(trial, models) for trial in trials]
-
-
 def judged(trials: Sequence[Trial], models: Path, jobs: int) -> Iterator[Judged]:
     """Judge trials, in their order; those whose process dies are told as raised."""
     if jobs == 1:
         yield from (in_a_folder(trial, models) for trial in trials)
         return
     with ProcessPoolExecutor(jobs) as pool:
-        motors = [list(mine) for _, mine in groupby(trials, key=lambda trial: trial.seed)]
-        waiting = [(mine, pool.submit(of_a_motor, mine, models)) for mine in motors]
-        for mine, future in waiting:
+        waiting = [(trial, pool.submit(in_a_folder, trial, models)) for trial in trials]
+        for trial, future in waiting:
             try:
-                yield from future.result()
+                yield future.result()
             except BrokenProcessPool as error:
-                yield from (_raised(trial, error) for trial in mine)
+                yield _raised(trial, error)
 
 
 def _raised(trial: Trial, error: Exception) -> Judged:
@@ -159,6 +155,18 @@ def _without_nan(value: Any) -> Any:  # noqa: ANN401 (JSON)
     return None if isinstance(value, float) and value != value else value
 
 
+def judged_before(path: Path) -> list[Judged]:
+    """The trials that a file of :func:`as_json` has."""
+    numbers = {"floor_K", "before_K", "after_K", "told_K"}
+    own = [entry.name for entry in fields(Judged)]
+    found = []
+    for trial in json.loads(path.read_text(encoding="utf-8"))["trials"]:
+        values: dict[str, Any] = {key: trial[key] for key in own}
+        values |= {key: float("nan") for key in numbers if values[key] is None}
+        found.append(Judged(**values))
+    return found
+
+
 def told(result: Judged) -> str:
     """One line on a trial."""
     named = ", ".join(result.named) or "nothing"
@@ -181,8 +189,9 @@ def main() -> None:
             _leave_truth(options.case, options.keep)
             print(as_json([result]) + text([result]))
             return
-        results: list[Judged] = []
-        for result in judged(options.trials, models, options.jobs):
+        results = judged_before(options.json) if options.go_on and options.json.exists() else []
+        done = {result.trial for result in results}
+        for result in judged([trial for trial in options.trials if str(trial) not in done], models, options.jobs):
             results.append(result)
             print(f"{len(results)}/{len(options.trials)} {told(result)}", file=sys.stderr, flush=True)
             if options.json:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import fcntl
+import tempfile
 import time
 import traceback
 from collections.abc import Sequence
@@ -123,16 +125,14 @@ def identified(made: Setting, models: Path) -> gen.Model:
     InputError, CheckFailed
         If it cannot be identified.
     """
-    room = "measured" if made.ambient_measured else "held"
-    kept = models / f"{made.bench.seed}-{room}.json"
-    if not kept.exists():
-        folder = models / f"{made.bench.seed}-{room}"
-        folder.mkdir(parents=True, exist_ok=True)
-        runs = write_identification(made, folder)
-        gen.identify(list(runs), name="plant", model="network").model.save(kept)
-        for run in runs:
-            run.unlink()
-        folder.rmdir()
+    models.mkdir(parents=True, exist_ok=True)
+    kept = models / f"{made.bench.seed}-{'measured' if made.ambient_measured else 'held'}.json"
+    with kept.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # while one process identifies a motor, the other one waits for it
+        if not kept.exists():
+            with tempfile.TemporaryDirectory(prefix="plants-") as folder:
+                runs = write_identification(made, Path(folder))
+                gen.identify(list(runs), name="plant", model="network").model.save(kept)
     return gen.load(kept)
 
 

@@ -24,6 +24,8 @@ from benchmarks.plants.planted.trial import Trial, Written, write_trial
 from gen.errors import CheckFailed, InputError
 
 TRIAL = Trial(2, ("load_heating",), 2)
+SMALL = 38
+"""The seed of a bench with three nodes, each with a sensor."""
 
 
 @dataclass
@@ -198,11 +200,13 @@ def test_what_gives_no_result_is_counted_and_named(
     assert json.loads(command.as_json([result]))["trials"][0]["after_K"] is None
 
 
-def test_networks_are_refused_or_refined_but_never_raise(written: Written, tmp_path: Path) -> None:
-    """The whole way once, on a network that knows what `gen identify` made of the five steps and two mixed runs."""
-    result = judge(written, tmp_path, tmp_path)
-    assert result.status in ("ok", "refused"), result.message
-    assert 0.9 < result.before < 40.0
+def test_a_network_is_judged_from_files_to_figures(tmp_path: Path) -> None:
+    """The whole way once: an identification, a refinement where nothing was changed, its model on the test runs."""
+    result = command.in_a_folder(Trial(SMALL, (), 2), tmp_path, tmp_path / "kept")
+    assert result.status == "ok", result.message
+    assert 0.9 < result.before < 1.5
+    assert result.told_K == pytest.approx(result.after_K, rel=0.1)
+    assert gen.load(tmp_path / "kept" / "refined.json").components
 
 
 def test_a_motor_is_identified_once_for_each_of_its_rooms(
@@ -214,7 +218,7 @@ def test_a_motor_is_identified_once_for_each_of_its_rooms(
     judge(written, tmp_path, models)
     judge(written, tmp_path, models)
     assert answers.calls == ["identify", "refine", "refine"]
-    assert [path.name for path in models.iterdir()] == ["2-measured.json"]
+    assert [path.name for path in models.glob("*.json")] == ["2-measured.json"]
 
 
 def test_a_motor_that_cannot_be_identified_says_nothing_of_refinement(
@@ -360,6 +364,7 @@ def test_the_cases_are_what_was_asked_for() -> None:
         ["--only", "wind"],
         ["--fit-runs", "9"],
         ["--jobs", "3"],
+        ["--go-on"],
     ],
 )
 def test_wrong_arguments_are_told(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
@@ -393,6 +398,26 @@ def test_the_command_judges_the_trials_and_writes_them_down(
     told = capsys.readouterr()
     assert re.search(r"right name first +100 % of 2 ", told.out)
     assert "1/4 0:drift:2: named drift, explained; 4.00 -> 1.10 floors" in told.err
+
+
+def test_an_interrupted_command_goes_on(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    asked: list[str] = []
+
+    def answer(trial: Trial, models: Path) -> Judged:
+        asked.append(str(trial))
+        return made(str(trial), trial.names)
+
+    monkeypatch.setattr(command, "in_a_folder", answer)
+    out = tmp_path / "table.json"
+    before = [made("0:drift:2", ["airflow"], after_K=float("nan"))]
+    out.write_text(command.as_json(before), encoding="utf-8")
+    monkeypatch.setattr("sys.argv", ["network_refinement", "--cases", "driftx3", "--json", str(out), "--go-on"])
+    command.main()
+    assert asked == ["1:drift:2", "2:drift:2"]
+    left = command.judged_before(out)
+    assert [result.trial for result in left] == ["0:drift:2", "1:drift:2", "2:drift:2"]
+    assert left[0].after_K != left[0].after_K  # no number stays none
+    assert left[0].effects == before[0].effects
 
 
 def test_one_trial_is_left_to_look_at(
