@@ -100,7 +100,8 @@ class Judged:
 def identified(runs: Sequence[Path], model: str) -> gen.Identification:
     """What the public function makes of run files."""
     settings: dict[str, Any] = {} if model == "parts" else {"model": model}
-    return gen.identify(list(runs), name="plant", **settings)
+    found: gen.Identification = gen.identify(list(runs), name="plant", **settings)
+    return found
 
 
 def judge(written: Written, model: str, folder: Path) -> Judged:
