@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import re
 import tempfile
 import time
 import traceback
@@ -18,8 +19,8 @@ import gen
 from benchmarks.plants.planted.trial import Setting, Trial, Written, write_identification
 from gen.errors import CheckFailed, InputError
 
-FAULT_WORDS = ("fault", "healthy")
-"""A warning with one of these tells that the motor may not be what it was."""
+FAULT = re.compile(r"\b(faults?|faulty|healthy|worn|wear|wears)\b", re.IGNORECASE)
+"""What a warning has that tells that the motor may not be what it was."""
 
 
 @dataclass
@@ -104,7 +105,15 @@ class Judged:
     def flagged(self) -> bool:
         """Whether it was said that the motor may be faulty."""
         said = [*self.warnings, self.verdict, self.message if self.status == "refused" else ""]
-        return any(word in line.lower() for line in said for word in FAULT_WORDS)
+        return any(FAULT.search(line) for line in said)
+
+    @property
+    def placed(self) -> bool | None:
+        """Whether the first name, if it is right, is where it was planted; None where no single place is right."""
+        if not (self.first and self.named):
+            return None
+        places = set(self.truth.get(self.named[0], {}).get("where", {}).values())
+        return str(self.effects[0]["component"]) in places if places else None
 
     @property
     def before(self) -> float:
@@ -167,12 +176,13 @@ def judge(written: Written, folder: Path, models: Path) -> Judged:
 
 
 def truth(made: Setting) -> dict[str, Any]:
-    """What was planted, as JSON has it."""
-    names = made.bench.plant.names
+    """What was planted, as JSON has it; `where` has the sensed nodes at which it is, if it is at one or two."""
+    plant = made.bench.plant
     found: dict[str, Any] = {}
     for one in made.planted:
         parameters = asdict(one.change)
-        where = {key: names[value] for key, value in parameters.items() if key in ("node", "first", "second")}
+        places = {key: value for key, value in parameters.items() if key in ("node", "first", "second")}
+        where = {key: plant.names[node] for key, node in places.items() if node in plant.sensed}
         found[one.name] = {"parameters": parameters, "where": where, "sight": asdict(one.sight)}
     return found
 

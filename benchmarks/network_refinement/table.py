@@ -45,6 +45,8 @@ class Row:
     first, among, false, flagged
         Shares of all trials with the right name first, with it among the names and their lookalikes, with a false name,
         and with the motor called faulty.
+    placed
+        Of those with the right name first that have a sensed place, the share that has it right.
     before, before_high, after, after_high
         Medians and 90 % of the errors in noise floors.
     seconds
@@ -59,6 +61,7 @@ class Row:
     among: float
     false: float
     flagged: float
+    placed: float
     before: float
     before_high: float
     after: float
@@ -98,6 +101,7 @@ def _row(name: str, runs: int, mine: Sequence[Judged]) -> Row:
         among=_mean([result.among for result in mine]),
         false=_mean([bool(result.false) for result in mine]),
         flagged=_mean([result.flagged for result in mine]),
+        placed=_mean([result.placed for result in mine if result.placed is not None]),
         before=_percentile(before, 50),
         before_high=_percentile(before, 90),
         after=_percentile(after, 50),
@@ -173,10 +177,10 @@ def honest(result: Judged) -> bool:
 
 
 HEAD = (
-    "fit                                              right   in look- false  called | error in noise floors          "
+    "fit                                              right   right   in look- false  called | error in noise floors   "
     "  |\n"
-    "runs planted                      trials  without first  alikes   name   faulty | before  90 %   after   90 %    "
-    "  |     s"
+    "runs planted                      trials  without first   place   alikes   name   faulty | before  90 %   after   "
+    "90 % |     s"
 )
 
 
@@ -184,7 +188,9 @@ def text(results: Sequence[Judged]) -> str:
     """By effect, what was named first, the goals, and every trial without a result."""
     lines = [HEAD]
     for row in rows(results):
-        shares = " ".join(f"{_percent(share):>7}" for share in (row.first, row.among, row.false, row.flagged))
+        shares = " ".join(
+            f"{_percent(share):>7}" for share in (row.first, row.placed, row.among, row.false, row.flagged)
+        )
         floors = " ".join(f"{value:6.2f}" for value in (row.before, row.before_high, row.after, row.after_high))
         lines.append(
             f"{row.fit_runs:<4d} {row.planted:<28} {row.trials:6d} {row.without:8d} {shares} | {floors} | "

@@ -297,6 +297,30 @@ def test_what_made_a_model_worse_and_who_calls_the_healthy_faulty_is_told() -> N
     assert reached([crying])["no fault: not flagged"] == 0.0
 
 
+@pytest.mark.parametrize(
+    ("warning", "flagged"),
+    [
+        ("The motor has changed (a worn bearing or brush heats like that)", True),
+        ("rotor: as a fault's pattern", True),
+        ("refine with runs of a motor known to be healthy only", True),
+        ("the default ambient was taken", False),
+        ("2 rows were left out", False),
+    ],
+)
+def test_what_tells_of_a_fault_is_told_from_what_does_not(warning: str, flagged: bool) -> None:
+    assert made("1:worn_bearing:2", warnings=[warning]).flagged is flagged
+
+
+def test_a_name_at_the_wrong_part_is_seen() -> None:
+    truth = {"sensor_gain": {"where": {"node": "rotor"}}, "coupling": {"where": {"first": "casing"}}}
+    right = made("1:sensor_gain:2", ["sensor_gain"], truth=truth)
+    wrong = made("1:coupling:2", ["coupling"], truth=truth)
+    nowhere = made("1:supply_voltage:2", ["supply_voltage"], truth={"supply_voltage": {"where": {}}})
+    assert [result.placed for result in (right, wrong, nowhere, made("1:drift:2"))] == [True, False, None, None]
+    placed = {row.planted: row.placed for row in rows([right, wrong])}
+    assert placed == {"sensor_gain": 1.0, "coupling": 0.0}
+
+
 def test_the_confusion_has_what_was_named_first_by_what_was_planted() -> None:
     results = [
         made("1:drift:2", ["drift"]),
