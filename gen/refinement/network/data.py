@@ -19,7 +19,7 @@ from gen.replay import Inputs as Driven
 from gen.replay import inputs_of as driven_by
 from gen.runs import Run
 
-BIN_S, MOST_BINS = 60.0, 4000
+BIN_S, MOST_BINS = 120.0, 4000
 """Longest bin, and how many all later runs together may have."""
 MOVES, ITS_OWN = 0.01, 0.05
 """A channel explains nothing that moves by less than this share of its size, or of whose movements less than this share
@@ -87,7 +87,7 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]]) -> Da
         told = {name: np.full(run.time_s.size, neutral.get(name, 0.0)) for name in columns.channels}
         further = columns.of_run(run.pwm.astype(np.float64), told, later=False)
         ambient = run.ambient if run.ambient is not None else np.zeros(run.time_s.size)
-        made.append(binned(f"the file itself, {number + 1}", run, names, ambient, full_scale, 4.0 * BIN_S, further))
+        made.append(binned(f"the file itself, {number + 1}", run, names, ambient, full_scale, 2.0 * BIN_S, further))
     return Data(inputs_of(made), len(runs), columns, _offered(runs, driven, columns), declared_density(coefficients))
 
 

@@ -26,7 +26,7 @@ class HiddenNode(NetworkEffect):
     name = "hidden_node"
     nodes = 1
 
-    def __init__(self, motor: Motor, node: int) -> None:
+    def __init__(self, motor: Motor, node: int, *, outside: bool) -> None:
         self.component = motor.names[node]
         self._node, self._columns = node, motor.columns
         g, c, p = motor.typical_W_per_K, motor.typical_J_per_K, motor.typical_W
@@ -35,10 +35,10 @@ class HiddenNode(NetworkEffect):
             return Number(name, start, float(np.log(mean)), deviation, 1e-9, 1e9, log=True)
 
         self.numbers = (
-            by_log("capacity_J_per_K", c, c, 1.5),
-            by_log("conductance_W_per_K", 0.3 * g, g, 1.5),
-            by_log("to_ambient_W_per_K", 0.02 * g, 0.05 * g, 2.0),
-            by_log("power_at_full_speed_W", 0.02 * p, 0.05 * p, 2.0),
+            by_log("capacity_J_per_K", 0.3 * c if outside else c, c, 1.5),
+            by_log("conductance_W_per_K", g if outside else 0.3 * g, g, 1.5),
+            by_log("to_ambient_W_per_K", 0.3 * g if outside else 0.02 * g, 0.1 * g, 2.0),
+            by_log("power_at_full_speed_W", 0.005 * p if outside else 0.02 * p, 0.03 * p, 2.0),
         )
 
     @property
@@ -72,6 +72,7 @@ class HiddenNode(NetworkEffect):
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
-    """At every node."""
+    """At every node; the search begins with a mass within the motor, and with one that is a way out."""
     for node in range(len(motor.names)):
-        yield HiddenNode(motor, node)
+        yield HiddenNode(motor, node, outside=False)
+        yield HiddenNode(motor, node, outside=True)
