@@ -39,6 +39,7 @@ from gen.lowering.sensors import (
     reading_samples,
     sensor_limits,
 )
+from gen.model.network import PWM
 from gen.reference.effects import effect_fields
 from gen.reference.lanes import state_fields
 from gen.reference.network import state_fields as network_state_fields
@@ -171,6 +172,7 @@ def _inputs(wired: Sequence[ChannelInput], program: Program, sample_ms: int) -> 
         "channels": channels,
         "analog": analog,
         "contacts": [channel for channel in channels if not channel["analog"]],
+        "told_pwm": _told(program).get(PWM) if program.model.network is not None else None,
         "conversions": _conversions(len(analog), sample_ms),
         "settling": _SETTLING,
         "didr": [sum(1 << (c["mux"] & 7) for c in analog if c["mux"] // 8 == half) for half in (0, 1)],

@@ -22,6 +22,8 @@ from gen.model.schedules import EXACT, FloatArray, Schedule
 PWM_LEVELS = 256
 AMBIENT = "ambient"
 """What a path to the surroundings names in the place of a node."""
+PWM = "pwm"
+"""The channel that every run has: PWM with its sign, counts. What reads it may depend on the direction of rotation."""
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
+from gen.model.network import PWM
 from gen.runs import AMBIENT, Run, read_run
 from gen.runs.gaps import held_over_gaps
 from gen.runs.run import FloatArray
@@ -91,6 +92,9 @@ def inputs_of(coefficients: Coefficients, run: Run, file: str, *, as_declared: b
         if known.size:
             first_rise[name] = float(values[known[0]] - ambient[known[0]])
     channels = {name: held_over_gaps(values) for name, values in run.extras.items() if not np.all(np.isnan(values))}
+    network = coefficients.model.network
+    if network is not None and any(channel.column == PWM for channel in network.channels):
+        channels[PWM] = run.pwm.astype(np.float64)
     return Inputs(ambient, sensed, channels, first_rise)
 
 
@@ -117,7 +121,7 @@ def check_inputs(coefficients: Coefficients, channels: Collection[str], ambient:
         raise _no_ambient(coefficients, file)
     network = coefficients.model.network
     for channel in network.channels if network is not None else ():
-        if channel.column not in channels:
+        if channel.column not in channels and channel.column != PWM:
             raise InputError(f"the network needs the column {channel.column}", file=file, place="header")
     for applied in coefficients.effects:
         missing = [column for column in applied.columns(coefficients.model.component_names) if column not in channels]

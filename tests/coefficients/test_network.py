@@ -154,7 +154,7 @@ FORM: list[tuple[Path_, object, str, str]] = [
             "$.network.channels[2].column",
             f'"{column}" is a column of a run with a meaning of its own',
         )
-        for column in ("pwm", "time_s", "room_degC", "casing_degC", "casing_model_degC", "alarms")
+        for column in ("time_s", "room_degC", "casing_degC", "casing_model_degC", "alarms")
     ),
 ]
 

@@ -154,11 +154,15 @@ class SensorsContext(TypedDict):
 
 
 class InputsContext(TypedDict):
-    """Voltages and contacts; `conversions` make a voltage, `didr` turns its pins' digital inputs off."""
+    """Voltages and contacts; `conversions` make a voltage, `didr` turns its pins' digital inputs off.
+
+    `told_pwm` is the channel's name in the C++ where a network reads PWM with its sign.
+    """
 
     channels: list[InputContext]
     analog: list[InputContext]
     contacts: list[InputContext]
+    told_pwm: str | None
     conversions: int
     settling: int
     didr: list[int]

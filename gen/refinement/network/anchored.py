@@ -20,9 +20,10 @@ from gen.refinement.network.effects import Motor, NetworkEffect
 from gen.refinement.network.effects.base import Place
 from gen.refinement.network.writer import NetworkWriter, Scale
 
-CAPACITY, LEVEL, BEND_SHARE, AT_REST, SLOPE_OVER_SPEED, OFFSET_K = 0.15, 0.15, 0.15, 0.3, 0.2, 0.15
+CAPACITY, LEVEL, BEND_SHARE, AT_REST, SLOPE_OVER_SPEED, OFFSET_K = 0.15, 0.15, 0.15, 0.05, 0.2, 0.15
 """Standard deviations of what the file may be off by: logarithms of capacities, of levels, of bends over speed (as a
-share of what identification allows), of conductances at rest, of what changes within the motor with speed; offsets."""
+share of what identification allows), of conductances at rest (`standstill_cooling` is what they may be off by), of
+what changes within the motor with speed; offsets."""
 LEAST_W_PER_K = 1e-9
 
 

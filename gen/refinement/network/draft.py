@@ -38,6 +38,10 @@ class Quantity:
         self._slopes += [(at, place, slope * before) for place, slope in slopes]
         self.value[:, at] = before * factor
 
+    def slopes(self, at: int) -> list[Slope]:
+        """Give the derivatives of one of them."""
+        return [(by, slope) for of, by, slope in self._slopes if of == at]
+
     def partial(self) -> Partial:
         """Give the derivatives."""
         return Partial(
@@ -69,6 +73,18 @@ class Draft:
         slopes = list(slopes)
         self.heat.scale(node, factor, slopes)
         self.growth.scale(node, factor, slopes)
+
+    def grow(self, node: int, per_K: FloatArray, reference: float, slopes: Iterable[Slope]) -> None:
+        """Let all heat of a node grow with its temperature, by a share of it for each kelvin over the reference."""
+        slopes = list(slopes)
+        power, by_others = self.heat.value[:, node].copy(), self.heat.slopes(node)
+        self.growth.add(
+            node,
+            per_K * power,
+            [(place, slope * power) for place, slope in slopes]
+            + [(place, per_K * slope) for place, slope in by_others],
+        )
+        self.heat.scale(node, 1.0 - reference * per_K, [(place, -reference * slope) for place, slope in slopes])
 
     def physical(self) -> Physical:
         """Give what the fit needs."""

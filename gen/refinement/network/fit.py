@@ -168,6 +168,12 @@ class Bench:
             error[seen] = evaluated.residual[seen]
         return error
 
+    def bent(self, fitted: Fitted) -> float:
+        """Give how far the file had to be bent: weighed squares of what it stands for, and of its numbers."""
+        earlier = ~self.data.is_later
+        weight, residual = fitted.problem.inputs.weight[earlier], fitted.fit.evaluated.residual[earlier]
+        return float(np.sum(weight * residual**2)) + fitted.problem.penalty(fitted.vector)
+
     def as_it_is(self, shape: Anchored) -> FloatArray:
         """Give the errors of the file as it is on the later runs, shape (N, S), K; NaN elsewhere."""
         problem = self.problem(shape)

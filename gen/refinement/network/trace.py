@@ -21,8 +21,11 @@ AS_GOOD = 1.25
 """Left-out errors within this factor may be as good: then what differs by chance is told by fewer numbers."""
 PLAIN, PLAIN_LEVEL, LEAST_DECREASE = 0.75, 0.2, 25.0
 """Left-out error over that without it, p-value, and decrease of the weighed squares, of what is plain."""
-ENOUGH = 1.1
-"""Noise floors below which nothing more is sought."""
+ENOUGH, BENT = 1.1, 60.0
+"""Noise floors below which nothing more is sought, where the file was not bent by more than this (weighed squares)."""
+RELIEF, AS_BEFORE = 0.75, 1.02
+"""An effect may also count because the file need not be bent: by this share less, left-out error no more than this
+factor above that without it."""
 FITTED_OF_EACH = 2
 """Candidates of one name that are fitted."""
 LEFT_OUT = 7
@@ -109,7 +112,8 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
     steps: list[Step] = []
     every = candidates(shape.motor(), data.offered)
     while len(steps) < MOST_EFFECTS:
-        step = _search(bench, now, every if now.floors > ENOUGH else [], progress)
+        open_ = now.floors > ENOUGH or bench.bent(now.fitted) > BENT
+        step = _search(bench, now, every if open_ else [], progress)
         steps.append(step)
         if step.added is None:
             break
@@ -142,7 +146,7 @@ def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress:
     for fitted in fits[:LEFT_OUT]:
         progress(f"{fitted.shape.effects[-1].name}: left-out error")
         one = judged(data, fitted, bench.left_out(fitted))
-        considered.append(_considered(data, now, one, len(promised)))
+        considered.append(_considered(data, now, one, len(promised), bench.bent(base)))
     considered.sort(key=lambda one: one.judged.score_K)
     accepted = [one for one in considered if not one.reasons]
     added = accepted[0] if accepted else None
@@ -150,9 +154,12 @@ def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress:
     return Step(now, tuple(considered), added, alike)
 
 
-def _considered(data: Data, without: Judged, one: Judged, tried: int) -> Considered:
+def _considered(data: Data, without: Judged, one: Judged, tried: int, bent: float) -> Considered:
     p = p_better(data, without, one)
     reasons = doubts(one.fitted)
+    relief = without.fitted.fit.cost - one.fitted.fit.cost
+    if bent > BENT and relief > RELIEF * bent and one.score_K < AS_BEFORE * without.score_K:
+        return Considered(one.fitted.shape.effects[-1], one, p, tuple(reasons))
     if one.score_K > (1.0 - LEAST_GAIN) * without.score_K:
         reasons.append(f"lowers the error on what was left out by less than {LEAST_GAIN:.0%}")
     if p > LEVEL / tried and not _plain(without, one, p):

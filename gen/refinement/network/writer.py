@@ -21,7 +21,7 @@ from gen.coefficients.network import (
 )
 from gen.coefficients.schedule import Points
 from gen.identification.network.bins import FloatArray
-from gen.model.network import AMBIENT, PowerLaw
+from gen.model.network import AMBIENT, PWM, PowerLaw
 
 POINT = 5
 """Distance of a table's points, counts: pchip through them is within 1e-4 of the curve."""
@@ -193,6 +193,11 @@ class NetworkWriter:
 
     def _channel(self, column: str) -> None:
         if any(channel.column == column for channel in self.entry.channels):
+            return
+        if column == PWM:
+            full = float(self.full_scale)
+            channel = ChannelEntry(column=column, range=(-full, full), neutral=0.0)
+            self._replace(channels=(*self.entry.channels, channel))
             return
         low, high = self._ranges[column]
         wider = MARGIN * (high - low)

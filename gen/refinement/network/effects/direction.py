@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from gen.coefficients.network import FactorEntry, FactorPoints
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
+from gen.model.network import PWM
 from gen.refinement.network.draft import Draft
 from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
@@ -29,7 +30,7 @@ class Direction(NetworkEffect):
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         points = FactorPoints(at=(-1.0, 0.0), value=(short(1.0 + values[0]), 1.0))
-        entry.factor_on_heats(self.component, FactorEntry(channel="pwm", table=points))
+        entry.factor_on_heats(self.component, FactorEntry(channel=PWM, table=points))
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:

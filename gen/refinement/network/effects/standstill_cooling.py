@@ -15,33 +15,38 @@ from gen.refinement.network.writer import NetworkWriter, ends
 
 
 class StandstillCooling(NetworkEffect):
-    """Conductances to the ambient at rest, times a factor."""
+    """Conductances to the ambient at rest, times a factor: one for all of them, or one for each."""
 
     name = "standstill_cooling"
 
-    def __init__(self, motor: Motor, paths: Sequence[int], component: str) -> None:
+    def __init__(self, motor: Motor, paths: Sequence[int], component: str, *, alike: bool = True) -> None:
         self.component = component
         self._acts = tuple(paths)
         self._between = [ends(motor.paths[q], motor.names) for q in paths]
         self._columns = motor.columns
-        self.numbers = (Number("factor_at_rest", 1.0, 0.0, 0.7, 0.05, 20.0, log=True),)
+        nodes = [between[0] for between in self._between]
+        names = ["factor_at_rest"] if alike else [f"factor_at_rest_of_{node}" for node in nodes]
+        self._number = [0 if alike else k for k in range(len(self._acts))]
+        self.numbers = tuple(Number(name, 1.0, 0.0, 0.7, 0.05, 20.0, log=True) for name in names)
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         share = self._columns.later(levels) * levels.rest
-        more = np.expm1(values[0])
-        for q in self._acts:
-            draft.conductance.scale(q, 1.0 + share * more, place.slopes(share * (1.0 + more)))
+        for q, k in zip(self._acts, self._number, strict=True):
+            more = np.expm1(values[k])
+            slope = (int(place.columns[k]), share * (1.0 + more))
+            draft.conductance.scale(q, 1.0 + share * more, [slope])
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
-        for between in self._between:
-            entry.scale_path(between, np.ones_like, values[0])
+        for between, k in zip(self._between, self._number, strict=True):
+            entry.scale_path(between, np.ones_like, values[k])
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
-    """On all paths to the ambient, or on one, where the motor stood still."""
+    """On all paths to the ambient, alike or each by its own factor, or on one, where the motor stood still."""
     if not data.rests:
         return
     yield StandstillCooling(motor, motor.outer, WHOLE)
     if len(motor.outer) > 1:
+        yield StandstillCooling(motor, motor.outer, WHOLE, alike=False)
         for q in motor.outer:
             yield StandstillCooling(motor, [q], motor.names[motor.paths[q][0]])

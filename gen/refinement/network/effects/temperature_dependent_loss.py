@@ -31,9 +31,7 @@ class TemperatureDependentLoss(NetworkEffect):
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         later = self._columns.later(levels)
         for node, reference in zip(self._acts, self._reference, strict=True):
-            unit = later * draft.heat.value[:, node]
-            draft.heat.add(node, -reference * values[0] * unit, place.slopes(-reference * unit))
-            draft.growth.add(node, values[0] * unit, place.slopes(unit))
+            draft.grow(node, values[0] * later, reference, place.slopes(later))
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         for node, reference in zip(self._acts, self._reference, strict=True):

@@ -1,0 +1,127 @@
+"""Each effect as a term of the fit: its derivatives, and that what is written is what was fitted."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from gen.coefficients import parse, with_network
+from gen.model.network_solution import NetworkSolution
+from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.data import make_data
+from gen.refinement.network.effects import NetworkEffect, candidates
+from gen.refinement.network.effects.sensors import SensorEffect
+from gen.refinement.network.fit import Bench
+from gen.refinement.network.writer import NetworkWriter
+from tests.refinement.network.motor import read, run, tree, wave
+
+CHANNELS = {"fan_mps": (0.0, 6.0), "current_A": (1.0, 5.0), "supply_V": (20.0, 26.0)}
+#: Numbers at which every effect does something, by its name.
+AT = {
+    "airflow": (0.4,),
+    "load_heating": (0.3, -0.2),
+    "supply_voltage": (1.2, 0.05),
+    "standstill_cooling": (0.3, -0.2),
+    "direction": (0.3,),
+    "temperature_dependent_loss": (0.004,),
+    "hidden_node": (4.0, -1.5, -3.0, 0.5),
+    "coupling": (-1.0,),
+    "schedule_error": (0.1, 0.2, 0.3, 0.2, 0.1, 0.2),
+    "sensor_offset": (1.0,),
+    "sensor_gain": (0.05,),
+    "sensor_lag": (20.0,),
+    "drift": (0.3,),
+}
+
+
+@cache
+def bench() -> tuple[Bench, Anchored]:
+    motor = read(tree())
+    told = {name: wave(k, *ends) for k, (name, ends) in enumerate(CHANNELS.items())}
+    data = make_data(motor, [("one", run(motor, 1, told)), ("two", run(motor, 2, told))])
+    assert motor.model.network is not None
+    made = Bench(data)
+    made.weigh(np.full(2, 10.0))
+    return made, Anchored(motor.model.network, 255, data.columns)
+
+
+def every() -> list[NetworkEffect]:
+    made, shape = bench()
+    return candidates(shape.motor(), made.data.offered)
+
+
+def name_of(effect: NetworkEffect) -> str:
+    return "-".join([effect.name, effect.component, *effect.acts_by.values(), str(len(effect.numbers))])
+
+
+def test_the_whole_library_is_offered() -> None:
+    assert {effect.name for effect in every()} == set(AT)
+
+
+@pytest.mark.parametrize("effect", every(), ids=name_of)
+def test_derivatives_agree_with_differences(effect: NetworkEffect) -> None:
+    made, base = bench()
+    shape = base.with_effects(effect)
+    problem = made.problem(shape)
+    vector = problem.prior.mean + np.random.default_rng(3).normal(0.0, 0.02, problem.size)
+    vector[shape.places[0].columns] = AT[effect.name][: len(effect.numbers)]
+    _, slopes = problem.slopes(vector)
+    later = made.data.is_later
+    step = 1e-4
+    places = shape.places[0].columns.tolist()
+    if not isinstance(effect, SensorEffect):
+        # What a sensor adds also depends on the temperature, which its derivatives by other numbers leave out.
+        places += [0, shape.nodes, int(shape.offsets[0]) - 1]
+    for place in places:
+        up, down = vector.copy(), vector.copy()
+        up[place] += step
+        down[place] -= step
+        wanted = (problem.evaluate(down).residual - problem.evaluate(up).residual)[later] / (2.0 * step)
+        found = np.where(made.data.inputs.covered[later] > 0.0, slopes[later][..., place], 0.0)
+        assert found == pytest.approx(wanted, rel=2e-3, abs=2e-3 * float(np.abs(wanted).max()) + 1e-4), place
+
+
+@pytest.mark.parametrize(
+    "effect", [e for e in every() if not isinstance(e, SensorEffect) or e.held_by_the_file], ids=name_of
+)
+def test_what_is_written_is_what_was_fitted(effect: NetworkEffect) -> None:
+    """The file's own exact solution gives the fit's curves: tables, rounding and the lag's first order are between."""
+    made, base = bench()
+    shape = base.with_effects(effect)
+    problem = made.problem(shape)
+    chance = np.random.default_rng(4)
+    vector = problem.prior.mean.copy()
+    vector[: shape.size] += chance.normal(0.0, 0.05, shape.size)
+    vector[shape.places[0].columns] = AT[effect.name][: len(effect.numbers)]
+    motor = read(tree())
+    assert motor.document.network is not None
+    writer = NetworkWriter(motor.document.network, 255, made.data.offered.ranges)
+    shape.write(writer, vector, [effect])
+    text = with_network(json.dumps(tree()), writer.entry, "a test")
+    written = parse(text.encode())
+    one = run(motor, 1, {name: wave(k, *ends) for k, (name, ends) in enumerate(CHANNELS.items())})
+    told = {**one.extras, "pwm": one.pwm.astype(np.float64)}
+    assert one.ambient is not None
+    start = {n: float(one.ambient[0]) for n in written.model.component_names}
+    offsets = [node.sensor.offset for node in written.model.network.sensed if node.sensor]  # type: ignore[union-attr]
+    for name, offset in zip(start, offsets, strict=True):
+        start[name] += offset
+    shown = NetworkSolution(written.model).simulate_times(one.time_s, one.pwm, one.ambient, told, start)
+    inputs = problem.inputs
+    row = inputs.rows[0]
+    # The fit's start: all nodes at the ambient.
+    vector[problem.columns(0)[shape.size :]] = float(one.ambient[0]) - inputs.begin[0, -1]
+    vector[problem.columns(0)[shape.size : shape.size + shape.sensors]] = (
+        float(one.ambient[0]) - inputs.begin[0, : shape.sensors]
+    )
+    evaluated = problem.evaluate(vector)
+    edges = inputs.runs[0].edges
+    for s, name in enumerate(motor.model.component_names):
+        fitted = inputs.target[row, s] - evaluated.residual[row, s]
+        bins = [(one.time_s >= a) & (one.time_s < b) for a, b in pairwise(edges)]
+        exact = np.array([shown[name][inside].mean() for inside in bins])
+        assert fitted == pytest.approx(exact, abs=0.4 if effect.name == "sensor_lag" else 0.12), name

@@ -1,0 +1,131 @@
+"""`gen refine` on a network: names, errors, what is not learnt; motors are changed files with exact solutions."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import gen
+from gen.cli import cli
+from gen.coefficients import parse
+from tests.refinement.network.motor import NOISE_K, Tree, read, run, tree, wave, write
+
+
+def files(motor: Tree, folder: Path, channels: dict[str, tuple[float, float]] | None = None) -> list[Path]:
+    """Three runs of a motor: two to learn from, one to test."""
+    read_as = read(motor)
+    made = []
+    for seed in (1, 2, 3):
+        told = {name: wave(10 * seed + k, *ends) for k, (name, ends) in enumerate((channels or {}).items())}
+        made.append(write(run(read_as, seed, told), folder / f"run_{seed}.csv"))
+    return made
+
+
+def refined(motor: Tree, folder: Path, channels: dict[str, tuple[float, float]] | None = None) -> gen.Refinement:
+    path = folder / "small.json"
+    path.write_text(json.dumps(tree()), encoding="utf-8")
+    one, two, three = files(motor, folder, channels)
+    return gen.refine(gen.load(path), fit=[one, two], test=[three])
+
+
+def error_K(found: gen.Refinement, folder: Path) -> float:
+    """On the test run, against what was read: what `gen simulate` gives for the refined file."""
+    simulated, measured = gen.simulate(found.model, folder / "run_3.csv"), gen.read_run(folder / "run_3.csv")
+    columns = [f"{name}_degC" for name in found.model.components]
+    away = simulated[columns].to_numpy() - measured[columns].to_numpy()
+    return float(np.sqrt(np.nanmean(away**2)))
+
+
+def test_a_healthy_motor_lacks_nothing(tmp_path: Path) -> None:
+    found = refined(tree(), tmp_path)
+    assert (found.verdict, len(found.effects())) == ("nothing missing", 0)
+    assert error_K(found, tmp_path) < 1.1 * NOISE_K
+
+
+def test_a_mass_that_the_model_lacks_is_found_and_written(tmp_path: Path) -> None:
+    motor = tree()
+    motor["network"]["nodes"].append({"name": "fins", "capacity_J_per_K": 300})
+    motor["network"]["paths"] += [
+        {"between": ["casing", "fins"], "conductance_W_per_K": {"poly": [0.25]}},
+        {"between": ["fins", "ambient"], "conductance_W_per_K": {"poly": [0.1]}},
+    ]
+    found = refined(motor, tmp_path)
+    assert found.effects().iloc[0].to_dict()["effect"] == "hidden_node"
+    assert found.verdict == "explained"
+    assert error_K(found, tmp_path) < 1.2 * NOISE_K
+    network = found.model.coefficients.model.network
+    assert network is not None
+    assert [node.name for node in network.hidden] == ["hidden1"]
+
+
+def test_a_fan_is_found_by_its_channel(tmp_path: Path) -> None:
+    motor = tree()
+    motor["network"]["channels"] = [{"column": "fan_mps", "range": [0, 10], "neutral": 0}]
+    motor["network"]["paths"][1]["factors"] = [{"channel": "fan_mps", "poly": [0.15, 1.0]}]
+    found = refined(motor, tmp_path, {"fan_mps": (0.0, 6.0), "humidity_pct": (30.0, 60.0)})
+    effect = found.details()["effects"][0]
+    assert (effect["name"], effect["parameters"]["channel"]) == ("airflow", "fan_mps")
+    assert effect["parameters"]["gain_at_most_flow"] == pytest.approx(0.9, rel=0.1)
+    assert error_K(found, tmp_path) < 1.2 * NOISE_K
+
+
+def test_another_heat_backwards_is_found_and_the_file_reads_the_sign_of_pwm(tmp_path: Path) -> None:
+    motor = tree()
+    motor["network"]["channels"] = [{"column": "pwm", "range": [-255, 255], "neutral": 0}]
+    motor["network"]["heats"][0]["factors"] = [{"channel": "pwm", "table": {"at": [-1, 0], "value": [1.35, 1.0]}}]
+    found = refined(motor, tmp_path)
+    row = found.effects().iloc[0].to_dict()
+    assert (row["effect"], row["component"]) == ("direction", "winding")
+    assert row["parameters"]["more_backwards"] == pytest.approx(0.35, abs=0.05)
+    assert error_K(found, tmp_path) < 1.2 * NOISE_K
+
+
+def test_heat_that_has_grown_at_one_part_is_told_and_not_learnt(tmp_path: Path) -> None:
+    motor = tree()
+    motor["network"]["heats"][1]["power_W"] = {"poly": [0.03, 0.0]}
+    found = refined(motor, tmp_path)
+    assert found.effects().iloc[0].to_dict()["component"] == "casing"
+    assert found.verdict == "partly explained"
+    assert any("fault" in warning and "casing" in warning for warning in found.warnings)
+    assert found.model.text == found.baseline.text
+    one, two, three = (tmp_path / f"run_{seed}.csv" for seed in (1, 2, 3))
+    accepted = gen.refine(found.baseline, fit=[one, two], test=[three], accept_change=True)
+    assert error_K(accepted, tmp_path) < 1.2 * NOISE_K
+
+
+def test_what_is_printed_is_what_simulate_gives(tmp_path: Path) -> None:
+    motor = tree()
+    motor["network"]["paths"][0]["conductance_W_per_K"] = {"poly": [0.3]}
+    found = refined(motor, tmp_path)
+    told = found.details()["after"]["test"]["rmse_K"]
+    assert told == pytest.approx(error_K(found, tmp_path), rel=1e-6)
+
+
+def test_the_command_writes_file_summary_and_report(tmp_path: Path) -> None:
+    motor = tree()
+    motor["network"]["paths"][1]["conductance_W_per_K"]["at_rest"] = 0.5
+    one, two, three = files(motor, tmp_path)
+    (tmp_path / "small.json").write_text(json.dumps(tree()), encoding="utf-8")
+    out, summary, report = (tmp_path / name for name in ("out.json", "summary.json", "report.html"))
+    given = [str(tmp_path / "small.json"), "--fit", str(one), str(two), "--test", str(three)]
+    written = ["--out", str(out), "--json", str(summary), "--report", str(report)]
+    result = CliRunner().invoke(cli, ["refine", *given, *written])
+    assert result.exit_code == 0, result.output
+    assert "standstill_cooling" in result.output
+    assert parse(out.read_bytes()).model.network is not None
+    said = json.loads(summary.read_text(encoding="utf-8"))
+    assert said["effects"][0]["name"] == "standstill_cooling"
+    assert set(said["before"]) == {"fit", "test", "per_run"}
+    page = report.read_text(encoding="utf-8")
+    assert "standstill_cooling" in page
+    assert "<svg" in page
+
+
+def test_accepting_a_change_is_for_networks() -> None:
+    model = gen.load("examples/two_mass/coeffs.json")
+    with pytest.raises(gen.InputError, match="no changes to accept"):
+        gen.refine(model, fit=["a.csv"], test=["b.csv"], accept_change=True)
