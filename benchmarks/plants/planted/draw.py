@@ -78,9 +78,10 @@ def _hidden_node(rng: np.random.Generator, stand: Bench) -> Draft:
     capacity = stand.plant.capacity[node] * between(rng, 0.3, 3.0)
     conductance = between(rng, 0.1, 2.0)
     outlet = float(rng.choice([0.0, conductance * rng.uniform(0.1, 0.5)]))
-    if rng.random() < 0.3:  # it only takes up heat
+    if rng.random() < 0.3:  # it only takes up heat, and may give some of it to the room
+        gives = float(rng.choice([0.0, 0.5]))
         return Draft(
-            lambda strength: paths.HiddenNode(node, capacity, strength, strength * 0.5, "friction", 0.0), (0.02, 5.0)
+            lambda strength: paths.HiddenNode(node, capacity, strength, gives * strength, "friction", 0.0), (0.02, 5.0)
         )
     kind = str(rng.choice(["friction", "iron", "copper", "brush"]))
     return Draft(lambda strength: paths.HiddenNode(node, capacity, conductance, outlet, kind, strength), (0.05, 500.0))
@@ -166,11 +167,11 @@ def _drift(rng: np.random.Generator, stand: Bench) -> Draft:
 
 
 def _initial_state(rng: np.random.Generator, stand: Bench) -> Draft:
-    return Draft(surroundings.InitialState, (60.0, 7200.0), attempts=2)  # nothing but its strength is drawn
+    return Draft(surroundings.InitialState, (60.0, 7200.0), attempts=1)  # nothing but its strength is drawn
 
 
 def _ambient(rng: np.random.Generator, stand: Bench) -> Draft:
-    walls = float(rng.uniform(0.4, 1.0)) if rng.random() < 0.5 else 0.0
+    walls = float(rng.uniform(0.4, 1.0)) if rng.random() < 0.25 else 0.0
     lag = between(rng, 1.0, 4.0) * 3600.0
     return Draft(lambda strength: surroundings.Ambient(strength, walls, lag), (1.0, 14.0))
 

@@ -29,7 +29,7 @@ class InitialState(Change):
     ran: float
 
     def profile(self, rng: np.random.Generator, profile: Profile) -> Profile:  # noqa: D102
-        level, rested = int(rng.integers(140, 256)), 60.0 * float(rng.uniform(1.0, 8.0))
+        level, rested = int(rng.integers(140, 256)), 60.0 * float(rng.uniform(0.5, 5.0))
         return replace(profile, before=((level, self.ran * float(rng.uniform(0.5, 1.0))), (0, rested)))
 
 
