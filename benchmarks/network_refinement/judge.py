@@ -7,7 +7,7 @@ import re
 import tempfile
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import gen
+from benchmarks.plants.plant import Plant
 from benchmarks.plants.planted.trial import Setting, Trial, Written, write_identification
 from gen.errors import CheckFailed, InputError
 
@@ -112,7 +113,7 @@ class Judged:
         """Whether the first name, if it is right, is where it was planted; None where no single place is right."""
         if not (self.first and self.named):
             return None
-        places = set(self.truth.get(self.named[0], {}).get("where", {}).values())
+        places = self.truth.get(self.named[0], {}).get("where", [])
         return str(self.effects[0]["component"]) in places if places else None
 
     @property
@@ -176,15 +177,21 @@ def judge(written: Written, folder: Path, models: Path) -> Judged:
 
 
 def truth(made: Setting) -> dict[str, Any]:
-    """What was planted, as JSON has it; `where` has the sensed nodes at which it is, if it is at one or two."""
+    """What was planted, as JSON has it; `where` has the nodes at which it is, if each of them has a sensor."""
     plant = made.bench.plant
     found: dict[str, Any] = {}
     for one in made.planted:
-        parameters = asdict(one.change)
-        places = {key: value for key, value in parameters.items() if key in ("node", "first", "second")}
-        where = {key: plant.names[node] for key, node in places.items() if node in plant.sensed}
-        found[one.name] = {"parameters": parameters, "where": where, "sight": asdict(one.sight)}
+        nodes = _nodes(asdict(one.change), plant)
+        where = [plant.names[node] for node in nodes] if set(nodes) <= set(plant.sensed) else []
+        found[one.name] = {"parameters": asdict(one.change), "where": where, "sight": asdict(one.sight)}
     return found
+
+
+def _nodes(parameters: Mapping[str, Any], plant: Plant) -> list[int]:
+    """Nodes that a change names, itself or by its sources."""
+    found = [parameters[key] for key in ("node", "first", "second") if key in parameters]
+    sources = [*parameters.get("sources", ()), *(parameters[key] for key in ("source",) if key in parameters)]
+    return list(dict.fromkeys([*found, *parameters.get("nodes", ()), *(plant.sources[i].node for i in sources)]))
 
 
 def _told(found: gen.Refinement, result: Judged, folder: Path) -> None:

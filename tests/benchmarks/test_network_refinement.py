@@ -14,13 +14,13 @@ import pytest
 
 import gen
 from benchmarks.network_refinement import __main__ as command
-from benchmarks.network_refinement.judge import Judged, judge
+from benchmarks.network_refinement.judge import Judged, judge, truth
 from benchmarks.network_refinement.table import confusion, goals, rows, text
 from benchmarks.plants.cases import bench
 from benchmarks.plants.planted.draw import LIBRARY, NotVisible
 from benchmarks.plants.planted.kinds import FAULTS, OUTSIDE
 from benchmarks.plants.planted.later import follow, log
-from benchmarks.plants.planted.trial import Trial, Written, write_trial
+from benchmarks.plants.planted.trial import Trial, Written, setting, write_trial
 from gen.errors import CheckFailed, InputError
 
 TRIAL = Trial(2, ("load_heating",), 2)
@@ -311,12 +311,23 @@ def test_what_tells_of_a_fault_is_told_from_what_does_not(warning: str, flagged:
     assert made("1:worn_bearing:2", warnings=[warning]).flagged is flagged
 
 
+def truth_of(name: str) -> dict[str, Any]:
+    found: dict[str, Any] = truth(setting(2, (name,)))[name]
+    return found
+
+
 def test_a_name_at_the_wrong_part_is_seen() -> None:
-    truth = {"sensor_gain": {"where": {"node": "rotor"}}, "coupling": {"where": {"first": "casing"}}}
-    right = made("1:sensor_gain:2", ["sensor_gain"], truth=truth)
-    wrong = made("1:coupling:2", ["coupling"], truth=truth)
-    nowhere = made("1:supply_voltage:2", ["supply_voltage"], truth={"supply_voltage": {"where": {}}})
+    true = {"sensor_gain": {"where": ["rotor"]}, "coupling": {"where": ["casing", "mount"]}}
+    right = made("1:sensor_gain:2", ["sensor_gain"], truth=true)
+    wrong = made("1:coupling:2", ["coupling"], truth=true)
+    nowhere = made("1:supply_voltage:2", ["supply_voltage"], truth={"supply_voltage": {"where": []}})
     assert [result.placed for result in (right, wrong, nowhere, made("1:drift:2"))] == [True, False, None, None]
+    known = truth_of("sensor_offset")
+    assert known["where"] == [bench(2).plant.names[known["parameters"]["node"]]]
+    plant = bench(2).plant
+    bearings = truth_of("worn_bearing")
+    nodes = {plant.sources[source].node for source in bearings["parameters"]["sources"]}
+    assert bearings["where"] == ([plant.names[node] for node in nodes] if nodes <= set(plant.sensed) else [])
     placed = {row.planted: row.placed for row in rows([right, wrong])}
     assert placed == {"sensor_gain": 1.0, "coupling": 0.0}
 
