@@ -21,11 +21,12 @@ AS_GOOD = 1.25
 """Left-out errors within this factor may be as good: then what differs by chance is told by fewer numbers."""
 PLAIN, PLAIN_LEVEL, LEAST_DECREASE = 0.75, 0.2, 25.0
 """Left-out error over that without it, p-value, and decrease of the weighed squares, of what is plain."""
-ENOUGH, BENT = 1.1, 60.0
-"""Noise floors below which nothing more is sought, where the file was not bent by more than this (weighed squares)."""
-RELIEF, AS_BEFORE = 0.75, 1.02
-"""An effect may also count because the file need not be bent: by this share less, left-out error no more than this
-factor above that without it."""
+ENOUGH, ENOUGH_BESIDE, BENT = 1.1, 1.25, 25.0
+"""Noise floors below which no effect is sought, and none beside one that was found; but one is where the file had to be
+bent by more than this (weighed squares)."""
+RELIEF, AS_BEFORE = 40.0, 1.02
+"""An effect may also count because the file need not be bent: the decrease of the weighed squares that each of its
+numbers must bring, where the left-out error is no more than this factor above that without it."""
 FITTED_OF_EACH = 2
 """Candidates of one name that are fitted."""
 LEFT_OUT = 7
@@ -112,7 +113,7 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
     steps: list[Step] = []
     every = candidates(shape.motor(), data.offered)
     while len(steps) < MOST_EFFECTS:
-        open_ = now.floors > ENOUGH or bench.bent(now.fitted) > BENT
+        open_ = now.floors > ENOUGH_BESIDE if steps else now.floors > ENOUGH or bench.bent(now.fitted) > BENT
         step = _search(bench, now, every if open_ else [], progress)
         steps.append(step)
         if step.added is None:
@@ -158,7 +159,8 @@ def _considered(data: Data, without: Judged, one: Judged, tried: int, bent: floa
     p = p_better(data, without, one)
     reasons = doubts(one.fitted)
     relief = without.fitted.fit.cost - one.fitted.fit.cost
-    if bent > BENT and relief > RELIEF * bent and one.score_K < AS_BEFORE * without.score_K:
+    each = relief / len(one.fitted.shape.effects[-1].numbers)
+    if bent > BENT and each > RELIEF and one.score_K < AS_BEFORE * without.score_K:
         return Considered(one.fitted.shape.effects[-1], one, p, tuple(reasons))
     if one.score_K > (1.0 - LEAST_GAIN) * without.score_K:
         reasons.append(f"lowers the error on what was left out by less than {LEAST_GAIN:.0%}")
