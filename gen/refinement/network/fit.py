@@ -152,8 +152,6 @@ class Bench:
         factor = cho_factor(matrix + np.diag(1e-9 * np.diag(matrix)), check_finite=False)
         step = cho_solve(factor, right, check_finite=False)
         begun = evaluated.cost + problem.penalty(start)
-        unit = problem.prior.deviation
-        step = np.clip(step, -2.0 * unit, 2.0 * unit)
         expected = float(step @ (2.0 * right - matrix @ step))
         return base.fit.cost - begun + expected
 

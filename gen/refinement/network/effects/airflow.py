@@ -36,7 +36,7 @@ class Airflow(NetworkEffect):
         self.channel, self._largest, self._power, self._acts = channel, largest, power, tuple(paths)
         self._between = [ends(motor.paths[q], motor.names) for q in paths]
         self._columns: Columns = motor.columns
-        self.numbers = (Number("gain_at_most_flow", 0.3, 0.0, 2.0, 0.0, 30.0),)
+        self.numbers = (Number("gain_at_most_flow", 0.0, 0.0, 2.0, 0.0, 30.0),)
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         flow = self._columns.power(levels, self.channel, self._power) / self._largest**self._power

@@ -22,7 +22,7 @@ class Direction(NetworkEffect):
     def __init__(self, motor: Motor, node: int) -> None:
         self.component = motor.names[node]
         self._node, self._columns = node, motor.columns
-        self.numbers = (Number("more_backwards", 0.1, 0.0, 0.5, -0.95, 10.0),)
+        self.numbers = (Number("more_backwards", 0.0, 0.0, 0.5, -0.95, 10.0),)
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         unit = self._columns.later(levels) * self._columns.backwards(levels)

@@ -28,7 +28,7 @@ class LoadHeating(NetworkEffect):
         self._replaces = node in motor.heated
         typical = motor.typical_W / square
         self.numbers = (
-            Number("resistance_ohm" if power == 2 else "voltage_V", 0.1 * typical, 0.0, 3.0 * typical, 0.0, np.inf),
+            Number("resistance_ohm" if power == 2 else "voltage_V", 0.0, 0.0, 3.0 * typical, 0.0, np.inf),
             Number("share_of_the_old_heat", 1.0, 0.0, 0.5, 0.01, 3.0, log=True),
         )[: 2 if self._replaces else 1]
 

@@ -26,7 +26,7 @@ class TemperatureDependentLoss(NetworkEffect):
         self._reference = tuple(reference)
         self._names = motor.names
         self._columns = motor.columns
-        self.numbers = (Number("per_K", 0.002, 0.0, 0.01, -0.02, 0.05),)
+        self.numbers = (Number("per_K", 0.0, 0.0, 0.01, -0.02, 0.05),)
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         later = self._columns.later(levels)
