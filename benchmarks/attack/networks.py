@@ -80,9 +80,8 @@ class Beam:
         self.held = np.where(fresh, holds, self.held - 1)
         columns = {c.column: self.told[k] / 1000.0 for k, c in enumerate(self.program.channels)}
         told = {channel.column: columns[channel.column] for channel in self.program.channels[1:]}
-        steps = self.solution.steps(self.pwm, np.full(self.lanes, self.model.sample_time), told)
-        change = np.einsum("lij,lj->li", steps.increment, self.exact) + steps.heat
-        self.exact = self.exact + change + steps.ambient * (self.told[0] / 1000.0)[:, None]
+        step = np.full(self.lanes, self.model.sample_time)
+        self.exact = self.solution.advance(self.exact, self.pwm, step, self.told[0] / 1000.0, told)
         self.board.set_channels(self.told)
         self.board.step(self.pwm)
 

@@ -8,6 +8,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from gen.coefficients.base import Celsius, ColumnName, Name, NotNegative, Number, Part, fault, listed
 from gen.coefficients.schedule import Exp1, Exp2, Poly, Tabulated
+from gen.model.laws import Convection, Law, Radiation
 from gen.model.network import AMBIENT, Channel, Curve, Factor, Heat, Network, Node, Path, PowerLaw, Sensor
 from gen.model.schedules import Schedule
 
@@ -128,18 +129,48 @@ class NodeEntry(Part):
     sensor: SensorEntry | None = None
 
 
+class ConvectionEntry(Part):
+    """What natural convection multiplies a conductance by: it grows with the difference of both ends."""
+
+    poly: Annotated[
+        tuple[Number, ...],
+        Field(min_length=1, max_length=4, description="Over the difference's magnitude in K, highest power first."),
+    ]
+
+
+class RadiationEntry(Part):
+    """Heat that goes with the fourth powers of both ends' absolute temperatures."""
+
+    reference_degC: Annotated[
+        Celsius, Field(ge=-100, description="Temperature of both ends at which the conductance is what it says.")
+    ] = 25.0
+
+
 class PathEntry(Part):
     """A way for heat between two nodes, or between a node and the ambient."""
 
     between: Annotated[tuple[str, str], Field(description='Two nodes, or a node and "ambient".')]
     conductance_W_per_K: CurveEntry
     factors: Annotated[tuple[FactorEntry, ...], Field(max_length=4)] = ()
+    convection: ConvectionEntry | None = None
+    radiation: RadiationEntry | None = None
 
     @model_validator(mode="after")
     def _check(self) -> PathEntry:
         if self.between[0] == self.between[1]:
             raise fault(f'found "{self.between[0]}" twice, expected two different ends', "between", 1)
+        if self.convection is not None and self.radiation is not None:
+            raise fault('found "convection" beside "radiation", expected a path for each', "radiation")
+        if self.radiation is not None and AMBIENT not in self.between:
+            raise fault('found a path between two nodes, expected one to "ambient"', "radiation")
         return self
+
+    @property
+    def law(self) -> Law | None:
+        """The model's law of its heat, None where that goes with the difference of both ends."""
+        if self.convection is not None:
+            return Convection(self.convection.poly)
+        return None if self.radiation is None else Radiation(self.radiation.reference_degC)
 
 
 class HeatEntry(Part):
@@ -183,13 +214,16 @@ class NetworkEntry(Part):
     def _check(self) -> NetworkEntry:
         names = self._check_nodes()
         columns = [channel.column for channel in self.channels]
-        seen: dict[frozenset[str], int] = {}
+        seen: dict[tuple[frozenset[str], type[Law] | None], int] = {}
         for i, path in enumerate(self.paths):
             for k, end in enumerate(path.between):
                 _one_of(end, [*names, AMBIENT], "a node's name", "paths", i, "between", k)
-            first = seen.setdefault(frozenset(path.between), i)
+            law = path.law
+            first = seen.setdefault((frozenset(path.between), None if law is None else type(law)), i)
             if first != i:
-                raise fault(f"joins the same as paths[{first}]; expected one path between two", "paths", i, "between")
+                of_a_kind = "" if law is None else " of a kind"
+                expected = f"expected one path{of_a_kind} between two"
+                raise fault(f"joins the same as paths[{first}]; {expected}", "paths", i, "between")
             self._check_factors(path.factors, columns, "paths", i)
         for i, heat in enumerate(self.heats):
             _one_of(heat.node, names, "a node's name", "heats", i, "node")
@@ -236,8 +270,8 @@ class NetworkEntry(Part):
                 for node in self.nodes
             ),
             tuple(
-                Path(*_ends(path.between), _curve(path.conductance_W_per_K, full_scale), _factors(path.factors))
-                for path in self.paths
+                Path(*_ends(p.between), _curve(p.conductance_W_per_K, full_scale), _factors(p.factors), p.law)
+                for p in self.paths
             ),
             tuple(
                 Heat(h.node, _curve(h.power_W, full_scale), _factors(h.factors), h.per_K, h.reference_degC)

@@ -34,10 +34,11 @@ def check_network(model: ThermalModel) -> tuple[str, ...]:
     pwm = np.arange(lo, hi + 1)
     _check_factors(network)
     _check_signs(network, pwm)
-    _check_reach(network, pwm)
-    _check_speed(network, pwm, model.sample_time)
+    ends = _law_ends(network, model)
+    _check_reach(network, pwm, ends)
+    _check_speed(network, pwm, model.sample_time, ends)
     _check_lags(network, model.sample_time)
-    _check_runaway(network, pwm)
+    _check_runaway(network, pwm, ends)
     _check_rise(network, pwm)
     return _table_warnings(network, model) + _cooling_warnings(network, model)
 
@@ -70,6 +71,39 @@ def _extremes(network: Network, factors: tuple[Factor, ...]) -> tuple[float, flo
     return float(np.prod([v.min() for v in values])), float(np.prod([v.max() for v in values]))
 
 
+def _law_ends(network: Network, model: ThermalModel) -> FloatArray:
+    """Least and largest slope of each path's law between any two temperatures of the domain, 1 where it has none.
+
+    Returns
+    -------
+    FloatArray
+        Shape (paths, 2); none is below 0.
+
+    Raises
+    ------
+    InputError
+        If heat would fall somewhere as the difference grows: then nothing that is proven of a network holds.
+    """
+    low, high = _widest(model)
+    found = np.ones((len(network.paths), 2))
+    for number, law in network.laws:
+        found[number] = law.slope_ends(low, high)
+        if found[number, 0] < 0.0 or not np.isfinite(found[number]).all():
+            raise InputError(
+                f"between two temperatures of the domain, {low:g} to {high:g} degC, the heat changes by "
+                f"{found[number, 0]:.4g} times the conductance for each kelvin of difference; expected that it never "
+                "falls as the difference grows",
+                place=f"$.network.paths[{number}].{type(law).__name__.lower()}",
+            )
+    return found
+
+
+def _widest(model: ThermalModel) -> tuple[float, float]:
+    """Ends of all temperatures that the domain names, degC."""
+    ends = (*model.domain_temperature, *model.domain_ambient)
+    return min(ends), max(ends)
+
+
 def _check_signs(network: Network, pwm: NDArray[np.int64]) -> None:
     for kind, key, values in (
         ("paths", "conductance_W_per_K", network.conductances),
@@ -87,9 +121,9 @@ def _check_signs(network: Network, pwm: NDArray[np.int64]) -> None:
                 )
 
 
-def _check_reach(network: Network, pwm: NDArray[np.int64]) -> None:
+def _check_reach(network: Network, pwm: NDArray[np.int64], laws: FloatArray) -> None:
     """Heat of every node finds a way to the ambient at every |PWM|, whatever the channels say."""
-    least = [_extremes(network, path.factors)[0] for path in network.paths]
+    least = [_extremes(network, path.factors)[0] * own for path, own in zip(network.paths, laws[:, 0], strict=True)]
     open_ = network.conductances[pwm] * np.array(least) > 0.0
     for pattern in np.unique(open_, axis=0):
         reached: set[str | None] = {None}
@@ -134,9 +168,9 @@ def _cooling_warnings(network: Network, model: ThermalModel) -> tuple[str, ...]:
     return tuple(warnings)
 
 
-def _check_speed(network: Network, pwm: NDArray[np.int64], sample_time: float) -> None:
+def _check_speed(network: Network, pwm: NDArray[np.int64], sample_time: float, laws: FloatArray) -> None:
     """No node follows its neighbours too fast where its paths conduct best and its own heat holds it back least."""
-    most = [_extremes(network, path.factors)[1] for path in network.paths]
+    most = [_extremes(network, path.factors)[1] * own for path, own in zip(network.paths, laws[:, 1], strict=True)]
     heats = [_extremes(network, heat.factors)[heat.per_K < 0.0] for heat in network.heats]
     m, _, _ = network.matrices_with(pwm, most, heats)
     own = -np.diagonal(m, axis1=1, axis2=2) * sample_time
@@ -161,7 +195,7 @@ def _check_lags(network: Network, sample_time: float) -> None:
             )
 
 
-def _check_runaway(network: Network, pwm: NDArray[np.int64]) -> None:
+def _check_runaway(network: Network, pwm: NDArray[np.int64], laws: FloatArray) -> None:
     """Heat that grows with temperature stays below what flows away, at the worst of each factor by itself.
 
     M is the capacities' inverse times a symmetric matrix, -L + D: L grows (as a quadratic form) with every conductance,
@@ -170,7 +204,7 @@ def _check_runaway(network: Network, pwm: NDArray[np.int64]) -> None:
     M v = -1 has a solution v > 0: it is then minus a non-singular M-matrix (Berman and Plemmons, Nonnegative Matrices
     in the Mathematical Sciences, chapter 6, I27).
     """
-    least = [_extremes(network, path.factors)[0] for path in network.paths]
+    least = [_extremes(network, path.factors)[0] * own for path, own in zip(network.paths, laws[:, 0], strict=True)]
     heats = [_extremes(network, heat.factors)[heat.per_K >= 0.0] for heat in network.heats]
     m, _, f = network.matrices_with(pwm, least, heats)
     runaway = ~(_solved(-m, np.ones_like(f)) > 0.0)
@@ -184,7 +218,7 @@ def _check_runaway(network: Network, pwm: NDArray[np.int64]) -> None:
 
 
 def _check_rise(network: Network, pwm: NDArray[np.int64]) -> None:
-    """Most heat and least conductance settle at what can be a motor."""
+    """Most heat and least conductance settle at what can be a motor; every law is the difference itself."""
     least = [_extremes(network, path.factors)[0] for path in network.paths]
     most = [_extremes(network, heat.factors)[1] for heat in network.heats]
     m, a, f = network.matrices_with(pwm, least, most)

@@ -2,6 +2,7 @@
 
     C_i dT_i/dt = sum_j G_ij (T_j - T_i) + G_i0 (T_ambient - T_i) + sum P (1 + k (T_i - T_reference))
 
+On a path with a law (:mod:`gen.model.laws`) that of both temperatures stands in the place of their difference.
 Temperatures are absolute, in degC. Conductances and powers depend on |PWM| by a curve, and on channels by factors.
 The matrix of such a system has no negative entry off its diagonal, whatever the speed and the channels say; what is
 proven of it rests on that (:mod:`gen.lowering.network`).
@@ -17,6 +18,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gen.model.laws import Law
 from gen.model.schedules import EXACT, FloatArray, Schedule
 
 PWM_LEVELS = 256
@@ -201,17 +203,21 @@ class Path:
         Conductance in W/K.
     factors
         All multiply it.
+    law
+        What counts in the place of the difference of both temperatures; None for that difference itself.
     """
 
     first: str
     second: str | None
     curve: Curve
     factors: tuple[Factor, ...] = ()
+    law: Law | None = None
 
     @property
     def label(self) -> str:
         """For messages."""
-        return f"{self.first} - {self.second or AMBIENT}"
+        kind = "" if self.law is None else f", {type(self.law).__name__.lower()}"
+        return f"{self.first} - {self.second or AMBIENT}{kind}"
 
 
 @dataclass(frozen=True)
@@ -264,6 +270,11 @@ class Network:
     def hidden(self) -> tuple[Node, ...]:
         """Nodes without."""
         return tuple(node for node in self.nodes if node.sensor is None)
+
+    @property
+    def laws(self) -> tuple[tuple[int, Law], ...]:
+        """The paths with a law: their positions, and the law."""
+        return tuple((number, path.law) for number, path in enumerate(self.paths) if path.law is not None)
 
     def index(self, name: str) -> int:
         """Position of a node among the nodes."""
@@ -332,7 +343,7 @@ class Network:
     def matrices(
         self, pwm: NDArray[np.int64], told: Mapping[str, ArrayLike] | None = None
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Give dT/dt = M T + a T_ambient + f at some moments.
+        """Give dT/dt = M T + a T_ambient + f at some moments, every law being the difference of both temperatures.
 
         Parameters
         ----------
@@ -392,7 +403,7 @@ class Network:
 
     @cached_property
     def rest_of_hidden(self) -> FloatArray:
-        """Where hidden nodes rest at PWM 0 between sensed ones and the ambient, no heat acting.
+        """Where hidden nodes rest at PWM 0 between sensed ones and the ambient, no heat acting, laws as in `matrices`.
 
         Returns
         -------

@@ -1,4 +1,5 @@
-"""The exact solution of a network's differential equations by matrix exponential, in float64.
+"""The exact solution of a network's differential equations in float64: by matrix exponential, or, where a path has a
+law of its own, integrated with control of the error (:mod:`gen.model.law_solution`).
 
 It judges what the board computes and so shares no code with the lowering or the reference simulators. A step adds
 ``(exp(M h) - 1) (T + a form of the inputs)`` instead of multiplying by the exponential: increments keep their own
@@ -15,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gen.model.dynamics import ThermalModel
 from gen.model.exact import magnitude
+from gen.model.law_solution import LawFlow, advanced
 from gen.model.network import Network
 from gen.model.schedules import FloatArray
 
@@ -111,6 +113,9 @@ class NetworkSolution:
         inputs = np.column_stack([counts[:-1].astype(np.float64), step, *told.values()])
         out = np.empty((time.size, len(self.network.nodes) + len(self._lags)))
         out[0] = self.start(start or {}, float(room[0]))
+        if self.network.laws:
+            self._integrate(inputs, tuple(told), room, out)
+            return self._shown(out)
         distinct, index = np.unique(inputs, axis=0, return_inverse=True)
         index = index.ravel()
         most = max(1, _CHUNK // out.shape[1] ** 2)
@@ -123,7 +128,69 @@ class NetworkSolution:
                 own = np.arange(part.stop - part.start)
                 steps = self._steps(inputs[part], tuple(told))
                 self._march(steps, own, room[part], out[part.start : part.stop + 1])
-        return {name: out[:, place] + self._offsets[name] for name, place in self._places.items()}
+        return self._shown(out)
+
+    def _shown(self, states: FloatArray) -> dict[str, FloatArray]:
+        return {name: states[:, place] + self._offsets[name] for name, place in self._places.items()}
+
+    def _integrate(self, inputs: FloatArray, names: tuple[str, ...], room: FloatArray, out: FloatArray) -> None:
+        """Row by row, the inputs of equal rows looked up once."""
+        distinct, index = np.unique(inputs[:, [0, *range(2, inputs.shape[1])]], axis=0, return_inverse=True)
+        told = {name: distinct[:, 1 + k] for k, name in enumerate(names)}
+        given = self._given(distinct[:, 0].astype(np.int64), told)
+        for k, i in enumerate(index.ravel().tolist()):
+            flow = self._flow(given, slice(i, i + 1), room[k : k + 1])
+            out[k + 1] = advanced(flow, out[k : k + 1], inputs[k : k + 1, 1])[0]
+
+    def advance(
+        self,
+        states: FloatArray,
+        pwm: NDArray[np.int64],
+        step: FloatArray,
+        ambient: FloatArray,
+        told: Mapping[str, ArrayLike] | None = None,
+    ) -> FloatArray:
+        """States after one interval of constant inputs, of many lanes.
+
+        Parameters
+        ----------
+        states
+            degC, as :meth:`start` gives them, shape (L, states).
+        pwm, step, ambient
+            Integer |PWM|, length in s, and degC, shape (L,) each.
+        told
+            Values of the channels, numbers or shape (L,) each.
+        """
+        if self.network.laws:
+            return advanced(self._flow(self._given(pwm, told), slice(None), ambient), states, step)
+        made = self.steps(pwm, step, told)
+        change = np.einsum("lij,lj->li", made.increment, states) + made.heat
+        return np.asarray(states + change + made.ambient * ambient[:, None], dtype=np.float64)
+
+    def _given(self, pwm: NDArray[np.int64], told: Mapping[str, ArrayLike] | None) -> tuple[FloatArray, ...]:
+        """All but the paths with a law as M, a, f; and the rates of those, shape (k, laws, 2)."""
+        network = self.network
+        values = {**network.neutral(), **(told or {})}
+        paths = [network.factor_values(path.factors, values, pwm.shape) for path in network.paths]
+        heats = [network.factor_values(heat.factors, values, pwm.shape) for heat in network.heats]
+        rates = np.zeros((*pwm.shape, len(network.laws), 2))
+        for k, (number, _) in enumerate(network.laws):
+            path = network.paths[number]
+            for end, name in enumerate((path.first, path.second)):
+                if name is not None:
+                    conductance = network.conductances[pwm, number] * paths[number]
+                    rates[:, k, end] = conductance / network.capacities[network.index(name)]
+            paths[number] = np.zeros(pwm.shape)
+        return (*self.with_sensors(*network.matrices_with(pwm, paths, heats)), rates)
+
+    def _flow(self, given: tuple[FloatArray, ...], lanes: slice, ambient: FloatArray) -> LawFlow:
+        network = self.network
+        m, a, f, rates = (one[lanes] for one in given)
+        laws = [
+            (network.index(path.first), None if path.second is None else network.index(path.second), law)
+            for path, law in ((network.paths[number], law) for number, law in network.laws)
+        ]
+        return LawFlow(m, a * ambient[:, None] + f, laws, rates, ambient)
 
     def _steps(self, inputs: FloatArray, names: tuple[str, ...]) -> Steps:
         """For rows of |PWM|, length in s, and channels."""
@@ -178,7 +245,7 @@ class NetworkSolution:
         return np.concatenate([nodes, nodes[..., [node for node, _ in self._lags]]], axis=-1)
 
     def steps(self, pwm: NDArray[np.int64], step: FloatArray, told: Mapping[str, ArrayLike] | None = None) -> Steps:
-        """Step matrices of intervals.
+        """Step matrices of intervals, every law being the difference of both temperatures.
 
         Parameters
         ----------

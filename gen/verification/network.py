@@ -45,7 +45,8 @@ def course_of_network(program: Program, lanes: int, length: int) -> ErrorCourse:
     ends = np.linspace(0, length, min(_POINTS, length) + 1).round().astype(int)[1:]
     worst = np.zeros((len(ends), len(names)))
     interval = 0
-    table = solution.steps(np.arange(256), np.full(256, model.sample_time)) if len(channels) == 1 else None
+    plain = len(channels) == 1 and not solution.network.laws
+    table = solution.steps(np.arange(256), np.full(256, model.sample_time)) if plain else None
     for step in range(length):
         told = np.where(random.random(lanes) < _CHANGES, _drawn(random, channels, lanes), told)
         board.set_channels(told)
@@ -53,11 +54,11 @@ def course_of_network(program: Program, lanes: int, length: int) -> ErrorCourse:
         pwm = np.clip(np.abs(profile.pwm[:, step]), *model.domain_pwm)
         if table is not None:
             steps = Steps(table.increment[pwm], table.ambient[pwm], table.heat[pwm])
+            states = states + np.einsum("lij,lj->li", steps.increment, states) + steps.heat
+            states = states + steps.ambient * (told[0] / 1000.0)[:, None]
         else:
-            columns = {channel.column: told[k] / 1000.0 for k, channel in enumerate(channels)}
-            steps = solution.steps(pwm, step_s, {c.column: columns[c.column] for c in channels[1:]})
-        states = states + np.einsum("lij,lj->li", steps.increment, states) + steps.heat
-        states = states + steps.ambient * (told[0] / 1000.0)[:, None]
+            columns = {channel.column: told[k] / 1000.0 for k, channel in enumerate(channels) if k}
+            states = solution.advance(states, pwm, step_s, told[0] / 1000.0, columns)
         shown = np.array([states[:, place] + offset for place, offset in solution.readings])
         worst[interval] = np.maximum(worst[interval], np.abs(board.readings - shown).max(axis=1))
         interval += step + 1 == ends[interval]

@@ -143,7 +143,7 @@ def test_no_other_room_builds_an_object_of_the_file_from_keys() -> None:
         ('if "threshold_K" not in rule: pass', ["threshold_K"], []),
         ('{"component": a, "pwm": b, "model_minus_measured_K": c, "note": d}', [], ["ErrorBand"]),
         ("dict(component=a, pwm=b, model_minus_measured_K=c)", [], ["ErrorBand"]),
-        ('{"poly": c}', [], ["Poly", "PolyCurve"]),
+        ('{"poly": c}', [], ["ConvectionEntry", "Poly", "PolyCurve"]),
         ('{"real": r, **more}', [], ["PoleEntry"]),
         ('columns["pwm"]; band.pwm; {"colour": 1}; x["colour"]', [], []),
     ],

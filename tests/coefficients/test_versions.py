@@ -59,8 +59,12 @@ FROZEN: dict[str, tuple[str, dict[str, float]]] = {
 }
 
 #: The same of version 2; of a network its readings in degC, from 25 degC, its channels at 70 % of their ranges, by
-#: `integrated` in tests/model/test_network.py.
+#: `integrated` in tests/model/test_network.py; of the closed motor by `change` in tests/model/test_laws.py.
 FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
+    "closed_motor.json": (
+        "ab3811c1b4e47e5ecb5b3a89fa66886de639d3cd6547249db59cde75ec06c70c",
+        {"casing": 37.1821476090, "magnet": 39.1349802537},
+    ),
     "every_key.json": ("45572e247e729fda594960be5f6b20949500ae0d7de15bace488ecc1c276ec55", FROZEN["every_key.json"][1]),
     "fan_motor.json": (
         "4c776f1c2b944548cdf48e7edfb3a11f5743aea1455a32c0728c7f08d79593de",

@@ -35,6 +35,9 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
     """
     model = coefficients.model
     assert model.network is not None
+    for number, law in model.network.laws:
+        kind = type(law).__name__.lower()
+        raise CheckFailed(f"$.network.paths[{number}].{kind}: the board knows no such path yet; gen simulate does")
     terms = terms_of(model)
     ranges = reachable(model, terms)
     if ranges is None:
