@@ -13,6 +13,7 @@ from gen.lowering.network.terms import identifier, lagging_reading
 from gen.lowering.program import Program
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import ThermalModel
+from gen.model.laws import Convection, Law
 from gen.model.network import Factor, Network
 
 _INSIDE_K = 0.004
@@ -25,6 +26,11 @@ def network_certificate(coefficients: Coefficients, program: Program, made: Netw
     statement = network_statement(coefficients)
     equations = statement["equations"]
     factors = [{**factor, "bits": own.bits} for factor, own in zip(equations["factors"], made.factors, strict=True)]
+    scales = {law.path: law.scale for law in made.laws}
+    paths = [
+        {**path, **({"scale": scales[number]} if number in scales else {})}
+        for number, path in enumerate(equations["paths"])
+    ]
     return {
         "format": "gen-certificate",
         "version": 2,
@@ -35,7 +41,7 @@ def network_certificate(coefficients: Coefficients, program: Program, made: Netw
         "domain_pwm": list(model.domain_pwm),
         "fraction_bits": made.fraction_bits,
         "start_mC": list(made.start_mC),
-        "equations": {**equations, "factors": factors},
+        "equations": {**equations, "factors": factors, "paths": paths},
         "states": _claimed(statement["states"], made.proof),
         "components": _components(statement["components"], made),
     }
@@ -77,6 +83,7 @@ def _equations(network: Network, model: ThermalModel) -> dict[str, Any]:
             "conductance_W_per_K": network.conductances[rows, number].tolist(),
             "at_rest_W_per_K": float(network.conductances[0, number]),
             "factors": known(path.factors),
+            **_law(path.law),
         }
         for number, path in enumerate(network.paths)
     ]
@@ -101,6 +108,12 @@ def _equations(network: Network, model: ThermalModel) -> dict[str, Any]:
         for factor in factors
     ]
     return {"channels": _channels(network, model), "factors": told, "paths": paths, "heats": heats}
+
+
+def _law(law: Law | None) -> dict[str, Any]:
+    if isinstance(law, Convection):
+        return {"convection": list(law.polynomial)}
+    return {} if law is None else {"radiation_degC": law.reference}
 
 
 def _channels(network: Network, model: ThermalModel) -> list[dict[str, Any]]:

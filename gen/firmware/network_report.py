@@ -128,6 +128,9 @@ def network_constants(program: Program) -> list[Cells]:
     for k, factor in enumerate(lowered.factors):
         place = f"{source}_step.cpp: factor{k}()"
         rows.append(("all", factor.label, "1", f"int32, Q{factor.bits}", "$.network, factors", place))
+    for k, law in enumerate(lowered.laws):
+        place = f"{source}_step.cpp: {law.kind}{k}()"
+        rows.append((lowered.states[law.first].name, law.kind, "K", "int32", f"$.network.{law.label}", place))
     for reading in lowered.readings:
         if reading.offset:
             path = f"$.network.nodes[{reading.node}].sensor.offset_K"

@@ -55,8 +55,8 @@ class Convection:
         return float(values.min()), float(values.max())
 
     def steepest(self, low: float, high: float) -> float:
-        """A bound of the slope's own slope there, 1/K."""
-        return float(np.polyval(np.abs(self.curvatures), high - low))
+        """Largest magnitude of the slope's own slope there, 1/K."""
+        return float(np.abs(np.polyval(np.asarray(self.curvatures), _turning(self.curvatures, high - low))).max())
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Radiation:
         return float(self.slope(low, low)), float(self.slope(high, high))
 
     def steepest(self, low: float, high: float) -> float:
-        """A bound of the slope's own slope there, 1/K."""
+        """Largest of the slope's own slope there, 1/K."""
         del low
         return 3.0 * (high + ZERO_C) ** 2 / (self.reference + ZERO_C) ** 3
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.network import fixed, float32
-from gen.lowering.network.factors import scaled
+from gen.lowering.network.factors import WORD_BITS, scaled
 from gen.lowering.network.program import NetworkProgram, StateProgram, TermProgram
 from gen.lowering.network.series import FIRST, WEIGHT, WHOLE
 from gen.lowering.network.start import degrees, scale_of
@@ -195,14 +195,24 @@ class _Layout:
         self.reference = np.array([t.reference for t in self.terms], dtype=np.int64)[:, None]
         self.is_reference = self.source == size + 1
         self.growing = np.array([t.term.growing for t in self.terms])[:, None]
+        self.laws = [(k, term.term.law) for k, term in enumerate(self.terms) if term.term.law is not None]
         self.first = np.flatnonzero(np.diff(self.target, prepend=-1))
         self.orders = np.array([state.orders for state in program.states])
 
-    def differences(self, temperatures: Integers, ambient: Integers) -> Integers:
-        """Source less target of each term; the other way round where it grows with temperature."""
+    def driven(self, temperatures: Integers, ambient: Integers) -> list[tuple[Integers, Integers]]:
+        """What drives heat along each path with a law, from its first end, and its slope."""
+        ends = [(own, temperatures[own.first], own.second) for own in self.program.laws]
+        return [own.evaluate(one, ambient if other is None else temperatures[other]) for own, one, other in ends]
+
+    def differences(
+        self, temperatures: Integers, ambient: Integers, driven: Sequence[tuple[Integers, Integers]]
+    ) -> Integers:
+        """Source less target of each term, or what its law makes of it; the other way round where it grows."""
         sources = np.concatenate([temperatures, ambient[None], np.zeros((1, ambient.size), dtype=np.int64)])
         given = sources[self.source] + np.where(self.is_reference[:, None], self.reference, 0)
         made = given - temperatures[self.target]
+        for k, law in self.laws:
+            made[k] = -driven[law.index][0] if law.first == self.target[k] else driven[law.index][0]
         return np.asarray(np.where(self.growing, -made, made), dtype=np.int64)
 
     def of_series(self, y: NDArray[Any]) -> NDArray[Any]:
@@ -229,9 +239,12 @@ class FixedSums:
         rates = self._words[:, row]
         for k, term in enumerate(layout.terms):
             rates[k] = _scaled(rates[k], term.term.factors, factors)
-        total = self._gathered(1, layout.differences(upper, ambient), rates)
+        driven = layout.driven(upper, ambient)
+        total = self._gathered(1, layout.differences(upper, ambient, driven), rates)
         for k, own in enumerate(program.states):
             total[k] += self._heat(own, row, factors)
+        for k, law in layout.laws:
+            rates[k] = scaled(rates[k], driven[law.index][1])
         unit = fixed.LOW_BITS + program.fraction_bits
         change = y = np.zeros_like(state)
         for order in range(1, program.orders + 1):
@@ -318,7 +331,10 @@ class FloatSums:
                 for factor in heat.heat.factors:
                     warmth = warmth * singles[factor]
                 total[k] = total[k] + warmth
-        y = self._gathered(total, layout.differences(upper, ambient).astype(np.float32), rates)
+        driven = layout.driven(upper, ambient)
+        y = self._gathered(total, layout.differences(upper, ambient, driven).astype(np.float32), rates)
+        for k, law in layout.laws:
+            rates[k] = rates[k] * (driven[law.index][1].astype(np.float32) * np.float32(2.0**-WORD_BITS))
         change = y
         for order in range(2, program.orders + 1):
             before = np.asarray(layout.of_series(y), dtype=np.float32)

@@ -6,7 +6,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from gen.avr.compile import build_elf
@@ -20,71 +19,12 @@ from gen.verification import compare
 from gen.verification.effects import with_channels
 from gen.verification.profiles import Profile, campaign
 from gen.verification.runners import AvrRunner, HostRunner, Library, write_library
+from tests.drawn_networks import drawn, with_laws
+from tests.examples import ROOT
 
 LANES, SAMPLES = 3, 40
 #: Nodes of each network, by its seed; what else it has is drawn.
 SIZES = (1, 2, 4, 6, 7, 10)
-
-
-def drawn(seed: int, size: int) -> dict[str, Any]:
-    """A coefficient file with a random network: a tree, some more paths, and every kind of term in some of them."""
-    rng = np.random.default_rng(seed)
-
-    def pick(*chances: float) -> int:
-        return int(rng.choice(len(chances), p=np.array(chances) / sum(chances)))
-
-    channels = [
-        {"column": "fan_percent", "range": [0, 100], "neutral": 0},
-        {"column": "current_A", "range": [-12.5, 20.125], "neutral": 0},
-    ][: seed % 3]
-
-    def factors() -> dict[str, Any]:
-        if not channels or pick(2, 1) == 0:
-            return {}
-        fan = {
-            "channel": "fan_percent",
-            "table": {"at": [0, 30.5, 100], "value": [1, *rng.uniform(0.4, 3.0, 2).round(3)]},
-        }
-        square = {"channel": "current_A", "poly": [*rng.uniform(0.0005, 0.005, 1).round(5), 0.0, 0.2]}
-        return {"factors": [fan, square][: 1 + pick(1, 1)] if len(channels) > 1 else [fan]}
-
-    def curve(scale: float) -> dict[str, Any]:
-        kind, a, b = pick(2, 2, 1), *np.round(scale * rng.uniform(0.2, 1.0, 2), 4)
-        if kind == 0:
-            return {"poly": [a]}
-        made: dict[str, Any] = {"power": {"constant": a, "forced": b, "exponent": 0.8}}
-        return made if kind == 1 else {**made, "at_rest": round(float(a) / 2, 4)}
-
-    def name(k: int) -> str:
-        return f"part{k}"
-
-    pairs = [(k, int(rng.integers(0, k))) for k in range(1, size)]
-    pairs += [(a, b) for a in range(size) for b in range(a) if (a, b) not in pairs and rng.random() < 0.15]
-    paths = [{"between": [name(a), name(b)], "conductance_W_per_K": curve(1.5), **factors()} for a, b in pairs]
-    warm = sorted({0, *(k for k in range(size) if rng.random() < 0.4)})
-    paths += [{"between": [name(k), "ambient"], "conductance_W_per_K": curve(1.6), **factors()} for k in warm]
-    heats = []
-    for k in range(size):
-        power = {"poly": [round(float(rng.uniform(1e-5, 2e-4)), 7), round(float(rng.uniform(0, 0.02)), 5), 0]}
-        growth = {"per_K": [0.0015, -0.001][pick(1, 1)], "reference_degC": 25} if pick(2, 1) else {}
-        heats += [{"node": name(k), "power_W": power, **growth, **factors()}]
-    nodes = []
-    for k in range(size):
-        sensor = {"offset_K": float(np.round(rng.normal(), 2)), "lag_s": [0.0, 6.0][pick(3, 1)]}
-        shown = {"sensor": sensor} if k == 0 or rng.random() < 0.7 else {}
-        nodes.append({"name": name(k), "capacity_J_per_K": float(np.round(rng.uniform(40, 900), 1)), **shown})
-    return {
-        "format": "gen-coefficients",
-        "version": 2,
-        "name": f"drawn{seed}",
-        "sample_time_s": 0.25,
-        "input": {"name": "pwm", "full_scale": 255, "nominal_speed_rpm": 2650},
-        "ambient": {"fixed_degC": 25, "channel": "ambient_degC"},
-        "validity": {"pwm": [[0, 255], [20, 230]][seed % 2], "outside": "hold"},
-        "domain": {"pwm": [[0, 255], [10, 240]][seed % 2], "ambient_degC": [0, 45], "temperature_degC": [-10, 120]},
-        "accuracy": {"fixed_limit_K": 1.0, "float_limit_K": 10.0},
-        "network": {"channels": channels, "nodes": nodes, "paths": paths, "heats": heats},
-    }
 
 
 def written(file: dict[str, Any], folder: Path) -> Coefficients:
@@ -167,6 +107,44 @@ def test_six_nodes_stay_within_what_was_asked(tmp_path: Path) -> None:
     assert cost.flash_bytes < 40_000
     assert cost.ram_bytes <= 120
     assert max(node.proof.bound_K for node in emitted.program.network.components()) <= 1e-5
+
+
+@pytest.mark.parametrize("arithmetic", ["fixed", "float"])
+@pytest.mark.parametrize(("seed", "size"), [(0, 1), (1, 3), (2, 5)])
+def test_networks_with_laws_agree_word_for_word(seed: int, size: int, arithmetic: Arithmetic, tmp_path: Path) -> None:
+    emitted = library(written(with_laws(seed, size), tmp_path), tmp_path, arithmetic)
+    profile = profile_of(emitted)
+    expected = compare.reference_run(emitted.program, profile)
+    mega = AvrRunner(emitted, tmp_path / "cache")
+    assert compare.first_mismatch(expected, HostRunner(emitted, "g++ sanitized").run(profile)) is None
+    assert compare.first_mismatch(expected, mega.run(profile)) is None
+    assert arithmetic == "float" or mega.helper_symbols() == []
+
+
+@pytest.mark.parametrize("law", ["convection", "radiation"])
+def test_a_law_takes_under_1500_cycles(law: str, tmp_path: Path) -> None:
+    """Its whole path, beside the other paths of the closed motor; the bound is 1e-4 K."""
+    tree = json.loads((ROOT / "examples" / "natural_cooling" / "coeffs.json").read_text())
+    tree["accuracy"]["fixed_limit_K"] = 1e-3
+    cycles = []
+    for kinds in ((), (law,)):
+        paths = [path for path in tree["network"]["paths"] if not {"convection", "radiation"} & set(path)]
+        paths += [path for path in tree["network"]["paths"] if any(kind in path for kind in kinds)]
+        folder = tmp_path / str(len(kinds))
+        folder.mkdir()
+        own = {**tree, "network": {**tree["network"], "paths": paths}}
+        emitted = library(written(own, folder), folder)
+        mega, profile = AvrRunner(emitted, tmp_path / "cache"), profile_of(emitted)
+        mega.run(profile)
+        cost = mega.cost(profile)
+        cycles.append(max(cost.cycles_constant, cost.cycles_change))
+    assert cycles[1] - cycles[0] < 1500
+
+
+def test_the_closed_motor_stays_within_what_was_asked(tmp_path: Path) -> None:
+    emitted = library(load(ROOT / "examples" / "natural_cooling" / "coeffs.json"), tmp_path)
+    assert emitted.program.network is not None
+    assert max(node.proof.bound_K for node in emitted.program.network.components()) <= 1e-4
 
 
 @pytest.mark.parametrize("arithmetic", ["fixed", "float"])

@@ -158,7 +158,6 @@ def test_what_is_no_law_is_refused_with_its_place(path: Tree, place: str, messag
 def test_radiation_between_two_nodes_is_refused() -> None:
     tree = example()
     tree["network"]["paths"][2] = {**tree["network"]["paths"][2], "radiation": {}}
-    del tree["network"]["paths"][2]["convection"]
     with pytest.raises(
         InputError, match=r'paths\[2\].radiation: found a path between two nodes, expected one to "ambient"'
     ):

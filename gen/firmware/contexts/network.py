@@ -12,6 +12,7 @@ from gen.firmware.contexts import network_words
 from gen.lowering.kinds import OUTPUT_BITS
 from gen.lowering.network import fixed
 from gen.lowering.network.factors import WORD_BITS, FactorProgram
+from gen.lowering.network.laws import LawProgram, RadiationProgram
 from gen.lowering.network.program import HeatProgram, NetworkProgram, StateProgram, TermProgram, Words
 from gen.lowering.network.series import FIRST, WEIGHT, WHOLE, Product
 from gen.lowering.network.start import scale_of
@@ -38,6 +39,8 @@ class NetworkContext(TypedDict):
     stream: list[dict[str, str | None]]
     references: list[dict[str, Any]]
     factors: list[dict[str, Any]]
+    laws: list[dict[str, Any]]
+    flows: list[dict[str, Any]]
     tables: list[dict[str, Any]]
     orders: list[dict[str, Any]]
     sums: list[dict[str, Any]]
@@ -46,6 +49,7 @@ class NetworkContext(TypedDict):
     ups: list[int]
     thirds: bool
     varying: bool
+    slope_unit: str
     comments: list[str]
 
 
@@ -90,6 +94,8 @@ def network_context(program: Program) -> NetworkContext:
         "stream": made.stream,
         "references": made.references,
         "factors": [_factor(factor) for factor in network.factors],
+        "laws": [_law(law, network) for law in network.laws],
+        "flows": made.flows,
         "tables": made.tables,
         "orders": orders,
         "sums": [_sum(product) for product in dict.fromkeys(network.products)],
@@ -97,10 +103,19 @@ def network_context(program: Program) -> NetworkContext:
             "least": WHOLE.least,
             "lines": ["tst %D[d]", *network_words.multiply(WHOLE, network_words.operands())],
         },
-        "downs": sorted({scale.shift, 16} | ({WORD_BITS - 8 * WHOLE.least} if network.factors else set())),
-        "ups": sorted({scale.left, *(left for factor in network.factors for left in _lefts(factor))}),
+        "downs": sorted(
+            {scale.shift, 16} | ({WORD_BITS - 8 * WHOLE.least} if network.factors or network.laws else set())
+        ),
+        "ups": sorted(
+            {
+                scale.left,
+                *(left for factor in network.factors for left in _lefts(factor)),
+                *(left for law in network.laws for left in (law.left, law.up)),
+            }
+        ),
         "thirds": any(order in WEIGHT for order in range(2, network.orders + 1)),
         "varying": bool(made.tables),
+        "slope_unit": _single(2.0**-WORD_BITS),
         "comments": _comments(network),
     }
 
@@ -143,6 +158,17 @@ def _factor(factor: FactorProgram) -> dict[str, Any]:
     return {**asdict(factor), "unit": _single(2.0**-factor.bits)}
 
 
+def _law(law: LawProgram, network: NetworkProgram) -> dict[str, Any]:
+    first, second = network.states[law.first].identifier, None
+    if law.second is not None:
+        second = network.states[law.second].identifier
+    made = {**asdict(law), "kind": law.kind, "one": first, "other": second}
+    if isinstance(law, RadiationProgram):
+        kelvins = 1 << WORD_BITS - network.fraction_bits + law.drop - law.left
+        made |= {"half": 1 << law.drop >> 1, "kelvins": kelvins}
+    return made
+
+
 def _lefts(factor: FactorProgram) -> list[int]:
     """By how many bits told values are shifted up for a factor."""
     return [piece.left for piece in factor.pieces if piece.slope] + ([factor.left] if factor.coefficients[1:] else [])
@@ -161,6 +187,9 @@ class _Terms:
         self._network, self._model, self._name = network, model, name
         self.terms: list[dict[str, Any]] = []
         self.references: list[dict[str, Any]] = []
+        #: Values that differ from a state's by what a law makes of a difference, in the order in which terms use them.
+        self.flows: list[dict[str, Any]] = []
+        self._first_reference = len(network.states) + 1 + sum(1 + (law.second is not None) for law in network.laws)
         self.tables: list[dict[str, Any]] = []
         #: What is gathered at the beginning of a sample, and where it is, by term and by heat.
         self.stream: list[dict[str, str | None]] = []
@@ -182,6 +211,7 @@ class _Terms:
             "index": number,
             "note": note,
             "title": title,
+            "bent": any(term.term.law is not None for term in state.terms),
             "terms": [self._term(t) for t in state.terms],
             "heats": [self._heat(heat) for heat in state.heats] if self._network.arithmetic == "fixed" else [],
         }
@@ -204,7 +234,7 @@ class _Terms:
             label = f"{self._network.states[term.target].name} from the ambient"
         else:
             number = self._reference(program)
-            source, place = f"REFERENCE_{number}", len(self._network.states) + 1 + number
+            source, place = f"REFERENCE_{number}", self._first_reference + number
             side = "over" if term.growing else "below"
             label = f"{self._network.states[term.target].name} {side} {term.reference:g} degC"
         of, less = (target, source) if term.growing else (source, target)
@@ -214,7 +244,7 @@ class _Terms:
         self.terms.append({"index": index, "label": label, "value": value, "constant": constant is not None})
         single = constant is not None or self._network.arithmetic == "float"
         table = None if term.factors else f"rate{index}"
-        return {
+        made = {
             "index": index,
             "of": of,
             "less": less,
@@ -223,7 +253,27 @@ class _Terms:
             "constant": constant,
             "word": None if single else self._gathered(f"R{index}", value, label, table),
             "note": label,
+            "rate": f"R{index}",
         }
+        return {**made, "later": made} if term.law is None else self._with_law(made, program)
+
+    def _with_law(self, made: dict[str, Any], program: TermProgram) -> dict[str, Any]:
+        """A term whose first difference is a law's, and whose rate in later terms is one times the law's slope."""
+        law, index = program.term.law, made["index"]
+        assert law is not None
+        own, name = self._network.laws[law.index], f"R{index}_LATER"
+        note = f"{made['note']}.{own.kind}"
+        later = {**made, "rate": name, "constant": None, "note": note}
+        if self._network.arithmetic == "fixed":
+            rate = f"R{index}" if made["constant"] is not None else f"gathered[R{index}]"
+            value = f"{self._name}_scaled({rate}, slope[{law.index}])"
+            later["word"] = self._gathered(name, value, f"{note}, later terms")
+        number = len(self.flows)
+        self.flows.append(
+            {"state": made["less"], "sign": "-" if law.first == program.term.target else "+", "law": law.index}
+        )
+        place = len(self._network.states) + 1 + number
+        return {**made, "of": f"FLOW_{number}", "source": place, "note": note, "later": later, "law": law.index}
 
     def _reference(self, program: TermProgram) -> int:
         word = program.reference
@@ -301,7 +351,7 @@ class _Terms:
     def _single_step(self, number: int, k: int) -> dict[str, Any]:
         state = self._network.states[k]
         heats = [self._single_heat(heat) for heat in state.heats] if number == 1 else []
-        return {"identifier": state.identifier, "heat": " + ".join(["0.0f", *heats])}
+        return {"identifier": state.identifier, "heat": " + ".join(["0.0f", *heats]), "bent": self.states[k]["bent"]}
 
     def _steps(self, order: dict[str, Any], partaking: list[int]) -> list[dict[str, Any]]:
         """The states' sums in one order, each as C++ and as a block of assembly."""
@@ -310,7 +360,7 @@ class _Terms:
         width = network.products[number].width if kept else 0
         fraction = WEIGHT.get(number + 1)
         # Values are read from where the order before has put them: in turns ahead of the others and behind them.
-        values, states = len(network.states) + 1 + len(self.references), len(network.states)
+        values, states = self._first_reference + len(self.references), len(network.states)
         given, handed_on = (0, 4 * values) if number % 2 else (4 * values, 0)
         made, position = [], 0
         for k in partaking:
@@ -320,7 +370,8 @@ class _Terms:
             to_next = bits - network.series_bits[number - 1] if kept else 0
             block = network_words.Block(product, position)
             block.begin(given + product.width * k)
-            for term in state["terms"]:
+            terms = [term if number == 1 else term["later"] for term in state["terms"]]
+            for term in terms:
                 still = number > 1 and term["source"] >= states
                 source = None if still else given + product.width * term["source"]
                 block.term(term["note"], source, term["constant"], term["word"], growing=term["growing"])
@@ -337,7 +388,7 @@ class _Terms:
                 {
                     "name": own.name,
                     "identifier": own.identifier,
-                    "terms": [self._product(order, term) for term in state["terms"]],
+                    "terms": [self._product(order, term) for term in terms],
                     "heats": state["heats"] if number == 1 else [],
                     "to_state": to_state,
                     "word": self._word_of(to_next, width, fraction),
@@ -356,7 +407,7 @@ class _Terms:
     def _product(self, order: dict[str, Any], term: dict[str, Any]) -> dict[str, str]:
         """A term's difference and its rate as C++."""
         given, below = order["given"], 8 * (4 - self._network.products[order["number"] - 1].width)
-        rate = f"gathered[R{term['index']}]" if term["constant"] is None else f"R{term['index']}"
+        rate = f"gathered[{term['rate']}]" if term["constant"] is None else term["rate"]
         return {
             "of": f"{given}[{term['of']}]",
             "less": f"{given}[{term['less']}]",

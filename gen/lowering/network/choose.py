@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from gen.lowering.kinds import Arithmetic
 from gen.lowering.network import fixed, float32
 from gen.lowering.network.defect import SHARES, choose_orders, defects, error_bound
 from gen.lowering.network.factors import FactorProgram
+from gen.lowering.network.laws import LawProgram
 from gen.lowering.network.program import StateProgram
 from gen.lowering.network.ranges import Ranges
 from gen.lowering.network.series import CHOICES, FIRST, Product
@@ -23,13 +25,20 @@ Array = NDArray[np.float64]
 TARGET_K: Mapping[Arithmetic, float] = {"fixed": 9.5e-6, "float": 1e-3}
 """A bound that is good enough: a smaller one costs terms of the series, and longer words."""
 _TOLD_TARGET_K = 4e-5
-"""The same in fixed point with channels, whose factors are short words."""
+"""The same in fixed point with channels or laws, whose factors and slopes are short words."""
 _SLACK: Mapping[Arithmetic, float] = {"fixed": 1.1, "float": 1.5}
 """So is one that is no larger than the best by this factor."""
 _STATE_CYCLES = 60.0
 """About what a state costs in each term of the series, beside its products."""
 _DOUBT, _MOST_TRIED = 2.0, 4
 """By how much an estimate of a bound may exceed what is good enough to be looked at, and how many are."""
+
+
+class Told(NamedTuple):
+    """Words of what is evaluated at the beginning of a sample."""
+
+    factors: tuple[FactorProgram, ...]
+    laws: tuple[LawProgram, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,15 +75,13 @@ def _enough(target: float, least: float, slack: float, limit: float) -> float:
     return max(least, min(max(target, slack * least), 0.95 * limit))
 
 
-def fixed_form(
-    terms: Terms, ranges: Ranges, bits: int, factors: tuple[FactorProgram, ...], first: Array, limit: float
-) -> Form:
+def fixed_form(terms: Terms, ranges: Ranges, bits: int, told: Told, first: Array, limit: float) -> Form:
     """Choose a network's form in fixed point.
 
     Parameters
     ----------
-    terms, ranges, bits, factors
-        The network, what it can reach, and the words of its temperatures and factors.
+    terms, ranges, bits, told
+        The network, what it can reach, and the words of its temperatures, factors and laws.
     first
         Bound on y1, K, shape (rows, n).
     limit
@@ -85,8 +92,9 @@ def fixed_form(
     CheckFailed
         If no bound can be proven.
     """
+    factors, laws = told
     shape = fixed.choose_format(terms, factors, first, bits)
-    base = fixed.roundings(terms, ranges, shape, factors, (FIRST,), ()).first
+    base = fixed.roundings(terms, ranges, shape, factors, (FIRST,), (), laws).first
     trials: list[_Trial] = []
     for share in SHARES:
         orders, left = choose_orders(terms, first, base, share)
@@ -95,14 +103,16 @@ def fixed_form(
         for further in product(*(CHOICES[k] for k in range(2, max(orders) + 1))):
             products = (FIRST, *further)
             series = fixed.series_bits(terms, first, shape, products)
-            rounding = fixed.roundings(terms, ranges, shape, factors, products, series)
+            rounding = fixed.roundings(terms, ranges, shape, factors, products, series, laws)
             defect, words = defects(terms, first, orders, left, rounding)
             if fixed.fit(shape, products, series, first + rounding.first, words):
                 trials.append(_Trial(orders, products, series, defect, _cost(terms, orders, products)))
     assert trials, "words are chosen with room to spare"
     best = min(trials, key=lambda trial: float((trial.defect / base).max()))
     least = _bound(terms, best.defect)
-    enough = _enough(_TOLD_TARGET_K if factors else TARGET_K["fixed"], float(least.max()), _SLACK["fixed"], limit)
+    enough = _enough(
+        _TOLD_TARGET_K if factors or laws else TARGET_K["fixed"], float(least.max()), _SLACK["fixed"], limit
+    )
     chosen, bound = _cheapest(terms, trials, best, least, enough)
     states = tuple(
         StateProgram(
@@ -142,15 +152,13 @@ def _cost(terms: Terms, orders: list[int], products: tuple[Product, ...]) -> flo
     )
 
 
-def float_form(
-    terms: Terms, ranges: Ranges, bits: int, factors: tuple[FactorProgram, ...], first: Array, limit: float
-) -> Form:
+def float_form(terms: Terms, ranges: Ranges, bits: int, told: Told, first: Array, limit: float) -> Form:
     """Choose a network's form in float32.
 
     Parameters
     ----------
-    terms, ranges, bits, factors
-        The network, what it can reach, and the words of its temperatures and factors.
+    terms, ranges, bits, told
+        The network, what it can reach, and the words of its temperatures, factors and laws.
     first
         Bound on y1, K, shape (rows, n).
     limit
@@ -161,11 +169,12 @@ def float_form(
     CheckFailed
         If no bound can be proven.
     """
-    base = float32.roundings(terms, ranges, bits, factors, first, 1).first
+    factors, laws = told
+    base = float32.roundings(terms, ranges, bits, factors, first, 1, laws).first
     tried = []
     for share in SHARES:
         orders, left = choose_orders(terms, first, base, share)
-        rounding = float32.roundings(terms, ranges, bits, factors, first, max(orders))
+        rounding = float32.roundings(terms, ranges, bits, factors, first, max(orders), laws)
         defect, _ = defects(terms, first, orders, left, rounding)
         tried.append((orders, defect, _bound(terms, defect)))
     enough = _enough(TARGET_K["float"], float(tried[-1][2].max()), _SLACK["float"], limit)

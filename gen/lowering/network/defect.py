@@ -3,6 +3,11 @@
 Per state and row of the domain, in kelvins: coefficients that are rounded, states that are read without their lower
 word, sums that are rounded, and the terms of the series that are left out. Everything is bounded by magnitudes, with
 each factor at its largest.
+
+Where paths have laws, J, the equations' derivative at the sample's beginning, is in the place of M in all terms of the
+series but the first: the exponential Rosenbrock-Euler method (Hochbruck and Ostermann, Exponential integrators, Acta
+Numerica 19, 2010, section 2.4). Its error over a sample is the integral of exp((1 - s) J) times what heat flows differ
+from lines by.
 """
 
 from __future__ import annotations
@@ -63,9 +68,23 @@ def _next(terms: Terms, before: Array) -> Array:
     total = np.zeros_like(before)
     for term in terms.terms:
         source = before[:, term.other] if term.source == "state" else 0.0
-        rate = term.rate * terms.largest(term.factors)
-        total[:, term.target] += rate * (before[:, term.target] + source)
+        total[:, term.target] += terms.most(term) * (before[:, term.target] + source)
     return total
+
+
+def bending(terms: Terms, first: Array) -> Array:
+    """What laws that are no lines add to the error, K, shape (rows, n), from a bound on y1.
+
+    After a share s of a sample the ends of a path have moved by no more than s times their y1, so that what drives is
+    off by half its largest second derivative times (s y)^2; the integral of s^2 is a third.
+    """
+    total = np.zeros_like(first)
+    for term in terms.terms:
+        if term.law is not None:
+            moved = first[:, term.target] + (first[:, term.other] if term.source == "state" else 0.0)
+            total[:, term.target] += term.rate * terms.largest(term.factors) * term.law.steepest * moved**2 / 6.0
+    # exp((1 - s) J) moves some of it on: less than J does once, as its rows add up to less than 1 in a sample.
+    return total + _next(terms, total) if terms.laws else total
 
 
 def choose_orders(terms: Terms, first: Array, floor: Array, share: float) -> tuple[list[int], Array]:
@@ -124,10 +143,12 @@ def defects(
     reach = _next(terms, np.full_like(first, 0.5))
     for term in terms.terms:
         if term.source != "state":
-            reach[:, term.target] += 0.5 * term.rate * terms.largest(term.factors)
+            reach[:, term.target] += 0.5 * terms.most(term)
     error = rounding.first
     words = [first + error]
     total = rounding.first + left + rounding.added
+    if terms.laws:
+        total = total + bending(terms, first)
     for k in range(2, max(orders) + 1):
         before = bounds[k - 2]
         if k in (3, 5):
@@ -155,15 +176,19 @@ def error_bound(terms: Terms, defect: Array) -> Array | None:
 
     With e' = exp(h M) e + d, |d| <= defect, and |e| <= u: exp(h M) has no negative entry, so |e'| <= exp(h M) u +
     defect. The integral of exp(s M) (-M u) over a sample is u - exp(h M) u, and exp(s M) >= exp(-s |M_ii|) on the
-    diagonal where -M u >= 0. So |e'| <= u again, whatever came before.
+    diagonal where -M u >= 0. So |e'| <= u again, whatever came before. Where laws let M change within the sample, the
+    same holds with the largest |M_ii|.
     """
     from scipy.optimize import linprog
 
     rows, right = [], []
     for target in range(len(terms.states)):
-        for corner in terms.corners(target):
-            left, _ = matrix_row(terms, target, corner, 0.0)  # what drives it has no part in the error
-            own = np.exp(-np.abs(left[:, target]))
+        # What drives a row has no part in the error.
+        found = [matrix_row(terms, target, corner, 0.0)[0] for corner in terms.corners(target, laws=True)]
+        changing = any(term.law is not None for term in terms.of(target))
+        largest = np.abs([left[:, target] for left in found]).max(axis=0)
+        for left in found:
+            own = np.exp(-(largest if changing else np.abs(left[:, target])))
             rows.append(left * own[:, None])
             right.append(-defect[:, target])
     matrix, limit = np.concatenate(rows), np.concatenate(right)
@@ -180,7 +205,7 @@ def error_bound(terms: Terms, defect: Array) -> Array | None:
     )
     if solved.status != 0:
         return None
-    found = np.asarray(solved.x, dtype=np.float64) * (1.0 + 1e-6)
-    if not np.all(matrix @ found <= limit):
+    bound = np.asarray(solved.x, dtype=np.float64) * (1.0 + 1e-6)
+    if not np.all(matrix @ bound <= limit):
         return None
-    return found * unit
+    return bound * unit

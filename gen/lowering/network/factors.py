@@ -22,7 +22,7 @@ WORD_BITS = 30
 SHARE_BITS = 30
 """Fraction bits of t."""
 _WHOLE_SHIFT = 32 - 8 * WHOLE.least
-_CUT = 1.0 + WHOLE.dropped * 2.0**-_WHOLE_SHIFT
+CUT = 1.0 + WHOLE.dropped * 2.0**-_WHOLE_SHIFT
 """Largest error of a product's upper word, in its units: what is cut and what the product leaves out."""
 
 
@@ -31,11 +31,12 @@ def scaled(word: Integers, factor: Integers) -> Integers:
     return WHOLE.of(factor, word) >> WORD_BITS - 8 * WHOLE.least
 
 
-def _product(difference: Integers, constant: int) -> Integers:
-    return WHOLE.of(difference, np.full(difference.shape, constant, dtype=np.int64))
+def high(difference: Integers, constant: int) -> Integers:
+    """2^-32 of a product of a signed with an unsigned 32-bit number."""
+    return WHOLE.of(difference, np.full(difference.shape, constant, dtype=np.int64)) >> _WHOLE_SHIFT
 
 
-def _filling(width: int) -> int:
+def filling(width: int) -> int:
     """By how many bits a width can be shifted to stay below 2^31."""
     return 31 - width.bit_length()
 
@@ -103,13 +104,13 @@ class FactorProgram:
             return self._horner(told)
         made = np.full(told.shape, self.last, dtype=np.int64)
         for piece in reversed(self.pieces):
-            change = _product((told - piece.at) << piece.left, piece.slope) >> _WHOLE_SHIFT
+            change = high((told - piece.at) << piece.left, piece.slope)
             value = piece.value - change if piece.falling else piece.value + change
             made = np.where(told < piece.end, value, made)  # elsewhere the change means nothing
         return made
 
     def _horner(self, told: Integers) -> Integers:
-        share = _product((told - self.low) << self.left, self.scale) >> _WHOLE_SHIFT
+        share = high((told - self.low) << self.left, self.scale)
         value: NDArray[np.int64] = np.full(told.shape, self.coefficients[0], dtype=np.int64)
         for coefficient in self.coefficients[1:]:
             value = coefficient + scaled(share, value)
@@ -142,11 +143,11 @@ def lower_factor(factor: Factor, channels: tuple[Channel, ...], largest: float, 
     pieces = [Piece(at[0], at[0], words[0], 0, 0, False)]
     for k in range(len(at) - 1):
         change, width = abs(words[k + 1] - words[k]), at[k + 1] - at[k]
-        left = _filling(width)
+        left = filling(width)
         slope = min(round(Fraction(change << 32, width << left)), (1 << 32) - 1)
         pieces.append(Piece(at[k + 1], at[k], words[k], left, slope, words[k + 1] < words[k]))
     # A slope is off by half a unit, or by one, over 2^31 of 2^-32; its product is cut; both ends are rounded.
-    off = 0.5 + _CUT + 1.0
+    off = 0.5 + CUT + 1.0
     return FactorProgram(number + 1, bits, tuple(pieces), words[-1], (), 0, 0, 0, off * 2.0**-bits, label)
 
 
@@ -161,9 +162,9 @@ def _polynomial(factor: Factor, channel: int, low: int, high: int, label: str) -
     total = float(sum(abs(c) for c in expanded))
     bits = WORD_BITS - ceil(log2(max(total, 1e-4)) + 1e-9)
     words = tuple(round(c * 2**bits) for c in reversed(expanded))
-    left = _filling(high - low)
+    left = filling(high - low)
     scale = min((1 << (SHARE_BITS + 32)) // ((high - low) << left), (1 << 32) - 1)  # down, so that t never passes 1
-    share = (0.5 + _CUT) * 2.0**-SHARE_BITS
+    share = (0.5 + CUT) * 2.0**-SHARE_BITS
     slope = float(sum(k * abs(c) for k, c in enumerate(expanded)))
-    error = slope * share + ((0.5 + _CUT) * len(words)) * 2.0**-bits
+    error = slope * share + ((0.5 + CUT) * len(words)) * 2.0**-bits
     return FactorProgram(channel, bits, (), 0, words, low, left, scale, error, label)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from gen.lowering.kinds import Integers
 from gen.lowering.network.defect import Roundings, magnitudes
 from gen.lowering.network.factors import WORD_BITS, FactorProgram
+from gen.lowering.network.laws import LawProgram
 from gen.lowering.network.program import HeatProgram, TermProgram
 from gen.lowering.network.ranges import Ranges
 from gen.lowering.network.series import EXTRA_SHIFT, FIRST, WEIGHT, Product
@@ -55,10 +56,11 @@ class FixedFormat:
     shifts: tuple[int, ...]
 
 
-def fraction_bits(ranges: Ranges, offsets: list[float]) -> int:
-    """f: temperatures, their differences and readings fit 31 bits."""
+def fraction_bits(ranges: Ranges, offsets: list[float], driven: float = 0.0) -> int:
+    """f: temperatures, their differences, what laws make of these, and readings fit 31 bits."""
     ends = [*ranges.low, *ranges.high, *ranges.ambient]
     widest = max(abs(min(ends)), abs(max(ends)), max(ends) - min(ends)) + max(map(abs, offsets), default=0.0)
+    widest = max(widest, driven)
     return 31 - ceil(log2(widest + 1e-6))
 
 
@@ -76,7 +78,9 @@ def choose_format(terms: Terms, factors: Sequence[FactorProgram], first: Array, 
     """
     shifts = []
     for target in range(len(terms.states)):
-        rates = [float(term.rate.max()) * 2.0 ** _raised(term.factors, factors) for term in terms.of(target)]
+        rates = [
+            float(term.rate.max()) * 2.0 ** _raised(term.factors, factors) * _later(term) for term in terms.of(target)
+        ]
         by_word = -ceil(log2(max(2.0**-40, *rates) * (1.0 + 1e-9)))
         by_sum = (
             8 * FIRST.sum_bytes - 1 - (_FIRST_BITS + bits) - ceil(log2(_ROOM * float(first[:, target].max()) + 1e-9))
@@ -89,6 +93,11 @@ def choose_format(terms: Terms, factors: Sequence[FactorProgram], first: Array, 
         ]
         shifts.append(max(0, min(by_word, by_sum, *by_heat)))
     return FixedFormat(bits, tuple(shifts))
+
+
+def _later(term: Term) -> float:
+    """By how much a rate may grow in later terms of the series."""
+    return 1.0 if term.law is None else max(1.0, term.law.slopes[1])
 
 
 def _raised(own: Sequence[int], factors: Sequence[FactorProgram]) -> int:
@@ -192,6 +201,7 @@ def roundings(
     factors: Sequence[FactorProgram],
     products: Sequence[Product],
     series: Sequence[int],
+    laws: Sequence[LawProgram] = (),
 ) -> Roundings:
     """What the words above are off by."""
     lsb = 2.0**-shape.bits
@@ -211,6 +221,12 @@ def roundings(
         # A word is rounded to nearest, raised; each product with a factor is cut, and leaves out less than a unit.
         own = 0.5 * unit + 1.1 * len(term.factors) * unit
         cut = 2.0 ** (32 - 8 * products[order - 1].width) * unit if products[order - 1].width < 4 else 0.0
+        if term.law is not None and order > 1:
+            # Times the slope at words that are rounded down, cut once more.
+            slope, off = term.law.slopes[1], laws[term.law.index].slope_error + term.law.steepest * 2.0 * lsb
+            own = own * (slope + off) + 1.1 * unit
+            most = relative(term.factors) * (slope + off) + terms.largest(term.factors) * off
+            return np.asarray(own + cut + term.rate * most, dtype=np.float64)
         return np.asarray(own + cut + term.rate * relative(term.factors), dtype=np.float64)
 
     def summed(order: int, state: int, magnitude: Array) -> Array:
@@ -223,6 +239,8 @@ def roundings(
     for term in terms.terms:
         largest = term.rate * terms.largest(term.factors)
         words = {"state": 1.0, "ambient": _AMBIENT, "reference": _REFERENCE}[term.source]
+        if term.law is not None:
+            words = words * term.law.slopes[1] + laws[term.law.index].error / lsb
         first[:, term.target] += rate(1, term) * (ranges.difference(term) + 2.0 * lsb) + largest * words * lsb
     for target in range(len(terms.states)):
         first[:, target] += summed(1, target, first[:, target])

@@ -7,11 +7,14 @@ Numerical Algorithms, 2.2 and 3.1).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.network.defect import Roundings
 from gen.lowering.network.factors import FactorProgram
+from gen.lowering.network.laws import LawProgram
 from gen.lowering.network.program import HeatProgram, TermProgram
 from gen.lowering.network.ranges import Ranges
 from gen.lowering.network.terms import Term, Terms
@@ -36,7 +39,13 @@ def heat_programs(terms: Terms, target: int, bits: int) -> list[HeatProgram]:
 
 
 def roundings(
-    terms: Terms, ranges: Ranges, bits: int, factors: tuple[FactorProgram, ...], first: Array, orders: int
+    terms: Terms,
+    ranges: Ranges,
+    bits: int,
+    factors: tuple[FactorProgram, ...],
+    first: Array,
+    orders: int,
+    laws: Sequence[LawProgram] = (),
 ) -> Roundings:
     """What float32 does; `first` bounds y1, K, shape (rows, n)."""
     lsb = 2.0**-bits
@@ -44,8 +53,13 @@ def roundings(
     def relative(own: tuple[int, ...]) -> float:
         return sum(factors[k].error / max(float(terms.spans[k, 1]), 1e-30) + 2.0 * UNIT for k in own)
 
-    def rate(_: int, term: Term) -> Array:
+    def rate(order: int, term: Term) -> Array:
         largest = term.rate * terms.largest(term.factors)
+        if term.law is not None and order > 1:
+            # Times the slope at words that are rounded down, as float32, rounded once more.
+            slope, off = term.law.slopes[1], laws[term.law.index].slope_error + term.law.steepest * 2.0 * lsb
+            more = (slope + off) * (relative(term.factors) + 3.0 * UNIT) + off
+            return np.asarray(largest * more * (1.0 + 1e-6), dtype=np.float64)
         return np.asarray(largest * (relative(term.factors) + UNIT) * (1.0 + 1e-6), dtype=np.float64)
 
     def gathered(count: int, magnitude: Array) -> Array:
@@ -58,6 +72,8 @@ def roundings(
     for term in terms.terms:
         largest = term.rate * terms.largest(term.factors)
         words = {"state": 1.0, "ambient": _AMBIENT, "reference": _REFERENCE}[term.source]
+        if term.law is not None:
+            words = words * term.law.slopes[1] + laws[term.law.index].error / lsb
         error[:, term.target] += rate(1, term) * ranges.difference(term) + largest * words * lsb
         total[:, term.target] += largest * ranges.difference(term)
     for heat in terms.heats:

@@ -11,8 +11,9 @@ from gen.errors import CheckFailed
 from gen.lowering.effects.program import Channel
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.network import fixed
-from gen.lowering.network.choose import fixed_form, float_form
+from gen.lowering.network.choose import Told, fixed_form, float_form
 from gen.lowering.network.factors import lower_factor
+from gen.lowering.network.laws import limited, lower_law, widest_word
 from gen.lowering.network.program import NetworkProgram, NetworkProof, Reading
 from gen.lowering.network.ranges import reachable, speeds
 from gen.lowering.network.terms import terms_of
@@ -35,21 +36,23 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
     """
     model = coefficients.model
     assert model.network is not None
-    for number, law in model.network.laws:
-        kind = type(law).__name__.lower()
-        raise CheckFailed(f"$.network.paths[{number}].{kind}: the board knows no such path yet; gen simulate does")
     terms = terms_of(model)
     ranges = reachable(model, terms)
     if ranges is None:
         raise CheckFailed("$.network: no range of temperatures can be proven: heat at its largest runs away")
+    terms = limited(terms, ranges)
     channels = model.network.channels
     factors = tuple(
         lower_factor(factor, channels, float(terms.spans[k, 1]), k) for k, factor in enumerate(terms.factors)
     )
-    bits = fixed.fraction_bits(ranges, [node.sensor.offset for node in model.network.sensed if node.sensor])
+    offsets = [node.sensor.offset for node in model.network.sensed if node.sensor]
+    bits = fixed.fraction_bits(ranges, offsets, widest_word(terms, ranges))
+    laws = tuple(lower_law(law, ranges, bits) for law in terms.laws)
     first = speeds(terms, ranges)
     limit, _ = coefficients.accuracy.limit(arithmetic)
-    found = (fixed_form if arithmetic == "fixed" else float_form)(terms, ranges, bits, factors, first, limit)
+    found = (fixed_form if arithmetic == "fixed" else float_form)(
+        terms, ranges, bits, Told(factors, laws), first, limit
+    )
     bound = found.bound * _CLAIMED
     bound = np.maximum(bound, bound * (_START_WORDS * 2.0**-bits / bound.min()))
     proof = NetworkProof(ranges.low, ranges.high, bound, found.defect.max(axis=0))
@@ -63,6 +66,7 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
         np.minimum(np.rint(model.network.rest_of_hidden * 2.0**32).astype(np.int64), 2**32 - 1),
         tuple(model.network.index(node.name) for node in model.network.hidden),
         factors,
+        laws,
         _channels(model),
         (ceil(model.domain_temperature[0] * 1000.0), floor(model.domain_temperature[1] * 1000.0)),
         proof,

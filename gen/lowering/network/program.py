@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gen.lowering.effects.program import Channel
 from gen.lowering.kinds import Arithmetic, Integers
 from gen.lowering.network.factors import FactorProgram
+from gen.lowering.network.laws import LawProgram
 from gen.lowering.network.series import Product
 from gen.lowering.network.terms import Term, Warmth, identifier
 from gen.lowering.recursion.guarantee import rounded_up
@@ -212,7 +213,7 @@ class NetworkProgram:
         Weights of the sensed nodes and the ambient in each hidden node's start, in 2^-32, shape (hidden, sensed + 1).
     hidden
         Those nodes' states.
-    factors, channels
+    factors, laws, channels
         What is told; channel 0 is the ambient.
     start_mC
         Ends of a temperature at the start, in thousandths.
@@ -229,6 +230,7 @@ class NetworkProgram:
     rest: Integers
     hidden: tuple[int, ...]
     factors: tuple[FactorProgram, ...]
+    laws: tuple[LawProgram, ...]
     channels: tuple[Channel, ...]
     start_mC: tuple[int, int]
     proof: NetworkProof

@@ -2,7 +2,8 @@
 
 The comparison principle for systems without negative entries off their diagonal (Smith, Monotone Dynamical Systems,
 chapter 3): a vector U with M U + f <= 0 for every |PWM| and all that channels may say, and not below the start, stays
-above every solution. Each row is affine in its factors, so that their ends are all that has to be looked at.
+above every solution. Each row is affine in its factors, so that their ends are all that has to be looked at. Where
+paths have laws the same holds of what the equations give at U, which Newton's method finds.
 """
 
 from __future__ import annotations
@@ -12,10 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.network.terms import Term, Terms, scaled
+from gen.lowering.network.terms import Term, Terms, scaled, slope_of
 from gen.model import ThermalModel
 
 Array = NDArray[np.float64]
+_NEWTON_STEPS = 60
+_SETTLED_K = 1e-9
+"""By how much Newton's last step may move: claims are wider by far more."""
 MARGIN_K = 0.01
 """By which the board's own temperatures may lie outside of the exact ones' range; errors stay far below it."""
 
@@ -42,9 +46,15 @@ class Ranges:
             return float(self.low[term.other]), float(self.high[term.other])
         return self.ambient if term.source == "ambient" else (term.reference, term.reference)
 
+    def of(self, target: int) -> tuple[float, float]:
+        """Least and largest temperature of a state, degC."""
+        return float(self.low[target]), float(self.high[target])
+
     def difference(self, term: Term) -> float:
         """Largest magnitude of the difference that a term multiplies, K."""
         low, high = self.ends(term)
+        if term.law is not None:
+            return term.law.largest((low, high), self.of(term.target))
         return max(high - float(self.low[term.target]), float(self.high[term.target]) - low)
 
 
@@ -62,10 +72,25 @@ def reachable(model: ThermalModel, terms: Terms) -> Ranges | None:
 
 def _bounding(terms: Terms, ambient: float, start: float, *, upper: bool = True) -> Array | None:
     """The least U >= start with M U + a ambient + f <= 0, or the greatest L <= start with the other sign."""
+    if not terms.laws:
+        return _bounded(terms, ambient, start, None, upper=upper)
+    found = np.full(len(terms.states), start)
+    for _ in range(_NEWTON_STEPS):
+        before, after = found, _bounded(terms, ambient, start, found, upper=upper)
+        if after is None:
+            return None
+        found = after
+        if float(np.abs(found - before).max()) <= _SETTLED_K:
+            return found
+    return None
+
+
+def _bounded(terms: Terms, ambient: float, start: float, at: Array | None, *, upper: bool) -> Array | None:
+    """The same with every law as it is near some temperatures of the states, if there are any laws."""
     rows, right = [], []
     for target in range(len(terms.states)):
         for corner in terms.corners(target):
-            left, constant = matrix_row(terms, target, corner, ambient)
+            left, constant = matrix_row(terms, target, corner, ambient, at)
             rows.append(left)
             right.append(-constant)
     matrix, limit = np.concatenate(rows), np.concatenate(right)
@@ -90,13 +115,38 @@ def _least(matrix: Array, limit: Array, start: float) -> Array | None:
     return np.asarray(solved.x, dtype=np.float64) if solved.status == 0 else None
 
 
-def matrix_row(terms: Terms, target: int, corner: dict[int, float], ambient: float) -> tuple[Array, Array]:
-    """One state's row of h M, shape (rows, n), and the rest h (a T_ambient + f), shape (rows,)."""
+def matrix_row(
+    terms: Terms, target: int, corner: dict[int, float], ambient: float, at: Array | None = None
+) -> tuple[Array, Array]:
+    """One state's row of h M, shape (rows, n), and the rest h (a T_ambient + f), shape (rows,).
+
+    Parameters
+    ----------
+    terms, target
+        Which.
+    corner
+        Values of factors, and of laws' slopes where `at` does not say them.
+    ambient
+        degC.
+    at
+        States about which laws are taken as lines, degC.
+    """
     own = terms.of(target)
     count = own[0].rate.size if own else terms.terms[0].rate.size
     row, rest = np.zeros((count, len(terms.states))), np.zeros(count)
     for term in own:
         rate = scaled(term, corner) * (-1.0 if term.growing else 1.0)
+        if term.law is not None:
+            slope = corner.get(slope_of(term.law), 0.0)
+            if at is not None:
+                there, here = float(at[term.other]) if term.source == "state" else ambient, float(at[target])
+                slope = term.law.slope(here, there)
+                known = here - there if term.source == "state" else here
+                rest += rate * (term.law.driving(there, here) + slope * known)
+            row[:, target] -= rate * slope
+            if term.source == "state":
+                row[:, term.other] += rate * slope
+            continue
         row[:, target] -= rate
         if term.source == "state":
             row[:, term.other] += rate
@@ -120,6 +170,12 @@ def speeds(terms: Terms, ranges: Ranges) -> Array:
                 for term in terms.of(target):
                     rate, (low, high) = scaled(term, corner), ranges.ends(term)
                     first, second = sorted((low - end, high - end))
+                    if term.law is not None:
+                        # No line in the target's temperature: as if it had both ends at once.
+                        first, second = (
+                            term.law.driving(low, ranges.high[target]),
+                            term.law.driving(high, ranges.low[target]),
+                        )
                     if term.growing:
                         first, second = -second, -first
                     falling += rate * first

@@ -6,7 +6,7 @@ terms is the whole model.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Literal
 
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from gen.lowering.recursion.dynamics import domain_rows
 from gen.model import ThermalModel
+from gen.model.laws import Law
 from gen.model.network import Factor, Network
 
 Array = NDArray[np.float64]
@@ -24,8 +25,52 @@ _GRID = 257
 
 
 @dataclass(frozen=True, eq=False)
+class PathLaw:
+    """What stands in the place of a difference on one path.
+
+    Attributes
+    ----------
+    index, path
+        Its position among the laws, and its path's in the file.
+    law
+        Of which kind.
+    first, second
+        States at its ends; None for the ambient.
+    scale
+        What drives, and its slope, count as that much less, and its terms' rates as that much more.
+    slopes, steepest
+        Ends of its slope by the first end's temperature, and a bound of the slope's own slope in 1/K; less the scale.
+    """
+
+    index: int
+    path: int
+    law: Law
+    first: int
+    second: int | None
+    scale: float = 1.0
+    slopes: tuple[float, float] = (0.0, np.inf)
+    steepest: float = np.inf
+
+    def driving(self, one: float, other: float) -> float:
+        """The difference that counts from one temperature in degC to another, K."""
+        return float(self.law.driving(one, other)) / self.scale
+
+    def slope(self, one: float, other: float) -> float:
+        """Its derivative by the first one."""
+        return float(self.law.slope(one, other)) / self.scale
+
+    def largest(self, one: tuple[float, float], other: tuple[float, float]) -> float:
+        """Largest magnitude of what drives between two ranges: it grows with one end and falls with the other, K."""
+        return max(self.driving(one[1], other[0]), -self.driving(one[0], other[1]))
+
+    def with_limits(self, scale: float, slopes: tuple[float, float], steepest: float) -> PathLaw:
+        """The same with what it can be."""
+        return replace(self, scale=scale, slopes=slopes, steepest=steepest)
+
+
+@dataclass(frozen=True, eq=False)
 class Term:
-    """``T_target += rate * (source - T_target)`` in first order.
+    """``T_target += rate * (source - T_target)`` in first order, or times what a law makes of that difference.
 
     Attributes
     ----------
@@ -45,6 +90,8 @@ class Term:
         Indices into :attr:`Terms.factors`, all multiply the rate.
     label
         Where it comes from, for people.
+    law
+        Of its path; None for the difference itself.
     """
 
     target: int
@@ -55,6 +102,7 @@ class Term:
     rate: Array
     factors: tuple[int, ...]
     label: str
+    law: PathLaw | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +141,8 @@ class Terms:
         Different ones among all paths and heats.
     spans
         Least and largest value of each factor over its channel's range, shape (factors, 2).
+    laws
+        Of the paths that have one.
     """
 
     states: tuple[str, ...]
@@ -100,6 +150,7 @@ class Terms:
     heats: tuple[Warmth, ...]
     factors: tuple[Factor, ...]
     spans: Array
+    laws: tuple[PathLaw, ...] = ()
 
     def of(self, target: int) -> tuple[Term, ...]:
         """The terms of one state."""
@@ -109,18 +160,47 @@ class Terms:
         """The heats of one state."""
         return tuple(heat for heat in self.heats if heat.target == target)
 
-    def corners(self, target: int) -> list[dict[int, float]]:
+    def corners(self, target: int, *, laws: bool = False) -> list[dict[int, float]]:
         """Each combination of ends of the factors that one state's row reads.
 
         A row is affine in each of its factors, so that its extremes over all that channels may say are among these.
+
+        Parameters
+        ----------
+        target
+            A state.
+        laws
+            Whether the laws' slopes count among them, under :func:`slope_of`.
         """
         own: tuple[Term | Warmth, ...] = (*self.of(target), *self.heats_of(target))
         used = sorted({k for part in own for k in part.factors})
-        return [dict(zip(used, ends, strict=True)) for ends in product(*(self.spans[k] for k in used))]
+        ends = [self.spans[k] for k in used]
+        for law in (term.law for term in self.of(target) if laws and term.law is not None):
+            used.append(slope_of(law))
+            ends.append(np.array(law.slopes))
+        return [dict(zip(used, values, strict=True)) for values in product(*ends)]
+
+    def with_laws(self, laws: tuple[PathLaw, ...]) -> Terms:
+        """The same with laws in other scales, which their terms' rates count in."""
+        terms = tuple(
+            term if term.law is None else replace(term, law=(new := laws[term.law.index]), rate=term.rate * new.scale)
+            for term in self.terms
+        )
+        return replace(self, terms=terms, laws=laws)
 
     def largest(self, factors: tuple[int, ...]) -> float:
         """Largest value of a product of factors."""
         return float(np.prod([self.spans[k, 1] for k in factors]))
+
+    def most(self, term: Term) -> Array:
+        """Largest change of a term's target for each kelvin, per sample by row of the domain, shape (rows,)."""
+        slope = 1.0 if term.law is None else term.law.slopes[1]
+        return np.asarray(term.rate * (self.largest(term.factors) * slope), dtype=np.float64)
+
+
+def slope_of(law: PathLaw) -> int:
+    """Under which number a corner has a law's slope: factors have those from 0 on."""
+    return -1 - law.index
 
 
 def lagging_reading(node: str) -> str:
@@ -158,8 +238,14 @@ def terms_of(model: ThermalModel) -> Terms:
         return tuple(factors.index(factor) for factor in own)
 
     terms: list[Term] = []
+    laws: list[PathLaw] = []
     for number, path in enumerate(network.paths):
         conductance = network.conductances[rows, number] * step
+        law: PathLaw | None = None
+        if path.law is not None and conductance.any():
+            second = None if path.second is None else network.index(path.second)
+            law = PathLaw(len(laws), number, path.law, network.index(path.first), second)
+            laws.append(law)
         for here, there in ((path.first, path.second), (path.second, path.first)):
             if here is None or not conductance.any():
                 continue
@@ -167,7 +253,7 @@ def terms_of(model: ThermalModel) -> Terms:
             source: Source = "ambient" if there is None else "state"
             other = -1 if there is None else network.index(there)
             rate = conductance / network.capacities[target]
-            terms.append(Term(target, source, other, 0.0, False, rate, known(path.factors), f"paths[{number}]"))
+            terms.append(Term(target, source, other, 0.0, False, rate, known(path.factors), f"paths[{number}]", law))
     heats: list[Warmth] = []
     for number, heat in enumerate(network.heats):
         target = network.index(heat.node)
@@ -185,7 +271,7 @@ def terms_of(model: ThermalModel) -> Terms:
             label = f"nodes[{network.index(node.name)}].sensor"
             terms.append(Term(len(names), "state", network.index(node.name), 0.0, False, rate, (), label))
             names.append(lagging_reading(node.name))
-    return Terms(tuple(names), tuple(terms), tuple(heats), tuple(factors), _spans(network, factors))
+    return Terms(tuple(names), tuple(terms), tuple(heats), tuple(factors), _spans(network, factors), tuple(laws))
 
 
 def _spans(network: Network, factors: list[Factor]) -> Array:
