@@ -88,7 +88,9 @@ def with_laws(seed: int, size: int) -> dict[str, Any]:
     paths.append({**outside, "radiation": {"reference_degC": [25, 60][seed % 2]}})
     if all("convection" in path or "radiation" in path for path in paths if "ambient" in path["between"]):
         paths.append({**outside, "conductance_W_per_K": {"poly": [0.3]}})
-    # What bends counts with the square of how far starts may be apart.
+    # What bends counts with the square of how fast temperatures change.
+    for node in file["network"]["nodes"]:
+        node["capacity_J_per_K"] = round(10.0 * node["capacity_J_per_K"], 1)
     file["domain"]["temperature_degC"], file["domain"]["ambient_degC"] = [0, 90], [10, 35]
     file["domain"]["pwm"] = file["validity"]["pwm"] = [0, 255]
     file["name"] = f"laws{seed}"

@@ -9,7 +9,7 @@ hold after a sample if they held before it, and that they hold at every start. d
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf
@@ -22,8 +22,10 @@ from pycparser import c_ast
 from gen.certificate.exact import ROUGHLY, Floats
 from gen.certificate.network.arithmetic import Arithmetic, Number
 from gen.certificate.network.document import NetworkCertificate
-from gen.certificate.network.flow import Rows, change, flows
+from gen.certificate.network.evaluated import SLOPE_BITS, evaluated
+from gen.certificate.network.flow import Bent, Rows, change, flows
 from gen.certificate.network.forms import Form, Space
+from gen.certificate.network.laws import Law, laws
 from gen.certificate.network.machine import Machine
 from gen.certificate.network.measured import Measured, Span, measure, spans
 from gen.certificate.network.memory import Cell, Model
@@ -34,6 +36,9 @@ from gen.certificate.network.words import low_bits
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 from gen.certificate.verdict import Verdict
+
+#: A law's function is told its temperatures to so many words.
+_TOLD_WORDS = 16.0
 
 
 def prove(folder: Path, certificate: NetworkCertificate, tell: Callable[[str], None] = lambda _: None) -> list[Verdict]:
@@ -100,8 +105,25 @@ class NetworkProof:
             (float(np.nextafter(low - error, -inf)), float(np.nextafter(high + error, inf)))
             for (low, high), error in zip(self._ranges, self._error, strict=True)
         ]
-        self._space = Space([*box, self._ambient], ends, certificate.rows)
-        self._rows = Rows(flows(certificate), len(certificate.states), certificate.rows, ends)
+        self._laws = laws(certificate)
+        both = [
+            (self._told_ends(box[law.first]), self._told_ends(self._ambient if law.second is None else box[law.second]))
+            for law in self._laws
+        ]
+        driving = [law.driving_ends(*ranges) for law, ranges in zip(self._laws, both, strict=True)]
+        self._slopes = [law.slope_ends(*ranges) for law, ranges in zip(self._laws, both, strict=True)]
+        steepest = [law.steepest(*ranges) for law, ranges in zip(self._laws, both, strict=True)]
+        for law, (least, _) in zip(self._laws, self._slopes, strict=True):
+            if not least >= 0.0:
+                raise Refuted(f"the heat of path {law.path} may fall as a difference grows")
+        self._space = Space([*box, self._ambient, *driving], [*ends, *self._slopes], certificate.rows)
+        self._rows = Rows(flows(certificate), len(certificate.states), certificate.rows, [*ends, *self._slopes])
+        self._bent = Bent(self._rows.speeds(np.array(box), self._ambient, driving), steepest) if self._laws else None
+
+    def _told_ends(self, ends: tuple[float, float]) -> tuple[float, float]:
+        """Ends of a temperature as the C++ may have it."""
+        off = 2.0 * _TOLD_WORDS * self._unit
+        return ends[0] - off, ends[1] + off
 
     def verdicts(self) -> list[Verdict]:
         """Prove everything; see :mod:`gen.certificate.network.check`.
@@ -155,6 +177,44 @@ class NetworkProof:
             raise Refuted(f"{name} may overflow")
         return Number("int32_t", form, known.span.natural)
 
+    def _of_law(self, name: str, told: Sequence[Number]) -> tuple[Number, Number] | None:
+        """What a function of two temperatures, or of their difference, gives for a path with a law; and its slope."""
+        for place, law in enumerate(self._laws):
+            expected = self._told(law)
+            if len(told) == len(expected) and all(one.kind == "int32_t" for one in told):
+                away = [float((one.form - form).largest.max()) for one, form in zip(told, expected, strict=True)]
+                if max(away) <= _TOLD_WORDS:
+                    return self._driven(name, place, told, sum(away))
+        return None
+
+    def _told(self, law: Law) -> list[Form]:
+        """What a law's function should be told, in words."""
+        first = self._space.temperature(law.first)
+        second = self._space.temperature(len(self._ranges) if law.second is None else law.second)
+        return [form.times(1.0 / self._unit) for form in ([first - second] if law.polynomial else [first, second])]
+
+    def _driven(self, name: str, place: int, told: Sequence[Number], away: float) -> tuple[Number, Number]:
+        """The law's own symbols, give or take what the function is off by and what it is told wrongly."""
+        assert self._bent is not None
+        law, bits = self._laws[place], self._certificate.fraction_bits
+        words = [(float(one.form.ends[0].min()), float(one.form.ends[1].max())) for one in told]
+        found = evaluated(self._sample, name, law, words, bits)
+        told_off = self._bent.steepest[place] * away * self._unit
+        driving = self._space.temperature(len(self._ranges) + 1 + place).times(1.0 / self._unit)
+        off = found.driving + self._slopes[place][1] * away
+        slope = self._space.factor(len(self._certificate.equations.factors) + place).times(2.0**SLOPE_BITS)
+        steep = (found.slope + told_off) * 2.0**SLOPE_BITS
+        return (
+            self._fitting(name, driving.within(off * (1.0 + ROUGHLY)), natural=False),
+            self._fitting(name, slope.within(steep * (1.0 + ROUGHLY)), natural=True),
+        )
+
+    @staticmethod
+    def _fitting(name: str, form: Form, *, natural: bool) -> Number:
+        if not np.all(form.largest < 2.0**31):
+            raise Refuted(f"{name} may overflow")
+        return Number("int32_t", form, natural)
+
     def _ambient_word(self, off: float) -> Number:
         form = self._space.temperature(len(self._ranges)).times(1.0 / self._unit).within(off)
         if not np.all(form.largest < 2.0**31 - 1.0):
@@ -174,13 +234,15 @@ class NetworkProof:
     def defects(self) -> Floats:
         """What a sample adds to each state's error, shape (P, n)."""
         model = Model(self._words())
-        machine = Machine(self._sample, self._tables, self._space, model, self._of_channel)
+        machine = Machine(self._sample, self._tables, self._space, model, self._of_channel, self._of_law)
         row = Arithmetic(self._space).known(np.arange(self._space.rows, dtype=np.float64), "uint8_t")
         machine.call(f"{self._project.model}_advance", row, self._ambient_word(self._measured.ambient))
         n = len(self._ranges)
         states = [self._space.temperature(k) for k in range(n)]
-        factors = [self._space.factor(k) for k in range(len(self._certificate.equations.factors))]
-        exact = change(self._space, states, self._space.temperature(n), factors, flows(self._certificate))
+        factors = [self._space.factor(k) for k in range(len(self._certificate.equations.factors) + len(self._laws))]
+        driving = [self._space.temperature(n + 1 + k) for k in range(len(self._laws))]
+        ambient, own = self._space.temperature(n), flows(self._certificate)
+        exact = change(self._space, states, ambient, factors, own, driving, self._bent)
         off = [self._degrees_of(word) - states[k] - exact[k] for k, word in enumerate(model.T)]
         return np.array([form.largest for form in off]).T
 

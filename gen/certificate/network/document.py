@@ -2,6 +2,7 @@
 
     C_i dT_i/dt = sum of G (T_other - T_i) + sum of P (1 + k (T_i - T_reference))
 
+On a path with a law d f(|d|) stands in the place of a difference d, or that of fourth powers in kelvin.
 A sensor that lags is a state of its own, ``dT/dt = (T_node - T) / lag``. Numbers are read as float64, which is exact.
 """
 
@@ -135,12 +136,36 @@ class Path(_Strict):
         At |PWM| 0, where hidden nodes start.
     factors
         All multiply it.
+    convection
+        Of natural convection: f over |d| in K, highest power first.
+    radiation_degC
+        Of radiation: the conductance is that at this temperature of both ends.
+    scale
+        Of a law: what the C++ has of it is that much less, and the path's rates are that much more.
     """
 
     between: tuple[Place, Place | None]
     conductance_W_per_K: list[Width]
     at_rest_W_per_K: Width
     factors: list[Place] = []
+    convection: Annotated[list[Number], Field(min_length=1, max_length=4)] | None = None
+    radiation_degC: Annotated[Number, Field(gt=-273.15)] | None = None
+    scale: Positive = 1.0
+
+    @property
+    def has_law(self) -> bool:
+        """Whether its heat is no multiple of a difference."""
+        return self.convection is not None or self.radiation_degC is not None
+
+    @model_validator(mode="after")
+    def _one_law(self) -> Path:
+        if self.convection is not None and self.radiation_degC is not None:
+            raise ValueError("a path has one law at most")
+        if self.radiation_degC is not None and self.between[1] is not None:
+            raise ValueError("a path radiates to the ambient alone")
+        if self.scale != 1.0 and not self.has_law:
+            raise ValueError("a path without a law has a scale")
+        return self
 
 
 class Heat(_Strict):
@@ -254,7 +279,7 @@ class NetworkCertificate(_Strict):
     def statement(self) -> dict[str, Any]:
         """What it is about: equations, states and components without what is claimed of them."""
         every = self.model_dump(mode="json", exclude_none=True)
-        claims = {"bits", "range_degC", "error_K", "bound_K", "reading_K"}
+        claims = {"bits", "scale", "range_degC", "error_K", "bound_K", "reading_K"}
 
         def stated(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
             return [{key: value for key, value in entry.items() if key not in claims} for entry in entries]

@@ -3,12 +3,16 @@
 dT/dt = M T + a T_ambient + f, where M has no negative entry off its diagonal. Over a sample of h seconds T moves by
 
     Y1 + Y2 + ..        Y1 = h (M T + a T_ambient + f),  Yk = h M Y(k-1) / k
+
+Where paths have laws, Y1 has what these make of both temperatures, M in what follows is the derivative J at the
+sample's beginning, and what the heat bends by meanwhile is enclosed (:func:`bending`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -16,6 +20,7 @@ import numpy as np
 from gen.certificate.exact import ROUGHLY, Floats
 from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.network.forms import Form, Space
+from gen.certificate.network.laws import Law, laws
 from gen.certificate.refuted import Refuted
 
 #: Terms of the series that are looked at, at most.
@@ -24,6 +29,8 @@ _MOST_TERMS = 40
 _LEAST = 1e-15
 #: Relative error of a product, or a sum, of some float64: far more than it has.
 _WRONG = 2.0**-46
+#: What a law makes of temperatures, K, and a magnitude that its error is a share of.
+Driving = Callable[["Flow", Law], tuple[float, float]]
 #: What a flow comes from: a state, the ambient, a fixed temperature in degC, or nothing that has a temperature.
 Source = int | float | str | None
 
@@ -42,25 +49,44 @@ class Flow:
         The rate times h by |PWM|, every factor 1, to within 2^-46 of itself. Never negative between two states.
     factors
         All multiply it.
+    law
+        What stands in the place of source - T_target, and whose slope multiplies what follows.
+    place
+        Of the law among all laws: its slope counts as a factor behind the factors.
     """
 
     target: int
     source: Source
     per_sample: Floats
     factors: tuple[int, ...]
+    law: Law | None = None
+    place: int = -1
+
+    def later(self, factors: int) -> tuple[int, ...]:
+        """What multiplies it in M, where there are so many factors."""
+        return self.factors if self.law is None else (*self.factors, factors + self.place)
+
+    def driving(self, law: Law, at: Floats, ambient: float) -> tuple[float, float]:
+        """What its law makes of temperatures in degC, K, and a magnitude that its error is a share of."""
+        there = float(at[self.source]) if isinstance(self.source, int) else ambient
+        return law.driving(there, float(at[self.target]))
 
 
 def flows(certificate: NetworkCertificate) -> list[Flow]:
     """The equations as a sum."""
     own, h = certificate.equations, certificate.sample_time_s
     found: list[Flow] = []
-    for path in own.paths:
-        conductance, factors = np.array(path.conductance_W_per_K) * h, tuple(path.factors)
+    known = {law.path: (place, law) for place, law in enumerate(laws(certificate))}
+    for number, path in enumerate(own.paths):
+        if path.has_law and number not in known:
+            continue  # it carries nothing
+        place, law = known.get(number, (-1, None))
+        conductance, factors = np.array(path.conductance_W_per_K) * h * path.scale, tuple(path.factors)
         first, second = path.between
         for here, there in ((first, second), (second, first)):
             if here is not None:
                 source: Source = "ambient" if there is None else there
-                found.append(Flow(here, source, conductance / _capacity(certificate, here), factors))
+                found.append(Flow(here, source, conductance / _capacity(certificate, here), factors, law, place))
     for heat in own.heats:
         warmth, factors = np.array(heat.power_W) * h / _capacity(certificate, heat.node), tuple(heat.factors)
         found.append(Flow(heat.node, None, warmth, factors))
@@ -80,32 +106,61 @@ def _capacity(certificate: NetworkCertificate, place: int) -> float:
 
 
 def change(
-    space: Space, states: Sequence[Form], ambient: Form, factors: Sequence[Form], own: Sequence[Flow]
+    space: Space,
+    states: Sequence[Form],
+    ambient: Form,
+    factors: Sequence[Form],
+    own: Sequence[Flow],
+    driving: Sequence[Form] = (),
+    bent: Bent | None = None,
 ) -> list[Form]:
     """What a sample changes exactly, by state, K.
+
+    Parameters
+    ----------
+    space
+        Of all forms.
+    states, ambient
+        Temperatures, degC.
+    factors
+        And behind them the slopes of all laws.
+    own
+        The equations.
+    driving
+        Of each law: what drives heat from its first end.
+    bent
+        What the laws differ by from lines.
 
     Raises
     ------
     Refuted
         If the series goes on for too long.
     """
-    rates = []
+    firsts, rates = [], []
+    count = len(factors) - len(driving)
     for flow in own:
         rate = space.number(flow.per_sample, np.abs(flow.per_sample) * _WRONG)
         for k in flow.factors:
             rate = rate.product(factors[k]).trimmed(_LEAST)
-        rates.append(rate)
+        firsts.append(rate)
+        rates.append(rate if flow.law is None else rate.product(factors[count + flow.place]).trimmed(_LEAST))
     given = {"ambient": ambient}
     term = [space.number(0.0)] * len(states)
     norm = np.zeros((len(states), space.rows))  # sums of a row's magnitudes: Yk is at most Y(k-1) times that over k
-    for flow, rate in zip(own, rates, strict=True):
-        made = rate
+    for flow, first, rate in zip(own, firsts, rates, strict=True):
+        made = first
         if flow.source is not None:
             source = flow.source
-            of = states[source] if isinstance(source, int) else given.get(str(source)) or space.number(float(source))
-            made = rate.product(of - states[flow.target])
+            if flow.law is not None:
+                made = first.product(driving[flow.place].times(-1.0 if flow.target == flow.law.first else 1.0))
+            else:
+                of = (
+                    states[source] if isinstance(source, int) else given.get(str(source)) or space.number(float(source))
+                )
+                made = first.product(of - states[flow.target])
             norm[flow.target] += rate.largest * (2.0 if isinstance(source, int) else 1.0)
         term[flow.target] = term[flow.target] + made
+    more = [np.zeros(space.rows)] * len(states) if bent is None else bending(bent, firsts, rates, own)
     largest = norm.max(axis=0) * (1.0 + ROUGHLY)
     total = list(term)
     for k in range(2, _MOST_TERMS):
@@ -115,7 +170,58 @@ def change(
         worst = np.max([one.largest for one in term], axis=0)
         if np.all(worst < _LEAST) and np.all(largest < (k + 1) / 2.0):
             # What follows is at most half of what came before, again and again.
-            return [one.within(2.0 * worst) for one in total]
+            return [one.within(2.0 * worst + off) for one, off in zip(total, more, strict=True)]
+    raise Refuted("the paths are too fast for the sample time")
+
+
+@dataclass(frozen=True, eq=False)
+class Bent:
+    """How far laws are no lines.
+
+    Attributes
+    ----------
+    speeds
+        How much each state changes in a sample at most, wherever the states are, K, shape (P, n).
+    steepest
+        A bound of each law's slope's own slope, 1/K.
+    """
+
+    speeds: Floats
+    steepest: Sequence[float]
+
+
+def bending(bent: Bent, firsts: Sequence[Form], rates: Sequence[Form], own: Sequence[Flow]) -> list[Floats]:
+    """What a sample differs by from the series, by state, K: heat that bends between its beginning and its end.
+
+    After a share s of the sample both ends of a path have moved by s times their speeds at most, and its heat by no
+    more than half its largest second derivative times that squared from a line. The integral of s^2 / 2 is a sixth.
+    exp((1 - s) J) hands that on: the integral of s^2 / 2 (1 - s)^k / k! is 1 / (k + 3)!, so that each further power of
+    |J| counts as one over k + 3 of the one before.
+
+    Raises
+    ------
+    Refuted
+        If what is handed on does not fade.
+    """
+    none = [np.zeros(len(bent.speeds)) for _ in bent.speeds.T]
+    term = list(none)
+    for flow, first in zip(own, firsts, strict=True):
+        if flow.law is not None:
+            moved = bent.speeds[:, flow.target] + (bent.speeds[:, flow.source] if isinstance(flow.source, int) else 0.0)
+            term[flow.target] = term[flow.target] + first.largest * (bent.steepest[flow.place] / 6.0) * moved**2
+    total = list(term)
+    for k in range(1, _MOST_TERMS):
+        following = list(none)
+        for flow, rate in zip(own, rates, strict=True):
+            if flow.source is not None:
+                beside = term[flow.source] if isinstance(flow.source, int) else 0.0
+                following[flow.target] = following[flow.target] + rate.largest * (term[flow.target] + beside)
+        before, term = term, [one / (k + 3) for one in following]
+        total = [one + more for one, more in zip(total, term, strict=True)]
+        worst, was = (np.max(several, axis=0) for several in (term, before))
+        # Largest terms fall by a factor of which the next one is smaller still.
+        if np.all(worst <= was / 2.0) and np.all(worst < _LEAST):
+            return [(one + 2.0 * worst) * (1.0 + ROUGHLY) for one in total]
     raise Refuted("the paths are too fast for the sample time")
 
 
@@ -160,6 +266,11 @@ class Row:
         else:
             self._fixed(rate * (ambient if isinstance(flow.source, str) else flow.source))
 
+    def drive(self, rate: Floats, value: float, size: float) -> None:
+        """Take up what a law makes of temperatures that are known."""
+        self.rest[:] += rate * value
+        self.size_of_rest[:] += np.abs(rate) * size
+
     def _fixed(self, warmth: Floats) -> None:
         self.rest[:] += warmth
         self.size_of_rest[:] += np.abs(warmth)
@@ -177,27 +288,70 @@ class Rows:
     states, rows
         How many there are of both.
     factors
-        Ends of each.
+        Ends of each, and behind them of the slopes of all laws.
     """
 
     def __init__(self, own: Sequence[Flow], states: int, rows: int, factors: Sequence[tuple[float, float]]) -> None:
         self._own, self._states, self._rows, self._factors = own, states, rows, factors
+        self._laws = len({flow.place for flow in own if flow.law is not None})
 
-    def corners(self, target: int, ambient: float) -> Iterator[Row]:
-        """A row at every corner."""
-        own = [flow for flow in self._own if flow.target == target]
+    def corners(self, target: int, ambient: float, driving: Driving | None = None) -> Iterator[Row]:
+        """A row at every corner.
+
+        Parameters
+        ----------
+        target, ambient
+            Which row, and degC.
+        driving
+            What laws make of temperatures that are known; None: their slopes count, as of what errors obey.
+        """
+        own = [(flow, self._multiplied(flow, slopes=driving is None)) for flow in self._own if flow.target == target]
         # A factor that a product has twice counts as two: its square lies between what these make.
-        used = sorted({(k, flow.factors[:i].count(k)) for flow in own for i, k in enumerate(flow.factors)})
+        used = sorted({(k, factors[:i].count(k)) for _, factors in own for i, k in enumerate(factors)})
         for ends in product(*(self._factors[k] for k, _ in used)):
-            at = dict(zip(used, ends, strict=True))
+            here = dict(zip(used, ends, strict=True))
             wide, long = (self._rows, self._states), self._rows
             row = Row(np.zeros(wide), np.zeros(wide), np.zeros(long), np.zeros(long))
-            for flow in own:
+            for flow, factors in own:
                 rate = flow.per_sample
-                for i, k in enumerate(flow.factors):
-                    rate = rate * at[k, flow.factors[:i].count(k)]
-                row.add(flow, rate, ambient)
+                for i, k in enumerate(factors):
+                    rate = rate * here[k, factors[:i].count(k)]
+                if flow.law is not None and driving is not None:
+                    row.drive(rate, *driving(flow, flow.law))
+                else:
+                    row.add(flow, rate, ambient)
             yield row
+
+    def _multiplied(self, flow: Flow, *, slopes: bool) -> tuple[int, ...]:
+        return flow.later(len(self._factors) - self._laws) if slopes else flow.factors
+
+    def speeds(self, box: Floats, ambient: tuple[float, float], driving: Sequence[tuple[float, float]]) -> Floats:
+        """How much each state changes in a sample at most, K, shape (P, n).
+
+        Parameters
+        ----------
+        box
+            Ends of the states, degC, shape (n, 2).
+        ambient
+            Its ends, degC.
+        driving
+            Ends of what each law makes of both ends of its path, K.
+        """
+        found = np.zeros((self._rows, self._states))
+
+        def of(upper: bool, flow: Flow, law: Law) -> tuple[float, float]:
+            low, high = driving[flow.place]
+            low, high = (-high, -low) if flow.target == law.first else (low, high)
+            return (high, abs(high)) if upper else (low, abs(low))
+
+        for target in range(self._states):
+            for upper in (False, True):
+                sign = 1.0 if upper else -1.0
+                for row in self.corners(target, ambient[int(upper)], partial(of, upper)):
+                    ends = np.maximum(sign * row.entries * box[:, 0], sign * row.entries * box[:, 1]).sum(axis=1)
+                    sizes = row.sizes @ np.abs(box).max(axis=1) + row.size_of_rest
+                    found[:, target] = np.maximum(found[:, target], ends + sign * row.rest + _WRONG * sizes)
+        return found
 
     def bounds(self, ends: Floats, ambient: float, *, upper: bool) -> int:
         """Decide h M U + h (a T_ambient + f) <= 0 at every row, or >= 0 for a lower bound; how many inequalities.
@@ -209,7 +363,7 @@ class Rows:
         """
         count, sign = 0, 1.0 if upper else -1.0
         for target in range(self._states):
-            for row in self.corners(target, ambient):
+            for row in self.corners(target, ambient, lambda flow, law: flow.driving(law, ends, ambient)):
                 most = sign * (row.entries @ ends + row.rest) + _WRONG * (row.sizes @ np.abs(ends) + row.size_of_rest)
                 count += most.size
                 if not np.all(most <= 0.0):
@@ -226,9 +380,12 @@ class Rows:
         """
         count = 0
         for target in range(self._states):
+            # The slope of a law may change within a sample: then the fastest of all corners counts for each.
+            bends = any(flow.law is not None for flow in self._own if flow.target == target)
+            fastest = np.max([row.sizes[:, target] for row in self.corners(target, 0.0)], axis=0) if bends else None
             for row in self.corners(target, 0.0):
                 back = -(row.entries @ error) - _WRONG * (row.sizes @ error)
-                held = back * np.exp(-row.sizes[:, target]) * (1.0 - _WRONG)
+                held = back * np.exp(-(row.sizes[:, target] if fastest is None else fastest)) * (1.0 - _WRONG)
                 count += held.size
                 if not (np.all(back >= 0.0) and np.all(held >= defect[:, target])):
                     raise Refuted(f"the error of state {target} may grow{_where(defect[:, target] - held)}")

@@ -46,6 +46,9 @@ class Machine:
         In RAM.
     of_channel
         What a function of a channel's value alone gives, by the function's name and the channel.
+    of_law
+        What a function of numbers gives that puts another number where its last argument points to, both by the
+        function's name and those numbers; None for one that is run.
     """
 
     def __init__(
@@ -55,11 +58,12 @@ class Machine:
         space: Space,
         model: Model,
         of_channel: Callable[[str, int], Number],
+        of_law: Callable[[str, Sequence[Number]], tuple[Number, Number] | None] = lambda *_: None,
     ) -> None:
         self._unit, self._tables, self._space = unit, tables, space
         self._do = Arithmetic(space)
         self._known = KnownTexts(unit, space, self.call)
-        self._model, self._of_channel = model, of_channel
+        self._model, self._of_channel, self._of_law = model, of_channel, of_law
 
     def call(self, name: str, *arguments: Any) -> Any:  # noqa: ANN401
         """Run a function.
@@ -74,6 +78,13 @@ class Machine:
         known = self._known.of(name, arguments)
         if known is not None:
             return known(*arguments)
+        *numbers, where = arguments or (None,)
+        if numbers and isinstance(where, Pointer) and all(isinstance(one, Number) for one in numbers):
+            made = self._of_law(name, numbers)
+            if made is not None:
+                where = self._within(where, 0)
+                where.cells[where.at] = self._replaced(where.cells[where.at], "=", made[1])
+                return made[0]
         tree = self._chosen(name, arguments)
         variables: dict[str, Any] = {}
         parameters = tree.decl.type.args.params if tree.decl.type.args is not None else []

@@ -83,8 +83,12 @@ def bending(terms: Terms, first: Array) -> Array:
         if term.law is not None:
             moved = first[:, term.target] + (first[:, term.other] if term.source == "state" else 0.0)
             total[:, term.target] += term.rate * terms.largest(term.factors) * term.law.steepest * moved**2 / 6.0
-    # exp((1 - s) J) moves some of it on: less than J does once, as its rows add up to less than 1 in a sample.
-    return total + _next(terms, total) if terms.laws else total
+    # exp((1 - s) J) hands that on; the integral of s^2 / 2 (1 - s)^k / k! is 1 / (k + 3)!.
+    handed = total
+    for k in range(1, MOST_ORDERS + 1):
+        handed = _next(terms, handed) / (k + 3)
+        total = total + handed
+    return np.asarray(total + 2.0 * handed.max(initial=0.0), dtype=np.float64)
 
 
 def choose_orders(terms: Terms, first: Array, floor: Array, share: float) -> tuple[list[int], Array]:

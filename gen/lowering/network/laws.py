@@ -180,12 +180,22 @@ def _kelvins(highest: float) -> float:
 
 
 def widest_word(terms: Terms, ranges: Ranges) -> float:
-    """Largest magnitude of a temperature plus or minus what a law makes of it, K."""
+    """Largest magnitude of a temperature plus or minus what a law makes of it, and of what that is made of, K."""
     found = 0.0
     for own in terms.laws:
         both = [max(map(abs, _range(place, ranges))) for place in (own.first, own.second)]
-        found = max(found, max(both) + own.largest(_range(own.first, ranges), _range(own.second, ranges)))
+        largest = own.largest(_range(own.first, ranges), _range(own.second, ranges))
+        found = max(found, max(both) + largest, _parts(own, ranges))
     return found
+
+
+def _parts(own: PathLaw, ranges: Ranges) -> float:
+    """Sum of the magnitudes that what drives is the sum of, K."""
+    if isinstance(own.law, Convection):
+        widest = _widest(own, ranges)
+        return widest * float(np.polyval(np.abs(own.law.polynomial), widest)) / own.scale
+    fourth = sum((_range(place, ranges)[1] + ZERO_C) ** 4 for place in (own.first, own.second))
+    return fourth / (4.0 * (own.law.reference + ZERO_C) ** 3 * own.scale)
 
 
 def lower_law(own: PathLaw, ranges: Ranges, bits: int) -> LawProgram:
@@ -203,7 +213,7 @@ def lower_law(own: PathLaw, ranges: Ranges, bits: int) -> LawProgram:
     label = f"paths[{own.path}].{type(own.law).__name__.lower()}"
     if isinstance(own.law, Convection):
         return _convection(own, own.law, _widest(own, ranges), bits, label)
-    return _radiation(own, own.law, max(float(ranges.high[own.first]), ranges.ambient[1]), bits, label)
+    return _radiation(own, own.law, ranges, bits, label)
 
 
 def _convection(own: PathLaw, law: Convection, widest: float, bits: int, label: str) -> ConvectionProgram:
@@ -233,11 +243,11 @@ def _convection(own: PathLaw, law: Convection, widest: float, bits: int, label: 
     )
 
 
-def _radiation(own: PathLaw, law: Radiation, top: float, bits: int, label: str) -> RadiationProgram:
-    kelvins = _kelvins(top)
+def _radiation(own: PathLaw, law: Radiation, ranges: Ranges, bits: int, label: str) -> RadiationProgram:
+    kelvins = _kelvins(max(float(ranges.high[own.first]), ranges.ambient[1]))
     reference = (law.reference + ZERO_C) ** 3 * own.scale
     whole, third = kelvins**4 / (4.0 * reference), kelvins**3 / reference
-    kept = min(bits, 31 - ceil(log2(whole + 1e-9)))
+    kept = min(bits, 31 - ceil(log2(max(whole / 2.0, _parts(own, ranges)) * (1.0 + 1e-6))))
     finest = WORD_BITS - round(log2(kelvins))
     drop, left = max(0, bits - finest), max(0, finest - bits)
     unit = 2.0**-WORD_BITS

@@ -15,7 +15,7 @@ from gen.lowering.network.choose import Told, fixed_form, float_form
 from gen.lowering.network.factors import lower_factor
 from gen.lowering.network.laws import limited, lower_law, widest_word
 from gen.lowering.network.program import NetworkProgram, NetworkProof, Reading
-from gen.lowering.network.ranges import reachable, speeds
+from gen.lowering.network.ranges import MARGIN_K, reachable, speeds
 from gen.lowering.network.terms import terms_of
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import ThermalModel
@@ -55,6 +55,11 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
     )
     bound = found.bound * _CLAIMED
     bound = np.maximum(bound, bound * (_START_WORDS * 2.0**-bits / bound.min()))
+    if laws and bound.max() > MARGIN_K:
+        raise CheckFailed(
+            f"$.network: with convection or radiation no error above {MARGIN_K:g} K can be proven, and it would be "
+            f"{rounded_up(float(bound.max())):.1e} K: temperatures change too fast for the sample time"
+        )
     proof = NetworkProof(ranges.low, ranges.high, bound, found.defect.max(axis=0))
     made = NetworkProgram(
         arithmetic,
