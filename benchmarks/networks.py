@@ -26,7 +26,13 @@ from gen.verification.verify import CombinationResult, verify
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = tuple(
-    ROOT / "examples" / name for name in ("my1016_rig/network.json", "network/coeffs.json", "ten_nodes/coeffs.json")
+    ROOT / "examples" / name
+    for name in (
+        "my1016_rig/network.json",
+        "network/coeffs.json",
+        "ten_nodes/coeffs.json",
+        "natural_cooling/coeffs.json",
+    )
 )
 HEAD = (
     "network", "nodes", "paths", "arithmetic", "words", "differ", "guaranteed (K)", "proven anew (K)", "measured (K)",

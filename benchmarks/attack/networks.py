@@ -28,7 +28,9 @@ from gen.reference.board import reference_of
 from gen.reference.network import ReferenceNetwork
 
 ROOT = Path(__file__).parent.parent.parent
-EXAMPLES = tuple(ROOT / "examples" / name / "coeffs.json" for name in ("network", "two_nodes", "ten_nodes"))
+EXAMPLES = tuple(
+    ROOT / "examples" / name / "coeffs.json" for name in ("network", "two_nodes", "ten_nodes", "natural_cooling")
+)
 SELECTION = 100
 """Samples between two selections."""
 Array = NDArray[np.float64]

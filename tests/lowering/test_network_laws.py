@@ -96,7 +96,8 @@ def test_a_sample_adds_no_more_to_the_error_than_is_proven(seed: int, arithmetic
     board.step(pwm)
     columns = {c.column: told[k] / 1000.0 for k, c in enumerate(program.channels) if k}
     step = np.full(lanes, model.sample_time)
-    exact = NetworkSolution(model).advance((words * unit).T, pwm, step, told[0] / 1000.0, columns)
+    states = np.asarray((words * unit).T, dtype=np.float64)
+    exact = NetworkSolution(model).advance(states, pwm, step, told[0] / 1000.0, columns)
     away = np.abs((board._state * unit).T - exact).max(axis=0)
     assert np.all(away <= program.proof.defect + 1e-9 * 0.1)
     assert (away / program.proof.defect).max() > 0.01

@@ -23,7 +23,7 @@ from gen.certificate.exact import ROUGHLY, Floats
 from gen.certificate.network.arithmetic import Arithmetic, Number
 from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.network.evaluated import SLOPE_BITS, evaluated
-from gen.certificate.network.flow import Bent, Rows, change, flows
+from gen.certificate.network.flow import Bent, change, flows
 from gen.certificate.network.forms import Form, Space
 from gen.certificate.network.laws import Law, laws
 from gen.certificate.network.machine import Machine
@@ -31,6 +31,7 @@ from gen.certificate.network.measured import Measured, Span, measure, spans
 from gen.certificate.network.memory import Cell, Model
 from gen.certificate.network.order import check_order
 from gen.certificate.network.rest import rest_weights
+from gen.certificate.network.rows import Rows
 from gen.certificate.network.source import Unit, tables
 from gen.certificate.network.words import low_bits
 from gen.certificate.refuted import Refuted

@@ -20,6 +20,9 @@ from gen.lowering.network.ranges import Ranges
 from gen.lowering.network.terms import PathLaw, Terms
 from gen.model.laws import ZERO_C, Convection, Radiation
 
+_LEAST_SLOPE = 1e-6
+"""A law that is flatter has no word of its own for that: its path carries next to nothing."""
+
 
 @dataclass(frozen=True)
 class LawProgram:
@@ -141,12 +144,13 @@ def limited(terms: Terms, ranges: Ranges) -> Terms:
         ends = _ends(own, ranges)
         least, most = own.law.slope_ends(*ends)
         if not least >= 0.0:
+            kind = type(own.law).__name__.lower()
             raise CheckFailed(
-                f"$.network.paths[{own.path}].convection: differences of up to {ends[1]:.4g} K can be reached, and the "
-                "heat falls before that as the difference grows"
+                f"$.network.paths[{own.path}].{kind}: differences of up to {_widest(own, ranges):.4g} K can be "
+                "reached, and the heat falls before that as the difference grows"
             )
         # A slope's word has 2^-30 and 32 bits; so have those that it is made of.
-        scale = 2.0 ** ceil(log2(max(most, _within(own, ends)) * (1.0 + 1e-6) / 2.0))
+        scale = 2.0 ** ceil(log2(max(most, _within(own, ends), _LEAST_SLOPE) * (1.0 + 1e-6) / 2.0))
         found.append(own.with_limits(scale, (least / scale, most / scale), own.law.steepest(*ends) / scale))
     return terms.with_laws(tuple(found))
 
