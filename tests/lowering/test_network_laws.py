@@ -75,8 +75,9 @@ def test_nothing_leaves_its_range(seed: int) -> None:
             assert (sign * rate).max() <= 1e-8
 
 
-@pytest.mark.parametrize("arithmetic", ["fixed", "float"])
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(
+    ("seed", "arithmetic"), [*((seed, "fixed") for seed in SEEDS), *((seed, "float") for seed in SEEDS if seed != 2)]
+)
 def test_a_sample_adds_no_more_to_the_error_than_is_proven(seed: int, arithmetic: Arithmetic) -> None:
     """From random states of the board, corners among them, against the exact solution of one sample."""
     coefficients, lanes = read(with_laws(seed, 4)), 3000
@@ -114,7 +115,7 @@ def test_what_bends_counts_with_the_square_of_how_fast_temperatures_change() -> 
     assert np.all(bending(terms, first) >= 0.0)
 
 
-def test_differences_at_which_heat_falls_are_refused_with_their_path(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_differences_at_which_heat_falls_are_refused_with_their_path() -> None:
     """What the file's domain does not reach may be reached all the same: a node that is heated."""
     tree = copy.deepcopy(with_laws(0, 2))
     tree["domain"]["temperature_degC"], tree["domain"]["ambient_degC"] = [20, 40], [20, 30]
@@ -131,6 +132,12 @@ def test_differences_at_which_heat_falls_are_refused_with_their_path(monkeypatch
     tree["network"]["channels"] = []
     with pytest.raises(CheckFailed, match=r"paths\[0\].convection: differences of up to .* K can be reached"):
         lower_network(read(tree), "fixed")
+
+
+def test_what_bends_too_much_to_be_proven_is_refused() -> None:
+    """Seed 2 in float32, whose bound for slow nodes is large."""
+    with pytest.raises(CheckFailed, match=r"no error above 0\.01 K can be proven"):
+        lower_network(read(with_laws(2, 4)), "float")
 
 
 def test_heat_that_finds_no_way_out_has_no_range(monkeypatch: pytest.MonkeyPatch) -> None:
