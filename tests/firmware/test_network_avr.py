@@ -110,7 +110,7 @@ def test_six_nodes_stay_within_what_was_asked(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("arithmetic", ["fixed", "float"])
-@pytest.mark.parametrize(("seed", "size"), [(0, 1), (1, 3), (2, 5)])
+@pytest.mark.parametrize(("seed", "size"), [(0, 1), (1, 3), (3, 5), (4, 6)])
 def test_networks_with_laws_agree_word_for_word(seed: int, size: int, arithmetic: Arithmetic, tmp_path: Path) -> None:
     emitted = library(written(with_laws(seed, size), tmp_path), tmp_path, arithmetic)
     profile = profile_of(emitted)
