@@ -112,8 +112,13 @@ def refine_network(
     Raises
     ------
     InputError
-        For files that are no runs, or with no admitted run to fit.
+        For files that are no runs, or with no admitted run to fit; for a network with convection or radiation.
     """
+    network = coefficients.model.network
+    assert network is not None
+    for number, law in network.laws:
+        kind = type(law).__name__.lower()
+        raise InputError(f"gen refine knows no path with {kind} yet", place=f"$.network.paths[{number}].{kind}")
     check_apart(fit_paths, test_paths)
     for path in test_paths:
         progress(f"checking {path}")
@@ -124,8 +129,6 @@ def refine_network(
         runs.append((str(path), read_measured(coefficients, path)))
     runs, warnings = healthy(runs)
     data = make_data(coefficients, runs)
-    network = coefficients.model.network
-    assert network is not None
     shape = Anchored(network, coefficients.document.input.full_scale, data.columns)
     traced = trace(data, shape, progress)
     changes = {id(found): looks_like_a_change(found.effect, _values(found), data) for found in _added(traced)}
