@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.changed import looks_like_a_change
 from gen.refinement.network.data import Data
 from gen.refinement.network.effects import NetworkEffect, candidates
 from gen.refinement.network.fit import Bench, Fitted
@@ -21,6 +22,8 @@ AS_GOOD = 1.25
 """Left-out errors within this factor may be as good: then what differs by chance is told by fewer numbers."""
 PLAIN, PLAIN_LEVEL, LEAST_DECREASE = 0.75, 0.2, 25.0
 """Left-out error over that without it, p-value, and decrease of the weighed squares, of what is plain."""
+NEAREST = 1.5
+"""Left-out error over that of the best of all, accepted or not, up to which an effect may be named."""
 ENOUGH, ENOUGH_BESIDE, BENT = 1.1, 1.25, 25.0
 """Noise floors below which no effect is sought, and none beside one that was found; but one is where the file had to be
 bent by more than this (weighed squares)."""
@@ -122,6 +125,9 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
         found = step.added.judged.fitted
         again = bench.tightened(found.shape, found.vector)
         now = judged(data, again, bench.left_out(again))
+        if looks_like_a_change(step.added.effect, again.shape.values(again.vector)[-1], data):
+            # What is left beside a fault is the fault's, too.
+            break
     return Traced(data, judged(data, base, bench.as_it_is(shape)), tuple(steps), now)
 
 
@@ -149,7 +155,10 @@ def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress:
         one = judged(data, fitted, bench.left_out(fitted))
         considered.append(_considered(data, now, one, len(promised), bench.bent(base)))
     considered.sort(key=lambda one: one.judged.score_K)
-    accepted = [one for one in considered if not one.reasons]
+    # What is much worse than something that cannot be the reason is not the reason either.
+    accepted = [
+        one for one in considered if not one.reasons and one.judged.score_K <= NEAREST * considered[0].judged.score_K
+    ]
     added = accepted[0] if accepted else None
     alike = tuple(one for one in accepted[1:] if added is not None and p_better(data, one.judged, added.judged) > LEVEL)
     return Step(now, tuple(considered), added, alike)
