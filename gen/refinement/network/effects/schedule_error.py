@@ -47,7 +47,7 @@ class ScheduleError(NetworkEffect):
         draft.scale_heats(self._node, 1.0 + turning * (factor - 1.0), place.slopes(*slopes))
 
     def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
-        # The first knot is rest, of which no run says what a curve would be. Heat that has grown everywhere is a change.
+        # No run says what a curve would be at rest, the first knot. Heat that has grown everywhere is a change.
         told = values[1:]
         if self.replaces and min(told) < 1.0 and not all(1.0 / MOST_FACTOR < value < MOST_FACTOR for value in told):
             return ["heat at some speed would be off by a factor of more than three: that is no error of a schedule"]
