@@ -46,7 +46,7 @@ def with_effects(text: str, effects: Sequence[EffectEntry]) -> str:
     return _text(tree)
 
 
-def with_network(text: str, network: NetworkEntry, said: str) -> str:
+def with_network(text: str, network: NetworkEntry, said: str, ambient: str | None = None) -> str:
     """Give the text of a file with another network in the place of its own.
 
     Parameters
@@ -57,6 +57,8 @@ def with_network(text: str, network: NetworkEntry, said: str) -> str:
         The network.
     said
         Where it comes from: added to what the file says of its method.
+    ambient
+        The column of the ambient that the file is to read from now on; None for what it says.
 
     Raises
     ------
@@ -65,6 +67,8 @@ def with_network(text: str, network: NetworkEntry, said: str) -> str:
     """
     tree = _source(text)
     tree["network"] = as_json(network)
+    if ambient is not None:
+        tree["ambient"] = {**tree["ambient"], "channel": ambient}
     provenance = dict(tree.get("provenance") or {"source": "gen refine"})
     provenance["method"] = "; ".join(part for part in (provenance.get("method", ""), said) if part)
     tree["provenance"] = provenance

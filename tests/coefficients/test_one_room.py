@@ -46,7 +46,7 @@ OTHER_FORMATS = {
     "certificate/claims.py": {"components", "name"},
     # the certificate of a network
     "certificate/network/document.py": {"components"},
-    "firmware/network_certificate.py": {"components", "factors"},
+    "firmware/network_certificate.py": {"components", "factors", "paths"},
     # faults, channels and results of `gen emulate`
     "commands/emulate.py": {"alarms", "profile", "ambient", "encoder"},
     "emulate/results.py": {"alarms"},

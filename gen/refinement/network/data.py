@@ -59,7 +59,7 @@ class Data:
         return np.asarray(self.inputs.run < self.later)
 
 
-def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]]) -> Data:
+def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as_declared: bool = False) -> Data:
     """Condense runs.
 
     Parameters
@@ -68,10 +68,12 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]]) -> Da
         The file: which nodes are sensed, what the ambient is, which channels it reads.
     runs
         The later runs by name, read with :func:`gen.replay.read_for`.
+    as_declared
+        Take a measured ambient only where the file names its channel, as the board does; else wherever there is one.
     """
     model = coefficients.model
     names = model.component_names
-    driven = [driven_by(coefficients, run, name, as_declared=False) for name, run in runs]
+    driven = [driven_by(coefficients, run, name, as_declared=as_declared) for name, run in runs]
     own = [channel.column for channel in model.network.channels] if model.network else []
     columns = Columns(_channels(runs, driven, own))
     full_scale = coefficients.document.input.full_scale

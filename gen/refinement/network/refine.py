@@ -17,10 +17,12 @@ from gen.reference.simulate import simulate_run
 from gen.refinement.admission import healthy
 from gen.refinement.condense import check_apart, check_measured, read_measured
 from gen.refinement.errors import Errors
+from gen.refinement.network.ambient import MovingAmbient, moving_ambient
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.changed import looks_like_a_change
 from gen.refinement.network.data import make_data
 from gen.refinement.network.effects import NetworkEffect
+from gen.refinement.network.effects.base import WHOLE
 from gen.refinement.network.effects.sensors import SensorEffect
 from gen.refinement.network.fit import Fitted
 from gen.refinement.network.folds import described
@@ -131,21 +133,24 @@ def refine_network(
     data = make_data(coefficients, runs)
     shape = Anchored(network, coefficients.document.input.full_scale, data.columns)
     traced = trace(data, shape, progress)
+    room = moving_ambient(coefficients, runs, data, traced.file)
     changes = {id(found): looks_like_a_change(found.effect, _values(found), data) for found in _added(traced)}
     warnings += [change for change in changes.values() if change]
     kept = [found for found in _added(traced) if accept_change or not changes[id(found)]]
-    text, refitted, refused = _written(coefficients, raw, traced, [found.effect for found in kept])
+    text, refitted, refused = _written(coefficients, raw, traced, [found.effect for found in kept], room)
     warnings += refused
     effects = [
         _entry(step, step.added, traced, changes[id(step.added)]) for step in traced.steps if step.added is not None
     ]
+    if room is not None:
+        effects.insert(0, _ambient_entry(room))
     kept_paths = [Path(name) for name, _ in runs]
     before = _errors(coefficients, kept_paths, test_paths, lambda path: progress(f"judging {path}"))
     after = before
     if text != raw:
         refined = parse(text.encode())
         after = _errors(refined, kept_paths, test_paths, lambda path: progress(f"judging {path} with what was found"))
-    verdict = _verdict(traced, changed=any(changes.values()))
+    verdict = _verdict(traced, room is not None, changed=any(changes.values()))
     return NetworkRefinement(text, before, after, effects, verdict, refitted, traced, warnings)
 
 
@@ -158,10 +163,10 @@ def _values(found: Considered) -> tuple[float, ...]:
     return fitted.shape.values(fitted.vector)[-1]
 
 
-def _verdict(traced: Traced, *, changed: bool) -> Verdict:
+def _verdict(traced: Traced, moving_room: bool, *, changed: bool) -> Verdict:
     """The verdict from what was left out of the fits alone."""
     worst = _worst_sensor(traced)
-    if not _added(traced):
+    if not _added(traced) and not moving_room:
         return "nothing missing" if max(traced.null.floors, worst) <= NOTHING else "unexplained"
     if traced.final.floors <= EXPLAINED and worst <= NOTHING and not changed:
         return "explained"
@@ -178,15 +183,22 @@ def _worst_sensor(traced: Traced) -> float:
 
 
 def _written(
-    coefficients: Coefficients, raw: str, traced: Traced, effects: Sequence[NetworkEffect]
+    coefficients: Coefficients,
+    raw: str,
+    traced: Traced,
+    effects: Sequence[NetworkEffect],
+    room: MovingAmbient | None,
 ) -> tuple[str, bool, list[str]]:
     """The file with what was found, whether anything is new in it, and what it cannot hold."""
     null = traced.null
     final = traced.final.fitted
-    if not effects and (null.floors > NOTHING or not _file_is_worse(traced)):
-        return raw, False, []
     document = coefficients.document
     assert document.network is not None
+    channel = None if room is None else room.channel
+    if not effects and (null.floors > NOTHING or not _file_is_worse(traced)):
+        if room is None:
+            return raw, False, []
+        return with_network(raw, document.network, "refined: ambient", channel), False, []
     fitted = final if _added(traced) else null.fitted
     said = ", ".join(f"{effect.name} at {effect.component}" for effect in effects)
     for kept in (effects, ()):
@@ -194,7 +206,7 @@ def _written(
         try:
             with building():
                 fitted.shape.write(writer, fitted.vector, kept)
-                text = with_network(raw, writer.entry, f"refined: {said if kept else 'no effect'}")
+                text = with_network(raw, writer.entry, f"refined: {said if kept else 'no effect'}", channel)
             parse(text.encode())
         except InputError as error:
             if not kept:
@@ -210,6 +222,23 @@ def _file_is_worse(traced: Traced) -> bool:
     return p_better(traced.data, traced.file, traced.null) < LEVEL and (
         traced.null.score_K < 0.95 * traced.file.score_K
     )
+
+
+def _ambient_entry(room: MovingAmbient) -> dict[str, Any]:
+    """The measured ambient in the place of a fixed one, as the summary has it."""
+    return {
+        "name": "ambient",
+        "component": WHOLE,
+        "parameters": {"channel": room.channel},
+        "evidence": {
+            "left_out_rmse_K": {"before": room.fixed_K, "after": room.measured_K},
+            "p_value": room.p_value,
+            "level": LEVEL,
+            "judged_on": "all later runs: nothing was fitted",
+            "intervals_95": {},
+            "lookalikes": [],
+        },
+    }
 
 
 def _entry(step: Step, found: Considered, traced: Traced, change: str) -> dict[str, Any]:

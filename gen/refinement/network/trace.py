@@ -18,18 +18,20 @@ from gen.refinement.network.fit import Bench, Fitted
 from gen.refinement.network.judged import LEAST_GAIN, LEVEL, Judged, doubts, judged, p_better
 
 MOST_EFFECTS = 3
-AS_GOOD = 1.25
-"""Left-out errors within this factor may be as good: then what differs by chance is told by fewer numbers."""
 PLAIN, PLAIN_LEVEL, LEAST_DECREASE = 0.75, 0.2, 25.0
 """Left-out error over that without it, p-value, and decrease of the weighed squares, of what is plain."""
+AS_GOOD = 1.1
+"""Left-out error over the least up to which fewer numbers decide."""
 NEAREST = 1.5
 """Left-out error over that of the best of all, accepted or not, up to which an effect may be named."""
 ENOUGH, ENOUGH_BESIDE, BENT = 1.1, 1.25, 25.0
 """Noise floors below which no effect is sought, and none beside one that was found; but one is where the file had to be
 bent by more than this (weighed squares)."""
-RELIEF, AS_BEFORE = 40.0, 1.02
-"""An effect may also count because the file need not be bent: the decrease of the weighed squares that each of its
-numbers must bring, where the left-out error is no more than this factor above that without it."""
+PRICE = 15.0
+"""Decrease of the weighed squares that each number of an effect must bring for itself."""
+RELIEF, AS_BEFORE = 80.0, 1.02
+"""An effect may also count because the file need not be bent: by this decrease beside what its numbers cost, where the
+left-out error is no more than this factor above that without it."""
 FITTED_OF_EACH = 2
 """Candidates of one name that are fitted."""
 LEFT_OUT = 7
@@ -140,15 +142,15 @@ def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress:
     progress(f"{len(every)} candidates beside {', '.join(now.names) or 'nothing'}")
     for effect in every:
         if (effect.name, effect.component) not in taken:
-            gain = bench.promise(base.shape.with_effects(*found, effect), base)
+            gain = bench.promise(base.shape.with_effects(*found, effect), base) - PRICE * len(effect.numbers)
             promised.setdefault(effect.name, []).append((gain, effect))
     fits: list[Fitted] = []
     for name, offers in promised.items():
         progress(f"{name} beside {', '.join(now.names) or 'nothing'}")
         best = sorted(offers, key=lambda offer: -offer[0])[:FITTED_OF_EACH]
         own = [bench.fit(base.shape.with_effects(*found, effect), base) for _, effect in best]
-        fits.append(min(own, key=lambda fitted: fitted.fit.cost))
-    fits.sort(key=lambda fitted: fitted.fit.cost)
+        fits.append(min(own, key=_priced))
+    fits.sort(key=_priced)
     considered = []
     for fitted in fits[:LEFT_OUT]:
         progress(f"{fitted.shape.effects[-1].name}: left-out error")
@@ -159,17 +161,25 @@ def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress:
     accepted = [
         one for one in considered if not one.reasons and one.judged.score_K <= NEAREST * considered[0].judged.score_K
     ]
-    added = accepted[0] if accepted else None
-    alike = tuple(one for one in accepted[1:] if added is not None and p_better(data, one.judged, added.judged) > LEVEL)
-    return Step(now, tuple(considered), added, alike)
+    if not accepted:
+        return Step(now, tuple(considered), None, ())
+    near = [one for one in accepted if one.judged.score_K <= AS_GOOD * accepted[0].judged.score_K]
+    added = min(near, key=lambda one: (len(one.effect.numbers), one.judged.score_K))
+    alike = [one for one in accepted if one is not added and p_better(data, one.judged, added.judged) > LEVEL]
+    return Step(now, tuple(considered), added, tuple(alike))
+
+
+def _priced(fitted: Fitted) -> float:
+    """The cost of a fit, and of the last effect's numbers."""
+    return fitted.fit.cost + PRICE * len(fitted.shape.effects[-1].numbers)
 
 
 def _considered(data: Data, without: Judged, one: Judged, tried: int, bent: float) -> Considered:
     p = p_better(data, without, one)
     reasons = doubts(one.fitted)
     relief = without.fitted.fit.cost - one.fitted.fit.cost
-    each = relief / len(one.fitted.shape.effects[-1].numbers)
-    if bent > BENT and each > RELIEF and one.score_K < AS_BEFORE * without.score_K:
+    asked = RELIEF + PRICE * len(one.fitted.shape.effects[-1].numbers)
+    if bent > BENT and relief > asked and one.score_K < AS_BEFORE * without.score_K:
         return Considered(one.fitted.shape.effects[-1], one, p, tuple(reasons))
     if one.score_K > (1.0 - LEAST_GAIN) * without.score_K:
         reasons.append(f"lowers the error on what was left out by less than {LEAST_GAIN:.0%}")

@@ -97,6 +97,17 @@ def test_heat_that_has_grown_at_one_part_is_told_and_not_learnt(tmp_path: Path) 
     assert error_K(accepted, tmp_path) < 1.2 * NOISE_K
 
 
+def test_a_room_that_moves_is_read_from_its_column(tmp_path: Path) -> None:
+    runs = files(tree(), tmp_path)
+    fixed = tree()
+    fixed["ambient"] = {"fixed_degC": 24}
+    (tmp_path / "small.json").write_text(json.dumps(fixed), encoding="utf-8")
+    found = gen.refine(gen.load(tmp_path / "small.json"), fit=runs[:2], test=runs[2:])
+    assert found.effects()["effect"].tolist() == ["ambient"]
+    assert found.verdict == "explained"
+    assert found.model.coefficients.model.ambient_channel == "ambient_degC"
+
+
 def test_what_is_printed_is_what_simulate_gives(tmp_path: Path) -> None:
     motor = tree()
     motor["network"]["paths"][0]["conductance_W_per_K"] = {"poly": [0.3]}
