@@ -75,35 +75,47 @@ def check(folder: Path, certificate: AnyCertificate, tell: Callable[[str], None]
 
 
 class _Reach:
-    """Lemma 3: what a linear function of W and the old q ranges over, ``|q| <= q``."""
+    """Lemma 3: what a linear function of W, the old q and the ambient's word ranges over, ``|q| <= q``."""
 
     def __init__(
-        self, directions: Directions, heights: Ratios, to_words: Ratios, word: Ratios, centre: Fraction, q: Fraction
+        self,
+        directions: Directions,
+        heights: Ratios,
+        to_words: Ratios,
+        word: Ratios,
+        centre: Fraction,
+        q: Fraction,
+        ambient: tuple[int, int],
     ) -> None:
         self._directions, self._heights = directions, heights
         self._to_words: Ratios = to_words / word[:, None]
         self._centre, self._q = centre, q
+        self._ambient, self._around = Fraction(sum(ambient), 2), Fraction(ambient[1] - ambient[0], 2)
 
     def enclose(self, linear: Ratios) -> tuple[Ratios, Ratios]:
         """See :class:`gen.certificate.affine.Reach`."""
-        towards = linear[:-1].T @ self._to_words  # of y, shape (P, n)
+        towards = linear[:-2].T @ self._to_words  # of y, shape (P, n)
         half = zeros(len(towards))
         moved = np.array([bool(row.any()) for row in towards])
         if moved.any():
             half[moved] = np.frompyfunc(outward, 1, 1)(largest(self._directions, self._heights, towards[moved]))
-        return towards[:, 0] * self._centre, half + np.abs(linear[-1]) * self._q
+        middle = towards[:, 0] * self._centre + linear[-1] * self._ambient
+        return middle, half + np.abs(linear[-2]) * self._q + np.abs(linear[-1]) * self._around
 
     def roughly(self, linear: Floats) -> tuple[Floats, Floats]:
         """See :class:`gen.certificate.affine.Reach`."""
         words = floats(self._to_words)
-        towards = linear[:-1].T @ words
+        towards = linear[:-2].T @ words
         lost = (
             ROUGHLY
-            * (np.abs(linear[:-1]).T @ np.abs(words))
+            * (np.abs(linear[:-2]).T @ np.abs(words))
             @ (floats(self._directions.box(self._heights)) + np.eye(words.shape[1])[0] * abs(float(self._centre)))
         )
         half = largest_roughly(self._directions, self._heights, towards)
-        return towards[:, 0] * float(self._centre), half + lost + np.abs(linear[-1]) * float(self._q) * (1.0 + ROUGHLY)
+        beside = np.abs(linear[-2]) * float(self._q) + np.abs(linear[-1]) * float(self._around)
+        lost += ROUGHLY * np.abs(linear[-1]) * abs(float(self._ambient))
+        middle = towards[:, 0] * float(self._centre) + linear[-1] * float(self._ambient)
+        return middle, half + lost + beside * (1.0 + ROUGHLY)
 
 
 class PartProof:
@@ -138,7 +150,12 @@ class PartProof:
         self._unit = Fraction(1, 1 << part.fraction_bits[0])  # of what is read
         low_bits = LOW_BITS[certificate.arithmetic]
         self._word = ratios(Fraction(1, 1 << bits + low_bits) for bits in part.fraction_bits)
-        self.recursion = Recursion(project, certificate.arithmetic, part, measured.table)
+        over = certificate.ambient.over_mK if certificate.ambient is not None else (0, 0)
+        self._over = ratios(Fraction(end, 1000) for end in over)  # of the ambient, in K
+        self._away = np.abs(self._exact.steady[:, None] + self._over[None, :] - part.centre).max(axis=1)
+        self.recursion = Recursion(
+            project, certificate.arithmetic, part, measured.table, ambient=certificate.ambient is not None
+        )
 
     def verdict(self) -> Verdict:
         """Prove everything; see :mod:`gen.certificate.check`.
@@ -163,7 +180,7 @@ class PartProof:
 
     def enclosing(self, q: Fraction) -> Reach:
         """What the state ranges over, the old q being at most ``q``."""
-        return _Reach(self._directions, self._both, self._map, self._word, self._part.centre, q)
+        return _Reach(self._directions, self._both, self._map, self._word, self._part.centre, q, self._measured.ambient)
 
     def _check_starts(self) -> None:
         """Lemma 4: at rest at any rise of the range both polytopes hold the state."""
@@ -182,7 +199,7 @@ class PartProof:
         """Lemmas 5 and 6: both polytopes hold the state after a sample; the number of inequalities."""
         exact, along = self._exact, self._directions.nearest
         images = Images(self._directions, floats(exact.transition) * 2.0**-BITS)
-        away = np.abs(exact.steady - self._part.centre)
+        away = self._away
         # What the enclosure of E and S leaves open: |c| (E's radius (|u| + |e| + |S - centre|) + S's (1 + |E|)).
         radius = exact.radius * Fraction(1, 1 << BITS)
         size = np.abs(exact.transition).sum(axis=(1, 2)) * Fraction(1, 1 << BITS)
@@ -200,7 +217,8 @@ class PartProof:
                 linear = np.minimum(linear, held[1] + self._linear(differs - held[0]))
                 when = " just after a change"
             held = held or (differs, linear)
-            self._decide(images, self._error, linear + self._rounding(run, constant) + slack, "errors'", when)
+            added = linear + self._rounding(run, constant, self._ambient(run)) + slack
+            self._decide(images, self._error, added, "errors'", when)
         return int(driven.size) * (1 + len(runs))
 
     def _decide(self, images: Images, heights: Ratios, added: Floats, whose: str, when: str) -> None:
@@ -223,12 +241,26 @@ class PartProof:
 
     def _linear(self, differs: Ratios) -> Floats:
         own_q = (self.recursion.drive.linear / self._word[:, None]).T @ self._map
-        return linear_part(self._directions, self._both, differs, self._exact.steady, self._part.centre, own_q)
+        return linear_part(self._directions, self._both, differs, self._away, own_q)
 
-    def _rounding(self, run: Run, constant: Ratios) -> Floats:
+    def _ambient(self, run: Run) -> Ratios:
+        """What the ambient adds to e beside what it should, as columns, shape (P, 2, n).
+
+        It should move a rest at T to one at T + a; and its word is not quite a.
+        """
+        to_y, from_y = self._back * self._word[None, :], self._map / self._word[:, None]
+        first = np.array([to_y @ one @ from_y[:, 0] for one in run.matrix])
+        drive = np.array([to_y @ one for one in run.ambient]) / self._unit  # for a kelvin of the ambient's word
+        first[:, 0] -= 1
+        moved = (first + drive) * np.abs(self._over).max()
+        found: Ratios = np.stack([moved, drive * self._measured.ambient_K], axis=1)
+        return found
+
+    def _rounding(self, run: Run, constant: Ratios, ambient: Ratios) -> Floats:
         """What roundings add to each ``c_j . e``, shape (P, J)."""
         back = floats(self._back * self._word[None, :]).T
         beside = floats(constant[:, None, :])
+        beside = np.concatenate([beside, floats(ambient)], axis=1)
         columns = np.concatenate([run.columns @ back, beside], axis=1)
         sizes = np.concatenate([np.abs(run.columns) @ np.abs(back), np.abs(beside)], axis=1)
         return along_directions(self._directions, columns, sizes)

@@ -8,7 +8,6 @@ least counts.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 
 import numpy as np
 
@@ -37,8 +36,7 @@ def linear_part(
     directions: Directions,
     heights: Ratios,
     matrices: Ratios,
-    steady: Ratios,
-    centre: Fraction,
+    away: Ratios,
     likely: Ratios,
 ) -> Floats:
     """Bounds of ``|c_j . D (y - s)|``, shape (P, J), with y - (centre, 0, ..) in a polytope.
@@ -49,12 +47,11 @@ def linear_part(
         The polytope.
     matrices
         D, shape (P, n, n).
-    steady, centre
-        S, shape (P,), and the polytope's middle.
+    away
+        The farthest that what T settles to lies from the polytope's middle, shape (P,).
     likely
         A row g that D may be made of, shape (P, n).
     """
-    away = np.abs(steady - centre)
     ways: list[list[Ratios | None]] = [[], [None], [likely, None]]
     found = None
     for way in ways:

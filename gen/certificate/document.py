@@ -166,6 +166,32 @@ class Unproven(_Placed):
 AnyPart = Part | Unproven
 
 
+class Ambient(_Strict):
+    """An ambient that acts on the equations: A(d/dt) T = K |PWM| + A(0) (ambient - reference), T over the reference.
+
+    Attributes
+    ----------
+    reference_mC, low_mC, high_mC
+        What rises count from, and the range that the ambient is held to, in thousandths of a degree Celsius.
+    """
+
+    reference_mC: int
+    low_mC: int
+    high_mC: int
+
+    @property
+    def over_mK(self) -> tuple[int, int]:
+        """The range over the reference, in thousandths of a kelvin."""
+        return self.low_mC - self.reference_mC, self.high_mC - self.reference_mC
+
+    @model_validator(mode="after")
+    def _fits(self) -> Ambient:
+        low, high = self.over_mK
+        if not -(1 << 23) < low <= 0 <= high < 1 << 23:
+            raise ValueError("the reference lies outside of the ambient's range, or far from its ends")
+        return self
+
+
 class Certificate(_Strict):
     """All of ``certificate.json``.
 
@@ -177,6 +203,8 @@ class Certificate(_Strict):
         Ts.
     domain_pwm
         Lowest and highest |PWM|.
+    ambient
+        The one that acts on the equations; None where rises count from whatever it is.
     """
 
     format: Literal["gen-certificate"]
@@ -187,6 +215,7 @@ class Certificate(_Strict):
     schedule: Literal["table", "onboard"]
     sample_time_s: Width
     domain_pwm: tuple[Level, Level]
+    ambient: Ambient | None = None
     components: list[AnyPart] = Field(min_length=1)
 
     @property

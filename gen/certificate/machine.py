@@ -33,10 +33,11 @@ class State:
 
 @dataclass(frozen=True)
 class Coefficients:
-    """What a PWM brings, ``now``: R0 .. R[n-1] and S, shape (P,) each."""
+    """What a PWM brings, ``now``: R0 .. R[n-1] and S, shape (P,) each, and which symbol the ambient adds to S."""
 
     rates: Sequence[Ratios]
     steady: Ratios
+    ambient: int | None = None
 
 
 class _Returned(Exception):
@@ -170,7 +171,10 @@ class Machine:
         if isinstance(of, Coefficients) and name == "rate" and place is not None and place < len(of.rates):
             return self._space.number(of.rates[place], self._rate_kind)
         if isinstance(of, Coefficients) and name == "steady" and place is None:
-            return self._space.number(of.steady, "int32_t")
+            steady = self._space.number(of.steady, "int32_t")
+            if of.ambient is None:
+                return steady
+            return self._fitted(steady + self._space.symbol(of.ambient, "int32_t"))
         raise Refuted(f"a member that the proof does not know: {name}")
 
     def _binary(self, op: str, left: Affine, right: Affine) -> Affine:

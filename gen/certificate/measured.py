@@ -36,7 +36,7 @@ int main() {{
         {model}_schedule((uint8_t)pwm, &now);
 {tables}        std::printf("\\n");
     }}
-{parts}    return 0;
+{ambient}{parts}    return 0;
 }}
 """
 
@@ -45,6 +45,61 @@ _MOST_BITS = 31
 _TABLE = """\
         for (int i = 0; i < {order}; ++i) std::printf("%a ", (double)now.{at}.rate[i]);
         std::printf("%a ", (double)now.{at}.steady);
+"""
+
+# Every ambient is told from another one: only a change is dealt with at the next sample.
+_AMBIENT = """\
+    std::memset((void *)&{model}_model, 0xFF, sizeof {model}_model);
+    {model}_begin();
+    for (const int32_t &word : {model}_model.ambient) {{
+        if (word || {model}_model.state.ambient_mK) return failed("the ambient at the start", word);
+    }}
+    std::memset((void *)&{model}_model, 0, sizeof {model}_model);
+    for (long over = {low}; over <= {high}; ++over) {{
+        for (int twice = 0; twice < 2; ++twice) {{
+            {model}_model.flags = STARTED;
+            {model}_new_ambient((int32_t)(over + {reference}));
+            if ({model}_model.state.ambient_mK != over) return failed("the ambient", over);
+            {model}_Model copy = {model}_model;
+            ambient_words();
+            if (std::memcmp(copy.ambient, {model}_model.ambient, sizeof copy.ambient)) return failed("its words", over);
+            const bool waits = !({model}_model.flags & STARTED);
+            if (waits == (twice || over == 0)) return failed("a change of the ambient", over);
+        }}
+        {model}_model.state.ambient_mK = 0;
+        ambient_words();
+    }}
+"""
+
+_AMBIENT_TOLD = """\
+    const int32_t told[] = {{
+        INT32_MIN, {lowest} - 1, {lowest}, {lowest} + 1, {reference}, {highest} - 1, {highest}, {highest} + 1, INT32_MAX
+    }};
+    for (int k = 0; k < 9; ++k) {{
+        const int32_t held = told[k] < {lowest} ? {lowest} : told[k] > {highest} ? {highest} : told[k];
+        {model}_channel(0, told[k]);
+        if ({model}_model.state.ambient_mK != held - {reference}) return failed("what is told of the ambient", told[k]);
+    }}
+"""
+
+_AMBIENT_WORD = """\
+    {{
+        int64_t most = 0, low = 0, high = 0;
+        for (int64_t over = {low}; over <= {high}; ++over) {{
+            {model}_Coefficients now;
+            std::memset((void *)&now, 0, sizeof now);
+            {model}_model.state.ambient_mK = (int32_t)over;
+            ambient_words();
+            add_ambient(&now);
+            const int64_t word = now.{at}.steady;
+            int64_t away = 1000 * word - over * (INT64_C(1) << {bits});
+            if (away < 0) away = -away;
+            if (away > most) most = away;
+            if (word < low) low = word;
+            if (word > high) high = word;
+        }}
+        std::printf("%lld %lld %lld\\n", (long long)low, (long long)high, (long long)most);
+    }}
 """
 
 # `away` is 1000 word - 2^bits mK: off by that in units of 2^-bits mK; the start's word has `low_bits` more.
@@ -119,12 +174,16 @@ class Measured:
         The largest distance of a start from what was asked for.
     reading_K
         The largest distance of ``NAME_rise_mK`` from the word that it reads.
+    ambient, ambient_K
+        Lowest and highest word that an ambient is added to S as, and its largest distance from the ambient.
     """
 
     table: Ratios
     first_pwm: int
     start_K: Fraction
     reading_K: Fraction
+    ambient: tuple[int, int] = (0, 0)
+    ambient_K: Fraction = Fraction(0)
 
 
 def measure(project: Project, certificate: Certificate) -> dict[str, Measured]:
@@ -149,6 +208,7 @@ def measure(project: Project, certificate: Certificate) -> dict[str, Measured]:
         low=low,
         high=high,
         stubs=_EFFECTS.format(model=model) if effects else "",
+        ambient=_of_ambient(certificate, effects=effects),
         tables="".join(_TABLE.format(order=part.order, at=part.at) for part in parts),
         parts="".join(
             _PART.format(
@@ -172,12 +232,39 @@ def measure(project: Project, certificate: Certificate) -> dict[str, Measured]:
     rows = high - low + 1
     table = ratios([float.fromhex(text) for text in line.split()] for line in lines[:rows])
     found, first = {}, 0
-    for part, line in zip(parts, lines[rows:], strict=True):
+    words = [(0, 0, 0) for _ in parts]
+    if certificate.ambient is not None:
+        for k, line in enumerate(lines[rows : rows + len(parts)]):
+            lowest, highest, most = (int(text) for text in line.split())
+            words[k] = lowest, highest, most
+        rows += len(parts)
+    for part, line, (lowest, highest, most) in zip(parts, lines[rows:], words, strict=True):
         start, reading = (int(text) * Fraction(1, 1000 << part.fraction_bits[0]) for text in line.split())
         start /= 1 << LOW_BITS[certificate.arithmetic]
-        found[part.name] = Measured(table[:, first : first + part.order + 1], low, start, reading)
+        off = most * Fraction(1, 1000 << part.fraction_bits[0])
+        own = table[:, first : first + part.order + 1]
+        found[part.name] = Measured(own, low, start, reading, (lowest, highest), off)
         first += part.order + 1
     return found
+
+
+def _of_ambient(certificate: Certificate, *, effects: bool) -> str:
+    """What tries every ambient; nothing where none acts."""
+    if certificate.ambient is None:
+        return ""
+    (low, high), model = certificate.ambient.over_mK, certificate.model
+    given = {
+        "model": model,
+        "low": low,
+        "high": high,
+        "reference": certificate.ambient.reference_mC,
+        "lowest": certificate.ambient.low_mC,
+        "highest": certificate.ambient.high_mC,
+    }
+    text = _AMBIENT.format(**given) + ("" if effects else _AMBIENT_TOLD.format(**given))
+    for part in certificate.parts:
+        text += _AMBIENT_WORD.format(model=model, low=low, high=high, at=part.at, bits=part.fraction_bits[0])
+    return text
 
 
 def _output(project: Project, program: str) -> str:

@@ -13,7 +13,7 @@ from gen.certificate.document import AnyPart, Certificate, Part
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project, spaced
 
-_MARKS = re.compile(r'\b[A-Z0-9_]+_(?:ONE_COPY|SMALL)\b|extern "C"|\bstatic\b|\binline\b')
+_MARKS = re.compile(r'\b[A-Z0-9_]+_(?:ONE_COPY|SMALL|INLINE)\b|extern "C"|\bstatic\b|\binline\b')
 
 
 def check_order(project: Project, certificate: Certificate) -> None:
@@ -24,23 +24,73 @@ def check_order(project: Project, certificate: Certificate) -> None:
     Refuted
         If one does something else.
     """
+    moving = certificate.ambient is not None
     functions = ("change", "commanded", "step", "resume")
+    if moving:
+        check_ambient(project, certificate)
     for name in functions:
         if name not in project.functions:
             raise Refuted(f"the C++ has no function {name}")
     sample = _FixedSample if certificate.arithmetic == "fixed" else _FloatSample
     text = {name: project.functions[name] for name in functions}
-    expected = sample(project.model, certificate.components, text)
+    expected = sample(project.model, certificate.components, text, moving=moving)
     for name, wanted in (
         ("change", expected.change()),
-        ("commanded", _commanded(project.model)),
+        ("commanded", _commanded(project.model, compared=any(map(expected.carries, certificate.components)))),
         ("step", expected.step()),
-        ("resume", _resume(project.model)),
+        ("resume", _resume(project.model, moving=moving)),
     ):
         found = _statements(text[name], project.model)
         if found != wanted:
             differing = next((f for f, w in zip(found, wanted, strict=False) if f != w), "its length")
             raise Refuted(f"{name} does not do what the proof is about: {differing}")
+
+
+def check_ambient(project: Project, certificate: Certificate) -> None:
+    """Compare what deals with the ambient; what its words are, and how it is told, is measured.
+
+    Raises
+    ------
+    Refuted
+        If one does something else.
+    """
+    model = project.model
+    over = f"{model}_model.state.ambient_mK"
+    effects = (project.sources / f"{model}_effects.h").is_file()  # these deal with starts and readings of their own
+    for name in ("add_ambient", "ambient_words", "new_ambient", "over_reference", "start", "rise_mK"):
+        if name not in project.functions:
+            raise Refuted(f"the C++ has no function {name}")
+    found = {name: _statements(text, model) for name, text in project.functions.items()}
+    word = rf"const int32_t \w+ = {model}_model\.ambient\[\d+\];"
+    _known(found["add_ambient"], rf"{word}|now->\w+\[\d+\]\.steady \+= \w+;", "add_ambient")
+    _expect(found["ambient_words"][:1], [f"const int32_t over = {over};"], "ambient_words")
+    word = rf"{model}_model\.ambient\[\d+\] = {model}_word_of\(over, [\w., ]+\);"
+    _known(found["ambient_words"][1:], word, "ambient_words")
+    low, high = "-beyond ? -beyond", f"rise_mK) + {over};"
+    wanted = ["const int32_t beyond = 1000000000L;", f"return (rise_mK > beyond ? beyond : rise_mK < {low} : {high}"]
+    _expect(found["over_reference"], wanted, "over_reference")
+    of = "effects_start(component, rise_mK);" if effects else "over_reference(rise_mK);"
+    _expect(found["start"][:1], [f"rise_mK = {model}_{of}"], "start")
+    if any(over in statement for statement in found["start"][1:]):
+        raise Refuted("start does not do what the proof is about: it reads the room twice")
+    for part in certificate.parts:
+        case = f"case {model.upper()}_{part.name.upper()}:"
+        reading = f"{case} return {model}_{part.shape}_rise_mK(&{model}_model.state.{part.at}) - {over};"
+        given = f"{case} return {model}_effects_mK({model}_model.effects.{part.name}.shown);"
+        if reading not in found["rise_mK"] and not (effects and given in found["rise_mK"]):
+            raise Refuted(f"rise_mK does not do what the proof is about: {part.name}")
+
+
+def _known(found: Sequence[str], pattern: str, name: str) -> None:
+    for statement in found:
+        if not re.fullmatch(pattern, statement):
+            raise Refuted(f"{name} does not do what the proof is about: {statement}")
+
+
+def _expect(found: Sequence[str], wanted: Sequence[str], name: str) -> None:
+    if list(found) != list(wanted):
+        differing = next((f for f, w in zip(found, wanted, strict=False) if f != w), "its length")
+        raise Refuted(f"{name} does not do what the proof is about: {differing}")
 
 
 def _statements(text: str, model: str) -> list[str]:
@@ -63,10 +113,12 @@ class _Sample:
         All components, in order.
     text
         Of the functions: which of two ways to write the same they take.
+    moving
+        Whether the ambient is added to what is settled to.
     """
 
-    def __init__(self, model: str, parts: Sequence[AnyPart], text: dict[str, str]) -> None:
-        self.model, self.parts, self.text = model, parts, text
+    def __init__(self, model: str, parts: Sequence[AnyPart], text: dict[str, str], *, moving: bool) -> None:
+        self.model, self.parts, self.text, self.moving = model, parts, text, moving
 
     def change(self) -> list[str]:
         """A new |PWM|."""
@@ -78,6 +130,8 @@ class _Sample:
         for part in carried:
             lines.append(f"const {self.kind(part)} {part.name}_before = {self.old_q(part)};")
         lines.append(f"{model}_schedule(pwm, now);")
+        if self.moving:
+            lines.append("add_ambient(now);")
         for part in carried:
             lines += self.handed_over(part)
         return lines
@@ -189,25 +243,26 @@ class _FloatSample(_Sample):
         return lines
 
 
-def _commanded(model: str) -> list[str]:
-    flags = model.upper()
-    return [
+def _commanded(model: str, *, compared: bool) -> list[str]:
+    """A command: where q is handed over, only another magnitude counts; else the schedule anew does no harm."""
+    flags, change = model.upper(), "change(within);"
+    lines = [
         f"const uint8_t kept = {model}_model.flags & (STARTED | {flags}_START_CLAMPED | {flags}_SATURATED);",
         "const uint8_t within = magnitude(pwm);",
-        f"const uint8_t changed = within != magnitude({model}_model.command) || !(kept & STARTED);",
         f"{model}_model.command = pwm;",
         f"{model}_model.flags = (uint8_t)(kept | STARTED | pwm_flags(pwm, within));",
-        "if (changed) {",
-        "change(within);",
-        "}",
-        "return changed;",
     ]
+    if not compared:
+        return [*lines, change]
+    changed = f"const uint8_t changed = within != magnitude({model}_model.command) || !(kept & STARTED);"
+    return [*lines[:2], changed, *lines[2:], "if (changed) {", change, "}", "return changed;"]
 
 
-def _resume(model: str) -> list[str]:
+def _resume(model: str, *, moving: bool) -> list[str]:
     return [
         "const uint8_t within = magnitude(pwm);",
         f"{model}_model.command = pwm;",
         f"{model}_model.flags = (uint8_t)(STARTED | pwm_flags(pwm, within));",
         f"{model}_schedule(within, &{model}_model.now);",
+        *(["ambient_words();", f"add_ambient(&{model}_model.now);"] if moving else []),
     ]

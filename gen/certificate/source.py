@@ -19,7 +19,7 @@ _READ = ("_step.h", "_word.h", "_accumulator.h", "_accumulator.cpp", ".cpp")
 _FLASH = ("PROGMEM", "memcpy_P", "pgm_read_byte", "pgm_read_word", "pgm_read_dword", "pgm_read_float")
 _MARK = re.compile(r"(__attribute__\(\((noinline|unused)\)\))?")
 _QUALIFIERS = re.compile(
-    r'\b(?:static|inline|__attribute__\(\(noinline\)\)|[A-Z0-9_]+_(?:ONE_COPY|SMALL))\b|extern "C"'
+    r'\b(?:static|inline|__attribute__\(\(noinline\)\)|[A-Z0-9_]+_(?:ONE_COPY|SMALL|INLINE))\b|extern "C"'
 )
 _CAST = re.compile(r"static_cast<(\w+)>\(")
 _TYPES = "typedef int int32_t; typedef unsigned uint32_t; typedef long long int64_t; typedef unsigned char uint8_t;"
@@ -103,7 +103,7 @@ class Project:
                 continue
             name, value = words[1], words[2] if len(words) > 2 else ""
             own = name.startswith(f"{self.model.upper()}_")
-            marks = name.endswith(("_ONE_COPY", "_SMALL", "_UNUSED"))
+            marks = name.endswith(("_ONE_COPY", "_SMALL", "_INLINE", "_UNUSED"))
             if not (own or name.split("(")[0] in _FLASH) or (marks and not _MARK.fullmatch(value)):
                 raise Refuted(f"a macro that the proof does not know: {line.strip()}")
 

@@ -4,8 +4,9 @@ A component with a carry hands its x[n-1] a share of q when PWM changes. The com
 
     W = x - e[n-2] share q(x)        q(x) = a . x + k, the board's own q as if nothing were rounded
 
-then is the same before and after a change but for roundings, whatever |PWM| it was before: everything is said in W. x
-follows from W and q, and where PWM has just changed, from W and the old q, which is a number of known size.
+then is the same before and after a change but for roundings, whatever |PWM| and ambient it was before: everything is
+said in W. x follows from W and q, and where PWM or the ambient has just changed, from W and the old q, which is a
+number of known size. The ambient's word, which S is raised by, is a symbol of its own.
 """
 
 from __future__ import annotations
@@ -26,34 +27,36 @@ from gen.certificate.source import Project
 
 @dataclass(frozen=True)
 class Drive:
-    """q(x) = linear . x + constant in its own unit, x the state's words, and the share that x[n-1] has of it.
+    """q(x) = linear . x + ambient a + constant in its own unit, and the share that x[n-1] has of it.
 
     Attributes
     ----------
-    linear, constant
-        Shapes (n, P) and (P,).
+    linear, ambient, constant
+        Shapes (n, P), (P,) and (P,); x are the state's words, a is the ambient's.
     share
         Words of x[n-1] for a unit of q; 0 without a carry.
     """
 
     linear: Ratios
+    ambient: Ratios
     constant: Ratios
     share: Fraction
 
 
 @dataclass(frozen=True)
 class Run:
-    """W -> matrix W + constant + sum of columns t, ``|t| <= 1``, at every |PWM|, in words.
+    """W -> matrix W + ambient a + constant + sum of columns t, ``|t| <= 1``, at every |PWM|, in words.
 
     Attributes
     ----------
-    matrix, constant
-        Shapes (P, n, n) and (P, n).
+    matrix, ambient, constant
+        Shapes (P, n, n), (P, n) and (P, n); a is the ambient's word.
     columns
         Shape (P, m, n), to the nearest float64.
     """
 
     matrix: Ratios
+    ambient: Ratios
     constant: Ratios
     columns: Floats
 
@@ -67,6 +70,8 @@ class Recursion:
         What runs.
     table
         R0 .. R[n-1] and S, shape (P, n + 1).
+    ambient
+        Whether the ambient's word is added to S.
 
     Raises
     ------
@@ -74,10 +79,14 @@ class Recursion:
         If the C++ is not understood.
     """
 
-    def __init__(self, project: Project, arithmetic: str, part: Part, table: Ratios) -> None:
+    def __init__(self, project: Project, arithmetic: str, part: Part, table: Ratios, *, ambient: bool = False) -> None:
         self._project, self._arithmetic, self._part = project, arithmetic, part
         self._order, self._rows = part.order, len(table)
-        self._now = Coefficients([table[:, i] for i in range(part.order)], table[:, part.order])
+        # Symbols: the state's words, the old q, the ambient's word.
+        self._symbols, self._place = part.order + 2, part.order + 1
+        self._now = Coefficients(
+            [table[:, i] for i in range(part.order)], table[:, part.order], self._place if ambient else None
+        )
         self.carries = f"{part.shape}_carry" in project.functions
         if self.carries != (f"{part.shape}_drive" in project.functions or (arithmetic == "float" and part.order > 1)):
             raise Refuted(f"{part.name}: its functions are not those of one form")
@@ -89,16 +98,16 @@ class Recursion:
         Parameters
         ----------
         reach
-            Encloses W and, as its last symbol, the old q, given what that may be at most.
+            Encloses W and, as its last symbols, the old q and the ambient's word, given what the former may be at most.
 
         Raises
         ------
         Refuted
             If a number may leave its type.
         """
-        without = Space(self._order + 1, self._rows, reach(Fraction(0)))
+        without = Space(self._symbols, self._rows, reach(Fraction(0)))
         largest = max(np.abs(end).max() for end in without.ends(self._q_of_w(without)))
-        space = Space(self._order + 1, self._rows, reach(largest))
+        space = Space(self._symbols, self._rows, reach(largest))
         machine = Machine(self._project, self._arithmetic, space)
         state = self._settled(space, machine)
         before = self._before(machine, state)
@@ -113,16 +122,16 @@ class Recursion:
 
     def _ideal_drive(self) -> tuple[Drive, Fraction]:
         """q, its share, and the units of what the carry is given of it in a unit of q."""
-        n, space = self._order, Space(self._order + 1, self._rows)
+        n, space = self._order, Space(self._symbols, self._rows)
         machine = Machine(self._project, self._arithmetic, space)
         state = State([machine.word(space.symbol(i, "word")) for i in range(n)])
         q = self._q(machine, state)
-        linear, constant = q.linear[:n], q.constant
+        linear, ambient, constant = q.linear[:n], q.linear[self._place], q.constant
         if not self.carries:
-            return Drive(linear, constant, Fraction(0)), Fraction(1)
+            return Drive(linear, ambient, constant, Fraction(0)), Fraction(1)
         given = self._before(machine, state)
         factor = given.linear[0, 0] / linear[0, 0]
-        if np.any(given.linear[:n] != factor * linear) or np.any(given.constant != factor * constant):
+        if np.any(given.linear != factor * q.linear) or np.any(given.constant != factor * constant):
             raise Refuted(f"{self._part.name}: what is carried is no share of q")
         old = space.symbol(n, given.kind).times(factor)
         self._carry(machine, state, old)
@@ -131,10 +140,11 @@ class Recursion:
         if (
             np.any(added.linear[:n] != share * linear)
             or np.any(added.linear[n] != -share)
-            or (np.any(added.constant != share * constant))
+            or np.any(added.linear[self._place] != share * ambient)
+            or np.any(added.constant != share * constant)
         ):
             raise Refuted(f"{self._part.name}: what is carried is no share of the change of q")
-        return Drive(linear, constant, share), factor
+        return Drive(linear, ambient, constant, share), factor
 
     def _q(self, machine: Machine, state: State) -> Affine:
         """q as the C++ computes it, in its own unit."""
@@ -183,7 +193,7 @@ class Recursion:
 
     def _q_of_w(self, space: Space) -> Affine:
         """q(x) where x = W + e share q(x)."""
-        q = space.number(self.drive.constant, "word")
+        q = space.number(self.drive.constant, "word") + space.symbol(self._place, "word").times(self.drive.ambient)
         for i in range(self._order):
             q += space.symbol(i, "word").times(self.drive.linear[i])
         if not self.carries:
@@ -214,7 +224,7 @@ class Recursion:
         n, share = self._order, self.drive.share
         after = [cell.value for cell in state.x]
         if self.carries:
-            q = space.number(self.drive.constant, "word")
+            q = space.number(self.drive.constant, "word") + space.symbol(self._place, "word").times(self.drive.ambient)
             for i in range(n):
                 q += after[i].times(self.drive.linear[i])
             after[n - 2] -= q.times(share)
@@ -230,4 +240,5 @@ class Recursion:
         old = np.array([value.linear[n] for value in after]).T  # the old q lies about 0
         columns[:, -1] = floats(old * space.ends(space.symbol(n, "word"))[1][:, None])
         matrix = np.array([value.linear[:n] for value in after]).transpose(2, 0, 1)
-        return Run(matrix, constant, columns)
+        ambient = np.array([value.linear[self._place] for value in after]).T
+        return Run(matrix, ambient, constant, columns)

@@ -28,7 +28,14 @@ def to_model(document: Document) -> ThermalModel:
         ambient_channel=document.ambient.channel,
         components=tuple(_component(entry, document) for entry in document.components),
         network=_network(document),
+        ambient_at_once=_at_once(document),
     )
+
+
+def _at_once(document: Document) -> bool:
+    """Whether components follow the ambient at once: an effect that brings the measured one says itself how it acts."""
+    brought = any(entry.applied().effect.replaces_ambient for entry in document.effects)
+    return brought or bool(document.ambient.at_once)
 
 
 def _network(document: Document) -> Network | None:

@@ -44,6 +44,10 @@ class Ambient(Part):
 
     fixed_degC: Celsius | None = None
     channel: ColumnName | None = None
+    at_once: Annotated[
+        bool | None,
+        Field(description="Components follow a change of the ambient at once, and not with their own dynamics."),
+    ] = None
 
     @model_validator(mode="after")
     def _check(self) -> Ambient:
@@ -164,6 +168,8 @@ class Document(Part):
             raise fault(f'found {found}, expected one of "components" and "network"')
         if self.network is None:
             return
+        if self.ambient.at_once is not None:
+            raise fault('a network\'s ambient acts through its paths; expected no "at_once"', "ambient", "at_once")
         if self.effects:
             raise fault('a network holds effects as its own terms; expected no "effects" beside it', "effects")
         if self.accuracy.unproven != "refuse":

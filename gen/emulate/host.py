@@ -21,6 +21,7 @@ from gen.errors import CheckFailed
 from gen.firmware.project import project_files
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
+from gen.lowering.program import Program
 
 _GLUE = """
 #include "{name}.h"
@@ -58,7 +59,9 @@ class HostDevice:
         self._components = document.component_names
         self.channels = [chip.channel for chip in (document.wiring.thermocouples if document.wiring else ())]
         self._folder = tempfile.TemporaryDirectory()
-        self._library = _compiled(coefficients, arithmetic, schedule, Path(self._folder.name))
+        program = lower(coefficients, arithmetic, schedule)
+        self._library = _compiled(coefficients, program, Path(self._folder.name))
+        self._tells = bool(program.channels)
         self._ambient_mC = round((document.ambient.fixed_degC or 25.0) * 1000.0)
         self._call("begin")
         self._call("sensors_begin")
@@ -90,14 +93,17 @@ class HostDevice:
             By channel: the check's code, and the last believed temperature in degC.
         """
         found = {}
+        told_mC = self._ambient_mC
         for number, channel in enumerate(self.channels):
             part = self._components.index(channel) if channel in self._components else None
-            model_mC = self._call("temperature_mC", part, self._ambient_mC) if part is not None else 0
+            model_mC = self._call("temperature_mC", part, told_mC) if part is not None else 0
             code = self._call("sensors_check", number, words[channel], int(finished), model_mC)
             value_mC = self._call("sensors_mC", number)
             if channel == AMBIENT and code == 0:
                 self._ambient_mC = value_mC
             found[channel] = (code, value_mC / 1000.0)
+        if self._tells:
+            self._call("channel", 0, self._ambient_mC)
         if self.started:
             self._call("step", pwm)
         elif all(code == 0 for code, _ in found.values()):
@@ -133,9 +139,9 @@ class HostDevice:
         return result
 
 
-def _compiled(coefficients: Coefficients, arithmetic: Arithmetic, schedule: ScheduleKind, folder: Path) -> ctypes.CDLL:
+def _compiled(coefficients: Coefficients, program: Program, folder: Path) -> ctypes.CDLL:
     name = coefficients.document.name
-    files = project_files(coefficients, lower(coefficients, arithmetic, schedule), "coeffs.json", None)
+    files = project_files(coefficients, program, "coeffs.json", None)
     inside = f"lib/{name}/src/"
     sources = [folder / "glue.cpp"]
     sources[0].write_text(_GLUE.format(name=name))
@@ -156,6 +162,7 @@ def _compiled(coefficients: Coefficients, arithmetic: Arithmetic, schedule: Sche
         "begin": (None, []),
         "start": (None, [u8, i32]),
         "step": (None, [i16]),
+        **({"channel": (None, [u8, i32])} if program.channels else {}),
         "temperature_mC": (i32, [u8, i32]),
         "sensors_begin": (None, []),
         "sensors_model_set": (None, []),

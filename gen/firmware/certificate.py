@@ -12,6 +12,8 @@ import numpy as np
 
 from gen.coefficients import Coefficients
 from gen.firmware.network_certificate import network_certificate
+from gen.lowering.effects.channels import channels
+from gen.lowering.effects.program import Channel
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import RESIDUE_BITS
 from gen.lowering.kinds import OUTPUT_BITS
@@ -19,6 +21,7 @@ from gen.lowering.program import AnyComponent, Program
 from gen.lowering.recursion.guarantee import Proof, rounded_up
 from gen.model import Component
 from gen.model.dynamics import MAX_PWM
+from gen.model.effects.channel_ranges import channel_ranges
 from gen.model.schedules import ExponentialSum, Polynomial, Schedule, Table
 
 CERTIFICATE = "certificate.json"
@@ -49,9 +52,20 @@ def certificate_json(coefficients: Coefficients, program: Program) -> str:
         "schedule": program.schedule,
         "sample_time_s": model.sample_time,
         "domain_pwm": list(model.domain_pwm),
+        **({"ambient": _ambient(program.ambient)} if program.ambient is not None else {}),
         "components": components,
     }
     return _pretty(certificate) + "\n"
+
+
+def ambient_of(coefficients: Coefficients) -> dict[str, int] | None:
+    """The ambient that acts on the equations as the certificate states it, None where none does."""
+    model = coefficients.model
+    return _ambient(channels(channel_ranges(model, (), {}))[0]) if model.ambient_passes else None
+
+
+def _ambient(ambient: Channel) -> dict[str, int]:
+    return {"reference_mC": ambient.neutral, "low_mC": ambient.low, "high_mC": ambient.high}
 
 
 def equations(coefficients: Coefficients) -> dict[str, dict[str, Any]]:

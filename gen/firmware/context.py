@@ -60,7 +60,8 @@ class LibraryContext:
 
     def of_effects(self) -> Names:
         """For the effects."""
-        return {**self.identity, "channels": self.model["channels"], "effects": self.effects}
+        told = {"channels": self.model["channels"], "ambient_drive": self.model["ambient_drive"]}
+        return {**self.identity, **told, "effects": self.effects}
 
 
 def project_context(coefficients: Coefficients, program: Program, source_name: str) -> LibraryContext:

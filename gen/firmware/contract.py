@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from dataclasses import dataclass
 
+from gen.lowering.effects.program import Channel
 from gen.lowering.network.program import NetworkProgram
 from gen.lowering.program import Program
 
@@ -36,7 +37,8 @@ def contract(program: Program) -> tuple[Clause, ...]:
     if program.network is not None:
         return _network_clauses(program, program.network)
     lowest, highest = model.domain_pwm
-    return clauses(model.name, f"{model.sample_time:g} s", f"{lowest}..{highest}", _exceptions(program))
+    domain = f"{lowest}..{highest}"
+    return clauses(model.name, f"{model.sample_time:g} s", domain, _exceptions(program), ambient=program.ambient)
 
 
 def _network_clauses(program: Program, network: NetworkProgram) -> tuple[Clause, ...]:
@@ -80,7 +82,9 @@ def _network_clauses(program: Program, network: NetworkProgram) -> tuple[Clause,
     )
 
 
-def clauses(name: str, sample_time: str, domain: str, exceptions: str = "") -> tuple[Clause, ...]:
+def clauses(
+    name: str, sample_time: str, domain: str, exceptions: str = "", ambient: Channel | None = None
+) -> tuple[Clause, ...]:
     """The guarantee's clauses.
 
     Parameters
@@ -93,11 +97,18 @@ def clauses(name: str, sample_time: str, domain: str, exceptions: str = "") -> t
         The |PWM| for which all is proven.
     exceptions
         Sentences about parts of which less holds, each with a space before it.
+    ambient
+        The one whose changes pass the parts' dynamics, or None.
     """
+    over, told, held, equation = "rise over ambient", "", "", "the coefficient file's equation"
+    if ambient is not None:
+        over, told = f"rise over {ambient.neutral / 1000:g} degC", ", and of the ambient as it is told"
+        held = f" The ambient is limited to {ambient.low / 1000:g}..{ambient.high / 1000:g} degC."
+        equation += ", in which the ambient drives the part as a steady rise does"
     return (
         Clause(
             "Of which output",
-            "The model's own word for a part's rise over ambient is never further from the exact solution than "
+            f"The model's own word for a part's {over} is never further from the exact solution than "
             f"`bound_K` in `certificate.json`. `{name}_rise_mK()` and `{name}_temperature_mC()` round it to the "
             "nearest thousandth of a kelvin, which adds up to 0.5001 thousandths: `reading_K`.",
         ),
@@ -109,14 +120,14 @@ def clauses(name: str, sample_time: str, domain: str, exceptions: str = "") -> t
         ),
         Clause(
             "Between which events",
-            f"For every sequence of PWM, of any length, from one `{name}_start()` of the part to its next. A reset of "
-            f"the board or `{name}_begin()` ends it, unless `{name}_resume()` goes on with the very words and the PWM "
-            "of the last sample. Time that passes during a reset is not modelled.",
+            f"For every sequence of PWM{told}, of any length, from one `{name}_start()` of the part to its next. A "
+            f"reset of the board or `{name}_begin()` ends it, unless `{name}_resume()` goes on with the very words and "
+            "the PWM of the last sample. Time that passes during a reset is not modelled.",
         ),
         Clause(
             "Under which assumptions",
-            f"Every sample lasts {sample_time}. |PWM| is held over a sample, and limited to {domain}. The exact "
-            "solution is that of the coefficient file's equation. The board computes the same words as the C++ that "
+            f"Every sample lasts {sample_time}. |PWM| is held over a sample, and limited to {domain}.{held} The exact "
+            f"solution is that of {equation}. The board computes the same words as the C++ that "
             "`gen verify` compares.",
         ),
         Clause(

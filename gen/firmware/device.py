@@ -42,6 +42,7 @@ from gen.lowering.sensors import (
 from gen.model.network import PWM
 from gen.reference.effects import effect_fields
 from gen.reference.lanes import state_fields
+from gen.reference.model import AMBIENT_FIELD
 from gen.reference.network import state_fields as network_state_fields
 from gen.version import __version__
 
@@ -408,7 +409,9 @@ def state_bytes(program: Program) -> int:
     if program.network is not None:
         return int(np.dtype(network_state_fields(program.network)).itemsize)
     effects = effect_fields(program.effects, program.components) if program.effects is not None else []
-    return sum(np.dtype(fields).itemsize for fields in (*map(state_fields, program.components), effects) if fields)
+    own = [AMBIENT_FIELD] if program.ambient is not None else []
+    every = (*map(state_fields, program.components), own, effects)
+    return sum(np.dtype(fields).itemsize for fields in every if fields)
 
 
 def _idle_timers(wiring: Wiring) -> list[int]:

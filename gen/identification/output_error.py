@@ -47,7 +47,8 @@ class Simulator:
 
     def __init__(self, record: Record, levels: NDArray[np.int64], *, raw: bool = False) -> None:
         self.record = record
-        self.since, self.segment = record.since(raw=raw)
+        self.since, self.piece = record.since(raw=raw)
+        self._over = record.raw_over if raw else record.over
         segments = record.segments
         self._level = np.searchsorted(levels, np.maximum(segments.pwm, 0))
         self._mixed = {}
@@ -74,7 +75,7 @@ class Simulator:
         Returns
         -------
         array
-            Rise, shape (B, M), K.
+            Rise over the ambient, whose changes pass the dynamics, shape (B, M), K.
         """
         p: PoleArray = poles[:, self._level]
         s = steady[:, self._level].copy()
@@ -84,7 +85,10 @@ class Simulator:
             p[:, j] = mixed_poles(np.asarray(poles, dtype=np.complex128), share)
             last = np.abs(np.prod(np.asarray(poles, dtype=np.complex128), axis=2))
             s[:, j] = (last * steady) @ share / (last @ share)
-        return simulate(p, s, start, self.record.segments.length, self.segment, self.since)
+        pieces = self.record.pieces
+        of = pieces.segment
+        temperature = simulate(p[:, of], s[:, of] + pieces.over, start, pieces.length, self.piece, self.since)
+        return temperature - self._over
 
 
 @dataclass(frozen=True)

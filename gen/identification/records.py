@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.identification.room import Pieces, pieces_of
 from gen.identification.structure import FloatArray
 
 GROWTH = 0.03
@@ -69,15 +70,19 @@ class Record:
         Mean rise over ambient in the block, shape (m,), K.
     count
         Samples in the block, shape (m,).
+    over
+        Mean ambient in the block less that of the first piece, shape (m,), K.
     segment
         The segment that each block lies in, shape (m,).
+    pieces
+        The segments, cut where the ambient moves.
     sample_s
         Median distance of the samples, s.
     noise_K
-        Scatter of a single sample about its neighbours, standard deviation, K.
+        Scatter of a single sample about its neighbours, standard deviation, K; without that of the ambient.
     quantum_K
         The sensor's resolution as seen in the data, K; 0 where none is visible.
-    raw_time, raw_rise
+    raw_time, raw_rise, raw_over
         The samples themselves.
     """
 
@@ -85,13 +90,16 @@ class Record:
     segments: Segments
     time: FloatArray
     rise: FloatArray
+    over: FloatArray
     count: FloatArray
     segment: NDArray[np.int64]
+    pieces: Pieces
     sample_s: float
     noise_K: float
     quantum_K: float
     raw_time: FloatArray
     raw_rise: FloatArray
+    raw_over: FloatArray
     raw_segment: NDArray[np.int64]
 
     @property
@@ -100,9 +108,10 @@ class Record:
         return float(self.segments.start[-1] + self.segments.length[-1])
 
     def since(self, *, raw: bool = False) -> tuple[FloatArray, NDArray[np.int64]]:
-        """Time since the beginning of the segment, and the segment, of each block (or sample), shape (m,)."""
-        time, segment = (self.raw_time, self.raw_segment) if raw else (self.time, self.segment)
-        return time - self.segments.start[segment], segment
+        """Time since the beginning of the piece, and the piece, of each block (or sample), shape (m,)."""
+        time = self.raw_time if raw else self.time
+        piece = self.pieces.of(time)
+        return time - self.pieces.start[piece], piece
 
     @property
     def weight(self) -> FloatArray:
@@ -204,6 +213,9 @@ def condense(
     # The rows' clock starts at the component's first sample; PWM before it is the initial state's business.
     clock = np.maximum(time - time[first], 0.0)[first : last + 1]
     segments = segments_of(clock, pwm[first : last + 1], float(clock[-1]))
+    around = ambient if isinstance(ambient, float) else ambient[first : last + 1]
+    pieces, reference = pieces_of(segments.start, segments.length, clock, around)
+    over = np.zeros(valid.size) if isinstance(ambient, float) else ambient[valid] - reference
     at = time[valid] - time[first]
     value = rise[valid]
     # A sample at the moment of a change is still the old segment's end (the response is continuous).
@@ -217,13 +229,16 @@ def condense(
         segments=segments,
         time=np.add.reduceat(at, edges) / count,
         rise=np.add.reduceat(value, edges) / count,
+        over=np.add.reduceat(over, edges) / count,
         count=count,
         segment=owner[edges],
+        pieces=pieces,
         sample_s=sample,
-        noise_K=scatter(value),
+        noise_K=scatter(measured[valid]),
         quantum_K=resolution(measured[valid]),
         raw_time=at,
         raw_rise=value,
+        raw_over=over,
         raw_segment=owner,
     )
 

@@ -114,9 +114,9 @@ def _proven(place: Path, certificate: AnyCertificate, progress: Callable[[str], 
 
 def _check_statement(certificate: AnyCertificate, coefficients: Model) -> None:
     """Whether a certificate is about a coefficient file's own equations."""
-    from gen.certificate.document import Equation
+    from gen.certificate.document import Ambient, Equation
     from gen.certificate.network.document import NetworkCertificate
-    from gen.firmware.certificate import equations
+    from gen.firmware.certificate import ambient_of, equations
 
     model = coefficients.coefficients.model
     if (certificate.model, certificate.domain_pwm) != (model.name, model.domain_pwm):
@@ -128,6 +128,9 @@ def _check_statement(certificate: AnyCertificate, coefficients: Model) -> None:
     if isinstance(certificate, NetworkCertificate):
         _check_network(certificate, coefficients)
         return
+    stated = ambient_of(coefficients.coefficients)
+    if certificate.ambient != (Ambient.model_validate(stated) if stated is not None else None):
+        raise CheckFailed("the certificate is about another ambient")
     expected = equations(coefficients.coefficients)
     if [part.name for part in certificate.components] != list(expected):
         raise CheckFailed("the certificate is about other components")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ from gen.lowering.onboard.evaluate import RangeError, evaluate
 from gen.lowering.onboard.interpolate import NoPolynomialError
 from gen.lowering.program import AnyComponent, Program, Shape
 from gen.lowering.recursion import bounds
-from gen.lowering.recursion.dynamics import Dynamics, LoweringError, domain_rows, dynamics
+from gen.lowering.recursion.dynamics import TOWARDS_SETTLED, Dynamics, LoweringError, domain_rows, dynamics
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import Component, ThermalModel
 
@@ -52,9 +53,8 @@ def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: Schedule
     onboard: list[OnboardComponent] = []
     for component in model.components:
         try:
-            lowered = exact = _table(model, component, arithmetic, limit, tabulated=schedule == "table")
-            if schedule == "onboard":
-                lowered, tape = _onboard(model, component, exact, limit)
+            lowered, exact, tape = _lowered(model, component, arithmetic, schedule, limit)
+            if tape is not None:
                 onboard.append(tape)
         except (RangeError, NoPolynomialError) as error:
             raise CheckFailed(f"component {component.name}: --schedule onboard cannot compute it: {error}") from error
@@ -64,6 +64,30 @@ def lower(coefficients: Coefficients, arithmetic: Arithmetic, schedule: Schedule
         components.append(lowered)
     effects = lower_effects(coefficients, arithmetic, components)
     return Program(arithmetic, schedule, model, tuple(components), _shapes(components), tuple(onboard), effects=effects)
+
+
+def _lowered(
+    model: ThermalModel, component: Component, arithmetic: Arithmetic, schedule: ScheduleKind, limit: float
+) -> tuple[AnyComponent, AnyComponent, OnboardComponent | None]:
+    """A component, the same with coefficients as from a table, and the tape that computes its coefficients, if any.
+
+    Where the ambient moves, another place of the states' polytope is tried before the limit is exceeded.
+    """
+    best: tuple[AnyComponent, AnyComponent, OnboardComponent | None] | None = None
+    smallest = inf
+    for towards in TOWARDS_SETTLED if model.ambient_passes else TOWARDS_SETTLED[:1]:
+        exact = _table(model, component, arithmetic, limit, towards, tabulated=schedule == "table")
+        found: tuple[AnyComponent, AnyComponent, OnboardComponent | None] = (exact, exact, None)
+        if schedule == "onboard":
+            onboard, tape = _onboard(model, component, exact, limit, towards)
+            found = (onboard, exact, tape)
+        bound = found[0].proof.bound_K if found[0].proof is not None else inf
+        if best is None or bound < smallest:
+            best, smallest = found, bound
+        if smallest <= limit:
+            break
+    assert best is not None
+    return best
 
 
 def _check_bound(lowered: AnyComponent, limit: float, entry: str, exact: AnyComponent, *, unproven: str) -> None:
@@ -87,18 +111,19 @@ def _check_bound(lowered: AnyComponent, limit: float, entry: str, exact: AnyComp
 
 
 def _table(
-    model: ThermalModel, component: Component, arithmetic: Arithmetic, limit: float, *, tabulated: bool
+    model: ThermalModel, component: Component, arithmetic: Arithmetic, limit: float, towards: float, *, tabulated: bool
 ) -> FixedComponent | FloatComponent:
     if arithmetic == "fixed":
-        return fixed.lower_component(model, component, min(limit, fixed.TARGET_K), tabulated=tabulated)
-    return float32.lower_component(model, component, limit)
+        aim = min(limit, fixed.TARGET_K)
+        return fixed.lower_component(model, component, aim, tabulated=tabulated, towards_settled=towards)
+    return float32.lower_component(model, component, limit, towards_settled=towards)
 
 
 def _onboard(
-    model: ThermalModel, component: Component, lowered: FixedComponent | FloatComponent, limit: float
+    model: ThermalModel, component: Component, lowered: FixedComponent | FloatComponent, limit: float, towards: float
 ) -> tuple[FixedComponent | FloatComponent, OnboardComponent]:
     """The component with the coefficients that the board itself computes, and the tape that computes them."""
-    exact = dynamics(model, component, lowered.substeps)
+    exact = dynamics(model, component, lowered.substeps, towards)
     rows = domain_rows(model)
     if isinstance(lowered, FixedComponent):
         tape = compile_component(model, component, "fixed", lowered.layout, lowered.substeps)

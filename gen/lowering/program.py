@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from gen.lowering.effects import EffectsProgram
+from gen.lowering.effects.channels import channels
 from gen.lowering.effects.program import Channel
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
@@ -12,6 +13,7 @@ from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.network.program import NetworkProgram, NodeComponent
 from gen.lowering.onboard import OnboardComponent
 from gen.model import ThermalModel
+from gen.model.effects.channel_ranges import channel_ranges
 
 AnyComponent = FixedComponent | FloatComponent
 
@@ -78,7 +80,14 @@ class Program:
         """What the board is told beside the PWM, the ambient first; empty where it is told nothing."""
         if self.network is not None:
             return self.network.channels
-        return self.effects.channels if self.effects is not None else ()
+        if self.effects is not None:
+            return self.effects.channels
+        return channels(channel_ranges(self.model, (), {})) if self.model.ambient_passes else ()
+
+    @property
+    def ambient(self) -> Channel | None:
+        """The ambient whose changes pass the components' dynamics; its neutral value is what their rises count from."""
+        return self.channels[0] if self.model.ambient_passes else None
 
     @property
     def label(self) -> str:

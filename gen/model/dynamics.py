@@ -22,6 +22,10 @@ MAX_PWM = 255
 """The largest count of an 8-bit PWM."""
 PWM_LEVELS = MAX_PWM + 1
 """How many |PWM| there are: 0..255."""
+ROOM_degC = 25.0
+"""The ambient where none is given or measured."""
+AMBIENT_MARGIN_K = 10.0
+"""An ambient that acts at once may lie so far outside of the declared domain."""
 
 
 @dataclass(frozen=True)
@@ -187,6 +191,8 @@ class ThermalModel:
         In the order of the file; none where there is a network.
     network
         The motor as a network, of which the sensed nodes are the components; None with transfer functions.
+    ambient_at_once
+        Components follow a change of the ambient at once, and not with their own dynamics.
     """
 
     name: str
@@ -201,6 +207,34 @@ class ThermalModel:
     ambient_channel: str | None
     components: tuple[Component, ...]
     network: Network | None = None
+    ambient_at_once: bool = False
+
+    @property
+    def ambient_passes(self) -> bool:
+        """Whether a change of the ambient passes the components' own dynamics."""
+        return self.network is None and not self.ambient_at_once
+
+    @property
+    def ambient_told(self) -> tuple[float, float]:
+        """What a board may be told of the ambient, in degC; values beyond are held to it."""
+        low, high = self.domain_ambient
+        if self.ambient_passes:
+            return low, high
+        return low - AMBIENT_MARGIN_K, high + AMBIENT_MARGIN_K
+
+    @property
+    def ambient_reference(self) -> float:
+        """What rises count from while the ambient moves, in degC: the ambient until one is told."""
+        low, high = self.ambient_told
+        return min(max(ROOM_degC if self.ambient_fixed is None else self.ambient_fixed, low), high)
+
+    @property
+    def ambient_over(self) -> tuple[float, float]:
+        """Lowest and highest ambient over the reference that acts on the components' dynamics, in K."""
+        if not self.ambient_passes:
+            return 0.0, 0.0
+        low, high = self.ambient_told
+        return low - self.ambient_reference, high - self.ambient_reference
 
     @property
     def component_names(self) -> tuple[str, ...]:

@@ -48,7 +48,10 @@ class ExactSolution:
         ]
 
     def simulate(
-        self, pwm_samples: ArrayLike, initial_rise: Mapping[str, ArrayLike] | None = None
+        self,
+        pwm_samples: ArrayLike,
+        initial_rise: Mapping[str, ArrayLike] | None = None,
+        over: FloatArray | None = None,
     ) -> dict[str, FloatArray]:
         """Solve on the grid of the sample time.
 
@@ -59,13 +62,17 @@ class ExactSolution:
         initial_rise
             Rise at the start in K by component, a number or shape (L,); 0 where not given.
             Derivatives start at 0.
+        over
+            The ambient of each sample over the temperature that rises count from, in K, shape as the PWM: it passes the
+            components' dynamics, A(d/dt) T = K |PWM| + A(0) over. None: rises count from the ambient itself.
 
         Returns
         -------
         dict
             Rise in K by component, shape (N + 1,) or (L, N + 1); entry k is at k Ts, before sample k acts.
         """
-        return {name: states[..., 0] for name, states in self._states(pwm_samples, initial_rise, keep=1)[0].items()}
+        solved = self._states(pwm_samples, initial_rise, keep=1, over=over)[0]
+        return {name: states[..., 0] for name, states in solved.items()}
 
     def simulate_states(
         self, pwm_samples: ArrayLike, initial_rise: Mapping[str, ArrayLike] | None = None
@@ -77,7 +84,11 @@ class ExactSolution:
         return solved
 
     def simulate_times(
-        self, time_s: ArrayLike, pwm: ArrayLike, initial_rise: Mapping[str, float] | None = None
+        self,
+        time_s: ArrayLike,
+        pwm: ArrayLike,
+        initial_rise: Mapping[str, float] | None = None,
+        over: FloatArray | None = None,
     ) -> dict[str, FloatArray]:
         """Solve at the irregular times of a run, its PWM held until the next row.
 
@@ -89,6 +100,8 @@ class ExactSolution:
             Integer PWM, -255..255, shape (N,); the last one has no effect.
         initial_rise
             Rise at the first time in K by component; 0 where not given. Derivatives start at 0.
+        over
+            As :meth:`simulate`, held until the next row as PWM is, shape (N,).
 
         Returns
         -------
@@ -112,12 +125,48 @@ class ExactSolution:
             out = np.empty(time.size)
             if time.size:
                 steps = _step_matrices(component, tau, pairs[0].astype(np.int64), pairs[1])
-                _run(steps, index.ravel(), x, out[:, None])
+                _run(steps, index.ravel(), x, out[:, None], None if over is None else over[:-1])
             result[component.name] = out
         return result
 
+    def over_ambient(
+        self,
+        time_s: ArrayLike,
+        pwm: ArrayLike,
+        ambient: FloatArray,
+        initial_rise: Mapping[str, float] | None = None,
+    ) -> dict[str, FloatArray]:
+        """Solve at a run's own times where the ambient may move.
+
+        Parameters
+        ----------
+        time_s, pwm
+            As :meth:`simulate_times`.
+        ambient
+            In degC, held until the next row, shape (N,). Its changes pass the components' dynamics, or act at once: as
+            the model has it.
+        initial_rise
+            Rise over the ambient at the first time in K by component; 0 where not given.
+
+        Returns
+        -------
+        dict
+            Rise over the ambient at each of the given times in K by component, shape (N,).
+        """
+        if not self.model.ambient_passes:
+            return self.simulate_times(time_s, pwm, initial_rise)
+        over = np.asarray(ambient, dtype=np.float64) - self.model.ambient_reference
+        given = initial_rise or {}
+        start = {name: float(given.get(name, 0.0) + over[0]) for name in self.model.component_names}
+        solved = self.simulate_times(time_s, pwm, start, over)
+        return {name: rise - over for name, rise in solved.items()}
+
     def _states(
-        self, pwm_samples: ArrayLike, initial_rise: Mapping[str, ArrayLike] | None, keep: int
+        self,
+        pwm_samples: ArrayLike,
+        initial_rise: Mapping[str, ArrayLike] | None,
+        keep: int,
+        over: FloatArray | None = None,
     ) -> tuple[dict[str, FloatArray], dict[str, float]]:
         counts = magnitude(pwm_samples)
         start = self._start(initial_rise)
@@ -131,9 +180,9 @@ class ExactSolution:
             x[..., 0] = np.asarray(start.get(component.name, 0.0), dtype=np.float64)
             out = np.empty((*counts.shape[:-1], counts.shape[-1] + 1, kept))
             if counts.ndim == 1:
-                _run(steps, counts, x, out)
+                _run(steps, counts, x, out, over)
             else:
-                _run_lanes(steps, counts, x, out)
+                _run_lanes(steps, counts, x, out, over)
             solved[component.name] = out
             scales[component.name] = _time_scale(component)
         return solved, scales
@@ -215,8 +264,18 @@ def _step_matrices(component: Component, tau: float, pwm: NDArray[np.int64], ste
     return _Steps(increment, forced)
 
 
-def _run(steps: _Steps, index: NDArray[np.int64], x: FloatArray, out: FloatArray) -> None:
-    """March one lane."""
+def _run(
+    steps: _Steps, index: NDArray[np.int64], x: FloatArray, out: FloatArray, over: FloatArray | None = None
+) -> None:
+    """March one lane; over the ambient of a step a rise obeys the same equation as over a fixed one."""
+    if over is not None:
+        out[0] = x[: out.shape[-1]]
+        for k, i in enumerate(index.tolist()):
+            away = x.copy()
+            away[0] -= over[k]
+            x = x + (steps.increment[i] @ away + steps.forced[i])
+            out[k + 1] = x[: out.shape[-1]]
+        return
     if x.size == 1:
         # Python's own floats are several times quicker here than arrays of one element.
         increment, forced = steps.increment.ravel().tolist(), steps.forced.ravel().tolist()
@@ -234,10 +293,16 @@ def _run(steps: _Steps, index: NDArray[np.int64], x: FloatArray, out: FloatArray
         out[k + 1] = x[:kept]
 
 
-def _run_lanes(steps: _Steps, index: NDArray[np.int64], x: FloatArray, out: FloatArray) -> None:
+def _run_lanes(
+    steps: _Steps, index: NDArray[np.int64], x: FloatArray, out: FloatArray, over: FloatArray | None = None
+) -> None:
     kept = out.shape[-1]
     out[:, 0] = x[:, :kept]
     for k in range(index.shape[1]):
         i = index[:, k]
-        x = x + (np.einsum("lij,lj->li", steps.increment[i], x) + steps.forced[i])
+        away = x
+        if over is not None:
+            away = x.copy()
+            away[:, 0] -= over[:, k]
+        x = x + (np.einsum("lij,lj->li", steps.increment[i], away) + steps.forced[i])
         out[:, k + 1] = x[:, :kept]

@@ -116,8 +116,8 @@ class ExtendedSolution:
             for component in self.model.components
         }
         shift = {name: start_shift(slots[name], track) for name, track in tracks.items()}
-        base = self._baseline.simulate_times(
-            fine, pwm[held], {name: float(start_rise.get(name, 0.0) + shift[name]) for name in tracks}
+        base = self._baseline.over_ambient(
+            fine, pwm[held], ambient, {name: float(start_rise.get(name, 0.0) + shift[name]) for name in tracks}
         )
         shown = self._settled(slots, tracks, base)
         return {name: values[rows] for name, values in shown.items()}

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gen.lowering.program import Program
 from gen.reference import lanes, network
-from gen.reference.model import ReferenceModel
+from gen.reference.model import AMBIENT_FIELD, ReferenceModel
 from gen.reference.model import record_type as components_record_type
 from gen.reference.network import ReferenceNetwork
 
@@ -35,6 +35,10 @@ class Reference(Protocol):
     @property
     def rises(self) -> NDArray[np.float64]:
         """Rise of every component as the board gives it out, shape (components, L), in K."""
+
+    @property
+    def readings(self) -> NDArray[np.float64]:
+        """Reading of every component, shape (components, L), in degC: its rise over the ambient that was told last."""
 
     @property
     def rises_mK(self) -> Integers:
@@ -84,4 +88,5 @@ def state_names(program: Program) -> list[str]:
     if program.network is not None:
         return [name for name, _ in network.state_fields(program.network)]
     members = [program.components[member] for shape in program.shapes for member in shape.members]
-    return [name for component in members for name, _ in lanes.state_fields(component)]
+    own = [AMBIENT_FIELD[0]] if program.ambient is not None else []
+    return [name for component in members for name, _ in lanes.state_fields(component)] + own

@@ -186,6 +186,10 @@ class ReferenceEffects:
         for number, channel in enumerate(self._program.channels):
             self._channels[number] = self._counter.held(values[number], channel.low, channel.high)
 
+    def starts(self, index: int) -> bool:
+        """Whether effects decide where a component's baseline starts."""
+        return index in self._components
+
     def start(self, index: int, rise_mK: Integers) -> Integers:
         """Put a component's states to their start; the rise in mK from which its baseline starts."""
         part = self._components.get(index)

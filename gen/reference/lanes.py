@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import RESIDUE_BITS
+from gen.lowering.fixed.start import start_scale
 from gen.lowering.float32 import LOW_BITS, FloatComponent
+from gen.lowering.float32.start import ambient_word
 from gen.lowering.program import AnyComponent
 from gen.reference.fixed import FixedStep
 from gen.reference.float32 import FloatStep
@@ -24,6 +26,13 @@ class ComponentLanes(Protocol):
     """What :class:`gen.reference.model.ReferenceModel` needs of a component."""
 
     limited: NDArray[np.bool_]
+
+    def set_ambient(self, over_mK: Integers) -> None:
+        """The ambient over the reference from the next sample on, in thousandths of a kelvin, shape (L,)."""
+
+    @property
+    def ambient(self) -> Integers:
+        """That ambient as words of the rise, shape (L,)."""
 
     def sample(self, row: Integers, before: Integers | None) -> None:
         """Advance by one sample at the tables' rows ``row``; ``before`` is the last sample's, None at the start."""
@@ -54,14 +63,26 @@ class FixedLanes:
         self._state = [np.array(word, dtype=np.int64) for word in words]
         low, high = component.start_range_mK
         self.limited = np.array([rise < low or rise > high for rise in start_mK])
+        self._ambient = self._acted = np.zeros(len(start_mK), dtype=np.int64)
+
+    @property
+    def ambient(self) -> Integers:
+        """See :class:`ComponentLanes`."""
+        return self._ambient
+
+    def set_ambient(self, over_mK: Integers) -> None:
+        """See :class:`ComponentLanes`."""
+        self._ambient = start_scale(self._component.layout.output_bits).word(over_mK)
 
     def sample(self, row: Integers, before: Integers | None) -> None:
         """See :class:`ComponentLanes`."""
-        rates, steady = self._coefficients(row)
-        if self._component.carries and (before is None or bool(np.any(before != row))):
+        acted, self._acted = self._acted, self._ambient
+        rates, steady = self._coefficients(row, self._ambient)
+        changed = before is None or bool(np.any((before != row) | (acted != self._ambient)))
+        if self._component.carries and changed:
             old = np.zeros(len(row), dtype=np.int64)
             if before is not None:
-                old = self._step.increment(self._state, *self._coefficients(before))
+                old = self._step.increment(self._state, *self._coefficients(before, acted))
             self._step.carry(self._state, old, self._step.increment(self._state, rates, steady))
         for _ in range(self._component.substeps):
             self._step.advance(self._state, rates, self._step.increment(self._state, rates, steady))
@@ -85,12 +106,12 @@ class FixedLanes:
 
     def coefficient_words(self, row: Integers) -> list[NDArray[Any]]:
         """See :class:`ComponentLanes`."""
-        rates, steady = self._coefficients(row)
+        rates, steady = self._coefficients(row, self._acted)
         return [*rates, steady]
 
-    def _coefficients(self, row: Integers) -> tuple[list[Integers], Integers]:
+    def _coefficients(self, row: Integers, ambient: Integers) -> tuple[list[Integers], Integers]:
         component = self._component
-        return [component.rates[row, i] for i in range(component.order)], component.steady[row]
+        return [component.rates[row, i] for i in range(component.order)], component.steady[row] + ambient
 
 
 class FloatLanes:
@@ -104,17 +125,28 @@ class FloatLanes:
         self._state = self._step.start(rise)
         low, high = component.start_range_mK
         self.limited = (rise < low) | (rise > high)
+        self._ambient = self._acted = np.zeros(len(rise), dtype=np.int64)
+
+    @property
+    def ambient(self) -> Integers:
+        """See :class:`ComponentLanes`."""
+        return self._ambient
+
+    def set_ambient(self, over_mK: Integers) -> None:
+        """See :class:`ComponentLanes`."""
+        self._ambient = ambient_word(self._component.fraction_bits[0], over_mK)
 
     def sample(self, row: Integers, before: Integers | None) -> None:
         """See :class:`ComponentLanes`."""
-        rates, steady = self._coefficients(row)
+        acted, self._acted = self._acted, self._ambient
+        rates, steady = self._coefficients(row, self._ambient)
         substeps, changed = self._component.substeps, np.ones(len(row), dtype=bool)
         if before is not None:
-            changed = before != row
+            changed = (before != row) | (acted != self._ambient)
         if self._component.order > 1 and np.any(changed):
             old = np.zeros(len(row), dtype=np.float32)
             if before is not None:
-                old = self._step.increment(self._state, *self._coefficients(before))
+                old = self._step.increment(self._state, *self._coefficients(before, acted))
             new = self._step.increment(self._state, rates, steady)
             self._step.advance(self._state, self._step.carry(self._state, rates, old, new, changed))
             substeps -= 1
@@ -139,11 +171,11 @@ class FloatLanes:
 
     def coefficient_words(self, row: Integers) -> list[NDArray[Any]]:
         """See :class:`ComponentLanes`."""
-        rates, steady = self._coefficients(row)
+        rates, steady = self._coefficients(row, self._acted)
         return [*(np.ascontiguousarray(rate).view(np.uint32) for rate in rates), steady]
 
-    def _coefficients(self, row: Integers) -> tuple[list[NDArray[np.float32]], Integers]:
-        return [self._rates[row, i] for i in range(self._component.order)], self._component.steady[row]
+    def _coefficients(self, row: Integers, ambient: Integers) -> tuple[list[NDArray[np.float32]], Integers]:
+        return [self._rates[row, i] for i in range(self._component.order)], self._component.steady[row] + ambient
 
 
 def lanes_of(component: AnyComponent, start_mK: Sequence[int]) -> ComponentLanes:

@@ -20,6 +20,8 @@ Integers = NDArray[np.int64]
 Record = NDArray[np.void]
 
 _SATURATION_LIMIT = 0xFFFF
+#: The ambient over the reference, in thousandths of a kelvin, at the end of the board's state.
+AMBIENT_FIELD = ("ambient_mK", "<i4")
 
 
 class ReferenceModel:
@@ -50,9 +52,19 @@ class ReferenceModel:
             for index, name in enumerate(program.model.component_names):
                 shown = np.asarray(starts[name], dtype=np.int64)
                 starts[name] = self._effects.start(index, shown).tolist()
-        #: Rise from which each component's baseline starts, in thousandths of a kelvin, before its limits.
+        self._ambient = program.ambient
+        self._over: Integers = np.zeros(self.lanes, dtype=np.int64)
+        if self._ambient is not None:
+            self._over = self._over_of(channels)
+            for index, name in enumerate(program.model.component_names):
+                if self._effects is None or not self._effects.starts(index):
+                    starts[name] = (np.asarray(starts[name], dtype=np.int64) + self._over).tolist()
+        #: Rise from which each component's baseline starts, in thousandths of a kelvin, before its limits: over the
+        #: reference, where changes of the ambient pass the dynamics.
         self.starts_mK = {name: np.asarray(given, dtype=np.int64) for name, given in starts.items()}
         self._components = [lanes_of(component, starts[component.name]) for component in program.components]
+        for component in self._components:
+            component.set_ambient(self._over)
         if self._effects is not None:
             for number, word in self._words().items():
                 self._effects.started(number, *word)
@@ -77,9 +89,21 @@ class ReferenceModel:
         return {i: (self._components[i].state_words()[1], word_bits(self._program.components[i])) for i in tracked}
 
     def set_channels(self, values: Integers) -> None:
-        """Tell the effects the channels' values from now on, in thousandths, shape (channels, L)."""
+        """Tell the channels' values from now on, in thousandths, shape (channels, L)."""
         if self._effects is not None:
             self._effects.set_channels(values)
+        if self._ambient is not None:
+            self._over = self._over_of(values)
+            for component in self._components:
+                component.set_ambient(self._over)
+
+    def _over_of(self, channels: Integers | None) -> Integers:
+        """The ambient over the reference, in thousandths of a kelvin, held to its range."""
+        assert self._ambient is not None
+        if channels is None:
+            return np.zeros(self.lanes, dtype=np.int64)
+        told = np.clip(np.asarray(channels[0], dtype=np.int64), self._ambient.low, self._ambient.high)
+        return np.asarray(told - self._ambient.neutral)
 
     def step(self, pwm: Integers) -> None:
         """Advance by one sample with the PWM of each lane, shape (L,)."""
@@ -105,14 +129,20 @@ class ReferenceModel:
 
     @property
     def rises(self) -> NDArray[np.float64]:
-        """Rise of every component as the board gives it out, shape (components, L), in K."""
-        rises = [component.rise() for component in self._components]
+        """Rise of every component over the ambient as the board gives it out, shape (components, L), in K."""
+        rises = [component.rise() - self._over / 1000.0 for component in self._components]
         return np.array([value if own is None else own * 2.0**-KELVIN_BITS for value, own in self._with_shown(rises)])
+
+    @property
+    def readings(self) -> NDArray[np.float64]:
+        """Reading of every component as the board has it, shape (components, L), in degC, where its ambient moves."""
+        assert self._ambient is not None, "the board counts from what it is not told"
+        return np.asarray(self.rises + (self._over + self._ambient.neutral) / 1000.0)
 
     @property
     def rises_mK(self) -> Integers:
         """The same in thousandths of a kelvin, to nearest, as integers."""
-        rises = [component.rise_mK() for component in self._components]
+        rises = [component.rise_mK() - self._over for component in self._components]
         return np.array(
             [value if own is None else thousandths(own, KELVIN_BITS) for value, own in self._with_shown(rises)]
         )
@@ -128,6 +158,8 @@ class ReferenceModel:
         for component, lanes in zip(self._program.components, self._components, strict=True):
             for (name, _), word in zip(state_fields(component), lanes.state_words(), strict=True):
                 record[name] = word
+        if self._ambient is not None:
+            record[AMBIENT_FIELD[0]] = self._over
         return record
 
     def record(self) -> Record:
@@ -137,6 +169,8 @@ class ReferenceModel:
         for component, lanes in zip(self._program.components, self._components, strict=True):
             for (name, _), word in zip(coefficient_fields(component), lanes.coefficient_words(self._row), strict=True):
                 record[name] = word
+        for name, member in _ambient_words(self._program):
+            record[name] = self._components[member].ambient
         record["command"] = self._command
         record["flags"] = self._flags | STARTED
         if self._program.saturates:
@@ -159,12 +193,19 @@ def pwm_flags(program: Program) -> Integers:
     return flags.astype(np.int64)
 
 
+def _ambient_words(program: Program) -> list[tuple[str, int]]:
+    """The ambient's words on the board: a name for each shape, and a component of it."""
+    return [(f"ambient.{s.identifier}", s.members[0]) for s in program.shapes] if program.ambient is not None else []
+
+
 def record_type(program: Program) -> np.dtype[np.void]:
     """The board's model structure, byte by byte: states, coefficients, PWM and flags, packed and little endian."""
     members = [program.components[member] for shape in program.shapes for member in shape.members]
     states = [field for component in members for field in state_fields(component)]
+    states += [AMBIENT_FIELD] if program.ambient is not None else []
     coefficients = [field for component in members for field in coefficient_fields(component)]
-    tail = [("command", "<i2"), ("flags", "u1")]
+    ambient = [(name, "<i4") for name, _ in _ambient_words(program)]
+    tail = [*ambient, ("command", "<i2"), ("flags", "u1")]
     if program.saturates:
         tail.append(("saturations", "<u2"))
     if program.effects is not None:

@@ -17,7 +17,6 @@ from gen.model.extended import ExtendedSolution
 from gen.model.network import Network
 from gen.model.network_solution import NetworkSolution
 from gen.reference.board import record_type, reference_of, state_names
-from gen.reference.network import ReferenceNetwork
 from gen.replay import Inputs, check_inputs, inputs_of
 from gen.runs import Run
 
@@ -91,7 +90,7 @@ def _exact(
         return ExtendedSolution(model, coefficients.effects).simulate_times(
             run.time_s, run.pwm, inputs.ambient, _sensed(inputs), inputs.channels, rise
         )
-    solved = ExactSolution(model).simulate_times(run.time_s, run.pwm, rise)
+    solved = ExactSolution(model).over_ambient(run.time_s, run.pwm, inputs.ambient, rise)
     return {name: values + inputs.ambient for name, values in solved.items()}
 
 
@@ -117,10 +116,11 @@ def _on_board(
     model = reference_of(program, starts, None if told is None else told[:, :1])
     wanted = set(grid.tolist())
     kept: dict[int, tuple[Array, np.void]] = {}
+    holds_temperatures = program.network is not None or program.ambient is not None
     for step in range(length + 1):
         if step in wanted:
-            # A network holds temperatures, whatever the ambient was when they were reached.
-            shown = model.readings if isinstance(model, ReferenceNetwork) else model.rises
+            # Temperatures are what is held, whatever the ambient was when they were reached.
+            shown = model.readings if holds_temperatures else model.rises
             kept[step] = (shown[:, 0], model.state_record()[0])
         if step < length:
             if told is not None:
@@ -130,7 +130,7 @@ def _on_board(
     records = np.array([kept[int(step)][1] for step in grid], dtype=record_type(program))
     names = state_names(program)
     words = {name: records[name].astype(np.int64) for name in names}
-    if program.network is not None:
+    if holds_temperatures:
         rises = rises - inputs.ambient[:, None]
     elif told is not None:
         rises = rises + (told[0] / 1000.0 - inputs.ambient)[:, None]

@@ -263,12 +263,12 @@ def _solved(coefficients: Coefficients, run: Run, inputs: Inputs) -> tuple[dict[
     window = max(int(np.searchsorted(run.time_s, run.time_s[0] + span, side="right")), 1)
     solution = ExactSolution(coefficients.model)
     if window > 2:
-        early = solution.simulate_times(run.time_s[:window], run.pwm[:window], first)
+        early = solution.over_ambient(run.time_s[:window], run.pwm[:window], inputs.ambient[:window], first)
         for name in first:
             off = (run.temps[name] - inputs.ambient)[:window] - early[name]
             if np.any(np.isfinite(off)):
                 first[name] += float(np.nanmean(off))
-    return first, solution.simulate_times(run.time_s, run.pwm, first)
+    return first, solution.over_ambient(run.time_s, run.pwm, inputs.ambient, first)
 
 
 def _bins(time: FloatArray, pwm: NDArray[np.int64]) -> tuple[NDArray[np.int64], FloatArray]:

@@ -13,7 +13,7 @@ from gen.model.exact import ExactSolution
 from gen.model.network_solution import NetworkSolution
 from gen.model.schedules import FloatArray
 from gen.reference.board import reference_of
-from gen.verification.profiles import Integers, campaign
+from gen.verification.profiles import Integers, Profile, campaign, with_channels
 
 #: A run of 10 800 s at the sample time of 0.25 s.
 LENGTH = 43_200
@@ -56,18 +56,31 @@ def error_course(program: Program, lanes: int, length: int = LENGTH) -> ErrorCou
     profile = campaign(program.model, lanes, length, seed=10_800)
     low = max(part.start_range_mK[0] for part in program.parts)
     high = min(part.start_range_mK[1] for part in program.parts)
+    if program.ambient is not None:  # the range is about rises over the reference
+        low, high = (
+            low - program.ambient.low + program.ambient.neutral,
+            high - program.ambient.high + program.ambient.neutral,
+        )
     start = np.clip(profile.start_mK, low, high)
     names = program.model.component_names
-    rise = dict.fromkeys(names, start / 1000.0)
-    exact = ExactSolution(program.model).simulate(_in_domain(program, profile.pwm), rise)
-    model = reference_of(program, [int(value) for value in start])
+    told = _told(program, profile)
+    model = reference_of(program, [int(value) for value in start], None if told is None else told[:, :, 0])
+    over = None if told is None else (told[0] - program.channels[0].neutral) / 1000.0
+    rise = {name: value / 1000.0 for name, value in model.starts_mK.items()}
+    exact = ExactSolution(program.model).simulate(
+        _in_domain(program, profile.pwm), rise, None if over is None else over[:, 1:]
+    )
     ends = np.linspace(0, length, min(_POINTS, length) + 1).round().astype(int)[1:]
     worst = np.zeros((len(ends), len(names)))
     worst[0] = np.abs(model.rises - start / 1000.0).max(axis=1)  # what was asked for, not what the board made of it
     interval = 0
     for step in range(length):
+        if told is not None:
+            model.set_channels(told[:, :, step + 1])
         model.step(profile.pwm[:, step])
         truth = np.array([exact[name][:, step + 1] for name in names])
+        if over is not None:
+            truth = truth - over[:, step + 1]
         worst[interval] = np.maximum(worst[interval], np.abs(model.rises - truth).max(axis=1))
         interval += step + 1 == ends[interval]
     return ErrorCourse(
@@ -139,6 +152,15 @@ def _exact_steps(program: Program, held: Integers, begin: Mapping[str, float]) -
     first = {name: rise + room for name, rise in begin.items()}
     lanes = [solution.simulate_times(times, np.append(pwm, pwm[-1]), room, start=first) for pwm in held]
     return {name: np.array([lane[name] for lane in lanes]) - room for name in model.component_names}
+
+
+def _told(program: Program, profile: Profile) -> Integers | None:
+    """What the board is told of a moving ambient before start and samples, shape (1, L, N + 1), if it does."""
+    if program.ambient is None:
+        return None
+    told = with_channels(profile, program.channels).channels
+    assert told is not None
+    return np.moveaxis(np.clip(told, program.ambient.low, program.ambient.high), 2, 0)
 
 
 def _in_domain(program: Program, pwm: Integers) -> Integers:

@@ -13,8 +13,7 @@ from gen.lowering.effects import lower_effects
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.program import Program
-from gen.verification.effects import with_channels
-from gen.verification.profiles import campaign
+from gen.verification.profiles import campaign, with_channels
 from gen.verification.runners import AvrRunner, Cost, write_library
 
 _LANES, _LENGTH = 4, 60

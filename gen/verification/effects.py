@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.effects import EffectsProgram
-from gen.lowering.effects.program import Channel
 from gen.lowering.program import Program
 from gen.model.effects import Applied
 from gen.reference.model import ReferenceModel
 from gen.verification.accuracy import ErrorCourse
 from gen.verification.held import HeldSolution
-from gen.verification.profiles import Profile, campaign
+from gen.verification.profiles import campaign
 
 Integers = NDArray[np.int64]
 Array = NDArray[np.float64]
@@ -25,34 +23,6 @@ EFFECTS_LENGTH = 14_400
 _POINTS = 60
 _CHANGES = 0.02
 """Share of samples at which the channels change."""
-_BEYOND = 0.05
-
-
-def with_channels(profile: Profile, channels: Sequence[Channel], seed: int = 17) -> Profile:
-    """The profile with values for every channel, some beyond their ranges.
-
-    Lanes hold a value for long, jump between the ends at every sample, draw anew at every sample, or stay neutral.
-    """
-    if not channels:
-        return profile
-    random = np.random.default_rng(seed)
-    lanes, length = profile.pwm.shape
-    made = np.zeros((lanes, length + 1, len(channels)), dtype=np.int64)
-    for number, channel in enumerate(channels):
-        beyond = int((channel.high - channel.low) * _BEYOND) + 1
-        for lane in range(lanes):
-            match (lane + number) % 4:
-                case 0:
-                    hold = int(random.integers(20, 800))
-                    values = np.repeat(random.integers(channel.low, channel.high + 1, length // hold + 1), hold)
-                case 1:
-                    values = np.tile([channel.low, channel.high], length // 2 + 1)
-                case 2:
-                    values = random.integers(channel.low - beyond, channel.high + beyond + 1, length + 1)
-                case _:
-                    values = np.full(length + 1, channel.neutral)
-            made[lane, :, number] = np.resize(values, length + 1)
-    return replace(profile, channels=made)
 
 
 def course_with_effects(program: Program, effects: Sequence[Applied], lanes: int, length: int) -> ErrorCourse:

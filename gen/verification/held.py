@@ -57,11 +57,13 @@ class HeldSolution:
             part.start(np.asarray(shown_K[part.name], dtype=np.float64) + ambient - own, own, ambient)
             for part in self._parts
         ]
+        for state in self._state:
+            state[0] += self._over(ambient)
         for name, rise in (baseline_K or {}).items():
             self._state[model.component_names.index(name)][0] = rise
         self._measured, self._elapsed = ambient, 0.0
         for part, state in zip(self._parts, self._state, strict=True):
-            part.settle(state, own, ambient)
+            part.settle(state, self._counted_from(own), own, ambient)
 
     def step(self, pwm: Integers, ambient: Array, channels: Mapping[str, Array]) -> None:
         """Advance by one sample.
@@ -94,7 +96,7 @@ class HeldSolution:
         own = self._ambient(self._measured)
         return np.array(
             [
-                part.reading(state, own, self._measured, self._elapsed)[0] - self._measured
+                part.reading(state, self._counted_from(own), own, self._measured, self._elapsed)[0] - self._measured
                 for part, state in zip(self._parts, self._state, strict=True)
             ]
         )
@@ -102,12 +104,21 @@ class HeldSolution:
     def _ambient(self, measured: Array) -> Array:
         return measured if self._fixed is None else np.full_like(measured, self._fixed)
 
+    def _counted_from(self, ambient: Array) -> Array:
+        """What the baselines' rises count from, degC."""
+        return ambient - self._over(ambient)
+
+    def _over(self, ambient: Array) -> Array:
+        """The ambient that acts on the baselines, over what their rises count from, K."""
+        return ambient - self._model.ambient_reference if self._model.ambient_passes else np.zeros_like(ambient)
+
     def _slopes(
         self, state: list[Array], count: Integers, reverse: NDArray[np.bool_], ambient: Array,
         channels: Mapping[str, Array], elapsed: float,
     ) -> list[Array]:  # fmt: skip
-        rises = {part.name: part.rise(y) for part, y in zip(self._parts, state, strict=True)}
         own = self._ambient(ambient)
+        over = self._over(own)
+        rises = {part.name: part.rise(y) - over for part, y in zip(self._parts, state, strict=True)}
         result = []
         for part, y in zip(self._parts, state, strict=True):
             m: Any = Moment()
@@ -118,7 +129,7 @@ class HeldSolution:
             m.rise, m.ambient, m.measured_ambient = rises[part.name], own, ambient
             m.others = {name: rise for name, rise in rises.items() if name != part.name}
             m.channels = channels
-            result.append(part.slope(y, m, count, elapsed))
+            result.append(part.slope(y, m, count, over, self._counted_from(own), elapsed))
         return result
 
 
@@ -159,18 +170,20 @@ class _Part:
             y[2 * n + len(self._timed) + i] = a.effect.inner_start(a.values, seen)
         return y
 
-    def settle(self, y: Array, ambient: Array, measured: Array) -> None:
+    def settle(self, y: Array, counted_from: Array, ambient: Array, measured: Array) -> None:
         """Sensors with a lag show what they see."""
         for i in range(len(self._lags)):
-            y[y.shape[0] - len(self._lags) + i] = self.reading(y, ambient, measured, 0.0)[1][i]
+            y[y.shape[0] - len(self._lags) + i] = self.reading(y, counted_from, ambient, measured, 0.0)[1][i]
 
     def rise(self, y: Array) -> Array:
         n = self.order
         return np.asarray(y[0] + y[n] + y[2 * n : 2 * n + len(self._timed)].sum(axis=0))
 
-    def reading(self, y: Array, ambient: Array, measured: Array, elapsed: float) -> tuple[Array, list[Array]]:
+    def reading(
+        self, y: Array, counted_from: Array, ambient: Array, measured: Array, elapsed: float
+    ) -> tuple[Array, list[Array]]:
         """What the sensor shows, and what stands before each lag, degC."""
-        value, before = self.rise(y) + ambient, []
+        value, before = self.rise(y) + counted_from, []
         for a in self._own:
             if a in self._lags:
                 before.append(value)
@@ -178,7 +191,7 @@ class _Part:
             value = a.effect.reading(a.values, value, ambient, measured, elapsed)
         return value, before
 
-    def slope(self, y: Array, m: Moment, count: Integers, elapsed: float) -> Array:
+    def slope(self, y: Array, m: Moment, count: Integers, over: Array, counted_from: Array, elapsed: float) -> Array:
         n, timed = self.order, len(self._timed)
         out = np.zeros_like(y)
         a = self._a[count]
@@ -198,10 +211,10 @@ class _Part:
                 out[place] = effect.heat(p, m) - y[place] / effect.own_tau(p)
             else:
                 q = q + effect.heat(p, m) + effect.per_rise(p, m) * m.rise
-        for first, drive in ((0, self._drive[count]), (n, a[:, n - 1] * q)):
+        for first, drive in ((0, self._drive[count] + a[:, n] * over), (n, a[:, n - 1] * q)):
             out[first : first + n - 1] = y[first + 1 : first + n]
             out[first + n - 1] = drive - sum(a[:, n - k] * y[first + k] for k in range(n))
-        before = self.reading(y, m.ambient, m.measured_ambient, elapsed)[1]
+        before = self.reading(y, counted_from, m.ambient, m.measured_ambient, elapsed)[1]
         for i, applied in enumerate(self._lags):
             place = y.shape[0] - len(self._lags) + i
             out[place] = (before[i] - y[place]) / applied.effect.lag(applied.values)

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.lowering.effects.program import Channel
 from gen.model import ThermalModel
 
 Integers = NDArray[np.int64]
+
+_BEYOND = 0.05
+"""Share of a channel's range by which a campaign leaves it."""
 
 
 def record_type(channels: int) -> np.dtype[np.void]:
@@ -71,6 +76,33 @@ def campaign(model: ThermalModel, lanes: int, length: int, seed: int = 2026) -> 
     corners = [0, low, high, 25_250, low - 5_000, high + 1, 0, 61_999]
     start[: min(lanes, len(corners))] = corners[:lanes]
     return Profile(pwm.astype(np.int64), start.astype(np.int64))
+
+
+def with_channels(profile: Profile, channels: Sequence[Channel], seed: int = 17) -> Profile:
+    """The profile with values for every channel, some beyond their ranges.
+
+    Lanes hold a value for long, jump between the ends at every sample, draw anew at every sample, or stay neutral.
+    """
+    if not channels:
+        return profile
+    random = np.random.default_rng(seed)
+    lanes, length = profile.pwm.shape
+    made = np.zeros((lanes, length + 1, len(channels)), dtype=np.int64)
+    for number, channel in enumerate(channels):
+        beyond = int((channel.high - channel.low) * _BEYOND) + 1
+        for lane in range(lanes):
+            match (lane + number) % 4:
+                case 0:
+                    hold = int(random.integers(20, 800))
+                    values = np.repeat(random.integers(channel.low, channel.high + 1, length // hold + 1), hold)
+                case 1:
+                    values = np.tile([channel.low, channel.high], length // 2 + 1)
+                case 2:
+                    values = random.integers(channel.low - beyond, channel.high + beyond + 1, length + 1)
+                case _:
+                    values = np.full(length + 1, channel.neutral)
+            made[lane, :, number] = np.resize(values, length + 1)
+    return replace(profile, channels=made)
 
 
 def every_command(model: ThermalModel) -> Profile:

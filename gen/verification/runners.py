@@ -126,13 +126,15 @@ class Cost:
     Attributes
     ----------
     cycles_constant, cycles_change
-        Most cycles of one step at constant PWM, and with a change of it.
+        Most cycles of one step at constant PWM, and with a change of it; the ambient as before, where it has dynamics.
     cycles_constant_mean
         Mean at constant PWM.
     flash_bytes, ram_bytes
         Of the model alone: the library linked to an empty program, less the empty program.
     stack_bytes
         Deepest stack below the caller.
+    cycles_ambient
+        Most cycles of one step and of telling it another ambient, where its changes pass the dynamics.
     """
 
     cycles_constant: int
@@ -141,6 +143,7 @@ class Cost:
     flash_bytes: int
     ram_bytes: int
     stack_bytes: int
+    cycles_ambient: int | None = None
 
 
 class AvrRunner:
@@ -195,16 +198,20 @@ class AvrRunner:
         changed[:, 1:] = magnitude[:, 1:] != magnitude[:, :-1]
         same_command = np.zeros(magnitude.shape, dtype=bool)
         same_command[:, 1:] = profile.pwm[:, 1:] == profile.pwm[:, :-1]
-        held = self.cycles[same_command]
+        retold = np.zeros(magnitude.shape, dtype=bool)
+        if self._library.program.ambient is not None and profile.channels is not None:
+            retold = profile.channels[:, 1:, 0] != profile.channels[:, :-1, 0]
+        held = self.cycles[same_command & ~retold]
         used, empty = sizes(self._elf), sizes(self._empty)
         harness = profile.records().dtype.itemsize
         return Cost(
             cycles_constant=int(held.max()),
             cycles_constant_mean=round(float(held.mean()), 1),
-            cycles_change=int(self.cycles[changed].max()),
+            cycles_change=int(self.cycles[changed & ~retold].max()),
             flash_bytes=used.flash - empty.flash,
             ram_bytes=used.ram - empty.ram - harness,
             stack_bytes=self.stack_bytes,
+            cycles_ambient=int(self.cycles[retold].max()) if retold.any() else None,
         )
 
     def helper_symbols(self) -> list[str]:

@@ -21,10 +21,10 @@ from gen.verification.accuracy import LENGTH, ErrorCourse, StepErrors, error_cou
 from gen.verification.alarms import AlarmCampaign, compare_alarms
 from gen.verification.compare import Mismatch
 from gen.verification.effect_costs import EffectCost, effect_costs
-from gen.verification.effects import EFFECTS_LENGTH, course_with_effects, with_channels
+from gen.verification.effects import EFFECTS_LENGTH, course_with_effects
 from gen.verification.limits import exceeded
 from gen.verification.network import course_of_network
-from gen.verification.profiles import Profile, campaign, every_command
+from gen.verification.profiles import Profile, campaign, every_command, with_channels
 from gen.verification.proof import proof_of
 from gen.verification.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
 from gen.version import __version__

@@ -108,11 +108,64 @@ def _wider_start(part: dict[str, Any]) -> None:
     part["start_mK"][1] += 1000
 
 
+def ambient(key: str, step: int) -> Edit:
+    """Another ambient in the certificate."""
+
+    def edit(text: str) -> str:
+        tree = json.loads(text)
+        tree["ambient"][key] += step
+        return json.dumps(tree)
+
+    return edit
+
+
+def _no_ambient(text: str) -> str:
+    tree = json.loads(text)
+    del tree["ambient"]
+    return json.dumps(tree)
+
+
 def _finer(part: dict[str, Any]) -> None:
     part["fraction_bits"][0] += 1
 
 
 SCHEDULE, STEP, WORD, MODEL = "small_schedule.cpp", "small_step.h", "small_word.h", "small.cpp"
+OVER = r"small_model\.state\.ambient_mK"
+AMBIENT: dict[str, tuple[str, Edit]] = {
+    "left out at a change": (MODEL, replaced(r"    add_ambient\(now\);\n", "")),
+    "left out of a resume": (MODEL, replaced(r"    add_ambient\(&small_model\.now\);\n", "")),
+    "old words at a resume": (MODEL, replaced(r"    ambient_words\(\);\n    add_ambient", "    add_ambient")),
+    "added before the schedule": (
+        MODEL,
+        replaced(r"( +small_schedule\(pwm, now\);\n)( +add_ambient\(now\);\n)", r"\2\1"),
+    ),
+    "left out of one component": (MODEL, replaced(r"    now->b\[0\]\.steady \+= b;\n", "")),
+    "taken off": (MODEL, replaced(r"steady \+= a;", "steady -= a;")),
+    "another word's factor": (MODEL, added(r"ambient\[0\] = small_word_of\(over, (\d+)", 1)),
+    "added to a rate": (MODEL, replaced(r"now->a\[0\]\.steady \+= a;", "now->a[0].rate[0] += (uint32_t)a;")),
+    "a change that nothing follows": (MODEL, replaced(r" +small_model\.flags &= \(uint8_t\)~STARTED;\n", "", nth=0)),
+    "words of the ambient before": (
+        MODEL,
+        replaced(rf"( +{OVER} = over;\n)( +ambient_words\(\);\n)", r"\2\1"),
+    ),
+    "another reference": (MODEL, replaced(r"thousandths - \(30000L\)", "thousandths - (30001L)")),
+    "an end of its range": (MODEL, replaced(r"thousandths > 40000L", "thousandths > 41000L")),
+    "a start over the reference": (MODEL, replaced(r"    rise_mK = small_over_reference\(rise_mK\);\n", "")),
+    "a start that adds it twice": (
+        MODEL,
+        replaced(
+            r"(    rise_mK = small_over_reference\(rise_mK\);\n)", r"\1    rise_mK += small_model.state.ambient_mK;\n"
+        ),
+    ),
+    "a start that takes it off": (MODEL, replaced(rf"rise_mK\) \+ {OVER}", "rise_mK) - small_model.state.ambient_mK")),
+    "a begin that keeps it": (MODEL, replaced(rf"    {OVER} = 0;\n", "")),
+    "a reading over the reference": (MODEL, replaced(rf" - {OVER};", ";")),
+    "a reading that adds it": (MODEL, replaced(rf" - {OVER};", " + small_model.state.ambient_mK;", nth=1)),
+    "a wider range": ("certificate.json", ambient("high_mC", 1000)),
+    "a colder end": ("certificate.json", ambient("low_mC", -5000)),
+    "a reference that is another": ("certificate.json", ambient("reference_mC", 1)),
+    "none in the certificate": ("certificate.json", _no_ambient),
+}
 FIXED: dict[str, tuple[str, Edit]] = {
     # Tables.
     "R0 of order 1, a unit in ten thousand": (SCHEDULE, added(r"\{(\d{6,})UL\}", 20_000)),
@@ -149,7 +202,7 @@ FIXED: dict[str, tuple[str, Edit]] = {
     ),
     "no schedule at a new PWM": (MODEL, replaced(r"if \(changed\)", "if (!changed)")),
     "a domain of one more": (MODEL, replaced(r"counts > 119u \? 119u", "counts > 120u ? 120u")),
-    "a start's range": (MODEL, replaced(r"rise_mK > 80000L", "rise_mK > 90000L")),
+    "a start's range": (MODEL, replaced(r"rise_mK > 70000L", "rise_mK > 90000L")),
     "a start's factor": (MODEL, added(r"rise_mK, (\d+)L, \d+u", 1)),
     "rates kept at a start": (MODEL, replaced(r"memset\(rate, 0,", "memset(rate, 1,")),
     # The certificate and what is claimed.
@@ -191,6 +244,15 @@ def test_what_was_emitted_is_proven(emitted: dict[str, Path], arithmetic: str) -
 def test_a_defect_in_fixed_point_is_refuted(emitted: dict[str, Path], tmp_path: Path, defect: str) -> None:
     with pytest.raises(CheckFailed):
         gen.check(planted(emitted["fixed"], tmp_path, *FIXED[defect]))
+
+
+@pytest.mark.parametrize("arithmetic", ["fixed", "float"])
+@pytest.mark.parametrize("defect", AMBIENT)
+def test_a_defect_of_the_ambient_is_refuted(
+    emitted: dict[str, Path], tmp_path: Path, defect: str, arithmetic: str
+) -> None:
+    with pytest.raises(CheckFailed):
+        gen.check(planted(emitted[arithmetic], tmp_path, *AMBIENT[defect]))
 
 
 @pytest.mark.parametrize("defect", FLOAT)

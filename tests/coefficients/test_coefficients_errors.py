@@ -92,6 +92,7 @@ FAULTS: list[tuple[Path_, object, str, str]] = [
     (("domain", "ambient_degC", 0), -300, "$.domain.ambient_degC[0]", "expected at least -273.15"),
     (("ambient",), {}, "$.ambient", 'found neither, expected "fixed_degC"'),
     (("ambient", "fixed_degC"), 80, "$.ambient.fixed_degC", "found 80, expected it within -10..50"),
+    (("ambient", "at_once"), "yes", "$.ambient.at_once", 'found the text "yes", expected true or false'),
     (("accuracy", "fixed_limit_K"), 0, "$.accuracy.fixed_limit_K", "expected a number over 0"),
     (("wiring", "led_pin"), 70, "$.wiring.led_pin", "found 70, expected at most 69"),
     (("wiring", "led_pin"), 0, "$.wiring.led_pin", "already taken by the serial port"),

@@ -66,6 +66,7 @@ FORM: list[tuple[Path_, object, str, str]] = [
         "$.effects",
         'no "effects"',
     ),
+    (("ambient", "at_once"), False, "$.ambient.at_once", "acts through its paths"),
     (("accuracy", "unproven"), "saturate", "$.accuracy.unproven", "with a guarantee or not at all"),
     (NODES, [], "$.network.nodes", "found 0 entries, expected at least 1"),
     (NODES, DELETE, "$.network", 'missing key "nodes"'),
@@ -225,7 +226,7 @@ def test_the_schema_takes_the_file_and_rejects_what_it_can_express() -> None:
     assert SCHEMA.is_valid(BASE | {"version": 2, "network": None})
     related = {'one of "poly" and "table"', 'no "effects"', "with a guarantee", "is taken", "win ding", "twice"}
     related |= {"joins the same", "expected a node's name", "a column of", "strictly increasing", "values, expected"}
-    related |= {"is there already", "is reserved", "lower limit first", "within"}
+    related |= {"is there already", "is reserved", "lower limit first", "within", "through its paths"}
     for where, value, _, message in FORM:
         if not any(part in message for part in related):
             assert not SCHEMA.is_valid(changed((where, value))), (where, value)

@@ -65,6 +65,10 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
         "ab3811c1b4e47e5ecb5b3a89fa66886de639d3cd6547249db59cde75ec06c70c",
         {"casing": 37.1821476090, "magnet": 39.1349802537},
     ),
+    "ambient_at_once.json": (
+        "60781092f523aee6672382d67ffbf8e7e12b71c855cf7695840cedd6a41e7a97",
+        FROZEN["my1016.json"][1],
+    ),
     "every_key.json": ("45572e247e729fda594960be5f6b20949500ae0d7de15bace488ecc1c276ec55", FROZEN["every_key.json"][1]),
     "fan_motor.json": (
         "4c776f1c2b944548cdf48e7edfb3a11f5743aea1455a32c0728c7f08d79593de",
@@ -109,6 +113,16 @@ def test_a_file_of_version_2_loads_for_ever_and_means_what_it_meant(name: str) -
     sha256, readings = FROZEN_2[name]
     assert hashlib.sha256(path.read_bytes()).hexdigest() == sha256, "this file is a witness; do not write it anew"
     assert after_an_hour(load(path).model) == pytest.approx(readings, rel=1e-9)
+
+
+def test_the_ambient_passes_the_dynamics_in_a_file_of_every_version_that_does_not_say_otherwise() -> None:
+    passes = {
+        path: load(path).model.ambient_passes for folder in (VERSION_1, VERSION_2) for path in folder.glob("*.json")
+    }
+    assert passes[VERSION_1 / "my1016.json"]
+    assert passes[VERSION_2 / "my1016.json"]
+    assert not passes[VERSION_2 / "ambient_at_once.json"]
+    assert not passes[VERSION_2 / "fan_motor.json"], "a network has paths"
 
 
 def test_the_frozen_files_are_all_there() -> None:

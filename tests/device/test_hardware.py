@@ -24,7 +24,7 @@ from tests.device.conftest import Open
 from tests.device.variants import BASE, variant
 
 ADCSRA, ADEN, ADIE = 0x7A, 0x80, 0x08
-RECORD = 60
+RECORD = 64
 
 
 def test_a_noisy_encoder_line_does_not_stop_the_clock(power_up: Open) -> None:

@@ -14,7 +14,7 @@ from tests.device.board import MEMORY, OPEN, Board
 from tests.device.conftest import Open
 from tests.device.variants import variant
 
-RECORD = 60  # identity 4, number 4, PWM 2, five temperatures 10, states 36, CRC 4
+RECORD = 64  # identity 4, number 4, PWM 2, five temperatures 10, states 40, CRC 4
 MEASURED = {"brush": 61.25, "bearing": 55.5, "magnet": 52.0, "casing": 50.75, "ambient": 24.5}
 COPIED_S = 60 + RECORD * 0.25 + 5.0
 

@@ -64,7 +64,7 @@ def test_the_model_starts_from_the_measured_temperatures_and_equals_the_referenc
 
     program = lower(variant("my1016"), "fixed", "table")
     starts = {c: [round((TEMPERATURES[c] - TEMPERATURES["ambient"]) * 1000)] for c in CHANNELS[:-1]}
-    reference = ReferenceModel(program, starts)
+    reference = ReferenceModel(program, starts, np.array([[round(TEMPERATURES["ambient"] * 1000)]]))
     acting, sample, compared = 0, 0, 0
     for row in rows:
         while sample < round(float(row["time_s"]) / SAMPLE_S):

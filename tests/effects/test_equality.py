@@ -14,8 +14,7 @@ from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.kinds import Arithmetic
 from gen.verification import compare
-from gen.verification.effects import with_channels
-from gen.verification.profiles import Profile, campaign
+from gen.verification.profiles import Profile, campaign, with_channels
 from gen.verification.runners import WARNINGS, AvrRunner, HostRunner, Library, write_library
 from tests.effects.cases import CASES, TOGETHER, case, lowered
 

@@ -313,7 +313,8 @@ def never_folded(order: int, label: str) -> Coefficients:
         Applied(registry()[e.name], e.component, registry()[e.name].parameters(**e.parameters).model_dump())
         for e in read.document.effects
     )
-    return replace(read, model=plain.model, effects=effects)
+    model = replace(plain.model, ambient_at_once=read.model.ambient_at_once)  # as the effect has it
+    return replace(read, model=model, effects=effects)
 
 
 Made = Callable[[int, str], Coefficients]

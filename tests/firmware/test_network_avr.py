@@ -16,8 +16,7 @@ from gen.firmware.context import project_context
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
 from gen.verification import compare
-from gen.verification.effects import with_channels
-from gen.verification.profiles import Profile, campaign
+from gen.verification.profiles import Profile, campaign, with_channels
 from gen.verification.runners import AvrRunner, HostRunner, Library, write_library
 from tests.drawn_networks import drawn, with_laws
 from tests.examples import ROOT

@@ -72,19 +72,26 @@ def test_a_run_at_one_speed_with_its_cooling_says_where_it_holds() -> None:
     assert item.linearity.linear is None
 
 
-def test_a_warm_start_and_a_moving_ambient() -> None:
+@pytest.mark.parametrize("noise", [0.0, 0.4])
+def test_a_warm_start_and_an_ambient_that_moves_through_the_part(noise: float) -> None:
+    """The part follows its room with its own time constant; what the room's sensor adds of its own means nothing."""
     of = plant()
     rng = np.random.default_rng(3)
     whole = profile((204, 5000), (102, 7000))
     run = measured(of, whole, rng)
-    later = slice(4000, None)
     drift = 4.0 * np.sin(np.arange(len(whole)) / 2500.0)
-    warm = Run(
-        run.time_s[later], run.pwm[later], {"part": run.temps["part"][later] + drift[later]}, AMBIENT + drift[later]
-    )
-    item, _ = found_of([warm, measured(of, profile((204, 6000)), rng)])
-    index = item.speeds.index(102)
-    assert item.fit.steady[index] == pytest.approx(of.steady[102], abs=0.15)
+    inside = np.zeros_like(drift)
+    for k, pwm in enumerate(whole[:-1]):
+        inside[k + 1] = inside[k] + (drift[k] - inside[k]) / of.tau[pwm, 0]
+    later = slice(4000, None)
+    room = AMBIENT + drift + rng.normal(0.0, noise, drift.size)
+    warm = Run(run.time_s[later], run.pwm[later], {"part": (run.temps["part"] + inside)[later]}, room[later])
+    item, loaded = found_of([warm, measured(of, profile((204, 6000)), rng)])
+    assert item.fit.steady[item.speeds.index(102)] == pytest.approx(of.steady[102], abs=0.15)
+    rate = -float(loaded.model.component("part").poles[0].real.exact(102))
+    assert rate * of.tau[102, 0] == pytest.approx(1.0, rel=0.02)
+    assert item.problem.records[0].noise_K == pytest.approx(0.1, abs=0.03)
+    assert loaded.model.ambient_passes
 
 
 def test_an_offset_of_the_sensor_is_found_by_cooling_and_not_learnt() -> None:

@@ -9,12 +9,17 @@ from typing import TypedDict
 import numpy as np
 
 from gen.firmware.avr.block import Block, block
-from gen.firmware.contexts.channels import ChannelContext, channel_contexts
+from gen.firmware.contexts.channels import (
+    AmbientContext,
+    ChannelContext,
+    ambient_context,
+    channel_contexts,
+    word_factors,
+)
 from gen.firmware.contexts.components import ComponentContext, ShapeContext, component_contexts, shape_contexts
 from gen.firmware.contract import Clause, as_comment, contract
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import CARRY_FACTOR
-from gen.lowering.fixed.start import start_scale
 from gen.lowering.float32 import LIMIT_BITS, FloatComponent
 from gen.lowering.program import Program
 from gen.lowering.recursion.dynamics import domain_rows
@@ -27,8 +32,9 @@ class ModelContext(TypedDict):
     the recursion (None in float32); `zeroed`, ranges of |PWM| at which a negative gain counts as 0; `start_members`,
     limits and factors of start values as literals, and whose they are; `shifts`, by how many bits words are shifted;
     `limit_bits` and `limit_literals`, the ends of a float32 accumulator's range; `channels`, what the board is told
-    beside the PWM; `is_network`, whether there are nodes and paths in the place of transfer functions; `contract`, what
-    the guarantee says, and `contract_comment`, the same as a comment.
+    beside the PWM; `ambient_drive`, the one whose changes pass the parts' dynamics, or None; `is_network`, whether
+    there are nodes and paths in the place of transfer functions; `contract`, what the guarantee says, and
+    `contract_comment`, the same as a comment.
     """
 
     components: list[ComponentContext]
@@ -45,6 +51,7 @@ class ModelContext(TypedDict):
     limit_bits: int
     limit_literals: Callable[[int], str]
     channels: list[ChannelContext]
+    ambient_drive: AmbientContext | None
     is_network: bool
     contract: tuple[Clause, ...]
     contract_comment: list[str]
@@ -70,6 +77,7 @@ def model_context(program: Program) -> ModelContext:
         "limit_bits": LIMIT_BITS,
         "limit_literals": _limit_literals,
         "channels": channel_contexts(program.channels),
+        "ambient_drive": ambient_context(program),
         "is_network": program.network is not None,
         "contract": promised,
         "contract_comment": as_comment(promised),
@@ -103,8 +111,7 @@ def _start_members(program: Program) -> dict[tuple[str, str, str], list[str]]:
     for component in program.components:
         if isinstance(component, FixedComponent):
             low, high = component.start_range_mK
-            scale = start_scale(component.layout.output_bits)
-            arguments = (f"{low}L", f"{high}L", f"{scale.whole}L, {scale.upper}u, {scale.lower}u")
+            arguments = (f"{low}L", f"{high}L", word_factors(component))
             members.setdefault(arguments, []).append(component.name)
     return members
 

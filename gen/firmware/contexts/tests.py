@@ -19,10 +19,10 @@ class TestsContext(TypedDict):
 def tests_context(program: Program) -> TestsContext:
     """What the tests of a program's project need."""
     model = program.model
-    low, high = model.domain_temperature
-    rise = (low - model.domain_ambient[1], high - model.domain_ambient[0])
+    low = max(part.start_range_mK[0] for part in program.parts)
+    high = min(part.start_range_mK[1] for part in program.parts)
     return {
         "vectors": reference_vectors(program),
         "probe": min(model.domain_pwm[1], max(model.domain_pwm[0], model.full_scale // 2)),
-        "start_probe": int(min(max(20_250, rise[0] * 1000), rise[1] * 1000)) // 250 * 250,
+        "start_probe": min(max(20_250, low), high) // 250 * 250,
     }

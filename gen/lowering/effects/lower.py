@@ -113,7 +113,9 @@ class _Builder:
         """Ranges of all that the equations read, as the board holds them; nothing is below absolute zero."""
         ambient, *told = self.channels
         coldest = ZERO_K_degC - ambient.low / 1000.0
-        rises = [(max(low * 2.0**-KELVIN_BITS, coldest), high * 2.0**-KELVIN_BITS) for low, high in self.limits]
+        over = self.model.ambient_over
+        ends = [(low * 2.0**-KELVIN_BITS - over[1], high * 2.0**-KELVIN_BITS - over[0]) for low, high in self.limits]
+        rises = [(max(low, coldest), high) for low, high in ends]
         return Domain(
             rows=self.rows.astype(np.float64),
             rise=dict(zip(self.model.component_names, rises, strict=True)),
@@ -158,6 +160,18 @@ class _Builder:
         low, high = self.limits[index]
         return graph.operand("rise", index, low * 2.0**-KELVIN_BITS, high * 2.0**-KELVIN_BITS, KELVIN_BITS)
 
+    def _over(self, graph: Graph) -> Node | float:
+        """The ambient over what the baseline's rises count from; 0 where that is the ambient itself."""
+        if not self.model.ambient_passes:
+            return 0.0
+        ambient = self.channels[0]
+        return (graph.operand("channel", 0, ambient.low, ambient.high) - float(ambient.neutral)) * 0.001
+
+    def _over_ambient(self, graph: Graph, index: int) -> Node:
+        """A component's rise over the ambient."""
+        rise = self._rise(graph, index)
+        return rise - self._over(graph) if self.model.ambient_passes else rise
+
     def _channel(self, graph: Graph, number: int) -> Node:
         channel = self.channels[number]
         return graph.operand("channel", number, channel.low, channel.high) * 0.001
@@ -174,10 +188,10 @@ class _Builder:
         m.rate, m.heat = rate, rate * component.steady_rise(self.rows)
         m.standstill = (self.rows == 0).astype(np.float64)
         m.reverse = graph.operand("reverse", 0, 0.0, 1.0)
-        m.rise = self._rise(graph, index)
+        m.rise = self._over_ambient(graph, index)
         m.ambient, m.measured_ambient = self._ambient(graph), self._channel(graph, 0)
         m.others = {
-            other.name: self._rise(graph, number)
+            other.name: self._over_ambient(graph, number)
             for number, other in enumerate(self.model.components)
             if number != index
         }
@@ -231,7 +245,7 @@ class _Builder:
         drive = passing * (1.0 / rate)
         outputs = [drive, *targets] if passes else targets
         readings, lags = self._readings(graph, index, own)
-        starts = [at_start.rise * 1000.0]
+        starts = [(at_start.rise + self._over(graph)) * 1000.0]
         starts += [at_start.chain] if passes else []
         starts += [*at_start.followers, *inner_starts]
         return EffectComponent(
@@ -281,7 +295,8 @@ class _Builder:
     def _readings(self, graph: Graph, index: int, own: Sequence[Applied]) -> tuple[tuple[Tape, ...], tuple[Lag, ...]]:
         ambient, measured = self._ambient(graph), self._channel(graph, 0)
         elapsed = graph.operand("elapsed", 0, 0.0, float(self.elapsed_limit)) * self.step
-        shown: Any = self._rise(graph, index) + ambient
+        counted_from = self.channels[0].neutral / 1000.0 if self.model.ambient_passes else ambient
+        shown: Any = self._rise(graph, index) + counted_from
         tapes, lags = [], []
         for applied in own:
             lag = applied.effect.lag(applied.values)

@@ -12,7 +12,7 @@ from gen.lowering.fixed.formats import RESIDUE_BITS, Format, steady_excess
 from gen.lowering.fixed.proof import prove, prove_corrected
 from gen.lowering.kinds import Integers
 from gen.lowering.recursion import bounds
-from gen.lowering.recursion.dynamics import Dynamics, LoweringError, dynamics
+from gen.lowering.recursion.dynamics import TOWARDS_SETTLED, Dynamics, LoweringError, dynamics
 from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
 from gen.lowering.recursion.substeps import fewest_substeps
 from gen.model import Component, ThermalModel
@@ -34,7 +34,12 @@ def tabulate(exact: Dynamics, layout: Format) -> tuple[Integers, Integers]:
 
 
 def lower_component(
-    model: ThermalModel, component: Component, limit_K: float, *, tabulated: bool = False
+    model: ThermalModel,
+    component: Component,
+    limit_K: float,
+    *,
+    tabulated: bool = False,
+    towards_settled: float = TOWARDS_SETTLED[0],
 ) -> FixedComponent:
     """Find formats, integers and proof for one component.
 
@@ -46,6 +51,8 @@ def lower_component(
         The error bound to aim for; more substeps are tried until it holds.
     tabulated
         Whether the integers come from a table, so that the corrected form is worth trying.
+    towards_settled
+        Where the states' polytope lies.
 
     Raises
     ------
@@ -53,13 +60,13 @@ def lower_component(
         If the poles do not fit the sample time or no formats can hold the ranges.
     """
     if tabulated and component.order == correction.ORDER:
-        found = _lower_corrected(component, dynamics(model, component, 1))
+        found = _lower_corrected(component, dynamics(model, component, 1, towards_settled))
         if found is not None and found.proof is not None and found.proof.bound_K <= limit_K:
             return found
     return fewest_substeps(
         component.order,
         limit_K,
-        lambda substeps: _lower(component, dynamics(model, component, substeps), substeps, limit_K),
+        lambda substeps: _lower(component, dynamics(model, component, substeps, towards_settled), substeps, limit_K),
         hopeless=_HOPELESS,
     )
 

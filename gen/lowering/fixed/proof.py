@@ -40,6 +40,7 @@ def prove_corrected(
         raise NoProofError(_OVERFLOW)
     changed_c = increments.from_rates(integer_rates) - tables.c
     away = np.abs(steady * layout.high_lsb[0] - (tables.steady - rounding.steady))
+    away += start_error(layout.output_bits, exact.over_range_mK)
     q_error = rounding.q + tables.c[:, 0] * np.maximum(0.0, away - 0.5 * layout.high_lsb[0])
     q_error += np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
     chain = rounding.chain.copy()
@@ -81,7 +82,8 @@ def prove(
         raise NoProofError(_OVERFLOW)
     if exact.order > 1 and not formats.carry_fits(layout, _drive(inner, exact, changed_sums)):
         raise NoProofError(_OVERFLOW)
-    q_error, chain_error = formats.rounding(layout, exact.rates, steady_excess)
+    ambient_error = start_error(layout.output_bits, exact.over_range_mK) / layout.high_lsb[0]
+    q_error, chain_error = formats.rounding(layout, exact.rates, steady_excess + ambient_error)
     error = bounds.worst_error(
         recursion,
         exact,

@@ -10,7 +10,7 @@ from gen.lowering.float32.component import LIMIT_BITS, FloatComponent, Singles
 from gen.lowering.float32.packing import packed, packed_steady
 from gen.lowering.float32.proof import prove, word_ranges
 from gen.lowering.float32.ranges import Magnitudes, Reachable, proven_magnitudes, unproven_magnitudes
-from gen.lowering.recursion.dynamics import Dynamics, dynamics
+from gen.lowering.recursion.dynamics import TOWARDS_SETTLED, Dynamics, dynamics
 from gen.lowering.recursion.reach import NoProofError
 from gen.lowering.recursion.substeps import fewest_substeps
 from gen.model import Component, ThermalModel
@@ -19,7 +19,9 @@ from gen.model import Component, ThermalModel
 _MOST_SHIFT = 40
 
 
-def lower_component(model: ThermalModel, component: Component, limit_K: float) -> FloatComponent:
+def lower_component(
+    model: ThermalModel, component: Component, limit_K: float, *, towards_settled: float = TOWARDS_SETTLED[0]
+) -> FloatComponent:
     """Find formats, float32 tables and proof for one component.
 
     Parameters
@@ -28,6 +30,8 @@ def lower_component(model: ThermalModel, component: Component, limit_K: float) -
         What to lower.
     limit_K
         The error bound to aim for; more substeps are tried until it holds.
+    towards_settled
+        Where the states' polytope lies.
 
     Raises
     ------
@@ -37,7 +41,7 @@ def lower_component(model: ThermalModel, component: Component, limit_K: float) -
     return fewest_substeps(
         component.order,
         limit_K,
-        lambda substeps: _lower(component, dynamics(model, component, substeps), substeps),
+        lambda substeps: _lower(component, dynamics(model, component, substeps, towards_settled), substeps),
     )
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gen.lowering.float32.component import CARRY, LOW_BITS, FloatComponent
 from gen.lowering.float32.ranges import WIDENING, Magnitudes, Reachable
-from gen.lowering.float32.start import start_error
+from gen.lowering.float32.start import ambient_error, start_error
 from gen.lowering.recursion import bounds, increments
 from gen.lowering.recursion.bounds import WorstError
 from gen.lowering.recursion.dynamics import Dynamics
@@ -38,8 +38,13 @@ def half_ulp(magnitude: Array | float) -> Array:
 def word_ranges(exact: Dynamics, sizes: Magnitudes) -> Array:
     """Largest magnitude that the words of x1 .. xn must hold, with S and S - x1, shape (n,), in K per sample^k."""
     needed: Array = (sizes.state + sizes.added()) * INFLATION
-    needed[0] = max(needed[0], float(sizes.inner[:, 0].max()) * INFLATION, float(np.abs(exact.steady).max()))
+    needed[0] = max(needed[0], float(sizes.inner[:, 0].max()) * INFLATION, _largest_steady(exact))
     return needed
+
+
+def _largest_steady(exact: Dynamics) -> float:
+    """Largest magnitude of what x1 settles to, whatever the ambient, in K."""
+    return max(float(np.abs(exact.steady + end).max()) for end in exact.over)
 
 
 def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> Proof:
@@ -100,6 +105,7 @@ def _rounding_of_q(lowered: FloatComponent, exact: Dynamics, sizes: Magnitudes, 
     n = lowered.order
     rates = np.maximum(lowered.rates.astype(np.float64), exact.rates)
     error: Array = half_ulp(sizes.inner[:, 0]) + units[0] + np.abs(lowered.steady * units[0] - exact.steady)
+    error = error + ambient_error(lowered.fraction_bits[0], exact.over_range_mK)
     for i in range(n):
         error = rates[:, i] * error + half_ulp(rates[:, i] * sizes.inner[:, i])
         if i + 1 < n:

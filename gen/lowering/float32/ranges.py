@@ -25,7 +25,7 @@ class Reachable:
         self.exact = exact
         self.recursion = recursion
         self.maps = increments.state_map(exact.c)
-        towards = (np.eye(n) - exact.exact)[:, :, 0] * (exact.steady - exact.centre)[:, None]
+        towards = (np.eye(n) - exact.exact)[:, :, 0] * exact.away[:, None]  # of either sign
         start = np.zeros((1, n))
         start[0, 0] = max(exact.start[1] - exact.centre, exact.centre - exact.start[0])
         self._reach: ReachSet = recursion.bound(towards[:, None, :], start)
@@ -34,20 +34,20 @@ class Reachable:
     def true_distance(self) -> Array:
         """Largest ``|y - s|`` of the disturbed copy y of the true state, shape (rows, n)."""
         distance: Array = np.tile(self.extents * (1.0 + WIDENING), (len(self.exact.steady), 1))
-        distance[:, 0] += np.abs(self.exact.steady - self.exact.centre)
+        distance[:, 0] += self.exact.away
         return distance
 
     def functional(self, weights: Array) -> Array:
         """Bound of ``|weights . (x - s)|`` at every row, for weights of shape (rows, n)."""
         mapped = np.einsum("pi,pij->pj", weights, self.maps)
-        settled: Array = np.abs(mapped[:, 0] * (self.exact.centre - self.exact.steady))
+        settled: Array = np.abs(mapped[:, 0]) * self.exact.away
         result: Array = self._around_centre(mapped) + settled
         return result
 
     def rise(self) -> tuple[float, float]:
         """Range of x1, in K."""
         mapped = self.maps[:, 0, :]
-        off = np.abs((mapped[:, 0] - 1.0) * (self.exact.centre - self.exact.steady))
+        off = np.abs(mapped[:, 0] - 1.0) * self.exact.away
         reach = float((self._around_centre(mapped) + off).max())
         return self.exact.centre - reach, self.exact.centre + reach
 

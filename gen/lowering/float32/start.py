@@ -33,6 +33,34 @@ def start_accumulator(bits: int, rise_mK: Integers) -> Integers:
     return accumulator
 
 
+def ambient_word(bits: int, over_mK: Integers) -> Integers:
+    """What is added to steady rises for an ambient over the reference: one product of float32, rounded towards zero.
+
+    Parameters
+    ----------
+    bits
+        Of a word after the binary point.
+    over_mK
+        In thousandths of a kelvin, at most :data:`gen.lowering.start.LARGEST_MK` in magnitude: exact in float32.
+    """
+    words = start_factor(bits) * over_mK.astype(np.float32)
+    return np.asarray(np.trunc(words.astype(np.float64)).astype(np.int64))
+
+
+@cache
+def ambient_error(bits: int, range_mK: tuple[int, int]) -> float:
+    """The most that this can be off, in K.
+
+    Parameters
+    ----------
+    bits
+        Of a word after the binary point.
+    range_mK
+        Lowest and highest ambient over the reference, in thousandths of a kelvin.
+    """
+    return worst_start(lambda over: ambient_word(bits, over), bits, range_mK)
+
+
 @cache
 def start_error(bits: int, range_mK: tuple[int, int]) -> float:
     """The most that a start can be off, in K.

@@ -116,7 +116,7 @@ def inner_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> InnerRanges:
 
     def largest(directions: Array) -> float:
         true = np.einsum("pi,pij->pj", directions, exact.state_maps())
-        away = np.abs(true[:, 0] * (exact.centre - exact.steady))
+        away = np.abs(true[:, 0]) * exact.away
         return float((reach.extents(true) + away + np.einsum("pi,pi->p", np.abs(directions), widening)).max())
 
     sums, products = np.zeros(n), np.zeros(n)
@@ -140,7 +140,7 @@ def inner_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> InnerRanges:
 def _state_reach(recursion: SwitchedRecursion, exact: Dynamics) -> ReachSet:
     """What the true state, less the centre, can reach."""
     n = exact.order
-    towards = (np.eye(n) - exact.exact)[:, :, 0] * (exact.steady - exact.centre)[:, None]
+    towards = (np.eye(n) - exact.exact)[:, :, 0] * exact.away[:, None]  # of either sign
     start = np.zeros((1, n))
     start[0, 0] = max(exact.start[1] - exact.centre, exact.centre - exact.start[0])
     return recursion.bound(towards[:, None, :], start)
@@ -149,6 +149,7 @@ def _state_reach(recursion: SwitchedRecursion, exact: Dynamics) -> ReachSet:
 def unproven_ranges(exact: Dynamics) -> StateRanges:
     """Ranges with room, from what each PWM alone can do, for a component that has to saturate."""
     spread = np.abs(np.subtract.outer(exact.steady, exact.start)).max(axis=1) + np.ptp(exact.steady)
+    spread = spread + (exact.over[1] - exact.over[0])
     largest = (_peak_response(exact.exact) * spread[:, None]).max(axis=0)
     return _ranges(exact, largest * _UNPROVEN_HEADROOM)
 
@@ -262,7 +263,7 @@ def output_error(recursion: SwitchedRecursion, exact: Dynamics, state_maps: Arra
     reach = _state_reach(recursion, exact)
     beside = state_maps[:, 0, :] - np.eye(exact.order)[0]
     error = _WIDENING * _ranges(exact, reach.axes).true_distance.min(axis=0)
-    away = np.abs(beside[:, 0] * (exact.centre - exact.steady))
+    away = np.abs(beside[:, 0]) * exact.away
     return float((reach.extents(beside) + away + np.abs(beside) @ error).max())
 
 
@@ -285,7 +286,7 @@ def carried_over(exact: Dynamics, from_board: Array, carried: Array) -> Array:
 
 def _ranges(exact: Dynamics, extents: Array) -> StateRanges:
     true_distance = np.tile(extents, (len(exact.steady), 1))
-    true_distance[:, 0] = extents[0] + np.abs(exact.steady - exact.centre)
+    true_distance[:, 0] = extents[0] + exact.away
     # The share of q that a board carries is 1/12 but for its rounding, which moves nothing by more than the widening.
     distance = np.einsum("pij,pj->pi", np.abs(exact.state_maps()), true_distance)
     excess = float((distance[:, 0] - true_distance[:, 0]).max())  # x1 is T plus a little of the increments

@@ -16,6 +16,11 @@ from gen.model import Component, ThermalModel
 Array = NDArray[np.float64]
 
 
+#: How much of the way to the middle of what x1 settles to the centre lies where the ambient moves: a wider drive counts
+#: for more than a wider start. Any is right; which gives the smallest bound differs, and they are tried in this order.
+TOWARDS_SETTLED = (0.3, 0.1)
+
+
 class LoweringError(Exception):
     """A component cannot be lowered; the message names it."""
 
@@ -34,6 +39,10 @@ class Dynamics:
         Lowest and highest rise from which the board may start, in K.
     constant_map
         How the true state becomes the board's where PWM has no part in it, shape (n, n); None for the carried form.
+    over
+        Lowest and highest ambient over the temperature that rises count from, in K: it is added to the steady rise.
+    towards_settled
+        One of :data:`TOWARDS_SETTLED`.
     """
 
     rates: Array
@@ -43,6 +52,8 @@ class Dynamics:
     exact: Array
     start: tuple[float, float]
     constant_map: Array | None = None
+    over: tuple[float, float] = (0.0, 0.0)
+    towards_settled: float = TOWARDS_SETTLED[0]
 
     @property
     def start_range_mK(self) -> tuple[int, int]:
@@ -73,9 +84,28 @@ class Dynamics:
 
     @property
     def centre(self) -> float:
-        """Middle of everything that x1 starts from or settles to, in K."""
-        low = min(self.start[0], float(self.steady.min()))
-        return (low + max(self.start[1], float(self.steady.max()))) / 2.0
+        """Middle of everything that x1 starts from or settles to, in K.
+
+        Where the ambient moves what it settles to comes from both sides, and lies more in the middle.
+        """
+        settled = float(self.steady.min()) + self.over[0], float(self.steady.max()) + self.over[1]
+        middle = (min(self.start[0], settled[0]) + max(self.start[1], settled[1])) / 2.0
+        if self.over == (0.0, 0.0):
+            return middle
+        return middle + self.towards_settled * ((settled[0] + settled[1]) / 2.0 - middle)
+
+    @property
+    def away(self) -> Array:
+        """How far x1 may settle from the centre at each |PWM|, whatever the ambient, in K, shape (rows,)."""
+        found: Array = np.maximum(
+            np.abs(self.steady + self.over[0] - self.centre), np.abs(self.steady + self.over[1] - self.centre)
+        )
+        return found
+
+    @property
+    def over_range_mK(self) -> tuple[int, int]:
+        """:attr:`over` in thousandths of a kelvin, rounded outwards."""
+        return floor(self.over[0] * 1000.0), ceil(self.over[1] * 1000.0)
 
 
 def domain_rows(model: ThermalModel) -> NDArray[np.int64]:
@@ -91,7 +121,9 @@ def _recursion(exact: Dynamics) -> SwitchedRecursion:
 
 
 @lru_cache(maxsize=16)
-def dynamics(model: ThermalModel, component: Component, substeps: int) -> Dynamics:
+def dynamics(
+    model: ThermalModel, component: Component, substeps: int, towards_settled: float = TOWARDS_SETTLED[0]
+) -> Dynamics:
     """Tabulate a component's exact coefficients for a sample cut into ``substeps``.
 
     Raises
@@ -116,8 +148,16 @@ def dynamics(model: ThermalModel, component: Component, substeps: int) -> Dynami
         steady=component.steady_rise(rows),
         form=increments.transition(c),
         exact=increments.exact_transition(denominator, step),
-        start=(
-            model.domain_temperature[0] - model.domain_ambient[1],
-            model.domain_temperature[1] - model.domain_ambient[0],
-        ),
+        start=_starts(model),
+        over=model.ambient_over,
+        towards_settled=towards_settled,
     )
+
+
+def _starts(model: ThermalModel) -> tuple[float, float]:
+    """Lowest and highest rise to start from, in K: over the ambient, or over the reference where the ambient moves."""
+    low, high = model.domain_temperature
+    if not model.ambient_passes:
+        return low - model.domain_ambient[1], high - model.domain_ambient[0]
+    coldest, warmest = model.ambient_told
+    return min(low, coldest) - model.ambient_reference, max(high, warmest) - model.ambient_reference

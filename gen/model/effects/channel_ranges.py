@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from gen.model.dynamics import ThermalModel
+from gen.model.dynamics import ROOM_degC, ThermalModel
 from gen.model.effects.base import Applied, Input
 
-#: The board's ambient may lie so far outside of the declared domain.
-_AMBIENT_MARGIN_K = 10.0
-_AMBIENT_DEGC = 25.0
 #: By the unit at the end of a column's name, where the file says nothing else.
 _RANGES = {"_a": (-50.0, 50.0), "_v": (0.0, 100.0), "_degc": (-50.0, 400.0), "_percent": (0.0, 100.0)}
 _RANGES |= {"_pct": (0.0, 100.0), "_w": (0.0, 1000.0)}
@@ -57,9 +54,8 @@ def channel_ranges(
     declared
         Ranges from the coefficient file, by column.
     """
-    low, high = model.domain_ambient
-    fixed = model.ambient_fixed if model.ambient_fixed is not None else _AMBIENT_DEGC
-    found = [ChannelRange("ambient_degC", low - _AMBIENT_MARGIN_K, high + _AMBIENT_MARGIN_K, fixed)]
+    fixed = model.ambient_fixed if model.ambient_fixed is not None else ROOM_degC
+    found = [ChannelRange("ambient_degC", *model.ambient_told, fixed)]
     for column in columns(model, effects):
         read = [(a, source) for a in effects for source, name in a.effect.reads(a.values) if name == column]
         neutral = next((value for a, source in read if (value := _neutral(a, source)) is not None), None)
