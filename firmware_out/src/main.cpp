@@ -49,11 +49,12 @@ static void read_thermocouples(uint32_t time) {
         read_at = time;
     }
     now.sample.valid = 0;
+    const int32_t told_mC = now.sample.ambient_mC;  // rises are over this one until another one is told
     now.flags |= device::AMBIENT;
     for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
         const uint8_t component = pgm_read_byte(&component_of[channel]);
         const uint16_t word = finished ? thermocouples::read(channel) : 0;
-        const int32_t model_mC = component < MY1016_COMPONENTS ? my1016_temperature_mC(component, now.sample.ambient_mC) : 0;
+        const int32_t model_mC = component < MY1016_COMPONENTS ? my1016_temperature_mC(component, told_mC) : 0;
         if (my1016_sensors_check(channel, word, finished, model_mC) != MY1016_SAMPLE_OK) {
             continue;
         }
@@ -112,6 +113,11 @@ static void start() {
     console::event(resumed ? F("start from memory") : now.sample.valid ? F("start from measured") : F("start from ambient"));
 }
 
+// Reads the channels, and tells the model what it has to know. While a channel is not believed its last value stays.
+static void tell() {
+    my1016_channel(MY1016_CHANNEL_AMBIENT, now.sample.ambient_mC);
+}
+
 static void pass_sample() {
     now.milliseconds = (uint16_t)(now.milliseconds + MY1016_SAMPLE_MS % 1000);
     now.seconds += MY1016_SAMPLE_MS / 1000;
@@ -133,6 +139,7 @@ static void tick(uint32_t time) {
     tick_due += MY1016_SAMPLE_MS;
 
     read_thermocouples(time);
+    tell();
     encoder::sample(drive::pwm());
     now.rpm = encoder::rpm();
     now.flags |= encoder::stalled() ? device::STALL : 0;

@@ -33,6 +33,7 @@ static void compare_state(const uint32_t *expected) {
             compare(pgm_read_dword(&expected[next++]), (uint32_t)word.hi);
         }
     }
+    compare(pgm_read_dword(&expected[next++]), (uint32_t)my1016_model.state.ambient_mK);
     TEST_ASSERT_EQUAL_UINT8(VECTOR_WORDS, next);
 }
 

@@ -10,14 +10,57 @@ my1016_Model my1016_model;
 // In the model's flags only: the coefficients in RAM are those of the last command. Not shown to the user.
 static const uint8_t STARTED = 0x80;
 
+// Every rise of the state counts from 30000 thousandths of a degree Celsius, and the ambient is part of what it settles to: so
+// its changes pass the part's own dynamics.
+static MY1016_SMALL void ambient_words(void) {
+    const int32_t over = my1016_model.state.ambient_mK;
+    my1016_model.ambient[0] = my1016_word_of(over, 8388L, 39845u, 58196u);
+    my1016_model.ambient[1] = my1016_word_of(over, 8388L, 39845u, 58196u);
+}
+
+// Another ambient is dealt with as another PWM is, at the next sample.
+static void my1016_new_ambient(int32_t thousandths) {
+    const int32_t over = thousandths - (30000L);
+    if (over != my1016_model.state.ambient_mK) {
+        my1016_model.state.ambient_mK = over;
+        ambient_words();
+        my1016_model.flags &= (uint8_t)~STARTED;
+    }
+}
+
+// A rise over the ambient as one over the reference; those beyond all ranges stay beyond them.
+static int32_t my1016_over_reference(int32_t rise_mK) {
+    const int32_t beyond = 1000000000L;
+    return (rise_mK > beyond ? beyond : rise_mK < -beyond ? -beyond : rise_mK) + my1016_model.state.ambient_mK;
+}
+
+// The ambient's part of what each component settles to.
+static inline MY1016_INLINE void add_ambient(my1016_Coefficients *now) {
+    const int32_t a = my1016_model.ambient[0];
+    now->a[0].steady += a;
+    const int32_t b = my1016_model.ambient[1];
+    now->b[0].steady += b;
+    now->b[1].steady += b;
+    now->b[2].steady += b;
+}
+
+extern "C" void my1016_channel(uint8_t channel, int32_t thousandths) {
+    if (channel == MY1016_CHANNEL_AMBIENT) {
+        my1016_new_ambient(thousandths < -10000L ? -10000L : thousandths > 50000L ? 50000L : thousandths);
+    }
+}
+
 extern "C" void my1016_begin(void) {
     my1016_model.flags = 0;
+    my1016_model.state.ambient_mK = 0;
+    ambient_words();
     for (uint8_t component = 0; component < MY1016_COMPONENTS; ++component) {
         my1016_start(component, 0);
     }
 }
 
 extern "C" MY1016_SMALL void my1016_start(uint8_t component, int32_t rise_mK) {
+    rise_mK = my1016_over_reference(rise_mK);
     my1016_Word *x;
     uint32_t *rate;
     uint8_t order;
@@ -48,11 +91,11 @@ extern "C" MY1016_SMALL void my1016_start(uint8_t component, int32_t rise_mK) {
     // Without coefficients yet nothing drives it: at the next sample, which fetches them in any case, it starts from rest.
     memset(rate, 0, order * sizeof *rate);
     uint8_t flags = my1016_model.flags & (uint8_t)~STARTED;
-    if (rise_mK < -60000L) {
-        rise_mK = -60000L;
+    if (rise_mK < -40000L) {
+        rise_mK = -40000L;
         flags |= MY1016_START_CLAMPED;
-    } else if (rise_mK > 160000L) {
-        rise_mK = 160000L;
+    } else if (rise_mK > 120000L) {
+        rise_mK = 120000L;
         flags |= MY1016_START_CLAMPED;
     }
     my1016_rest(x, order, rise_mK, 8388L, 39845u, 58196u);
@@ -84,20 +127,17 @@ static inline uint8_t pwm_flags(int16_t pwm, uint8_t within) {
 static inline void change(uint8_t pwm) {
     my1016_Coefficients *const now = &my1016_model.now;
     my1016_schedule(pwm, now);
+    add_ambient(now);
 }
 
-// A command other than the last one, or the first one; true if its magnitude is new. Apart from the step, which would
+// A command other than the last one, or the first one. Apart from the step, which would
 // save its registers every time otherwise.
-static MY1016_ONE_COPY uint8_t commanded(int16_t pwm) {
+static MY1016_ONE_COPY void commanded(int16_t pwm) {
     const uint8_t kept = my1016_model.flags & (STARTED | MY1016_START_CLAMPED | MY1016_SATURATED);
     const uint8_t within = magnitude(pwm);
-    const uint8_t changed = within != magnitude(my1016_model.command) || !(kept & STARTED);
     my1016_model.command = pwm;
     my1016_model.flags = (uint8_t)(kept | STARTED | pwm_flags(pwm, within));
-    if (changed) {
-        change(within);
-    }
-    return changed;
+    change(within);
 }
 
 extern "C" void my1016_step(int16_t pwm) {
@@ -220,18 +260,20 @@ extern "C" void my1016_resume(int16_t pwm) {
     my1016_model.command = pwm;
     my1016_model.flags = (uint8_t)(STARTED | pwm_flags(pwm, within));
     my1016_schedule(within, &my1016_model.now);
+    ambient_words();
+    add_ambient(&my1016_model.now);
 }
 
 extern "C" int32_t my1016_rise_mK(uint8_t component) {
     switch (component) {
         case MY1016_BRUSH:
-            return my1016_A_rise_mK(&my1016_model.state.a[0]);
+            return my1016_A_rise_mK(&my1016_model.state.a[0]) - my1016_model.state.ambient_mK;
         case MY1016_BEARING:
-            return my1016_B_rise_mK(&my1016_model.state.b[0]);
+            return my1016_B_rise_mK(&my1016_model.state.b[0]) - my1016_model.state.ambient_mK;
         case MY1016_MAGNET:
-            return my1016_B_rise_mK(&my1016_model.state.b[1]);
+            return my1016_B_rise_mK(&my1016_model.state.b[1]) - my1016_model.state.ambient_mK;
         case MY1016_CASING:
-            return my1016_B_rise_mK(&my1016_model.state.b[2]);
+            return my1016_B_rise_mK(&my1016_model.state.b[2]) - my1016_model.state.ambient_mK;
         default:
             return 0;
     }

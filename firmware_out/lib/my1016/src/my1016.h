@@ -1,8 +1,9 @@
 // Thermal model of my1016
 //
-// How warm every part of a healthy motor should be, from its speed command alone. In a sketch:
+// How warm every part of a healthy motor should be, from its speed command and the room's temperature. In a sketch:
 //
 //     my1016_begin();                                  // once: every part at ambient temperature
+//     my1016_channel(MY1016_CHANNEL_AMBIENT, 30000);         // when it is measured anew: thousandths of a degree Celsius
 //     my1016_step(pwm);                                // every 0.25 s, with the PWM that now acts (-255..255)
 //     my1016_temperature_mC(MY1016_BRUSH, 30000);   // thousandths of a degree Celsius
 //
@@ -10,21 +11,22 @@
 // arithmetic fixed, schedule table. Change the coefficients, not this file.
 //
 // What is guaranteed of each part's temperature:
-//   brush: 7.7e-06 K
+//   brush: 8.9e-06 K
 //   bearing: 3.8e-06 K
-//   magnet: 1.9e-06 K
+//   magnet: 2.0e-06 K
 //   casing: 1.8e-06 K
-// * Of which output: The model's own word for a part's rise over ambient is never further from the exact solution
+// * Of which output: The model's own word for a part's rise over 30 degC is never further from the exact solution
 //   than bound_K in certificate.json. my1016_rise_mK() and my1016_temperature_mC() round it to the nearest thousandth
 //   of a kelvin, which adds up to 0.5001 thousandths: reading_K.
 // * From which start: From any rise of the part's start range (start_mK), at rest, and from the first sample on:
 //   my1016_begin() starts at 0, my1016_start() at the rise that it is told. One outside of the range is limited to it
 //   and flagged; the guarantee is then about the limited one.
-// * Between which events: For every sequence of PWM, of any length, from one my1016_start() of the part to its next.
-//   A reset of the board or my1016_begin() ends it, unless my1016_resume() goes on with the very words and the PWM of
-//   the last sample. Time that passes during a reset is not modelled.
-// * Under which assumptions: Every sample lasts 0.25 s. |PWM| is held over a sample, and limited to 0..255. The exact
-//   solution is that of the coefficient file's equation. The board computes the same words as the C++ that gen verify
+// * Between which events: For every sequence of PWM, and of the ambient as it is told, of any length, from one
+//   my1016_start() of the part to its next. A reset of the board or my1016_begin() ends it, unless my1016_resume()
+//   goes on with the very words and the PWM of the last sample. Time that passes during a reset is not modelled.
+// * Under which assumptions: Every sample lasts 0.25 s. |PWM| is held over a sample, and limited to 0..255. The
+//   ambient is limited to -10..50 degC. The exact solution is that of the coefficient file's equation, in which the
+//   ambient drives the part as a steady rise does. The board computes the same words as the C++ that gen verify
 //   compares.
 // * What is no part of it: Errors of sensors, of the measured ambient, and of the model itself: how well it fits the
 //   motor.
@@ -57,6 +59,13 @@ enum {
     MY1016_SATURATED = 0x10          // a state reached the end of its range (my1016_saturations() counts)
 };
 
+// What the model is told beside the PWM: temperatures in thousandths of a degree Celsius, everything else in
+// thousandths of its unit. Values beyond a range are held to it.
+enum {
+    MY1016_CHANNEL_AMBIENT,  // ambient_degC, -10000..50000; 30000 until it is told
+    MY1016_CHANNELS
+};
+
 // Milliseconds between two calls of my1016_step().
 #define MY1016_SAMPLE_MS 250
 
@@ -68,6 +77,10 @@ void my1016_start(uint8_t component, int32_t rise_mK);
 
 // Advances every part by one sample during which `pwm` acts; its sign, the direction of rotation, is not used.
 void my1016_step(int16_t pwm);
+
+// Tells the ambient from now on; call it before my1016_start() and my1016_step(). A change of it passes each part's own
+// dynamics, as heat does. A rise is over the ambient that was told last.
+void my1016_channel(uint8_t channel, int32_t thousandths);
 
 // Goes on from states that were kept (all of my1016_model.state, see my1016_model.h) and the PWM of the sample before:
 // what follows is the same, bit for bit, as without the interruption.

@@ -7,6 +7,7 @@
 struct my1016_State {
     my1016_A_State a[1];  // brush
     my1016_B_State b[3];  // bearing, magnet, casing
+    int32_t ambient_mK;  // what the ambient that was told last is over 30000 thousandths of a degree Celsius
 };
 
 // Coefficients of one PWM.
@@ -18,6 +19,7 @@ struct my1016_Coefficients {
 struct my1016_Model {
     my1016_State state;
     my1016_Coefficients now;
+    int32_t ambient[2];  // ambient_mK as words of A, B
     int16_t command;  // the PWM of the last sample, as commanded
     uint8_t flags;    // see my1016.h; the highest bit is the model's own
 };

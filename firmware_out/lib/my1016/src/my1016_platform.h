@@ -8,7 +8,10 @@
 #include <avr/pgmspace.h>
 // What a sample at constant PWM does not need is to be small.
 #define MY1016_SMALL __attribute__((noinline, optimize("Os")))
+// What every change of PWM needs costs no call.
+#define MY1016_INLINE __attribute__((always_inline))
 #else
+#define MY1016_INLINE
 #include <string.h>
 #define MY1016_SMALL
 #ifndef PROGMEM

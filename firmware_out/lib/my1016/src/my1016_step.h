@@ -4,6 +4,8 @@
 // q = -R[n-1] (xn + R[n-2] (x[n-1] + .. + R[0] (x1 - S))) drives them; S is the steady rise and R the nested rates of
 // the present PWM, from my1016_schedule().
 //
+// x1 counts from a fixed temperature, and the steady rise that it is drawn to has the ambient over that added.
+//
 // Adding x3 to x2 is the trapezoidal rule, whose error over a sample is a twelfth of the change of q. Where d appears it
 // takes that error away, so that nothing happens to a state when PWM changes: d = R2/12 (q + R1 (x3 + R0 x2)), of which
 // one per cent is enough, so it is made of the rates' uppermost bytes.
@@ -14,10 +16,10 @@
 
 // ---- brush: order 3 ----
 //
-// brush, proven for every sequence of PWM: rise within -61..161 K,
-//   |x2| at most 1.5e-02 K,
-//   |x3| at most 1.1e-05 K,
-//   and the rise never more than 7.7e-06 K from the exact solution.
+// brush, proven for every sequence of PWM: rise within -54..121 K,
+//   |x2| at most 1.7e-02 K,
+//   |x3| at most 1.4e-05 K,
+//   and the rise never more than 8.9e-06 K from the exact solution.
 
 struct my1016_A_Rates {
     uint32_t rate[3];  // R0 * 2^45, R1 * 2^42, R2 * 2^40
@@ -65,11 +67,11 @@ static inline int32_t my1016_A_rise_mK(const my1016_A_State *state) {
 
 // ---- bearing, magnet, casing: order 1 ----
 //
-// bearing, proven for every sequence of PWM: rise within -60..160 K,
+// bearing, proven for every sequence of PWM: rise within -59..120 K,
 //   and the rise never more than 3.8e-06 K from the exact solution.
-// magnet, proven for every sequence of PWM: rise within -60..160 K,
-//   and the rise never more than 1.9e-06 K from the exact solution.
-// casing, proven for every sequence of PWM: rise within -60..160 K,
+// magnet, proven for every sequence of PWM: rise within -59..120 K,
+//   and the rise never more than 2.0e-06 K from the exact solution.
+// casing, proven for every sequence of PWM: rise within -59..120 K,
 //   and the rise never more than 1.8e-06 K from the exact solution.
 
 struct my1016_B_Rates {

@@ -188,15 +188,19 @@ static inline my1016_Word my1016_right13(my1016_Word word) {
 #define MY1016_ONE_COPY
 #endif
 
-// A state at rest at a rise in thousandths of a kelvin, which has been limited to the declared range. The factors are
-// 2^b / 1000 for b bits after the binary point of x1.hi: the whole part, and the 32 bits after it in two halves. To
-// nearest; everything fits 32 bits.
-static inline MY1016_SMALL void my1016_rest(my1016_Word *x, uint8_t words, int32_t rise_mK, int32_t whole, uint16_t upper, uint16_t lower) {
-    memset(x, 0, words * sizeof *x);
+// Thousandths of a kelvin, limited to a declared range, as x1.hi. The factors are 2^b / 1000 for its b bits after the binary
+// point: the whole part, and the 32 bits after it in two halves. To nearest; everything fits 32 bits.
+static MY1016_ONE_COPY int32_t my1016_word_of(int32_t rise_mK, int32_t whole, uint16_t upper, uint16_t lower) {
     const int32_t over = rise_mK >> 8;
     int32_t part = over * (int32_t)upper + (int32_t)(((uint32_t)(uint8_t)rise_mK * upper) >> 8);  // in 2^-8
     part += (over * (int32_t)lower) >> 16;
-    x->hi = rise_mK * whole + ((part + 128) >> 8);
+    return rise_mK * whole + ((part + 128) >> 8);
+}
+
+// A state at rest at a rise in thousandths of a kelvin.
+static inline MY1016_SMALL void my1016_rest(my1016_Word *x, uint8_t words, int32_t rise_mK, int32_t whole, uint16_t upper, uint16_t lower) {
+    memset(x, 0, words * sizeof *x);
+    x->hi = my1016_word_of(rise_mK, whole, upper, lower);
 }
 
 #endif
