@@ -69,8 +69,8 @@ def test_the_solution_that_judges_the_board(order: int) -> None:
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_exact_solution_of_runs(order: int) -> None:
-    time: Array = np.arange(PWM.size + 1) * TS
-    room = np.append(ROOM, ROOM[-1])
+    time: Array = np.arange(PWM.size + 1, dtype=np.float64) * TS
+    room: Array = np.append(ROOM, ROOM[-1])
     solution = ExtendedSolution(coefficients().model, coefficients().effects)
     shown = solution.simulate_times(
         time, np.append(PWM, 0), room, room, {"fan": np.full(time.size, FAN)},
