@@ -199,7 +199,7 @@ class AvrRunner:
         same_command = np.zeros(magnitude.shape, dtype=bool)
         same_command[:, 1:] = profile.pwm[:, 1:] == profile.pwm[:, :-1]
         retold = np.zeros(magnitude.shape, dtype=bool)
-        if self._library.program.ambient is not None and profile.channels is not None:
+        if profile.channels is not None and self._library.program.ambient is not None:
             retold = profile.channels[:, 1:, 0] != profile.channels[:, :-1, 0]
         held = self.cycles[same_command & ~retold]
         used, empty = sizes(self._elf), sizes(self._empty)

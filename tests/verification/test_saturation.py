@@ -18,7 +18,7 @@ from gen.lowering.lower import lower
 from gen.reference.flags import SATURATED
 from gen.reference.model import ReferenceModel
 from gen.verification.compare import first_mismatch, reference_run
-from gen.verification.profiles import Profile
+from gen.verification.profiles import Profile, with_channels
 from gen.verification.verify import Target, verify
 from tests.examples import ROOT
 
@@ -94,7 +94,7 @@ def test_the_host_s_words_are_the_reference_s_through_saturation(arithmetic: Ari
     program = lower(unstable(), arithmetic, "table")
     context = project_context(unstable(), program, "coeffs.json")
     library = write_library(program, context, render.library(context), tmp_path)
-    profile = pumping(60_000)
+    profile = with_channels(pumping(60_000), program.channels)
     expected = reference_run(program, profile)
     assert expected["saturations"][0, -1] > 0
     assert first_mismatch(expected, HostRunner(library, "g++ sanitized").run(profile)) is None
