@@ -162,7 +162,6 @@ def _compiled(coefficients: Coefficients, program: Program, folder: Path) -> cty
         "begin": (None, []),
         "start": (None, [u8, i32]),
         "step": (None, [i16]),
-        **({"channel": (None, [u8, i32])} if program.channels else {}),
         "temperature_mC": (i32, [u8, i32]),
         "sensors_begin": (None, []),
         "sensors_model_set": (None, []),
@@ -172,5 +171,8 @@ def _compiled(coefficients: Coefficients, program: Program, folder: Path) -> cty
     for function, (result, arguments) in signatures.items():
         found = getattr(loaded, f"{name}_{function}")
         found.restype, found.argtypes = result, arguments
+    if program.channels:
+        told = getattr(loaded, f"{name}_channel")
+        told.restype, told.argtypes = None, [u8, i32]
     loaded.gen_state_bytes.restype = ctypes.c_uint
     return loaded
