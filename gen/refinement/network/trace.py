@@ -22,6 +22,8 @@ PLAIN, PLAIN_LEVEL, LEAST_DECREASE = 0.75, 0.2, 25.0
 """Left-out error over that without it, p-value, and decrease of the weighed squares, of what is plain."""
 AS_GOOD = 1.1
 """Left-out error over the least up to which fewer numbers decide."""
+IN_DOUBT = 1.25
+"""The same up to which it may be a fault."""
 NEAREST = 1.5
 """Left-out error over that of the best of all, accepted or not, up to which an effect may be named."""
 ENOUGH, ENOUGH_BESIDE, BENT = 1.1, 1.25, 25.0
@@ -164,9 +166,19 @@ def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress:
     if not accepted:
         return Step(now, tuple(considered), None, ())
     near = [one for one in accepted if one.judged.score_K <= AS_GOOD * accepted[0].judged.score_K]
-    added = min(near, key=lambda one: (len(one.effect.numbers), one.judged.score_K))
+    fewest = min(near, key=lambda one: (len(one.effect.numbers), one.judged.score_K))
+    added = next((one for one in accepted if _may_be_a_fault(data, accepted[0], one)), fewest)
     alike = [one for one in accepted if one is not added and p_better(data, one.judged, added.judged) > LEVEL]
     return Step(now, tuple(considered), added, tuple(alike))
+
+
+def _may_be_a_fault(data: Data, best: Considered, one: Considered) -> bool:
+    """Whether one has a fault's pattern and predicts about as well as the best: a fault must not be learnt."""
+    fitted = one.judged.fitted
+    if not looks_like_a_change(one.effect, fitted.shape.values(fitted.vector)[-1], data):
+        return False
+    near = one.judged.score_K <= IN_DOUBT * best.judged.score_K
+    return one is best or (near and p_better(data, one.judged, best.judged) > LEVEL)
 
 
 def _priced(fitted: Fitted) -> float:

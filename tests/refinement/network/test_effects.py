@@ -89,7 +89,7 @@ def test_derivatives_agree_with_differences(effect: NetworkEffect) -> None:
     "effect", [e for e in every() if not isinstance(e, SensorEffect) or e.held_by_the_file], ids=name_of
 )
 def test_what_is_written_is_what_was_fitted(effect: NetworkEffect) -> None:
-    """The file's own exact solution gives the fit's curves: tables, rounding and the lag's first order are between."""
+    """The file's own exact solution gives the fit's curves: tables and rounding are between."""
     made, base = bench()
     shape = base.with_effects(effect)
     problem = made.problem(shape)
@@ -124,4 +124,9 @@ def test_what_is_written_is_what_was_fitted(effect: NetworkEffect) -> None:
         fitted = inputs.target[row, s] - evaluated.residual[row, s]
         bins = [(one.time_s >= a) & (one.time_s < b) for a, b in pairwise(edges)]
         exact = np.array([shown[name][inside].mean() for inside in bins])
-        assert fitted == pytest.approx(exact, abs=0.4 if effect.name == "sensor_lag" else 0.12), name
+        away = np.abs(fitted - exact)
+        if effect.name == "sensor_lag":
+            # Of first order in the lag: off where the slope jumps, for as long as the lag.
+            assert float(np.quantile(away, 0.9)) < 0.12, name
+        else:
+            assert float(away.max()) < 0.12, name
