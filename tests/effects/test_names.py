@@ -1,4 +1,4 @@
-"""Nothing but the catalogue knows an effect, or a parameter of one, by its name."""
+"""Nothing but the catalogues, of components and of networks, knows an effect, or a parameter of one, by its name."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ STRINGS = {
     "direction": "a pin of a motor driver, and what a residual may go with",
     "gain_factor": "the scale of an emitted table of gains",
     "pwm": "the command",
+    "radiation": "a law by which a path of a network carries heat",
     "source": "where a coefficient file comes from",
 }
 IDENTIFIERS = STRINGS | {
@@ -37,8 +38,10 @@ IDENTIFIERS = STRINGS | {
 }
 #: The simulated motor: physics of its own, which has to share nothing with the effects.
 APART = ROOT / "gen" / "rig"
+#: What effects are in a network: one module each.
+OF_NETWORKS = ROOT / "gen" / "refinement" / "network" / "effects"
 PATHS = sorted(path for path in (ROOT / "gen").rglob("*.py") if "catalogue" not in path.parts)
-CODE = [path for path in PATHS if APART not in path.parents]
+CODE = [path for path in PATHS if not {APART, OF_NETWORKS} & set(path.parents)]
 
 
 def _tokens(path: Path) -> Iterator[tuple[int, str, bool]]:

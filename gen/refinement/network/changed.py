@@ -8,8 +8,7 @@ import numpy as np
 
 from gen.identification.network.forms import spline
 from gen.refinement.network.data import Data
-from gen.refinement.network.effects import NetworkEffect
-from gen.refinement.network.effects.schedule_error import ScheduleError
+from gen.refinement.network.effects import NetworkEffect, ScheduleError
 
 GROWN = 1.03
 """Heat that has grown by more than this at every speed that was run is a fault's pattern: no curve errs like that."""

@@ -24,6 +24,7 @@ BIN_S, MOST_BINS = 120.0, 4000
 MOVES, ITS_OWN = 0.01, 0.05
 """A channel explains nothing that moves by less than this share of its size, or of whose movements less than this share
 is not that of |PWM|."""
+FULL_PWM = 255.0
 DEGREE = 3
 """What follows |PWM| does so as a polynomial of this degree, with a value of its own at rest."""
 BACKWARDS_S, RESTS_S = 120.0, 300.0
@@ -96,10 +97,7 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
 def _channels(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], own: Sequence[str]) -> tuple[str, ...]:
     """Channels that every run has and that say more than |PWM| does, and those that the model reads anyway."""
     common = set.intersection(*(set(inputs.channels) for inputs in driven))
-    pwm = np.abs(np.concatenate([run.pwm for _, run in runs])).astype(np.float64)
-    turning = (pwm > 0.0).astype(np.float64)
-    share = pwm / max(float(pwm.max()), 1.0)
-    known = np.column_stack([1.0 - turning, *(turning * share**power for power in range(DEGREE + 1))])
+    known = np.concatenate([_by_pwm(run) for _, run in runs])
     moving = []
     for name in sorted(common):
         each = zip(runs, driven, strict=True)
@@ -109,6 +107,14 @@ def _channels(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], own: Se
         if np.std(left) > max(MOVES * size, ITS_OWN * float(np.std(values))):
             moving.append(name)
     return tuple(dict.fromkeys([*own, *moving]))
+
+
+def _by_pwm(run: Run) -> FloatArray:
+    """What goes with |PWM|, averaged as channels are, shape (rows, DEGREE + 2)."""
+    share = np.abs(run.pwm) / FULL_PWM
+    turning = (share > 0.0).astype(np.float64)
+    columns = [1.0 - turning, *(turning * share**power for power in range(DEGREE + 1))]
+    return np.column_stack([_slow(run, column) for column in columns])
 
 
 def _slow(run: Run, values: FloatArray) -> FloatArray:

@@ -14,6 +14,7 @@ from gen.refinement.network.effects import (
 )
 from gen.refinement.network.effects.base import Motor, NetworkEffect
 from gen.refinement.network.effects.offered import Offered
+from gen.refinement.network.effects.schedule_error import ScheduleError
 
 LIBRARY = (
     load_heating,
@@ -34,4 +35,4 @@ def candidates(motor: Motor, data: Offered) -> list[NetworkEffect]:
     return [effect for module in LIBRARY for effect in module.offered(motor, data)]
 
 
-__all__ = ["LIBRARY", "Motor", "NetworkEffect", "Offered", "candidates"]
+__all__ = ["LIBRARY", "Motor", "NetworkEffect", "Offered", "ScheduleError", "candidates"]

@@ -1,0 +1,73 @@
+"""What is left out, which channels count, what looks like a fault."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.changed import looks_like_a_change
+from gen.refinement.network.data import Data, make_data
+from gen.refinement.network.effects.schedule_error import ScheduleError
+from gen.refinement.network.folds import described, folds_of
+from tests.refinement.network.motor import profile, read, run, tree, wave
+
+
+def data(runs: int) -> Data:
+    """Runs with a load, a channel that only follows PWM, and one that stands still."""
+    motor = read(tree())
+    made = []
+    for seed in range(1, runs + 1):
+        pwm = profile(seed).astype(np.float64)
+        told = {
+            "load_A": wave(seed, 1.0, 4.0),
+            "speed_rpm": 10.0 * np.abs(pwm),
+            "supply_V": np.full(pwm.size, 24.0),
+        }
+        made.append((f"run {seed}", run(motor, seed, told)))
+    return make_data(motor, made)
+
+
+def test_channels_that_say_no_more_than_pwm_explain_nothing() -> None:
+    assert data(2).columns.channels == ("load_A",)
+
+
+@pytest.mark.parametrize("runs", [1, 2, 3, 4, 7])
+def test_every_later_bin_is_left_out_once_and_none_of_the_file(runs: int) -> None:
+    made = data(runs)
+    times = np.sum(folds_of(made), axis=0)
+    assert np.array_equal(times, made.is_later.astype(np.int64))
+
+
+@pytest.mark.parametrize("runs", [1, 2, 3])
+def test_each_fold_of_few_runs_keeps_driving_and_rest(runs: int) -> None:
+    made = data(runs)
+    for mask in folds_of(made):
+        kept = made.is_later & ~mask
+        assert np.any(made.inputs.rest[kept] > 0.9)
+        assert np.any(made.inputs.rest[kept] < 0.1)
+
+
+def test_what_is_left_out_is_told() -> None:
+    assert described(2) == "stretches of an eighth of each run, in 4 groups"
+    assert described(4) == "whole runs"
+    assert described(20) == "whole runs, in 5 groups"
+
+
+@pytest.mark.parametrize(
+    ("values", "fault"),
+    [
+        ((1.0, 1.3, 1.4, 1.5, 1.4, 1.3), True),
+        ((1.0, 0.8, 0.8, 0.8, 0.8, 0.8), False),
+        ((1.0, 1.2, 1.2, 1.0, 0.8, 0.8), False),
+        ((1.0, 1.0, 1.0, 1.3, 1.0, 1.0), False),
+    ],
+)
+def test_heat_that_has_grown_at_every_speed_is_a_fault_s_pattern(values: tuple[float, ...], fault: bool) -> None:
+    made = data(2)
+    network = read(tree()).model.network
+    assert network is not None
+    effect = ScheduleError(Anchored(network, 255, made.columns).motor(), 0)
+    said = looks_like_a_change(effect, values, made)
+    assert bool(said) == fault
+    assert ("winding" in said) == fault
