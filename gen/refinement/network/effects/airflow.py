@@ -62,9 +62,11 @@ class Airflow(NetworkEffect):
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
-    """Every channel that moves may be a flow: on all paths to the ambient, or on one."""
+    """Every channel that moves and is never below 0 may be a flow: on all paths to the ambient, or on one."""
     for channel in data.flows:
-        largest = max(abs(end) for end in data.ranges[channel])
+        low, largest = data.ranges[channel]
+        if low < 0.0:
+            continue
         for power in (1.0, 0.5):
             yield Airflow(motor, channel, largest, power, motor.outer, WHOLE)
             if len(motor.outer) > 1:
