@@ -122,7 +122,9 @@ class Factor:
         """Evaluate at the channel's values, any shape."""
         x = np.asarray(told, dtype=np.float64)
         if self.polynomial:
-            return np.asarray(np.polyval(np.asarray(self.polynomial), x), dtype=np.float64)
+            # What overflows is no factor: the checks find it beyond every limit.
+            with np.errstate(over="ignore", invalid="ignore"):
+                return np.asarray(np.polyval(np.asarray(self.polynomial), x), dtype=np.float64)
         return np.asarray(np.interp(x, self.at, self.value), dtype=np.float64)
 
     @property

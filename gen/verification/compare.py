@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,38 +86,46 @@ def first_mismatch(expected: Records, found: Records) -> Mismatch | None:
 def shrink(program: Program, run: Runner, profile: Profile, mismatch: Mismatch) -> tuple[Profile, Mismatch]:
     """A shorter profile of one lane that still fails, and its mismatch.
 
-    Cuts after the failing step, then leaves out ever smaller pieces, then replaces values by their neighbours', as
+    Cuts after the failing step, then leaves out ever smaller pieces, with what the channels say before each sample, as
     long as the runner still differs from the reference.
     """
-    if profile.channels is not None:  # the channels' values would have to be cut with it
-        return profile, mismatch
-    pwm = profile.pwm[mismatch.lane, : mismatch.step + 1]
-    start = int(profile.start_mK[mismatch.lane])
+    lane = _lane(profile, mismatch.lane)
     budget = _SHRINKING_RUNS
 
-    def attempt(candidate: NDArray[np.int64], rise: int) -> tuple[Profile, Mismatch] | None:
+    def attempt(tried: Profile) -> tuple[Profile, Mismatch] | None:
         nonlocal budget
-        if budget <= 0 or not candidate.size:
+        if budget <= 0 or not tried.samples:
             return None
         budget -= 1
-        tried = Profile(candidate[None, :], np.array([rise], dtype=np.int64))
         found = first_mismatch(reference_run(program, tried), run(tried))
         return (tried, found) if found is not None else None
 
-    best = attempt(pwm, start)
+    best = attempt(_samples(lane, np.arange(mismatch.step + 1)))
     if best is None:  # it depends on the lanes before it: keep the whole profile
         return profile, mismatch
-    best = attempt(best[0].pwm[0, : best[1].step + 1], 0) or best
-    piece = best[0].pwm.shape[1] // 2
+    cold = replace(best[0], start_mK=np.zeros(1, dtype=np.int64))
+    best = attempt(_samples(cold, np.arange(best[1].step + 1))) or best
+    piece = best[0].samples // 2
     while piece >= 1 and budget > 0:
         position = 0
-        while position < best[0].pwm.shape[1] and budget > 0:
-            lane, rise = best[0].pwm[0], int(best[0].start_mK[0])
-            smaller = attempt(np.concatenate([lane[:position], lane[position + piece :]]), rise)
+        while position < best[0].samples and budget > 0:
+            every = np.arange(best[0].samples)
+            smaller = attempt(_samples(best[0], np.concatenate([every[:position], every[position + piece :]])))
             if smaller is not None:
-                cut = smaller[0].pwm[0, : smaller[1].step + 1]
-                best = attempt(cut, rise) or smaller
+                best = attempt(_samples(smaller[0], np.arange(smaller[1].step + 1))) or smaller
             else:
                 position += piece
         piece //= 2
     return best
+
+
+def _lane(profile: Profile, lane: int) -> Profile:
+    """One lane alone."""
+    told = None if profile.channels is None else profile.channels[lane : lane + 1]
+    return Profile(profile.pwm[lane : lane + 1], profile.start_mK[lane : lane + 1], told)
+
+
+def _samples(lane: Profile, kept: NDArray[np.int64]) -> Profile:
+    """Some samples of one lane; before the first one stands what it is told at the start."""
+    told = None if lane.channels is None else lane.channels[:, np.concatenate([[0], kept + 1])]
+    return Profile(lane.pwm[:, kept], lane.start_mK, told)
