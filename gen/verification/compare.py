@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -15,6 +16,8 @@ from gen.verification.profiles import Profile
 Records = NDArray[np.void]
 Runner = Callable[[Profile], Records]
 
+#: What a state is moved by, as a record names it.
+_COEFFICIENT = re.compile(r"\.(?:R\d+|S|A|B)$")
 #: Runs that shrinking may spend.
 _SHRINKING_RUNS = 120
 
@@ -79,7 +82,9 @@ def first_mismatch(expected: Records, found: Records) -> Mismatch | None:
         any_word |= mask
     step = int(np.argmax(any_word.any(axis=0)))
     lane = int(np.argmax(any_word[:, step]))
-    name = next(name for name in names if differs[name][lane, step])
+    wrong = [name for name in names if differs[name][lane, step]]
+    # A coefficient that differs is the cause, a state its consequence in the same sample.
+    name = next((name for name in wrong if _COEFFICIENT.search(name)), wrong[0])
     return Mismatch(lane, step, name, int(expected[name][lane, step]), int(found[name][lane, step]), total)
 
 
