@@ -270,11 +270,11 @@ class NetworkEntry(Part):
                 for node in self.nodes
             ),
             tuple(
-                Path(*_ends(p.between), _curve(p.conductance_W_per_K, full_scale), _factors(p.factors), p.law)
+                Path(*_ends(p.between), model_curve(p.conductance_W_per_K, full_scale), _factors(p.factors), p.law)
                 for p in self.paths
             ),
             tuple(
-                Heat(h.node, _curve(h.power_W, full_scale), _factors(h.factors), h.per_K, h.reference_degC)
+                Heat(h.node, model_curve(h.power_W, full_scale), _factors(h.factors), h.per_K, h.reference_degC)
                 for h in self.heats
             ),
             tuple(Channel(c.column, *c.range, c.neutral) for c in self.channels),
@@ -292,7 +292,8 @@ def _factors(entries: tuple[FactorEntry, ...]) -> tuple[Factor, ...]:
     return tuple(entry.factor() for entry in entries)
 
 
-def _curve(entry: CurveEntry, full_scale: int) -> Curve:
+def model_curve(entry: CurveEntry, full_scale: int) -> Curve:
+    """Give the model's curve."""
     turning: Schedule
     if isinstance(entry, PowerCurve):
         turning = PowerLaw(entry.power.constant, entry.power.forced, entry.power.exponent, full_scale)

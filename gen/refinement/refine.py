@@ -18,13 +18,9 @@ from gen.refinement.leftover import Remains, leftover
 from gen.refinement.offered import each_speed_once
 from gen.refinement.run_errors import run_errors
 from gen.refinement.trace import trace
+from gen.refinement.verdict import EXPLAINED, NOTHING, Verdict
 
-EXPLAINED = 1.3
-"""Explained: the RMSE on left-out runs is at most this many noise floors."""
-NOTHING = 1.5
-"""Nothing missing: without any effect it is at most this many."""
 SCHEDULE_BY_STRETCH = "a wrong schedule on thirds of each run, as each speed was run once"
-Verdict = str
 
 
 @dataclass

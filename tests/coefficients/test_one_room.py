@@ -76,7 +76,7 @@ OTHER_DICTS = {f"model/effects/catalogue/{name}.py" for name in VALUES} | {
     "identification/network/summary.py",  # the JSON summary of `gen identify`
     # the JSON summary of `gen refine`: a channel that an effect reads, an effect
     *(f"refinement/network/effects/{name}.py" for name in ("airflow", "load_heating", "supply_voltage")),
-    "refinement/network/refine.py",
+    "refinement/network/entries.py",
 }
 
 

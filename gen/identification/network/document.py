@@ -19,10 +19,9 @@ from gen.coefficients.network import (
     PathEntry,
     PolyCurve,
     SensorEntry,
-    TableCurve,
 )
+from gen.coefficients.network_curves import points_of, six_digits, tabulated
 from gen.coefficients.provenance import ErrorBand, Provenance
-from gen.coefficients.schedule import Points
 from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings
@@ -40,8 +39,6 @@ TWICE = 2.0
 """Standard deviations by which a declared error is widened."""
 MARGIN, LEAST_RISE_K = 0.5, 40.0
 """Temperatures are declared so much of the largest rise beyond the hottest reading; a rise counts as this at least."""
-POINT = 5
-"""Distance of a table's points, counts: pchip through them is within 1e-4 of the curve."""
 
 
 def network_text(result: NetworkFound, settings: Settings) -> tuple[str, Coefficients]:
@@ -110,7 +107,7 @@ def _document(result: NetworkFound, settings: Settings) -> Document:
 def _ambient(result: NetworkFound) -> Ambient:
     data = result.data
     return Ambient(
-        fixed_degC=None if data.ambient_fixed is None else _round(data.ambient_fixed),
+        fixed_degC=None if data.ambient_fixed is None else six_digits(data.ambient_fixed),
         channel="ambient_degC" if data.ambient_measured else None,
     )
 
@@ -119,7 +116,7 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     structure, vector = result.found.structure, result.found.vector
     names = (*structure.names, "ambient")
     # The curves at rest, then at the points of their tables.
-    pwm = np.unique([*range(0, settings.full_scale, POINT), settings.full_scale])
+    pwm = points_of(settings.full_scale)
     levels = joined(held(np.zeros(1), settings.full_scale), turning(pwm.astype(np.float64), settings.full_scale))
     physics = structure.physical(levels, vector)
     paths = []
@@ -132,14 +129,14 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     capacity = np.maximum(physics.capacity, FASTEST * settings.sample_time_s * loss)
     nodes = []
     for i, name in enumerate(structure.names):
-        mass = _round(float(capacity[i]))
+        mass = six_digits(float(capacity[i]))
         if i < len(structure.sensed):
-            offset = _round(float(vector[structure.offsets[i]]))
+            offset = six_digits(float(vector[structure.offsets[i]]))
             nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, sensor=SensorEntry(offset_K=offset)))
         else:
             nodes.append(NodeEntry(name=name, capacity_J_per_K=mass))
     heats = tuple(
-        HeatEntry(node=names[node], power_W=_table(pwm, physics.heat[1:, node], 0.0)) for node in structure.heated
+        HeatEntry(node=names[node], power_W=tabulated(pwm, physics.heat[1:, node], 0.0)) for node in structure.heated
     )
     return NetworkEntry(nodes=tuple(nodes), paths=tuple(paths), heats=heats)
 
@@ -147,20 +144,14 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
 def _path_curve(form: Form, pwm: NDArray[np.int64], value: FloatArray, full_scale: int) -> CurveEntry:
     """A path's curve from its values at rest and at the tables' points."""
     if form is CONSTANT:
-        return PolyCurve(poly=(_round(float(value[0])),))
-    return _exponential(value, full_scale) if form is WITHIN else _table(pwm, value[1:], float(value[0]))
-
-
-def _table(pwm: NDArray[np.int64], value: FloatArray, rest: float) -> CurveEntry:
-    """A curve through points; at rest a value of its own."""
-    points = Points(pwm=tuple(int(x) for x in pwm), value=tuple(_round(float(y)) for y in value), interpolation="pchip")
-    return TableCurve(table=points, at_rest=_round(rest))
+        return PolyCurve(poly=(six_digits(float(value[0])),))
+    return _exponential(value, full_scale) if form is WITHIN else tabulated(pwm, value[1:], float(value[0]))
 
 
 def _exponential(value: FloatArray, full_scale: int) -> CurveEntry:
     """What is straight in its logarithm, from its values at rest and at full speed."""
     rate = float(np.log(value[-1] / value[0])) / full_scale
-    return Exp1Curve(exp1=(_round(float(value[0])), _round(rate)))
+    return Exp1Curve(exp1=(six_digits(float(value[0])), six_digits(rate)))
 
 
 def _domain(result: NetworkFound, full_scale: int) -> Domain:
@@ -184,7 +175,7 @@ def _figures(result: NetworkFound) -> dict[str, dict[str, float]]:
     for s, name in enumerate(result.data.names):
         own = float(rms[s])
         left = float(np.sqrt(np.nanmean(result.judged.by_fold[:, s])))
-        made[name] = {"rms_K": _round(own)} | ({"left_out_rms_K": _round(left)} if math.isfinite(left) else {})
+        made[name] = {"rms_K": six_digits(own)} | ({"left_out_rms_K": six_digits(left)} if math.isfinite(left) else {})
     return made
 
 
@@ -206,11 +197,7 @@ def _error_band(name: str, s: int, band: Band, ahead: Foresight) -> ErrorBand:
     return ErrorBand(
         component=name,
         pwm=band.pwm,
-        model_minus_measured_K=(_round(low - unknown), _round(high + unknown)),
+        model_minus_measured_K=(six_digits(low - unknown), six_digits(high + unknown)),
         note=f"on data left out: {band.low[s]:+.2f}..{band.high[s]:+.2f} K in means over a 60th of a run, "
         f"{band.rms[s]:.2f} K rms; widened by {unknown:.2f} K for what the runs do not determine on other profiles",
     )
-
-
-def _round(value: float) -> float:
-    return float(f"{value:.6g}")

@@ -85,6 +85,21 @@ class Physical:
     by_growth: Partial | None = None
 
 
+def incidence_of(paths: Sequence[tuple[int, int]], nodes: int) -> FloatArray:
+    """For each path +1 at its first and -1 at its second node, shape (Q, n); the ambient, second, is -1 as a node."""
+    made = np.zeros((len(paths), nodes))
+    for q, (i, j) in enumerate(paths):
+        made[q, i] = 1.0
+        if j >= 0:
+            made[q, j] = -1.0
+    return made
+
+
+def outer_of(paths: Sequence[tuple[int, int]]) -> FloatArray:
+    """1 for each path to the ambient, shape (Q,)."""
+    return np.array([1.0 if j < 0 else 0.0 for _, j in paths])
+
+
 class Shape(Protocol):
     """Which numbers of a network are free.
 

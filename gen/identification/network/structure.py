@@ -10,7 +10,7 @@ import numpy as np
 from gen.identification.network.bins import FloatArray, IntArray
 from gen.identification.network.forms import CONSTANT, FORMS, HEAT, OUTSIDE, SLOW, WITHIN, Form
 from gen.identification.network.inputs import Inputs, Levels
-from gen.identification.network.physics import Partial, Physical
+from gen.identification.network.physics import Partial, Physical, incidence_of, outer_of
 from gen.identification.network.plausible import off
 
 LARGEST = 60.0
@@ -67,17 +67,12 @@ class Structure:
     @cached_property
     def incidence(self) -> FloatArray:
         """For each path +1 at its first and -1 at its second node, shape (Q, n)."""
-        made = np.zeros((len(self.paths), self.nodes))
-        for q, (i, j) in enumerate(self.paths):
-            made[q, i] = 1.0
-            if j >= 0:
-                made[q, j] = -1.0
-        return made
+        return incidence_of(self.paths, self.nodes)
 
     @cached_property
     def outer(self) -> FloatArray:
         """1 for each path to the ambient, shape (Q,)."""
-        return np.array([1.0 if j < 0 else 0.0 for _, j in self.paths])
+        return outer_of(self.paths)
 
     # Places in the vector of parameters.
 

@@ -28,9 +28,7 @@ def start_accumulator(bits: int, rise_mK: Integers) -> Integers:
     rise_mK
         In thousandths of a kelvin, at most :data:`gen.lowering.start.LARGEST_MK` in magnitude: exact in float32.
     """
-    words = start_factor(bits) * rise_mK.astype(np.float32)
-    accumulator: Integers = np.trunc(words.astype(np.float64) * (1 << LOW_BITS)).astype(np.int64)
-    return accumulator
+    return _truncated(bits, rise_mK, LOW_BITS)
 
 
 def ambient_word(bits: int, over_mK: Integers) -> Integers:
@@ -43,8 +41,13 @@ def ambient_word(bits: int, over_mK: Integers) -> Integers:
     over_mK
         In thousandths of a kelvin, at most :data:`gen.lowering.start.LARGEST_MK` in magnitude: exact in float32.
     """
-    words = start_factor(bits) * over_mK.astype(np.float32)
-    return np.asarray(np.trunc(words.astype(np.float64)).astype(np.int64))
+    return _truncated(bits, over_mK, 0)
+
+
+def _truncated(bits: int, value_mK: Integers, more: int) -> Integers:
+    """Words of so many bits after the binary point, from one product of float32, and `more` bits behind them."""
+    words = start_factor(bits) * value_mK.astype(np.float32)
+    return np.asarray(np.trunc(words.astype(np.float64) * (1 << more)).astype(np.int64))
 
 
 @cache

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen.coefficients import Coefficients
+from gen.refinement.judgement import LEAST_GAIN, LEVEL
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import Data, make_data
 from gen.refinement.network.fit import Bench
-from gen.refinement.network.judged import LEAST_GAIN, LEVEL, Judged, judged, p_better
+from gen.refinement.network.judged import Judged, judged, p_better
 from gen.runs import AMBIENT, Run
 
 MOVES_K = 0.3

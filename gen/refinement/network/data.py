@@ -12,6 +12,7 @@ from scipy.ndimage import uniform_filter1d
 from gen.coefficients import Coefficients
 from gen.identification.network.bins import Binned, FloatArray, binned
 from gen.identification.network.inputs import Inputs, inputs_of
+from gen.model.dynamics import MAX_PWM
 from gen.refinement.network.anchors import anchors, declared_density
 from gen.refinement.network.columns import Columns
 from gen.refinement.network.effects import Offered
@@ -24,7 +25,6 @@ BIN_S, MOST_BINS = 120.0, 4000
 MOVES, ITS_OWN = 0.01, 0.05
 """A channel explains nothing that moves by less than this share of its size, or of whose movements less than this share
 is not that of |PWM|."""
-FULL_PWM = 255.0
 DEGREE = 3
 """What follows |PWM| does so as a polynomial of this degree, with a value of its own at rest."""
 BACKWARDS_S, RESTS_S = 120.0, 300.0
@@ -89,8 +89,8 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
     for number, run in enumerate(anchors(coefficients)):
         told = {name: np.full(run.time_s.size, neutral.get(name, 0.0)) for name in columns.channels}
         further = columns.of_run(run.pwm.astype(np.float64), told, later=False)
-        ambient = run.ambient if run.ambient is not None else np.zeros(run.time_s.size)
-        made.append(binned(f"the file itself, {number + 1}", run, names, ambient, full_scale, 2.0 * BIN_S, further))
+        assert run.ambient is not None
+        made.append(binned(f"the file itself, {number + 1}", run, names, run.ambient, full_scale, 2.0 * BIN_S, further))
     return Data(inputs_of(made), len(runs), columns, _offered(runs, driven, columns), declared_density(coefficients))
 
 
@@ -111,7 +111,7 @@ def _channels(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], own: Se
 
 def _by_pwm(run: Run) -> FloatArray:
     """What goes with |PWM|, averaged as channels are, shape (rows, DEGREE + 2)."""
-    share = np.abs(run.pwm) / FULL_PWM
+    share = np.abs(run.pwm) / MAX_PWM
     turning = (share > 0.0).astype(np.float64)
     columns = [1.0 - turning, *(turning * share**power for power in range(DEGREE + 1))]
     return np.column_stack([_slow(run, column) for column in columns])

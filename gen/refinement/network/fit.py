@@ -142,10 +142,10 @@ class Bench:
     def promise(self, shape: Anchored, base: Fitted) -> float:
         """Give the decrease of the cost that an effect promises, the last of the shape's.
 
-        By one linear step where it goes straight with its numbers, else by a short search.
+        By one linear step; by a short search where it has paths of its own, which start far from nothing.
         """
         problem, start = self.begin(shape, base)
-        if any(number.log for number in shape.effects[-1].numbers[:1]) and shape.effects[-1].paths:
+        if shape.effects[-1].paths:
             return base.fit.cost - settle(problem, start, AT_TRIAL).cost
         evaluated, normal = problem.linearised(start)
         matrix, right = problem.assembled(normal, start)

@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from gen.identification.network.bins import FloatArray
+from gen.refinement.judgement import p_of_gains
 from gen.refinement.network.data import Data
 from gen.refinement.network.fit import Fitted
 
-LEVEL = 0.05
-LEAST_GAIN = 0.05
-"""Share by which an effect must lower the left-out error: less is not worth what it costs."""
 LEAST_NOISE_K = 0.05
 BLOCK_S = 1800.0
 """Errors are compared in blocks of this length: shorter ones are not independent of each other."""
@@ -75,17 +72,8 @@ def blocks(data: Data, error: FloatArray) -> FloatArray:
 
 
 def p_better(data: Data, worse: Judged, better: Judged) -> float:
-    """One-sided p-value that one predicts what was left out better than another, by blocks.
-
-    By the mean of the differences and by their ranks, as gains of a real effect are skewed; the smaller one, doubled.
-    """
-    gain = blocks(data, worse.error) - blocks(data, better.error)
-    moved = gain[np.abs(gain) > 1e-12]
-    if moved.size < 4 or gain.mean() <= 0.0:
-        return 1.0
-    by_mean = float(stats.ttest_1samp(moved, 0.0, alternative="greater").pvalue)
-    by_rank = float(stats.wilcoxon(moved, alternative="greater").pvalue)
-    return min(1.0, 2.0 * min(by_mean, by_rank))
+    """One-sided p-value that one predicts what was left out better than another, by blocks."""
+    return p_of_gains(blocks(data, worse.error) - blocks(data, better.error))
 
 
 def doubts(fitted: Fitted) -> list[str]:

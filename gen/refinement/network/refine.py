@@ -9,32 +9,22 @@ from typing import Any
 
 import numpy as np
 
-from gen.coefficients import Coefficients, parse, with_network
-from gen.coefficients.messages import building
+from gen.coefficients import Coefficients, parse
 from gen.errors import InputError
-from gen.model.effects import registry
 from gen.reference.simulate import simulate_run
 from gen.refinement.admission import healthy
 from gen.refinement.condense import check_apart, check_measured, read_measured
 from gen.refinement.errors import Errors
-from gen.refinement.network.ambient import MovingAmbient, moving_ambient
+from gen.refinement.network.ambient import moving_ambient
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.changed import looks_like_a_change
 from gen.refinement.network.data import make_data
-from gen.refinement.network.effects import NetworkEffect
-from gen.refinement.network.effects.base import WHOLE
-from gen.refinement.network.effects.sensors import SensorEffect
-from gen.refinement.network.fit import Fitted
+from gen.refinement.network.entries import ambient_entry, considered_entry, effect_entry
 from gen.refinement.network.folds import described
-from gen.refinement.network.judged import LEVEL, p_better
-from gen.refinement.network.trace import Considered, Step, Traced, trace
-from gen.refinement.network.writer import NetworkWriter
-from gen.refinement.refine import EXPLAINED, NOTHING, Verdict
+from gen.refinement.network.trace import Traced, trace
+from gen.refinement.network.written import written
 from gen.refinement.run_errors import compared
-
-INTERVAL = 1.96
-GENERIC = "vary what drives the one while the other's drive is held, for two hours each"
-AT_THE_SENSOR = "a matter of the sensor: no coefficient file of a network holds it, so mend or calibrate the sensor"
+from gen.refinement.verdict import EXPLAINED, NOTHING, Verdict
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +74,7 @@ class NetworkRefinement:
             "refitted": self.refitted,
             "left_out_rmse_K": {"without_effects": self.traced.null.score_K, "with": self.traced.final.score_K},
             "noise_floor_K": self.traced.null.noise_K,
-            "considered": [_considered(step) for step in self.traced.steps],
+            "considered": [considered_entry(step) for step in self.traced.steps],
             "warnings": self.warnings,
         }
 
@@ -134,43 +124,41 @@ def refine_network(
     shape = Anchored(network, coefficients.document.input.full_scale, data.columns)
     traced = trace(data, shape, progress)
     room = moving_ambient(coefficients, runs, data, traced.file)
-    changes = {id(found): looks_like_a_change(found.effect, _values(found), data) for found in _added(traced)}
-    warnings += [change for change in changes.values() if change]
-    kept = [found for found in _added(traced) if accept_change or not changes[id(found)]]
-    text, refitted, refused = _written(coefficients, raw, traced, [found.effect for found in kept], room)
-    warnings += refused
-    effects = [
-        _entry(step, step.added, traced, changes[id(step.added)]) for step in traced.steps if step.added is not None
-    ]
-    if room is not None:
-        effects.insert(0, _ambient_entry(room))
+    changes = [looks_like_a_change(found.effect, found.values, data) for found in traced.added]
+    kept = [found.effect for found, change in zip(traced.added, changes, strict=True) if accept_change or not change]
+    made = written(coefficients, raw, traced, kept, room)
+    warnings += [said for said in (*changes, made.refused) if said]
+    effects = [] if room is None else [ambient_entry(room)]
+    for step, change in zip(traced.steps, changes, strict=False):
+        assert step.added is not None  # the last search alone may have added nothing
+        effects.append(effect_entry(step, step.added, traced, change))
     kept_paths = [Path(name) for name, _ in runs]
     before = _errors(coefficients, kept_paths, test_paths, lambda path: progress(f"judging {path}"))
     after = before
-    if text != raw:
-        refined = parse(text.encode())
+    if made.text != raw:
+        refined = parse(made.text.encode())
         after = _errors(refined, kept_paths, test_paths, lambda path: progress(f"judging {path} with what was found"))
-    verdict = _verdict(traced, room is not None, changed=any(changes.values()))
-    return NetworkRefinement(text, before, after, effects, verdict, refitted, traced, warnings)
+    holds = not made.refused and not any(changes) and all(found.effect.held_by_the_file for found in traced.added)
+    verdict = _verdict(traced, anything=bool(effects), holds=holds)
+    return NetworkRefinement(made.text, before, after, effects, verdict, made.refitted, traced, warnings)
 
 
-def _added(traced: Traced) -> list[Considered]:
-    return [step.added for step in traced.steps if step.added is not None]
+def _verdict(traced: Traced, *, anything: bool, holds: bool) -> Verdict:
+    """The verdict from what was left out of the fits alone.
 
-
-def _values(found: Considered) -> tuple[float, ...]:
-    fitted = found.judged.fitted
-    return fitted.shape.values(fitted.vector)[-1]
-
-
-def _verdict(traced: Traced, moving_room: bool, *, changed: bool) -> Verdict:
-    """The verdict from what was left out of the fits alone."""
+    Parameters
+    ----------
+    traced
+        What was found.
+    anything
+        Whether anything was.
+    holds
+        Whether the file may hold all of it: what it does not hold it does not explain.
+    """
     worst = _worst_sensor(traced)
-    if not _added(traced) and not moving_room:
+    if not anything:
         return "nothing missing" if max(traced.null.floors, worst) <= NOTHING else "unexplained"
-    if traced.final.floors <= EXPLAINED and worst <= NOTHING and not changed:
-        return "explained"
-    return "partly explained"
+    return "explained" if traced.final.floors <= EXPLAINED and worst <= NOTHING and holds else "partly explained"
 
 
 def _worst_sensor(traced: Traced) -> float:
@@ -180,131 +168,6 @@ def _worst_sensor(traced: Traced) -> float:
     square = np.sum(cover * np.nan_to_num(error) ** 2, axis=0) / np.maximum(cover.sum(axis=0), 1e-9)
     noise = np.maximum(np.mean([run.noise_K**2 for run in data.inputs.runs[: data.later]], axis=0), 0.05**2)
     return float(np.sqrt(np.max((square + noise) / noise)))
-
-
-def _written(
-    coefficients: Coefficients,
-    raw: str,
-    traced: Traced,
-    effects: Sequence[NetworkEffect],
-    room: MovingAmbient | None,
-) -> tuple[str, bool, list[str]]:
-    """The file with what was found, whether anything is new in it, and what it cannot hold."""
-    null = traced.null
-    final = traced.final.fitted
-    document = coefficients.document
-    assert document.network is not None
-    channel = None if room is None else room.channel
-    if not effects and (null.floors > NOTHING or not _file_is_worse(traced)):
-        if room is None:
-            return raw, False, []
-        return with_network(raw, document.network, "refined: ambient", channel), False, []
-    fitted = final if _added(traced) else null.fitted
-    said = ", ".join(f"{effect.name} at {effect.component}" for effect in effects)
-    for kept in (effects, ()):
-        writer = NetworkWriter(document.network, document.input.full_scale, traced.data.offered.ranges)
-        try:
-            with building():
-                fitted.shape.write(writer, fitted.vector, kept)
-                text = with_network(raw, writer.entry, f"refined: {said if kept else 'no effect'}", channel)
-            parse(text.encode())
-        except InputError as error:
-            if not kept:
-                break
-            refused = f"{said}: found, but a file with it is none that can be built ({error})"
-            continue
-        return text, True, [] if kept or not effects else [refused]
-    return raw, False, [refused] if effects else []
-
-
-def _file_is_worse(traced: Traced) -> bool:
-    """Whether the file as it is predicts the runs worse than what was fitted predicts what was left out of it."""
-    return p_better(traced.data, traced.file, traced.null) < LEVEL and (
-        traced.null.score_K < 0.95 * traced.file.score_K
-    )
-
-
-def _ambient_entry(room: MovingAmbient) -> dict[str, Any]:
-    """The measured ambient in the place of a fixed one, as the summary has it."""
-    return {
-        "name": "ambient",
-        "component": WHOLE,
-        "parameters": {"channel": room.channel},
-        "evidence": {
-            "left_out_rmse_K": {"before": room.fixed_K, "after": room.measured_K},
-            "p_value": room.p_value,
-            "level": LEVEL,
-            "judged_on": "all later runs: nothing was fitted",
-            "intervals_95": {},
-            "lookalikes": [],
-        },
-    }
-
-
-def _entry(step: Step, found: Considered, traced: Traced, change: str) -> dict[str, Any]:
-    """One effect as the summary has it."""
-    final = traced.final.fitted
-    place = next(k for k, effect in enumerate(final.shape.effects) if effect is found.effect)
-    values = final.shape.values(final.vector)[place]
-    known = registry()[found.effect.name].lookalikes
-    note = change or (
-        AT_THE_SENSOR if isinstance(found.effect, SensorEffect) and not found.effect.held_by_the_file else ""
-    )
-    return {
-        "name": found.effect.name,
-        "component": found.effect.component,
-        "parameters": {
-            **found.effect.acts_by,
-            **{number.name: value for number, value in zip(found.effect.numbers, values, strict=True)},
-        },
-        "evidence": {
-            "left_out_rmse_K": {"before": step.without.score_K, "after": found.judged.score_K},
-            "p_value": found.p_value,
-            "level": LEVEL,
-            "judged_on": described(traced.data.later),
-            "intervals_95": _intervals(final, place),
-            "lookalikes": [
-                {
-                    "name": other.effect.name,
-                    "component": other.effect.component,
-                    "left_out_rmse_K": other.judged.score_K,
-                    "told_apart_by": known.get(other.effect.name, GENERIC),
-                }
-                for other in step.lookalikes
-            ],
-            **({"note": note} if note else {}),
-        },
-    }
-
-
-def _intervals(fitted: Fitted, place: int) -> dict[str, list[float]]:
-    """95 % intervals of an effect's numbers, from the last linearised problem."""
-    matrix, _ = fitted.problem.assembled(fitted.fit.normal, fitted.vector)
-    deviation = np.sqrt(np.maximum(np.diag(np.linalg.inv(matrix)), 0.0))
-    made = {}
-    effect, columns = fitted.shape.effects[place], fitted.shape.places[place].columns
-    for number, column in zip(effect.numbers, columns.tolist(), strict=True):
-        half = INTERVAL * float(deviation[column])
-        ends = [number.value(float(fitted.vector[column]) + side * half) for side in (-1.0, 1.0)]
-        made[number.name] = [max(ends[0], number.low), min(ends[1], number.high)]
-    return made
-
-
-def _considered(step: Step) -> dict[str, Any]:
-    """What one search looked at."""
-    return {
-        "without_K": step.without.score_K,
-        "candidates": [
-            {
-                "name": one.effect.name,
-                "component": one.effect.component,
-                "left_out_rmse_K": one.judged.score_K,
-                "p_value": one.p_value,
-                "against": list(one.reasons),
-            }
-            for one in step.considered
-        ],
-    }
 
 
 def _errors(

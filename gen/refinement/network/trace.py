@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from gen.refinement.judgement import LEAST_GAIN, LEVEL, TOO_LITTLE
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.changed import looks_like_a_change
 from gen.refinement.network.data import Data
 from gen.refinement.network.effects import NetworkEffect, candidates
 from gen.refinement.network.fit import Bench, Fitted
-from gen.refinement.network.judged import LEAST_GAIN, LEVEL, Judged, doubts, judged, p_better
+from gen.refinement.network.judged import Judged, doubts, judged, p_better
 
 MOST_EFFECTS = 3
 PLAIN, PLAIN_LEVEL, LEAST_DECREASE = 0.75, 0.2, 25.0
@@ -61,6 +62,12 @@ class Considered:
     p_value: float
     reasons: tuple[str, ...]
 
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The effect's numbers."""
+        fitted = self.judged.fitted
+        return fitted.shape.values(fitted.vector)[-1]
+
 
 @dataclass(frozen=True, eq=False)
 class Step:
@@ -104,6 +111,11 @@ class Traced:
     file: Judged
     steps: tuple[Step, ...]
     final: Judged
+
+    @property
+    def added(self) -> list[Considered]:
+        """What was accepted, in order."""
+        return [step.added for step in self.steps if step.added is not None]
 
     @property
     def null(self) -> Judged:
@@ -174,8 +186,7 @@ def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress:
 
 def _may_be_a_fault(data: Data, best: Considered, one: Considered) -> bool:
     """Whether one has a fault's pattern and predicts about as well as the best: a fault must not be learnt."""
-    fitted = one.judged.fitted
-    if not looks_like_a_change(one.effect, fitted.shape.values(fitted.vector)[-1], data):
+    if not looks_like_a_change(one.effect, one.values, data):
         return False
     near = one.judged.score_K <= IN_DOUBT * best.judged.score_K
     return one is best or (near and p_better(data, one.judged, best.judged) > LEVEL)
@@ -194,7 +205,7 @@ def _considered(data: Data, without: Judged, one: Judged, tried: int, bent: floa
     if bent > BENT and relief > asked and one.score_K < AS_BEFORE * without.score_K:
         return Considered(one.fitted.shape.effects[-1], one, p, tuple(reasons))
     if one.score_K > (1.0 - LEAST_GAIN) * without.score_K:
-        reasons.append(f"lowers the error on what was left out by less than {LEAST_GAIN:.0%}")
+        reasons.append(TOO_LITTLE)
     if p > LEVEL / tried and not _plain(without, one, p):
         reasons.append("not more than chance")
     return Considered(one.fitted.shape.effects[-1], one, p, tuple(reasons))

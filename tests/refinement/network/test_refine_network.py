@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -106,6 +107,20 @@ def test_a_room_that_moves_is_read_from_its_column(tmp_path: Path) -> None:
     assert found.effects()["effect"].tolist() == ["ambient"]
     assert found.verdict == "explained"
     assert found.model.coefficients.model.ambient_channel == "ambient_degC"
+
+
+def test_a_sensor_that_drifts_is_named_and_explains_nothing_of_what_the_file_predicts(tmp_path: Path) -> None:
+    (tmp_path / "small.json").write_text(json.dumps(tree()), encoding="utf-8")
+    given = []
+    for seed in (1, 2, 3):
+        made = run(read(tree()), seed)
+        drifting = {**made.temps, "casing": made.temps["casing"] + 0.8 * made.time_s / 3600.0}
+        given.append(write(replace(made, temps=drifting), tmp_path / f"run_{seed}.csv"))
+    found = gen.refine(gen.load(tmp_path / "small.json"), fit=given[:2], test=given[2:])
+    effect = found.details()["effects"][0]
+    assert (effect["name"], effect["component"]) == ("drift", "casing")
+    assert "calibrate" in effect["evidence"]["note"]
+    assert found.verdict == "partly explained"
 
 
 def test_what_is_printed_is_what_simulate_gives(tmp_path: Path) -> None:

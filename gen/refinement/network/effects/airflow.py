@@ -7,13 +7,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from gen.coefficients.network import FactorEntry, FactorPoints
+from gen.coefficients.network_curves import six_digits
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
 from gen.refinement.network.columns import Columns
 from gen.refinement.network.draft import Draft
 from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.writer import NetworkWriter, ends, short
+from gen.refinement.network.writer import NetworkWriter, ends
 
 POINTS = 9
 """Of the table that a file holds for a root."""
@@ -47,14 +48,14 @@ class Airflow(NetworkEffect):
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         if self._power == 1.0:
-            poly = (short(values[0] / self._largest), 1.0)
+            poly = (six_digits(values[0] / self._largest), 1.0)
             factor = FactorEntry(channel=self.channel, poly=poly)
         else:
             # Closer together where the root is steep.
             share = np.linspace(0.0, 1.0, POINTS) ** 2
             points = FactorPoints(
-                at=tuple(short(float(x)) for x in share * self._largest),
-                value=tuple(short(1.0 + values[0] * float(x) ** self._power) for x in share),
+                at=tuple(six_digits(float(x)) for x in share * self._largest),
+                value=tuple(six_digits(1.0 + values[0] * float(x) ** self._power) for x in share),
             )
             factor = FactorEntry(channel=self.channel, table=points)
         for between in self._between:

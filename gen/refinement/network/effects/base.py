@@ -61,11 +61,11 @@ class Motor:
     Attributes
     ----------
     names
-        Of its nodes, the sensed ones first, the effects' own last.
+        Of the file's nodes, the sensed ones first.
     sensed
         How many are sensed.
     paths
-        Pairs of nodes, the ambient as -1 second; then the effects' own.
+        Pairs of nodes, the ambient as -1 second.
     heated
         Nodes with heat.
     columns
@@ -133,6 +133,8 @@ class NetworkEffect(ABC):
     numbers: tuple[Number, ...]
     acts_by: Mapping[str, str] = MappingProxyType({})
     """What else it takes to say what it is: the channel, the other node."""
+    held_by_the_file = True
+    """Whether a coefficient file has a place for it."""
     nodes = 0
     """Nodes of its own: none or one, whose capacity (J/K) is then its first number."""
 

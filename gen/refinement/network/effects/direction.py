@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from gen.coefficients.network import FactorEntry, FactorPoints
+from gen.coefficients.network_curves import six_digits
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
 from gen.model.network import PWM
 from gen.refinement.network.draft import Draft
 from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.writer import NetworkWriter, short
+from gen.refinement.network.writer import NetworkWriter
 
 
 class Direction(NetworkEffect):
@@ -29,7 +30,7 @@ class Direction(NetworkEffect):
         draft.scale_heats(self._node, (1.0 + values[0] * unit).clip(0.02), place.slopes(unit))
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
-        points = FactorPoints(at=(-1.0, 0.0), value=(short(1.0 + values[0]), 1.0))
+        points = FactorPoints(at=(-1.0, 0.0), value=(six_digits(1.0 + values[0]), 1.0))
         entry.factor_on_heats(self.component, FactorEntry(channel=PWM, table=points))
 
 

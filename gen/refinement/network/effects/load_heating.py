@@ -7,28 +7,29 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from gen.coefficients.network import FactorEntry
+from gen.coefficients.network_curves import six_digits
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
 from gen.refinement.network.draft import Draft
 from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.writer import NetworkWriter, short
+from gen.refinement.network.writer import NetworkWriter
 
 
 class LoadHeating(NetworkEffect):
-    """R I^2 (or U |I|) at a node, beside a share of the heat that the model has there."""
+    """R I^2 at a node, beside a share of the heat that the model has there."""
 
     name = "load_heating"
 
-    def __init__(self, motor: Motor, channel: str, square: float, node: int, power: int) -> None:
+    def __init__(self, motor: Motor, channel: str, square: float, node: int) -> None:
         self.component = motor.names[node]
         self.acts_by = {"channel": channel}
-        self.channel, self._node, self._power = channel, node, power
+        self.channel, self._node = channel, node
         self._columns = motor.columns
         self._replaces = node in motor.heated
         typical = motor.typical_W / square
         self.numbers = (
-            Number("resistance_ohm" if power == 2 else "voltage_V", 0.0, 0.0, 3.0 * typical, 0.0, np.inf),
+            Number("resistance_ohm", 0.0, 0.0, 3.0 * typical, 0.0, np.inf),
             Number("share_of_the_old_heat", 1.0, 0.0, 0.5, 0.01, 3.0, log=True),
         )[: 2 if self._replaces else 1]
 
@@ -37,14 +38,15 @@ class LoadHeating(NetworkEffect):
         if self._replaces:
             more = np.expm1(values[1])
             draft.scale_heats(self._node, 1.0 + later * more, [(int(place.columns[1]), later * (1.0 + more))])
-        unit = later * self._columns.power(levels, self.channel, self._power)
+        unit = later * self._columns.power(levels, self.channel, 2)
         draft.heat.add(self._node, values[0] * unit, place.slopes(unit))
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         if self._replaces:
             entry.scale_heat(self.component, lambda w: np.full_like(w, values[1]))
-        poly = (1.0, *([0.0] * self._power))
-        entry.heat_by_channel(self.component, short(max(values[0], 0.0)), FactorEntry(channel=self.channel, poly=poly))
+        entry.heat_by_channel(
+            self.component, six_digits(max(values[0], 0.0)), FactorEntry(channel=self.channel, poly=(1.0, 0.0, 0.0))
+        )
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
@@ -52,4 +54,4 @@ def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
     for channel in data.currents:
         largest = max(abs(end) for end in data.ranges[channel])
         for node in range(len(motor.names)):
-            yield LoadHeating(motor, channel, largest**2, node, 2)
+            yield LoadHeating(motor, channel, largest**2, node)

@@ -15,8 +15,6 @@ from gen.refinement.network.writer import NetworkWriter
 class SensorEffect(NetworkEffect):
     """One number at one sensor."""
 
-    held_by_the_file = False
-    """Whether a coefficient file has a place for it."""
     least = 0.0
     """What is no more than a good sensor may do."""
 
@@ -39,7 +37,6 @@ class SensorOffset(SensorEffect):
     """A constant."""
 
     name = "sensor_offset"
-    held_by_the_file = True
     numbers = (Number("offset_K", 0.0, 0.0, 3.0, -50.0, 50.0),)
     least = 0.3
 
@@ -55,6 +52,7 @@ class SensorGain(SensorEffect):
 
     name = "sensor_gain"
     numbers = (Number("gain_error", 0.0, 0.0, 0.1, -0.6, 1.0),)
+    held_by_the_file = False
     least = 0.01
 
     def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray]:  # noqa: D102
@@ -65,7 +63,6 @@ class SensorLag(SensorEffect):
     """A time constant, to first order: readings as they were so long ago."""
 
     name = "sensor_lag"
-    held_by_the_file = True
     numbers = (Number("lag_s", 0.0, 0.0, 60.0, 0.0, 3600.0),)
     least = 15.0
 
@@ -81,6 +78,7 @@ class Drift(SensorEffect):
 
     name = "drift"
     numbers = (Number("drift_K_per_h", 0.0, 0.0, 1.0, -50.0, 50.0),)
+    held_by_the_file = False
     least = 0.05
 
     def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray]:  # noqa: D102

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from gen.coefficients.network import FactorEntry
+from gen.coefficients.network_curves import six_digits
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
 from gen.refinement.network.draft import Draft
 from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.writer import NetworkWriter, ends, short
+from gen.refinement.network.writer import NetworkWriter, ends
 
 
 class SupplyVoltage(NetworkEffect):
@@ -56,8 +57,10 @@ class SupplyVoltage(NetworkEffect):
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         a, b, c = values
         v = self._usual
-        heat = FactorEntry(channel=self.channel, poly=(short(b / v**2), short((a - 2.0 * b) / v), short(1.0 - a + b)))
-        cooling = FactorEntry(channel=self.channel, poly=(short(c / v), short(1.0 - c)))
+        heat = FactorEntry(
+            channel=self.channel, poly=(six_digits(b / v**2), six_digits((a - 2.0 * b) / v), six_digits(1.0 - a + b))
+        )
+        cooling = FactorEntry(channel=self.channel, poly=(six_digits(c / v), six_digits(1.0 - c)))
         for node in self._heated:
             entry.factor_on_heats(self._names[node], heat)
         for between in self._between:

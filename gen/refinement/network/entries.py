@@ -1,0 +1,110 @@
+"""What was found as the JSON summary has it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gen.model.effects import registry
+from gen.refinement.judgement import LEVEL
+from gen.refinement.network.ambient import MovingAmbient
+from gen.refinement.network.effects.base import WHOLE
+from gen.refinement.network.fit import Fitted
+from gen.refinement.network.folds import described
+from gen.refinement.network.trace import Considered, Step, Traced
+
+INTERVAL = 1.96
+GENERIC = "vary what drives the one while the other's drive is held, for two hours each"
+AT_THE_SENSOR = "a matter of the sensor: no coefficient file of a network holds it, so mend or calibrate the sensor"
+
+
+def ambient_entry(room: MovingAmbient) -> dict[str, Any]:
+    """The measured ambient in the place of a fixed one, as the summary has it."""
+    return {
+        "name": "ambient",
+        "component": WHOLE,
+        "parameters": {"channel": room.channel},
+        "evidence": {
+            "left_out_rmse_K": {"before": room.fixed_K, "after": room.measured_K},
+            "p_value": room.p_value,
+            "level": LEVEL,
+            "judged_on": "all later runs: nothing was fitted",
+            "intervals_95": {},
+            "lookalikes": [],
+        },
+    }
+
+
+def effect_entry(step: Step, found: Considered, traced: Traced, change: str) -> dict[str, Any]:
+    """One effect as the summary has it.
+
+    Parameters
+    ----------
+    step, found
+        The search that added it, and what it added.
+    traced
+        All that was found: its numbers are those of the last fit.
+    change
+        Why it may be another motor; empty for an effect.
+    """
+    final = traced.final.fitted
+    place = next(k for k, effect in enumerate(final.shape.effects) if effect is found.effect)
+    values = final.shape.values(final.vector)[place]
+    known = registry()[found.effect.name].lookalikes
+    note = change or ("" if found.effect.held_by_the_file else AT_THE_SENSOR)
+    return {
+        "name": found.effect.name,
+        "component": found.effect.component,
+        "parameters": {
+            **found.effect.acts_by,
+            **{number.name: value for number, value in zip(found.effect.numbers, values, strict=True)},
+        },
+        "evidence": {
+            "left_out_rmse_K": {"before": step.without.score_K, "after": found.judged.score_K},
+            "p_value": found.p_value,
+            "level": LEVEL,
+            "judged_on": described(traced.data.later),
+            "intervals_95": _intervals(final, place),
+            "lookalikes": [
+                {
+                    "name": other.effect.name,
+                    "component": other.effect.component,
+                    "left_out_rmse_K": other.judged.score_K,
+                    "told_apart_by": known.get(other.effect.name, GENERIC),
+                }
+                for other in step.lookalikes
+            ],
+            **({"note": note} if note else {}),
+        },
+    }
+
+
+def _intervals(fitted: Fitted, place: int) -> dict[str, list[float]]:
+    """95 % intervals of an effect's numbers, from the last linearised problem."""
+    matrix, _ = fitted.problem.assembled(fitted.fit.normal, fitted.vector)
+    deviation = np.sqrt(np.maximum(np.diag(np.linalg.inv(matrix)), 0.0))
+    made = {}
+    effect, columns = fitted.shape.effects[place], fitted.shape.places[place].columns
+    for number, column in zip(effect.numbers, columns.tolist(), strict=True):
+        half = INTERVAL * float(deviation[column])
+        ends = [number.value(float(fitted.vector[column]) + side * half) for side in (-1.0, 1.0)]
+        made[number.name] = [max(ends[0], number.low), min(ends[1], number.high)]
+    return made
+
+
+def considered_entry(step: Step) -> dict[str, Any]:
+    """What one search looked at."""
+    return {
+        "without_K": step.without.score_K,
+        "candidates": [
+            {
+                "name": one.effect.name,
+                "component": one.effect.component,
+                "left_out_rmse_K": one.judged.score_K,
+                "p_value": one.p_value,
+                "against": list(one.reasons),
+            }
+            for one in step.considered
+        ],
+    }

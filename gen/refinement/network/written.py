@@ -1,0 +1,78 @@
+"""The coefficient file with what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from gen.coefficients import Coefficients, parse, with_network
+from gen.coefficients.messages import building
+from gen.errors import InputError
+from gen.refinement.judgement import LEAST_GAIN, LEVEL
+from gen.refinement.network.ambient import MovingAmbient
+from gen.refinement.network.effects import NetworkEffect
+from gen.refinement.network.judged import p_better
+from gen.refinement.network.trace import Traced
+from gen.refinement.network.writer import NetworkWriter
+from gen.refinement.verdict import NOTHING
+
+
+@dataclass(frozen=True)
+class Written:
+    """A file.
+
+    Attributes
+    ----------
+    text
+        Its text.
+    refitted
+        Whether its numbers were fitted anew.
+    refused
+        Why it does not hold what was found; empty if it does.
+    """
+
+    text: str
+    refitted: bool = False
+    refused: str = ""
+
+
+def written(
+    coefficients: Coefficients, raw: str, traced: Traced, kept: Sequence[NetworkEffect], room: MovingAmbient | None
+) -> Written:
+    """Write what was found into a file.
+
+    Numbers that were fitted beside an effect are right beside that effect only: without it the file stays as it is.
+
+    Parameters
+    ----------
+    coefficients, raw
+        The file, and its text.
+    traced
+        All that was found.
+    kept
+        Effects of it that are to be written.
+    room
+        That the measured ambient is to be read from now on, or None.
+    """
+    network, channel = coefficients.document.network, None if room is None else room.channel
+    assert network is not None
+    unchanged = Written(raw if channel is None else with_network(raw, network, "refined: ambient", channel))
+    if not kept and (traced.added or traced.null.floors > NOTHING or not _file_is_worse(traced)):
+        return unchanged
+    said = ", ".join(f"{effect.name} at {effect.component}" for effect in kept) or "no effect"
+    writer = NetworkWriter(network, coefficients.document.input.full_scale, traced.data.offered.ranges)
+    fitted = traced.final.fitted
+    try:
+        with building():
+            fitted.shape.write(writer, fitted.vector, kept)
+            text = with_network(raw, writer.entry, f"refined: {said}", channel)
+        parse(text.encode())
+    except InputError as error:
+        return Written(unchanged.text, refused=f"{said}: found, but a file with it is none that can be built ({error})")
+    return Written(text, refitted=True)
+
+
+def _file_is_worse(traced: Traced) -> bool:
+    """Whether the file as it is predicts the runs worse than what was fitted predicts what was left out of it."""
+    by_chance = p_better(traced.data, traced.file, traced.null)
+    return by_chance < LEVEL and traced.null.score_K < (1.0 - LEAST_GAIN) * traced.file.score_K
