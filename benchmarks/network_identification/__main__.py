@@ -9,8 +9,6 @@ import os
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -19,6 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import gen
 from benchmarks import network_identification
+from benchmarks.campaign import in_order, json_text
 from benchmarks.network_identification.judge import Judged, judge
 from benchmarks.network_identification.table import rows, text
 from benchmarks.plants.cases import Case, bench, matrix, write_case
@@ -65,40 +64,23 @@ def in_a_folder(case: Case, models: Sequence[str], keep: Path | None = None) -> 
         try:
             written = write_case(case, folder)
         except Exception as error:  # the plant's own fault; the case still counts
-            return _raised(case, models, error)
+            return _raised(models, case, error)
         return [judge(written, model, folder) for model in models]
 
 
 def judged(cases: Sequence[Case], models: Sequence[str], jobs: int) -> Iterator[list[Judged]]:
     """Judge cases, in their order; those whose process dies are told as raised."""
-    if jobs == 1:
-        yield from (in_a_folder(case, models) for case in cases)
-        return
-    with ProcessPoolExecutor(jobs) as pool:
-        waiting = [(case, pool.submit(in_a_folder, case, models)) for case in cases]
-        for case, future in waiting:
-            try:
-                yield future.result()
-            except BrokenProcessPool as error:
-                yield _raised(case, models, error)
+    return in_order(cases, partial(in_a_folder, models=models), partial(_raised, models), jobs)
 
 
-def _raised(case: Case, models: Sequence[str], error: Exception) -> list[Judged]:
+def _raised(models: Sequence[str], case: Case, error: Exception) -> list[Judged]:
     return [Judged(str(case), model, "raised", f"{type(error).__name__}: {error}") for model in models]
 
 
 def as_json(results: Sequence[Judged]) -> str:
     """Every case and the table; what is no number is null."""
     made = {"cases": [asdict(r) for r in results], "table": [asdict(row) for row in rows(results)]}
-    return json.dumps(_without_nan(made), indent=1) + "\n"
-
-
-def _without_nan(value: object) -> object:
-    if isinstance(value, dict):
-        return {key: _without_nan(entry) for key, entry in value.items()}
-    if isinstance(value, list):
-        return [_without_nan(entry) for entry in value]
-    return None if isinstance(value, float) and value != value else value
+    return json_text(made)
 
 
 def main() -> None:

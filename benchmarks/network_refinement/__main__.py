@@ -9,9 +9,8 @@ import re
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from benchmarks import network_refinement
+from benchmarks.campaign import in_order, json_text
 from benchmarks.network_refinement.judge import Judged, judge
 from benchmarks.network_refinement.table import goals, rows, text
 from benchmarks.plants.planted.draw import LIBRARY, NotVisible
@@ -120,16 +120,7 @@ def in_a_folder(trial: Trial, models: Path, keep: Path | None = None) -> Judged:
 
 def judged(trials: Sequence[Trial], models: Path, jobs: int) -> Iterator[Judged]:
     """Judge trials, in their order; those whose process dies are told as raised."""
-    if jobs == 1:
-        yield from (in_a_folder(trial, models) for trial in trials)
-        return
-    with ProcessPoolExecutor(jobs) as pool:
-        waiting = [(trial, pool.submit(in_a_folder, trial, models)) for trial in trials]
-        for trial, future in waiting:
-            try:
-                yield future.result()
-            except BrokenProcessPool as error:
-                yield _raised(trial, error)
+    return in_order(trials, partial(in_a_folder, models=models), _raised, jobs)
 
 
 def _raised(trial: Trial, error: Exception) -> Judged:
@@ -144,15 +135,7 @@ def as_json(results: Sequence[Judged]) -> str:
     ]
     asked = {str(n): [asdict(g) for g in goals(results, n)] for n in sorted({r.fit_runs for r in results})}
     made = {"trials": trials, "table": [asdict(row) for row in rows(results)], "goals": asked}
-    return json.dumps(_without_nan(made), indent=1, default=float) + "\n"
-
-
-def _without_nan(value: Any) -> Any:  # noqa: ANN401 (JSON)
-    if isinstance(value, dict):
-        return {key: _without_nan(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_without_nan(entry) for entry in value]
-    return None if isinstance(value, float) and value != value else value
+    return json_text(made)
 
 
 def judged_before(path: Path) -> list[Judged]:
