@@ -91,6 +91,8 @@ def test_a_planted_fault_is_caught(fault: str) -> None:
     assert "step" in caught.mismatch
     assert "reference" in caught.mismatch
     assert len(caught.profile["pwm"]) <= 40  # shrunk from thousands
+    # With what the model was told before the start and before each sample, so that it can be run again.
+    assert [len(told) for told in caught.profile["channels"].values()] == [len(caught.profile["pwm"]) + 1]
 
 
 def test_a_changed_constant_is_caught_and_named() -> None:
