@@ -87,6 +87,7 @@ def refine_network(
     progress: Callable[[str], None],
     *,
     accept_change: bool = False,
+    file: str | None = None,
 ) -> NetworkRefinement:
     """Trace the error of a network on the fit runs, extend it, and open the test runs once, at the end.
 
@@ -100,6 +101,8 @@ def refine_network(
         Called with what is being done.
     accept_change
         Write what looks like another motor, too.
+    file
+        The file's name for messages, where it has one.
 
     Raises
     ------
@@ -110,7 +113,8 @@ def refine_network(
     assert network is not None
     for number, law in network.laws:
         kind = type(law).__name__.lower()
-        raise InputError(f"gen refine knows no path with {kind} yet", place=f"$.network.paths[{number}].{kind}")
+        place = f"$.network.paths[{number}].{kind}"
+        raise InputError(f"gen refine knows no path with {kind} yet", file=file, place=place)
     check_apart(fit_paths, test_paths)
     for path in test_paths:
         progress(f"checking {path}")
