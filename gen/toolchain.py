@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
-from collections.abc import Sequence
+import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from gen.errors import InputError
@@ -39,6 +41,9 @@ PACKAGES = {
 
 HOST_COMPILERS = ("g++", "clang++")
 """The compilers of this computer that the emitted library is verified with."""
+
+_PATIENCE_S = 2.0
+"""How long a killed process may stay in the system's table; without an init that collects it, it stays for ever."""
 
 
 class ToolMissing(InputError):
@@ -79,6 +84,53 @@ def program(name: str) -> Path:
     if found is None:
         raise ToolMissing(name, PACKAGES[name])
     return Path(found)
+
+
+def run(command: Sequence[str], *, environment: Mapping[str, str] | None = None) -> subprocess.CompletedProcess[str]:
+    """Run a compiler or a tool beside it, with all processes that it starts.
+
+    A compiler's driver starts others. Where this program is interrupted they end as well, and have ended before the
+    interrupt goes on: nothing writes any more into a folder that is being removed.
+
+    Parameters
+    ----------
+    command
+        The program and its arguments.
+    environment
+        Changes to the environment that it runs in.
+
+    Returns
+    -------
+    CompletedProcess
+        With its output and its messages as text; a failure is no exception.
+    """
+    process = subprocess.Popen(
+        command,
+        env={**os.environ, **(environment or {})},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        process_group=0,
+    )
+    try:
+        out, told = process.communicate()
+    except BaseException:
+        _end(process)
+        raise
+    return subprocess.CompletedProcess(command, process.returncode, out, told)
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """Kill a group of processes, and wait until none of them can write any more."""
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    patience = time.monotonic() + _PATIENCE_S
+    while time.monotonic() < patience:
+        try:
+            os.killpg(process.pid, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.005)
 
 
 def host_compilers(asked: Sequence[str] = ()) -> list[str]:

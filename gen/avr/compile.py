@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import subprocess
 import tempfile
 from collections.abc import Sequence
@@ -328,8 +327,7 @@ def _nm(binary: Path, *options: str) -> list[str]:
 
 
 def _run(command: list[str]) -> str:
-    environment = {**os.environ, "LC_ALL": "C"}
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    done = toolchain.run(command, environment={"LC_ALL": "C"})
     if done.returncode != 0:
         name = Path(command[0]).name
         detail = (done.stderr or done.stdout).strip() or f"exit status {done.returncode}"

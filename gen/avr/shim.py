@@ -6,7 +6,6 @@ import ctypes
 import hashlib
 import os
 import re
-import subprocess
 import tempfile
 from functools import cache
 from pathlib import Path
@@ -176,7 +175,7 @@ def _build(folder: Path) -> Path:
     with tempfile.TemporaryDirectory(dir=folder, prefix="shim-") as scratch:
         built = Path(scratch) / target.name
         command = [str(toolchain.program("gcc")), *flags, "-o", str(built), *map(str, sources), *links]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = toolchain.run(command)
         if done.returncode != 0:
             raise EmulationFailed(f"gcc cannot compile the emulator's shim:\n{done.stderr.strip()}")
         built.replace(target)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -38,11 +37,9 @@ def printed(folder: Path, sources: Sequence[Path], flags: Sequence[str]) -> str:
         If it does not compile, or the program fails; it says why in a last line ``failed WHY``.
     """
     program = folder / "program"
-    made = subprocess.run(
+    made = toolchain.run(
         [str(toolchain.program("g++")), *flags, "-o", str(program), *map(str, sources)],
-        env={**os.environ, "TMPDIR": str(folder)},  # an interrupted compiler's files go with the folder
-        capture_output=True,
-        text=True,
+        environment={"TMPDIR": str(folder)},  # an interrupted compiler's files go with the folder
     )
     if made.returncode:
         raise Refuted(f"the library does not compile: {made.stderr.strip().splitlines()[0]}")

@@ -7,7 +7,6 @@ have.
 from __future__ import annotations
 
 import ctypes
-import subprocess
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -153,7 +152,7 @@ def _compiled(coefficients: Coefficients, program: Program, folder: Path) -> cty
                 sources.append(target)
     library = folder / "host.so"
     command = [str(toolchain.program("g++")), *_FLAGS, f"-I{folder}", *map(str, sources), "-o", str(library)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = toolchain.run(command)
     if done.returncode:
         raise CheckFailed(f"g++ does not compile the emitted library:\n{done.stderr[-4000:]}")
     loaded = ctypes.CDLL(str(library))

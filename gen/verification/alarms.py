@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -230,8 +229,8 @@ class HostAlarms:
         command = [str(toolchain.program(compiler)), "-std=gnu++11", "-ffp-contract=off", *WARNINGS, *flags]
         command += [f"-I{library.include}", f"-I{library.folder}", str(library.folder / "verify_alarms_host.cpp")]
         command += [*map(str, library.sources), "-o", str(self._binary)]
-        scratch = {**os.environ, "TMPDIR": str(library.folder)}  # an interrupted compiler's files go with the folder
-        done = subprocess.run(command, capture_output=True, text=True, check=False, env=scratch)
+        # An interrupted compiler's files go with the folder.
+        done = toolchain.run(command, environment={"TMPDIR": str(library.folder)})
         if done.returncode:
             raise CheckFailed(f"{name} does not compile the emitted alarms:\n{done.stderr[-4000:]}")
 

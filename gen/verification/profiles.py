@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,13 @@ class Profile:
     def samples(self) -> int:
         """How many samples all lanes have together."""
         return int(self.pwm.size)
+
+    def as_json(self, lane: int, columns: Sequence[str]) -> dict[str, Any]:
+        """One lane, so that it can be run again: what the channels say stands before the start and each sample."""
+        made: dict[str, Any] = {"start_mK": int(self.start_mK[lane]), "pwm": self.pwm[lane].tolist()}
+        if self.channels is not None:
+            made["channels"] = dict(zip(columns, self.channels[lane].T.tolist(), strict=True))
+        return made
 
     def records(self) -> NDArray[np.void]:
         """All lanes one behind the other, each led by its start, as the harnesses read them."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -100,8 +99,8 @@ class HostRunner:
             "-o",
             str(self._binary),
         ]
-        scratch = {**os.environ, "TMPDIR": str(library.folder)}  # an interrupted compiler's files go with the folder
-        done = subprocess.run(command, capture_output=True, text=True, check=False, env=scratch)
+        # An interrupted compiler's files go with the folder.
+        done = toolchain.run(command, environment={"TMPDIR": str(library.folder)})
         if done.returncode:
             raise CheckFailed(f"{name} does not compile the emitted library:\n{done.stderr[-4000:]}")
 

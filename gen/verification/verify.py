@@ -249,17 +249,8 @@ def _compared(
         words,
         mismatch.differing,
         str(still),
-        _as_json(program, short, still.lane),
+        short.as_json(still.lane, [channel.column for channel in program.channels]),
     )
-
-
-def _as_json(program: Program, profile: Profile, lane: int) -> dict[str, Any]:
-    """One lane, so that it can be run again: what the channels say stands before the start and before each sample."""
-    made: dict[str, Any] = {"start_mK": int(profile.start_mK[lane]), "pwm": profile.pwm[lane].tolist()}
-    if profile.channels is not None:
-        told = zip(program.channels, profile.channels[lane].T.tolist(), strict=True)
-        made["channels"] = {channel.column: values for channel, values in told}
-    return made
 
 
 def _alarm_result(name: str, given: AlarmCampaign, difference: Mismatch | None) -> TargetResult:

@@ -1,5 +1,9 @@
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -70,3 +74,35 @@ def test_arduino_core_is_looked_for_where_the_environment_says(tmp_path: Path, m
         (tmp_path / name).parent.mkdir(parents=True)
         (tmp_path / name).touch()
     assert toolchain.arduino_core() == tmp_path
+
+
+DRIVER = """#!/bin/sh
+(while :; do : > "$1/written.$$"; rm -f "$1/written.$$"; done) &
+wait
+"""
+INTERRUPTED = """
+import sys, tempfile
+from gen import toolchain
+with tempfile.TemporaryDirectory(dir=sys.argv[2]) as folder:
+    toolchain.run([sys.argv[1], folder])
+"""
+
+
+@pytest.mark.parametrize("again", range(5))
+def test_an_interrupted_compiler_ends_with_all_that_it_started(tmp_path: Path, again: int) -> None:
+    driver = tmp_path / "driver"
+    driver.write_text(DRIVER)
+    driver.chmod(0o755)
+    scratch = tmp_path / f"scratch{again}"
+    scratch.mkdir()
+    command = [sys.executable, "-c", INTERRUPTED, str(driver), str(scratch)]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
+        while not list(scratch.glob("*/written.*")):
+            assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+    assert list(scratch.iterdir()) == []
+
+
+def test_a_tool_runs_in_the_environment_that_is_asked_for() -> None:
+    done = toolchain.run(["sh", "-c", "echo $WHERE $HOME; echo told >&2; exit 3"], environment={"WHERE": "here"})
+    assert (done.stdout, done.stderr, done.returncode) == (f"here {os.environ['HOME']}\n", "told\n", 3)
