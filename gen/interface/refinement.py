@@ -152,9 +152,8 @@ def refine(
         if network:
             from gen.refinement.network.refine import refine_network
 
-            file = None if model.path is None else str(model.path)
             found = refine_network(
-                model.coefficients, model.text, learnt, judged, progress, accept_change=accept_change, file=file
+                model.coefficients, model.text, learnt, judged, progress, accept_change=accept_change
             )
         else:
             from gen.refinement.refine import refine as run_parts

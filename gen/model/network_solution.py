@@ -96,6 +96,17 @@ class NetworkSolution:
         ValueError
             If shapes differ, the time does not increase, or the PWM is none.
         """
+        return self._shown(self.states_along(time_s, pwm, ambient, channels, start))
+
+    def states_along(
+        self,
+        time_s: ArrayLike,
+        pwm: ArrayLike,
+        ambient: ArrayLike,
+        channels: Mapping[str, ArrayLike] | None = None,
+        start: Mapping[str, float] | None = None,
+    ) -> FloatArray:
+        """Solve the same for all nodes and then the sensors that lag, degC, shape (N, states)."""
         time = np.asarray(time_s, dtype=np.float64)
         counts = magnitude(pwm)
         if time.shape != counts.shape or time.ndim != 1 or not time.size:
@@ -115,7 +126,7 @@ class NetworkSolution:
         out[0] = self.start(start or {}, float(room[0]))
         if self.network.laws:
             self._integrate(inputs, tuple(told), room, out)
-            return self._shown(out)
+            return out
         distinct, index = np.unique(inputs, axis=0, return_inverse=True)
         index = index.ravel()
         most = max(1, _CHUNK // out.shape[1] ** 2)
@@ -128,7 +139,7 @@ class NetworkSolution:
                 own = np.arange(part.stop - part.start)
                 steps = self._steps(inputs[part], tuple(told))
                 self._march(steps, own, room[part], out[part.start : part.stop + 1])
-        return self._shown(out)
+        return out
 
     def _shown(self, states: FloatArray) -> dict[str, FloatArray]:
         return {name: states[:, place] + self._offsets[name] for name, place in self._places.items()}

@@ -13,6 +13,7 @@ from gen.identification.network.forms import HEAT, OUTSIDE, WITHIN, Form
 from gen.identification.network.inputs import Inputs, Levels
 from gen.identification.network.physics import Physical, incidence_of, outer_of
 from gen.model.network import Curve, Factor, Network
+from gen.refinement.network import laws
 from gen.refinement.network.anchors import USUAL_AMBIENT
 from gen.refinement.network.columns import Columns
 from gen.refinement.network.draft import Draft, Slope
@@ -58,9 +59,7 @@ class Anchored:
     @cached_property
     def order(self) -> tuple[int, ...]:
         """The file's nodes, the sensed ones first."""
-        numbers = range(len(self.network.nodes))
-        sensed = [k for k in numbers if self.network.nodes[k].sensor is not None]
-        return (*sensed, *(k for k in numbers if k not in sensed))
+        return tuple(laws.sensed_first(self.network))
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -123,6 +122,7 @@ class Anchored:
         return Motor(
             names=self.names[: self.base_nodes],
             sensed=self.sensors,
+            outer=tuple(q for q, path in enumerate(self.network.paths) if path.second is None and path.law is None),
             paths=self.base_paths,
             heated=tuple(dict.fromkeys(self.base_heats)),
             columns=self.columns,
@@ -130,6 +130,7 @@ class Anchored:
             typical_W_per_K=float(np.median(conductance[conductance > 0.0])),
             typical_J_per_K=float(np.median(self.network.capacities)),
             usual_degC=self._usual(),
+            radiates=tuple(laws.radiation_of(self.network, node) for node in range(self.base_nodes)),
         )
 
     def _usual(self) -> tuple[float, ...]:
@@ -142,7 +143,8 @@ class Anchored:
         one = np.ones(1)
         neutral = self.network.neutral()
         zero = {name: np.array([neutral.get(name, 0.0)]) for name in self.columns.channels}
-        further = np.column_stack(self.columns.of_run(one, zero, later=False))
+        excess = [np.zeros(1)] * self.columns.excesses
+        further = np.column_stack(self.columns.of_run(one, zero, excess, later=False))
         return Levels(one, np.zeros(1), one, one, further)
 
     # Places in the vector.
@@ -252,6 +254,8 @@ class Anchored:
             turning, still = self._curve(path.curve, path.factors, levels)
             value, slopes = _off(form, int(first), turn * turning, rest * still, levels, vector)
             draft.conductance.add(q, value, slopes)
+        for k, (q, _) in enumerate(self.network.laws):
+            draft.law(q, self.base_paths[q], self.columns.excess(levels, k))
         for node, heat, first in zip(self.base_heats, self.network.heats, heats, strict=True):
             turning, still = self._curve(heat.curve, heat.factors, levels)
             value, slopes = _off(

@@ -1,9 +1,9 @@
 """What else drives a motor, as columns of the fit: whether the run is later than the model, the sense of rotation,
-and each channel with what a polynomial in it needs."""
+each channel with what a polynomial in it needs, and what laws carry beyond a conductance."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,11 +24,16 @@ class Columns:
     ----------
     channels
         Their names, in order.
+    excesses
+        How many laws there are, and whose excess each is (`laws.py`).
     """
 
     channels: tuple[str, ...]
+    excesses: int = 0
 
-    def of_run(self, pwm: FloatArray, told: Mapping[str, FloatArray], *, later: bool) -> list[FloatArray]:
+    def of_run(
+        self, pwm: FloatArray, told: Mapping[str, FloatArray], excess: Sequence[FloatArray], *, later: bool
+    ) -> list[FloatArray]:
         """Give a run's columns, shape (rows,) each.
 
         Parameters
@@ -37,13 +42,15 @@ class Columns:
             Signed, counts.
         told
             Every channel's values, without gaps.
+        excess
+            Of each law, K.
         later
             Whether the run may show what the model lacks.
         """
         made = [np.full(pwm.size, float(later)), (pwm < 0).astype(np.float64)]
         for name in self.channels:
             made += [told[name], told[name] ** 2, np.sqrt(np.abs(told[name]))]
-        return made
+        return [*made, *excess]
 
     def later(self, levels: Levels) -> FloatArray:
         """Whether an input is of a later run, 0 or 1, shape (L,)."""
@@ -56,3 +63,7 @@ class Columns:
     def power(self, levels: Levels, channel: str, power: float) -> FloatArray:
         """Mean of a channel's power 1, 2 or 1/2, shape (L,)."""
         return levels.further[:, _FIRST + len(POWERS) * self.channels.index(channel) + POWERS.index(power)]
+
+    def excess(self, levels: Levels, number: int) -> FloatArray:
+        """What a law carries beyond a conductance, for each W/K, shape (L,), K."""
+        return levels.further[:, _FIRST + len(POWERS) * len(self.channels) + number]

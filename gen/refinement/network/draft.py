@@ -59,6 +59,7 @@ class Draft:
         self.conductance = Quantity(np.zeros((levels, paths)))
         self.heat = Quantity(np.zeros((levels, capacity.size)))
         self.growth = Quantity(np.zeros((levels, capacity.size)))
+        self._laws: list[tuple[int, tuple[int, int], FloatArray]] = []
 
     def warm(self, node: int, power: FloatArray, per_K: float, reference: float, slopes: Iterable[Slope]) -> None:
         """Add a heat of power (1 + per_K (T - reference))."""
@@ -86,8 +87,19 @@ class Draft:
         )
         self.heat.scale(node, 1.0 - reference * per_K, [(place, -reference * slope) for place, slope in slopes])
 
+    def law(self, at: int, ends: tuple[int, int], excess: FloatArray) -> None:
+        """Let a path carry more than the difference of its ends, the ambient as -1, by an excess in K, shape (L,)."""
+        self._laws.append((at, ends, excess))
+
     def physical(self) -> Physical:
-        """Give what the fit needs."""
+        """Give what the fit needs: what laws carry goes with conductances as they now are, and no effect scales it."""
+        for at, ends, excess in self._laws:
+            for node, sign in zip(ends, (-1.0, 1.0), strict=True):
+                if node >= 0:
+                    carried = sign * excess
+                    slopes = [(place, slope * carried) for place, slope in self.conductance.slopes(at)]
+                    self.heat.add(node, self.conductance.value[:, at] * carried, slopes)
+        self._laws.clear()
         growing = bool(np.any(self.growth.value)) or self.growth.partial().by.size > 0
         return Physical(
             capacity=self._capacity,

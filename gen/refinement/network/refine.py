@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from gen.coefficients import Coefficients, parse
-from gen.errors import InputError
 from gen.reference.simulate import simulate_run
 from gen.refinement.admission import healthy
 from gen.refinement.condense import check_apart, check_measured, read_measured
@@ -87,7 +86,6 @@ def refine_network(
     progress: Callable[[str], None],
     *,
     accept_change: bool = False,
-    file: str | None = None,
 ) -> NetworkRefinement:
     """Trace the error of a network on the fit runs, extend it, and open the test runs once, at the end.
 
@@ -101,20 +99,14 @@ def refine_network(
         Called with what is being done.
     accept_change
         Write what looks like another motor, too.
-    file
-        The file's name for messages, where it has one.
 
     Raises
     ------
     InputError
-        For files that are no runs, or with no admitted run to fit; for a network with convection or radiation.
+        For files that are no runs, or with no admitted run to fit.
     """
     network = coefficients.model.network
     assert network is not None
-    for number, law in network.laws:
-        kind = type(law).__name__.lower()
-        place = f"$.network.paths[{number}].{kind}"
-        raise InputError(f"gen refine knows no path with {kind} yet", file=file, place=place)
     check_apart(fit_paths, test_paths)
     for path in test_paths:
         progress(f"checking {path}")

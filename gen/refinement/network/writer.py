@@ -15,10 +15,12 @@ from gen.coefficients.network import (
     NodeEntry,
     PathEntry,
     PolyCurve,
+    RadiationEntry,
     SensorEntry,
 )
 from gen.coefficients.network_curves import points_of, six_digits, tabulated, values_of
 from gen.identification.network.bins import FloatArray
+from gen.model.laws import ZERO_C
 from gen.model.network import AMBIENT, PWM
 
 MARGIN = 0.1
@@ -50,9 +52,10 @@ class NetworkWriter:
         self.entry = self.entry.model_copy(update=parts)
 
     def _paths(self, between: tuple[str, str], change: Callable[[PathEntry], PathEntry]) -> None:
-        """Change the path between two ends, where there is one."""
+        """Change the path that conducts between two ends, where there is one; those with a law stay as they are."""
         ends = set(between)
-        self._replace(paths=tuple(change(p) if set(p.between) == ends else p for p in self.entry.paths))
+        paths = tuple(change(p) if set(p.between) == ends and p.law is None else p for p in self.entry.paths)
+        self._replace(paths=paths)
 
     def _heats(self, node: str, change: Callable[[HeatEntry], HeatEntry]) -> None:
         """Change all heats of a node."""
@@ -139,12 +142,25 @@ class NetworkWriter:
 
     def path(self, first: str, second: str, conductance: float) -> None:
         """Add a path, or add to the one that is there."""
-        if not any(set(path.between) == {first, second} for path in self.entry.paths):
+        if not any(set(path.between) == {first, second} and path.law is None for path in self.entry.paths):
             curve = PolyCurve(poly=(six_digits(conductance),))
             path = PathEntry(between=(first, second), conductance_W_per_K=curve)
             self._replace(paths=(*self.entry.paths, path))
             return
         self._paths((first, second), lambda path: self._with_more(path, conductance))
+
+    def radiates(self, name: str, conductance: float, reference: float) -> None:
+        """Add a radiation to the ambient, or add to the one that is there, at whose reference it is then."""
+        for number, path in enumerate(self.entry.paths):
+            if set(path.between) == {name, AMBIENT} and path.radiation is not None:
+                same = ((path.radiation.reference_degC + ZERO_C) / (reference + ZERO_C)) ** 3
+                more = self._with_more(path, conductance * same)
+                self._replace(paths=(*self.entry.paths[:number], more, *self.entry.paths[number + 1 :]))
+                return
+        curve = PolyCurve(poly=(six_digits(conductance),))
+        law = RadiationEntry(reference_degC=reference)
+        path = PathEntry(between=(name, AMBIENT), conductance_W_per_K=curve, radiation=law)
+        self._replace(paths=(*self.entry.paths, path))
 
     def _with_more(self, path: PathEntry, conductance: float) -> PathEntry:
         pwm = points_of(self.full_scale)

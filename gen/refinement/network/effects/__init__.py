@@ -6,6 +6,7 @@ from gen.refinement.network.effects import (
     direction,
     hidden_node,
     load_heating,
+    radiation,
     schedule_error,
     sensors,
     standstill_cooling,
@@ -25,6 +26,7 @@ LIBRARY = (
     temperature_dependent_loss,
     hidden_node,
     coupling,
+    radiation,
     schedule_error,
     sensors,
 )

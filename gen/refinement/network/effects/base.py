@@ -66,6 +66,8 @@ class Motor:
         How many are sensed.
     paths
         Pairs of nodes, the ambient as -1 second.
+    outer
+        Those to the ambient that conduct, without a law.
     heated
         Nodes with heat.
     columns
@@ -74,22 +76,21 @@ class Motor:
         Whole heat at full speed, median conductance, median capacity.
     usual_degC
         Of each node: where it settles at half speed.
+    radiates
+        Of each node: which excess is that of its radiation.
     """
 
     names: tuple[str, ...]
     sensed: int
     paths: tuple[tuple[int, int], ...]
+    outer: tuple[int, ...]
     heated: tuple[int, ...]
     columns: Columns
     typical_W: float
     typical_W_per_K: float
     typical_J_per_K: float
     usual_degC: tuple[float, ...]
-
-    @property
-    def outer(self) -> list[int]:
-        """Paths to the ambient."""
-        return [q for q, (_, j) in enumerate(self.paths) if j < 0]
+    radiates: tuple[int, ...]
 
 
 @dataclass(frozen=True, eq=False)
