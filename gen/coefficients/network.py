@@ -127,6 +127,18 @@ class NodeEntry(Part):
     description: str = ""
     capacity_J_per_K: Annotated[Number, Field(ge=1e-3, le=1e9)]
     sensor: SensorEntry | None = None
+    start_factor: Annotated[
+        Number,
+        Field(ge=0, lt=8, description="Of a hidden node: its rise at the start, for each K at which it would rest."),
+    ] = 1.0
+
+    @model_validator(mode="after")
+    def _check(self) -> NodeEntry:
+        if self.sensor is not None and self.start_factor != 1.0:
+            raise fault(
+                f"found {self.start_factor:g}, expected none: a node with a sensor starts as read", "start_factor"
+            )
+        return self
 
 
 class ConvectionEntry(Part):
@@ -266,6 +278,7 @@ class NetworkEntry(Part):
                     node.capacity_J_per_K,
                     None if node.sensor is None else Sensor(node.sensor.offset_K, node.sensor.lag_s),
                     node.description,
+                    node.start_factor,
                 )
                 for node in self.nodes
             ),

@@ -54,7 +54,12 @@ def network_statement(coefficients: Coefficients) -> dict[str, Any]:
     assert network is not None
     lagging = [node for node in network.sensed if node.sensor is not None and node.sensor.lag > 0.0]
     states: list[dict[str, Any]] = [
-        {"name": identifier(node.name), "capacity_J_per_K": node.capacity} for node in network.nodes
+        {
+            "name": identifier(node.name),
+            "capacity_J_per_K": node.capacity,
+            **({} if node.start_factor == 1.0 else {"start_factor": node.start_factor}),
+        }
+        for node in network.nodes
     ]
     components = []
     for node in network.sensed:

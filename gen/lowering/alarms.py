@@ -199,7 +199,7 @@ def _hidden(model: ThermalModel, levels: NDArray[np.int64]) -> Array:
         steady = np.linalg.solve(-matrix, drive)
         for rises in (steady - _responses(matrix) @ steady, _responses(at_rest) @ steady):
             unknown = np.zeros_like(rises)
-            unknown[:, hidden] = rises[:, hidden] - rises[:, sensed] @ network.rest_of_hidden[:, :-1].T
+            unknown[:, hidden] = rises[:, hidden] - rises[:, sensed] @ network.hidden_at_start[:, :-1].T
             cases.append(unknown)
     return np.concatenate(cases).T
 

@@ -183,6 +183,8 @@ class Node:
         J/K.
     sensor
         None for a hidden node.
+    start_factor
+        Of a hidden node: its rise over the ambient at the start, for each kelvin at which it would rest.
     description
         For people.
     """
@@ -191,6 +193,7 @@ class Node:
     capacity: float
     sensor: Sensor | None = None
     description: str = ""
+    start_factor: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -402,6 +405,20 @@ class Network:
             m[..., i, i] += power * heat.per_K / self.capacities[i]
             f[..., i] += power * (1.0 - heat.per_K * heat.reference) / self.capacities[i]
         return m, a, f
+
+    @cached_property
+    def hidden_at_start(self) -> FloatArray:
+        """Where hidden nodes start: their factor times the rise over the ambient at which they would rest.
+
+        Returns
+        -------
+        FloatArray
+            Weights as :attr:`rest_of_hidden` has them; the ambient's may be negative.
+        """
+        weights = self.rest_of_hidden.copy()
+        weights[:, :-1] *= np.array([node.start_factor for node in self.hidden])[:, None]
+        weights[:, -1] = 1.0 - weights[:, :-1].sum(axis=1)
+        return weights
 
     @cached_property
     def rest_of_hidden(self) -> FloatArray:

@@ -252,7 +252,7 @@ class NetworkSolution:
         given = np.stack(np.broadcast_arrays(*sensed, room), axis=-1)
         nodes = np.empty((*given.shape[:-1], len(network.nodes)))
         nodes[..., [network.index(node.name) for node in network.sensed]] = given[..., :-1]
-        nodes[..., [network.index(node.name) for node in network.hidden]] = given @ network.rest_of_hidden.T
+        nodes[..., [network.index(node.name) for node in network.hidden]] = given @ network.hidden_at_start.T
         return np.concatenate([nodes, nodes[..., [node for node, _ in self._lags]]], axis=-1)
 
     def steps(self, pwm: NDArray[np.int64], step: FloatArray, told: Mapping[str, ArrayLike] | None = None) -> Steps:

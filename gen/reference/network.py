@@ -76,9 +76,9 @@ class ReferenceNetwork:
             high[reading.node] = high[reading.state] = word
             sensed.append(word)
         for weights, node in zip(program.rest, program.hidden, strict=True):
-            pairs = zip(sensed, weights.tolist(), strict=False)
+            pairs = zip(sensed, weights.tolist(), strict=True)
             total = sum((WHOLE.of(word - ambient, 0 * ambient + weight) for word, weight in pairs), 0 * ambient)
-            high[node] = ambient + (total >> 32 - 8 * WHOLE.least)
+            high[node] = ambient + (total >> program.rest_bits - 8 * WHOLE.least)
         self._state = high << self._low_bits
 
     def _ambient(self) -> Integers:

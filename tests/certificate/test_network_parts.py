@@ -139,7 +139,7 @@ def test_hidden_nodes_rest_where_the_model_says(tmp_path: Path, nodes: int) -> N
     network = coefficients.model.network
     assert network is not None
     sensed = [network.index(node.name) for node in network.sensed]
-    for weights, expected in zip(rest_weights(certificate), network.rest_of_hidden, strict=True):
+    for weights, expected in zip(rest_weights(certificate), network.hidden_at_start, strict=True):
         found = [float(weights.get(place, 0)) for place in (*sensed, None)]
         assert np.allclose(found, expected, rtol=1e-12, atol=1e-15)
 

@@ -309,9 +309,19 @@ def test_hidden_nodes_rest_between_their_neighbours_and_the_ambient_at_the_start
     np.testing.assert_allclose(solution.start({}, 20.0), [20.0, 20.0, 20.0], rtol=1e-14)
     lanes = solution.start({"hot": np.array([42.0, 22.0])}, np.array([20.0, 20.0]))
     np.testing.assert_allclose(lanes, [[a, b, 40.0], [20.0, 20.0, 20.0]], rtol=1e-14)
-    weights = solution.network.rest_of_hidden
+    weights = solution.network.hidden_at_start
     np.testing.assert_allclose(weights.sum(axis=1), 1.0, rtol=1e-14)
     np.testing.assert_allclose(weights @ [40.0, 20.0], [a, b], rtol=1e-14)
+
+
+@pytest.mark.parametrize("factor", [0.0, 0.5, 1.0, 2.5])
+def test_a_hidden_node_may_start_warmer_than_it_would_rest(factor: float) -> None:
+    nodes = [Node("seen", 900.0, Sensor()), Node("inside", 100.0, start_factor=factor)]
+    paths = [Path("seen", "inside", constant(3.0)), Path("inside", None, constant(1.0))]
+    solution = NetworkSolution(made(nodes, paths, []))
+    rests = 20.0 + 40.0 * 3.0 / (3.0 + 1.0)
+    np.testing.assert_allclose(solution.start({"seen": 60.0}, 20.0), [60.0, 20.0 + factor * (rests - 20.0)], rtol=1e-14)
+    np.testing.assert_allclose(solution.network.hidden_at_start.sum(axis=1), 1.0, rtol=1e-14)
 
 
 def test_a_hidden_node_that_nothing_reaches_at_rest_starts_at_the_ambient() -> None:

@@ -282,7 +282,7 @@ class NetworkProof:
         for node, weights in zip(hidden, rest_weights(certificate), strict=True):
             ambient, carried = float(weights.get(None, 0)), 0.0
             between = self._space.temperature(n).times(ambient)
-            low, high = (ambient * end for end in self._ambient)
+            low, high = sorted(ambient * end for end in self._ambient)
             for place, weight in weights.items():
                 if place is not None and weight:
                     between = between + self._space.temperature(place).times(float(weight))

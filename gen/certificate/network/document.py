@@ -97,6 +97,8 @@ class State(_Strict):
         Its enumerator in the C++, without the prefix.
     capacity_J_per_K
         Of a node.
+    start_factor
+        Of a node that nobody measures: its rise over the ambient at the start, for each kelvin at which it would rest.
     lags, time_constant_s
         Instead: which node it lags behind, and its time constant.
     range_degC
@@ -107,6 +109,7 @@ class State(_Strict):
 
     name: Identifier
     capacity_J_per_K: Positive | None = None
+    start_factor: Annotated[Number, Field(ge=0)] | None = None
     lags: Place | None = None
     time_constant_s: Positive | None = None
     range_degC: tuple[Number, Number]

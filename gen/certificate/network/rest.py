@@ -1,4 +1,4 @@
-"""Where hidden nodes rest at the start, in exact ratios."""
+"""Where hidden nodes start, in exact ratios."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from gen.certificate.network.document import NetworkCertificate
 
 
 def rest_weights(certificate: NetworkCertificate) -> list[dict[int | None, Fraction]]:
-    """Where hidden nodes rest at |PWM| 0 with neutral channels: weights of measured nodes and, under None, the ambient.
+    """Where hidden nodes start: weights of measured nodes and, under None, the ambient.
 
-    A node that nothing ties to these rests at the ambient.
+    That is where they would rest at |PWM| 0 with neutral channels, their rise over the ambient times their factor. A
+    node that nothing ties to these starts at the ambient.
     """
     own, hidden = certificate.equations, certificate.hidden
     neutral = [_neutral(certificate, k) for k in range(len(own.factors))]
@@ -31,7 +32,15 @@ def rest_weights(certificate: NetworkCertificate) -> list[dict[int | None, Fract
             break
         reached |= further
     solved = _solved({node: ties[node] for node in hidden if node in reached})
-    return [solved.get(node, {None: Fraction(1)}) for node in hidden]
+    return [_warmer(solved.get(node, {}), certificate.states[node].start_factor) for node in hidden]
+
+
+def _warmer(weights: dict[int | None, Fraction], factor: float | None) -> dict[int | None, Fraction]:
+    times = Fraction(1 if factor is None else factor)
+    made: dict[int | None, Fraction] = {}
+    made |= {place: weight * times for place, weight in weights.items() if place is not None}
+    made[None] = 1 - sum(made.values(), Fraction(0))
+    return made
 
 
 def _solved(ties: dict[int, dict[int | None, Fraction]]) -> dict[int, dict[int | None, Fraction]]:

@@ -148,9 +148,9 @@ def _sum(product: Product) -> dict[str, Any]:
 def _hidden(network: NetworkProgram) -> list[dict[str, Any]]:
     made = []
     for node, weights in zip(network.hidden, network.rest, strict=True):
-        pairs = zip(network.readings, weights.tolist(), strict=False)
+        pairs = zip(network.readings, weights.tolist(), strict=True)
         own = [{"node": network.states[reading.node].identifier, "word": word} for reading, word in pairs]
-        made.append({"identifier": network.states[node].identifier, "weights": own})
+        made.append({"identifier": network.states[node].identifier, "weights": own, "bits": network.rest_bits})
     return made
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import ceil, floor
+from math import ceil, floor, log2
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
@@ -68,7 +69,7 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
         found.series,
         found.states,
         _readings(model, bits),
-        np.minimum(np.rint(model.network.rest_of_hidden * 2.0**32).astype(np.int64), 2**32 - 1),
+        *_at_start(model.network.hidden_at_start),
         tuple(model.network.index(node.name) for node in model.network.hidden),
         factors,
         laws,
@@ -78,6 +79,13 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
     )
     _check(coefficients, arithmetic, made)
     return made
+
+
+def _at_start(weights: NDArray[np.float64]) -> tuple[NDArray[np.int64], int]:
+    """Weights of sensed nodes in hidden ones' starts as 32-bit words, and their bits: no sum of a row overflows."""
+    most = float(weights[:, :-1].sum(axis=1).max(initial=0.0))
+    bits = 32 - max(0, ceil(log2(max(most, 1.0) * (1.0 - 2.0**-40))))
+    return np.minimum(np.rint(weights[:, :-1] * 2.0**bits).astype(np.int64), 2**32 - 1), bits
 
 
 def _readings(model: ThermalModel, bits: int) -> tuple[Reading, ...]:

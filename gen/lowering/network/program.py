@@ -210,7 +210,9 @@ class NetworkProgram:
     readings
         By component.
     rest
-        Weights of the sensed nodes and the ambient in each hidden node's start, in 2^-32, shape (hidden, sensed + 1).
+        Weights of the sensed nodes' rises in each hidden node's rise at the start, shape (hidden, sensed).
+    rest_bits
+        Their fraction bits.
     hidden
         Those nodes' states.
     factors, laws, channels
@@ -228,6 +230,7 @@ class NetworkProgram:
     states: tuple[StateProgram, ...]
     readings: tuple[Reading, ...]
     rest: Integers
+    rest_bits: int
     hidden: tuple[int, ...]
     factors: tuple[FactorProgram, ...]
     laws: tuple[LawProgram, ...]

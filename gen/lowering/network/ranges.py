@@ -62,19 +62,32 @@ def reachable(model: ThermalModel, terms: Terms) -> Ranges | None:
     """Ranges for every sequence of PWM, ambient and channels in the domain; None where nothing bounds them."""
     ambient, shown = model.domain_ambient, model.domain_temperature
     offsets = [0.0, *(node.sensor.offset for node in model.network.sensed if node.sensor)] if model.network else [0.0]
-    start = shown[0] - max(offsets), shown[1] - min(offsets)
-    high = _bounding(terms, ambient[1], max(ambient[1], start[1]))
-    low = _bounding(terms, ambient[0], min(ambient[0], start[0]), upper=False)
+    start = min(ambient[0], shown[0] - max(offsets)), max(ambient[1], shown[1] - min(offsets))
+    first = _starts(model, len(terms.states), start)
+    high = _bounding(terms, ambient[1], first[1])
+    low = _bounding(terms, ambient[0], first[0], upper=False)
     if high is None or low is None:
         return None
     return Ranges(low - MARGIN_K, high + MARGIN_K, ambient)
 
 
-def _bounding(terms: Terms, ambient: float, start: float, *, upper: bool = True) -> Array | None:
+def _starts(model: ThermalModel, states: int, sensed: tuple[float, float]) -> tuple[Array, Array]:
+    """Least and largest start of each state, degC; hidden nodes may start outside of what sensed ones do."""
+    low, high = np.full(states, sensed[0]), np.full(states, sensed[1])
+    network = model.network
+    for node, weights in zip(network.hidden, network.hidden_at_start, strict=True) if network else ():
+        rise, room = float(weights[:-1].sum()), sorted(weights[-1] * end for end in model.domain_ambient)
+        place = network.index(node.name) if network else 0
+        low[place] = min(low[place], rise * sensed[0] + room[0])
+        high[place] = max(high[place], rise * sensed[1] + room[1])
+    return low, high
+
+
+def _bounding(terms: Terms, ambient: float, start: Array, *, upper: bool = True) -> Array | None:
     """The least U >= start with M U + a ambient + f <= 0, or the greatest L <= start with the other sign."""
     if not terms.laws:
         return _bounded(terms, ambient, start, None, upper=upper)
-    found = np.full(len(terms.states), start)
+    found = start
     for _ in range(_NEWTON_STEPS):
         before, after = found, _bounded(terms, ambient, start, found, upper=upper)
         if after is None:
@@ -85,7 +98,7 @@ def _bounding(terms: Terms, ambient: float, start: float, *, upper: bool = True)
     return None
 
 
-def _bounded(terms: Terms, ambient: float, start: float, at: Array | None, *, upper: bool) -> Array | None:
+def _bounded(terms: Terms, ambient: float, start: Array, at: Array | None, *, upper: bool) -> Array | None:
     """The same with every law as it is near some temperatures of the states, if there are any laws."""
     rows, right = [], []
     for target in range(len(terms.states)):
@@ -103,15 +116,14 @@ def _negated(found: Array | None) -> Array | None:
     return None if found is None else -found
 
 
-def _least(matrix: Array, limit: Array, start: float) -> Array | None:
+def _least(matrix: Array, limit: Array, start: Array) -> Array | None:
     """The least U with matrix U <= limit and U >= start, all entries at once; none larger than 1e6."""
     from scipy.optimize import linprog  # slow to import: reading and checking a file does without
 
     size = matrix.shape[1]
     matrix, index = np.unique(np.column_stack([matrix, limit]), axis=0, return_index=True)
-    solved = linprog(
-        np.ones(size), A_ub=matrix[:, :-1], b_ub=limit[index], bounds=[(start, 1e6)] * size, method="highs"
-    )
+    bounds = [(one, 1e6) for one in start.tolist()]
+    solved = linprog(np.ones(size), A_ub=matrix[:, :-1], b_ub=limit[index], bounds=bounds, method="highs")
     return np.asarray(solved.x, dtype=np.float64) if solved.status == 0 else None
 
 

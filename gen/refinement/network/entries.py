@@ -13,6 +13,7 @@ from gen.refinement.network.effects.base import WHOLE
 from gen.refinement.network.fit import Fitted
 from gen.refinement.network.folds import described
 from gen.refinement.network.trace import Considered, Step, Traced
+from gen.refinement.network.warm_start import WarmStart
 
 INTERVAL = 1.96
 GENERIC = "vary what drives the one while the other's drive is held, for two hours each"
@@ -30,6 +31,23 @@ def ambient_entry(room: MovingAmbient) -> dict[str, Any]:
             "p_value": room.p_value,
             "level": LEVEL,
             "judged_on": "all later runs: nothing was fitted",
+            "intervals_95": {},
+            "lookalikes": [],
+        },
+    }
+
+
+def start_entry(start: WarmStart) -> dict[str, Any]:
+    """Hidden nodes that begin warmer than the file lets them, as the summary has it."""
+    return {
+        "name": "initial_state",
+        "component": WHOLE if len(start.factors) > 1 else next(iter(start.factors)),
+        "parameters": {f"start_factor_of_{name}": factor for name, factor in start.factors.items()},
+        "evidence": {
+            "left_out_rmse_K": {"before": start.file.score_K, "after": start.with_factors.score_K},
+            "p_value": start.p_value,
+            "level": LEVEL,
+            "judged_on": "each later run, with factors from the others",
             "intervals_95": {},
             "lookalikes": [],
         },

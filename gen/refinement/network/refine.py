@@ -18,9 +18,10 @@ from gen.refinement.network.ambient import moving_ambient
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.changed import looks_like_a_change
 from gen.refinement.network.data import make_data
-from gen.refinement.network.entries import ambient_entry, considered_entry, effect_entry
+from gen.refinement.network.entries import ambient_entry, considered_entry, effect_entry, start_entry
 from gen.refinement.network.folds import described
 from gen.refinement.network.trace import Traced, trace
+from gen.refinement.network.warm_start import WarmStart, warm_start
 from gen.refinement.network.written import written
 from gen.refinement.run_errors import compared
 from gen.refinement.verdict import EXPLAINED, NOTHING, Verdict
@@ -120,14 +121,16 @@ def refine_network(
     shape = Anchored(network, coefficients.document.input.full_scale, data.columns)
     traced = trace(data, shape, progress)
     room = moving_ambient(coefficients, runs, data, traced.file)
+    start = warm_start(data, traced.final)
     changes = [looks_like_a_change(found.effect, found.values, data) for found in traced.added]
     kept = [found.effect for found, change in zip(traced.added, changes, strict=True) if accept_change or not change]
-    made = written(coefficients, raw, traced, kept, room)
+    made = written(coefficients, raw, traced, kept, room, start.factors)
     warnings += [said for said in (*changes, made.refused) if said]
     effects = [] if room is None else [ambient_entry(room)]
     for step, change in zip(traced.steps, changes, strict=False):
         assert step.added is not None  # the last search alone may have added nothing
         effects.append(effect_entry(step, step.added, traced, change))
+    effects += [start_entry(start)] if start.factors else []
     kept_paths = [Path(name) for name, _ in runs]
     before = _errors(coefficients, kept_paths, test_paths, lambda path: progress(f"judging {path}"))
     after = before
@@ -135,17 +138,19 @@ def refine_network(
         refined = parse(made.text.encode())
         after = _errors(refined, kept_paths, test_paths, lambda path: progress(f"judging {path} with what was found"))
     holds = not made.refused and not any(changes) and all(found.effect.held_by_the_file for found in traced.added)
-    verdict = _verdict(traced, anything=bool(effects), holds=holds)
+    verdict = _verdict(traced, start, anything=bool(effects), holds=holds)
     return NetworkRefinement(made.text, before, after, effects, verdict, made.refitted, traced, warnings)
 
 
-def _verdict(traced: Traced, *, anything: bool, holds: bool) -> Verdict:
+def _verdict(traced: Traced, start: WarmStart, *, anything: bool, holds: bool) -> Verdict:
     """The verdict from what was left out of the fits alone.
 
     Parameters
     ----------
     traced
         What was found.
+    start
+        And what starts are wrong by.
     anything
         Whether anything was.
     holds
@@ -153,8 +158,9 @@ def _verdict(traced: Traced, *, anything: bool, holds: bool) -> Verdict:
     """
     worst = _worst_sensor(traced)
     if not anything:
-        return "nothing missing" if max(traced.null.floors, worst) <= NOTHING else "unexplained"
-    return "explained" if traced.final.floors <= EXPLAINED and worst <= NOTHING and holds else "partly explained"
+        return "nothing missing" if max(traced.null.floors, start.floors, worst) <= NOTHING else "unexplained"
+    near = max(traced.final.floors, start.floors) <= EXPLAINED and worst <= NOTHING
+    return "explained" if near and holds else "partly explained"
 
 
 def _worst_sensor(traced: Traced) -> float:

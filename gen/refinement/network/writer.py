@@ -128,6 +128,10 @@ class NetworkWriter:
         """Give a node another capacity, J/K."""
         self._nodes(name, capacity_J_per_K=six_digits(capacity))
 
+    def start_factor(self, name: str, factor: float) -> None:
+        """Let a hidden node start at another multiple of where it would rest."""
+        self._nodes(name, start_factor=six_digits(factor))
+
     def sensor(self, name: str, *, offset_K: float = 0.0, lag_s: float = 0.0) -> None:
         """Add to what stands between a node and its reading."""
         node = next(node for node in self.entry.nodes if node.name == name)

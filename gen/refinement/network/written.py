@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from gen.coefficients import Coefficients, parse, with_network
@@ -37,7 +37,12 @@ class Written:
 
 
 def written(
-    coefficients: Coefficients, raw: str, traced: Traced, kept: Sequence[NetworkEffect], room: MovingAmbient | None
+    coefficients: Coefficients,
+    raw: str,
+    traced: Traced,
+    kept: Sequence[NetworkEffect],
+    room: MovingAmbient | None,
+    factors: Mapping[str, float],
 ) -> Written:
     """Write what was found into a file.
 
@@ -53,14 +58,21 @@ def written(
         Effects of it that are to be written.
     room
         That the measured ambient is to be read from now on, or None.
+    factors
+        What hidden nodes start at from now on, by name.
     """
     network, channel = coefficients.document.network, None if room is None else room.channel
     assert network is not None
-    unchanged = Written(raw if channel is None else with_network(raw, network, "refined: ambient", channel))
+    writer = NetworkWriter(network, coefficients.document.input.full_scale, traced.data.offered.ranges)
+    for name, factor in factors.items():
+        writer.start_factor(name, factor)
+    outside = [*(["initial_state"] if factors else []), *([] if channel is None else ["ambient"])]
+    unchanged = Written(raw)
+    if outside:
+        unchanged = Written(with_network(raw, writer.entry, f"refined: {', '.join(outside)}", channel))
     if not kept and (traced.added or traced.null.floors > NOTHING or not _file_is_worse(traced)):
         return unchanged
     said = ", ".join(f"{effect.name} at {effect.component}" for effect in kept) or "no effect"
-    writer = NetworkWriter(network, coefficients.document.input.full_scale, traced.data.offered.ranges)
     fitted = traced.final.fitted
     try:
         with building():

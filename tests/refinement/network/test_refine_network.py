@@ -13,7 +13,9 @@ from click.testing import CliRunner
 import gen
 from gen.cli import cli
 from gen.coefficients import parse
-from tests.refinement.network.motor import NOISE_K, Tree, read, run, tree, wave, write
+from gen.model.network_solution import NetworkSolution
+from gen.runs import Run
+from tests.refinement.network.motor import NOISE_K, ROW_S, Tree, profile, read, run, tree, wave, write
 
 
 def files(motor: Tree, folder: Path, channels: dict[str, tuple[float, float]] | None = None) -> list[Path]:
@@ -155,3 +157,28 @@ def test_accepting_a_change_is_for_networks() -> None:
     model = gen.load("examples/two_mass/coeffs.json")
     with pytest.raises(gen.InputError, match="no changes to accept"):
         gen.refine(model, fit=["a.csv"], test=["b.csv"], accept_change=True)
+
+
+def test_runs_that_begin_warm_inside_are_told_and_the_file_starts_so(tmp_path: Path) -> None:
+    """Sensors sit outside; each run begins a minute after another one."""
+    made = tree()
+    made["network"]["nodes"][0].pop("sensor")
+    made["provenance"]["fit"].pop("winding")
+    given = []
+    for seed in (1, 2, 3):
+        pwm = np.concatenate([np.full(1500, 140 + 30 * seed), np.zeros(15), profile(seed)]).astype(np.int64)
+        time, room = ROW_S * np.arange(pwm.size), np.full(pwm.size, 24.0)
+        shown = NetworkSolution(read(made).model).simulate_times(time, pwm, room, None, {"casing": 24.0})["casing"]
+        shown = shown + np.random.default_rng(seed).normal(0.0, NOISE_K, pwm.size)
+        later = Run(time[1515:] - time[1515], pwm[1515:], {"casing": shown[1515:]}, room[1515:])
+        given.append(write(later, tmp_path / f"run_{seed}.csv"))
+    (tmp_path / "small.json").write_text(json.dumps(made), encoding="utf-8")
+    found = gen.refine(gen.load(tmp_path / "small.json"), fit=given[:2], test=given[2:])
+    assert found.effects()["effect"].tolist() == ["initial_state"]
+    assert found.verdict == "explained"
+    node = found.model.coefficients.model.network
+    assert node is not None
+    assert node.hidden[0].start_factor > 1.1
+    before, after = (found.details()[when]["test"]["rmse_K"] for when in ("before", "after"))
+    assert before > 4.0 * NOISE_K
+    assert after < 0.5 * before

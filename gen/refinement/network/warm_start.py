@@ -1,0 +1,118 @@
+"""Runs that begin while the inside of a motor is warmer than its sensors say.
+
+The fit gives each run a start of its own, so that what is sought as an effect is not a start. Whoever uses the file has
+no such choice: hidden nodes start where the file says. So, last of all, the runs are followed once more from there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.identification.network.bins import FloatArray
+from gen.refinement.judgement import LEAST_GAIN, LEVEL
+from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.data import Data
+from gen.refinement.network.fit import Fitted
+from gen.refinement.network.judged import Judged, judged, p_better
+from gen.refinement.network.trace import PLAIN, PLAIN_LEVEL
+
+SPREAD = 1.0
+"""Standard deviation of a factor about what the file says."""
+LEAST, MOST = 0.0, 8.0
+"""What a file may hold."""
+LEAST_K = 2.0
+"""A hidden node that would rest less than this above the ambient, at the start of every run, tells nothing of one."""
+
+
+@dataclass(frozen=True, eq=False)
+class WarmStart:
+    """How the later runs go on from where the file lets hidden nodes start.
+
+    Attributes
+    ----------
+    file
+        As the file says.
+    factors
+        By hidden node: what the file should say; empty if it need not.
+    with_factors
+        Judged with factors from the other runs.
+    p_value
+        That it is chance.
+    """
+
+    file: Judged
+    factors: dict[str, float]
+    with_factors: Judged
+    p_value: float
+
+    @property
+    def floors(self) -> float:
+        """Error of what will be written, in noise floors."""
+        return (self.with_factors if self.factors else self.file).floors
+
+
+def warm_start(data: Data, final: Judged) -> WarmStart:
+    """Compare the starts that the file says with others.
+
+    Parameters
+    ----------
+    data
+        The runs.
+    final
+        With all that was found.
+    """
+    fitted = final.fitted
+    shape, problem = fitted.shape, fitted.problem
+    hidden = np.arange(shape.sensors, shape.base_nodes)
+    rises = _rises(shape, data, fitted)
+    vector = fitted.vector.copy()
+    own = vector[shape.size :].reshape(problem.runs, problem.own)
+    said = np.array([shape.network.nodes[shape.order[k]].start_factor for k in hidden])
+    own[: data.later, hidden] = _ambient(data)[:, None] + said * rises - data.inputs.begin[: data.later, -1:]
+    evaluated, slopes = problem.slopes(vector)
+    seen = data.is_later[:, None] & (data.inputs.covered > 0.0)
+    file = judged(data, fitted, np.where(seen, evaluated.residual, np.nan))
+    if not hidden.size or float(rises.max(initial=0.0)) < LEAST_K or data.later < 2:
+        return WarmStart(file, {}, file, 1.0)
+    # The starts enter linearly: what a unit of each factor adds to each reading.
+    each = np.where(data.is_later[:, None], rises[np.minimum(data.inputs.run, data.later - 1)], 0.0)
+    unit = np.asarray(slopes[:, :, shape.size + hidden] * each[:, None, :], dtype=np.float64)
+    error = np.full(evaluated.residual.shape, np.nan)
+    for run in range(data.later):
+        of = data.inputs.run == run
+        change = _change(unit, evaluated.residual, problem.inputs.weight, seen & ~of[:, None], said)
+        error[of] = (evaluated.residual - unit @ change)[of]
+    found = judged(data, fitted, np.where(seen, error, np.nan))
+    p = p_better(data, file, found)
+    chance = p > LEVEL and not (found.score_K < PLAIN * file.score_K and p < PLAIN_LEVEL)
+    if chance or found.score_K > (1.0 - LEAST_GAIN) * file.score_K:
+        return WarmStart(file, {}, file, p)
+    factors = said + _change(unit, evaluated.residual, problem.inputs.weight, seen, said)
+    names = [shape.names[k] for k in hidden]
+    return WarmStart(file, dict(zip(names, factors.tolist(), strict=True)), found, p)
+
+
+def _ambient(data: Data) -> FloatArray:
+    """At the start of each later run, degC."""
+    return np.array([run.ambient[0] for run in data.inputs.runs[: data.later]])
+
+
+def _rises(shape: Anchored, data: Data, fitted: Fitted) -> FloatArray:
+    """Where hidden nodes of the file would rest at the start of each later run, over the ambient, shape (R, h), K."""
+    sensors = shape.sensors
+    own = fitted.problem.per_run(fitted.vector)[: data.later, :sensors]
+    sensed = data.inputs.begin[: data.later, :sensors] + own - _ambient(data)[:, None]
+    return np.asarray(sensed @ shape.network.rest_of_hidden[:, :-1].T)
+
+
+def _change(
+    unit: FloatArray, residual: FloatArray, weight: FloatArray, seen: NDArray[np.bool_], said: FloatArray
+) -> FloatArray:
+    """By how much the factors should differ, least squares with what is known of them, shape (h,)."""
+    used = np.where(seen, weight, 0.0)
+    matrix = np.einsum("nsh,ns,nsk->hk", unit, used, unit) + np.eye(said.size) / SPREAD**2
+    right = np.einsum("nsh,ns,ns->h", unit, used, residual)
+    return np.asarray(np.clip(said + np.linalg.solve(matrix, right), LEAST, MOST - 1e-3) - said)
