@@ -307,3 +307,25 @@ def test_a_defect_in_fixed_point_is_refuted(projects: Projects, tmp_path: Path, 
 def test_a_defect_in_float_is_refuted(projects: Projects, tmp_path: Path, defect: str) -> None:
     with pytest.raises(CheckFailed):
         gen.check(planted(projects["float"][0], tmp_path, *FLOAT[defect]))
+
+
+def _warmer(factor: float) -> Callable[[dict[str, Any]], None]:
+    def change(tree: dict[str, Any]) -> None:
+        for one in tree["states"]:
+            if one["name"] in ("T_node1", "T_node3"):
+                one["start_factor"] = factor
+
+    return change
+
+
+@pytest.mark.parametrize("factor", [0.0, 0.6, 1.0000001, 1.7, 7.9])
+def test_hidden_nodes_that_start_at_a_multiple_are_proven_and_no_other_multiple(tmp_path: Path, factor: float) -> None:
+    file = chain(5, domain=(96, 119), channels=True)
+    for node in file["network"]["nodes"]:
+        if "sensor" not in node:
+            node["start_factor"] = factor
+    out, _ = emitted(tmp_path / "project", read(file), "fixed")
+    assert [part.name for part in gen.check(out).parts] == ["node0", "node2", "node4"]
+    other = planted(out, tmp_path, CERTIFICATE, changed(_warmer(factor + 1e-4)))
+    with pytest.raises(CheckFailed, match=r"the start of state|can start outside"):
+        gen.check(other)

@@ -16,7 +16,7 @@ from gen.lowering.network.choose import Told, fixed_form, float_form
 from gen.lowering.network.factors import lower_factor
 from gen.lowering.network.laws import limited, lower_law, widest_word
 from gen.lowering.network.program import NetworkProgram, NetworkProof, Reading
-from gen.lowering.network.ranges import MARGIN_K, reachable, speeds
+from gen.lowering.network.ranges import MARGIN_K, reachable, speeds, widest_start
 from gen.lowering.network.terms import terms_of
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import ThermalModel
@@ -47,7 +47,8 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
         lower_factor(factor, channels, float(terms.spans[k, 1]), k) for k, factor in enumerate(terms.factors)
     )
     offsets = [node.sensor.offset for node in model.network.sensed if node.sensor]
-    bits = fixed.fraction_bits(ranges, offsets, widest_word(terms, ranges))
+    widest = max(widest_word(terms, ranges), widest_start(model.network, ranges))
+    bits = fixed.fraction_bits(ranges, offsets, widest)
     laws = tuple(lower_law(law, ranges, bits) for law in terms.laws)
     first = speeds(terms, ranges)
     limit, _ = coefficients.accuracy.limit(arithmetic)

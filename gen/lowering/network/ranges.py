@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from gen.lowering.network.terms import Term, Terms, scaled, slope_of
 from gen.model import ThermalModel
+from gen.model.network import Network
 
 Array = NDArray[np.float64]
 _NEWTON_STEPS = 60
@@ -81,6 +82,15 @@ def _starts(model: ThermalModel, states: int, sensed: tuple[float, float]) -> tu
         low[place] = min(low[place], rise * sensed[0] + room[0])
         high[place] = max(high[place], rise * sensed[1] + room[1])
     return low, high
+
+
+def widest_start(network: Network, ranges: Ranges) -> float:
+    """Largest magnitude of a hidden node's start, degC, were it made from temperatures anywhere in the ranges."""
+    rises = [weights[:-1].sum() for weights in network.hidden_at_start]
+    ends = (*ranges.low, *ranges.high, *ranges.ambient)
+    if max(rises, default=0.0) <= 1.0 + 1e-12:
+        return 0.0  # between temperatures that fit
+    return float(max(rises) * (max(ends) - min(ends)) + max(map(abs, ranges.ambient)))
 
 
 def _bounding(terms: Terms, ambient: float, start: Array, *, upper: bool = True) -> Array | None:
