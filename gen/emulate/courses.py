@@ -1,34 +1,28 @@
 """The temperatures of a motor that is a coefficient file, interval by interval: exactly where there is a solution.
 
 A network and plain transfer functions are solved exactly for inputs that are held over each interval. Effects beside
-transfer functions have no solution by intervals: there the board's reference computes, to some mK.
+transfer functions (:mod:`gen.emulate.effects_course`) are integrated over steps of a second at most.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.coefficients import Coefficients
-from gen.emulate.model_faults import ModelFault, check_faults, faulty, settled_K
-from gen.lowering.lower import lower
+from gen.emulate.model_faults import ModelFault, faulty, settled_K
 from gen.model.dynamics import ThermalModel
 from gen.model.exact import ExactSolution
 from gen.model.network import Network
 from gen.model.network_solution import NetworkSolution, Steps
-from gen.reference.board import reference_of
 
 Active = tuple[ModelFault, ...]
-Array = NDArray[np.float64]
 
 _KEPT = 4096
 """Step matrices to keep: a channel that moves all the time needs new ones at every step."""
-_ON_GRID_S = 1e-6
 
 
 class Course(Protocol):
@@ -63,36 +57,6 @@ class Course(Protocol):
         ...
 
 
-def course_of(
-    coefficients: Coefficients, faults: Sequence[ModelFault], start_degC: Mapping[str, float], ambient: float
-) -> Course:
-    """Make the course of a file.
-
-    Parameters
-    ----------
-    coefficients
-        The motor.
-    faults
-        All that can become active.
-    start_degC
-        True temperatures at the start by part. Others are at the ambient, a network's hidden nodes between the others.
-    ambient
-        At the start, degC.
-
-    Raises
-    ------
-    InputError
-        If the file lacks what a fault changes.
-    CheckFailed
-        If effects beside transfer functions cannot be held by a board.
-    """
-    check_faults(coefficients.model, faults)
-    if coefficients.model.network is not None:
-        return NetworkCourse(coefficients.model, coefficients.model.network, start_degC, ambient)
-    made = PartsCourse(coefficients.model, start_degC, ambient)
-    return EffectsCourse(coefficients, made, start_degC, ambient) if coefficients.effects else made
-
-
 def part_names(model: ThermalModel) -> tuple[str, ...]:
     """Names of all parts: of the components, or of the network's nodes, hidden ones too."""
     if model.network is not None:
@@ -108,7 +72,8 @@ class NetworkCourse:
     model, network
         The model and its network.
     start_degC, ambient
-        As :func:`course_of`.
+        True temperatures at the start by part, and the ambient then, degC. Parts that are not named are at the ambient,
+        hidden nodes between the others.
     """
 
     def __init__(self, model: ThermalModel, network: Network, start_degC: Mapping[str, float], ambient: float) -> None:
@@ -160,7 +125,7 @@ class PartsCourse:
     model
         The model.
     start_degC, ambient
-        As :func:`course_of`; derivatives start at 0.
+        As :class:`NetworkCourse`; derivatives start at 0.
     """
 
     def __init__(self, model: ThermalModel, start_degC: Mapping[str, float], ambient: float) -> None:
@@ -194,62 +159,3 @@ class PartsCourse:
     def shown(self) -> dict[str, float]:
         """See `Course.shown`."""
         return self.parts
-
-
-class EffectsCourse:
-    """Transfer functions with effects, as the board's reference has them; what a fault adds is put on top.
-
-    So effects see nothing of a fault: a part that hands heat to another one hands on that of the healthy motor.
-
-    Parameters
-    ----------
-    coefficients
-        The file.
-    faulty
-        Its transfer functions without the effects.
-    start_degC, ambient
-        As :func:`course_of`.
-    """
-
-    def __init__(
-        self, coefficients: Coefficients, faulty: PartsCourse, start_degC: Mapping[str, float], ambient: float
-    ) -> None:
-        model = coefficients.model
-        self._program = lower(coefficients, "fixed", "table")
-        starts = {name: [_thousandths(start_degC.get(name, ambient) - ambient)] for name in model.component_names}
-        self._columns = [channel.column for channel in self._program.channels[1:]]
-        neutral = [channel.neutral for channel in self._program.channels[1:]]
-        first = np.array([[_thousandths(ambient)], *([value] for value in neutral)], dtype=np.int64)
-        self._reference = reference_of(self._program, starts, first)
-        self._faulty, self._healthy = faulty, PartsCourse(model, start_degC, ambient)
-        self._ambient, self._behind_s = ambient, 0.0
-
-    def step(self, pwm: int, dt_s: float, ambient: float, told: Mapping[str, float], active: Active) -> None:
-        """See `Course.step`."""
-        self._ambient = ambient
-        self._faulty.step(pwm, dt_s, ambient, told, active)
-        self._healthy.step(pwm, dt_s, ambient, told, ())
-        values = [_thousandths(value) for value in (ambient, *(told[column] for column in self._columns))]
-        self._reference.set_channels(np.array(values, dtype=np.int64)[:, None])
-        self._behind_s += dt_s
-        while self._behind_s >= self._program.model.sample_time - _ON_GRID_S:
-            self._behind_s -= self._program.model.sample_time
-            self._reference.step(np.array([pwm], dtype=np.int64))
-
-    @property
-    def parts(self) -> dict[str, float]:
-        """See `Course.parts`: what is shown, sensors' effects with it."""
-        return self.shown
-
-    @property
-    def shown(self) -> dict[str, float]:
-        """See `Course.shown`."""
-        passes = self._program.ambient is not None
-        degrees = self._reference.readings if passes else self._reference.rises + self._ambient
-        told = dict(zip(self._program.model.component_names, degrees[:, 0].tolist(), strict=True))
-        faulty, healthy = self._faulty.parts, self._healthy.parts
-        return {name: value + faulty[name] - healthy[name] for name, value in told.items()}
-
-
-def _thousandths(value: float) -> int:
-    return round(value * 1000.0)

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from gen.coefficients import Coefficients
-from gen.emulate.courses import Course, course_of, part_names
-from gen.emulate.model_faults import ModelFault
+from gen.emulate.courses import Course, NetworkCourse, PartsCourse, part_names
+from gen.emulate.effects_course import EffectsCourse
+from gen.emulate.model_faults import ModelFault, check_faults
 from gen.emulate.plant import AMBIENT, FULL_PWM, STEP_S, Ran, Reading
 from gen.errors import InputError
 from gen.model.effects.channel_ranges import channel_ranges
@@ -59,8 +60,6 @@ class ModelPlant:
     ------
     InputError
         When the file has no such part, or lacks what a fault changes.
-    CheckFailed
-        When effects beside transfer functions cannot be held by a board.
     """
 
     def __init__(
@@ -146,6 +145,35 @@ class ModelPlant:
             return told[channel]
         shown = self._course.shown
         return shown[channel] if channel in shown else shown[channel.removesuffix(_COLUMN)]
+
+
+def course_of(
+    coefficients: Coefficients, faults: Sequence[ModelFault], start_degC: Mapping[str, float], ambient: float
+) -> Course:
+    """Make the course of a file.
+
+    Parameters
+    ----------
+    coefficients
+        The motor.
+    faults
+        All that can become active.
+    start_degC
+        True temperatures at the start by part. Others are at the ambient, a network's hidden nodes between the others.
+    ambient
+        At the start, degC.
+
+    Raises
+    ------
+    InputError
+        If the file lacks what a fault changes.
+    """
+    check_faults(coefficients.model, faults)
+    if coefficients.model.network is not None:
+        return NetworkCourse(coefficients.model, coefficients.model.network, start_degC, ambient)
+    if coefficients.effects:
+        return EffectsCourse(coefficients, start_degC, ambient)
+    return PartsCourse(coefficients.model, start_degC, ambient)
 
 
 def neutral_of(coefficients: Coefficients) -> dict[str, float]:

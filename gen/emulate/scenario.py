@@ -93,8 +93,6 @@ def make_plant(scenario: Scenario, coefficients: Coefficients, file: Path) -> Ma
     ------
     InputError
         With the option that is at fault, or the file and what the plant lacks of it.
-    CheckFailed
-        If the plant has effects that a board cannot hold.
     """
     wiring = coefficients.document.wiring
     assert wiring is not None
