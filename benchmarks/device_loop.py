@@ -322,6 +322,7 @@ def main() -> None:
     parser.add_argument("--logs", choices=("rig", "emulated"), default="rig")
     parser.add_argument("--judge", choices=("twin", "emulated"), default="twin")
     parser.add_argument("--baseline", type=Path, help="instead of identifying one: a coefficient file with rules")
+    parser.add_argument("--scale", type=float, default=1.0, help="share of the eight logs, at least one of each kind")
     parser.add_argument("--hold", type=float, default=HOLD_S, help="how long the logs hold a speed, s")
     parser.add_argument("--speeds", type=int, nargs="+", default=SPEEDS, help="at which alarms are judged, percent")
     parser.add_argument("--judged", type=float, default=JUDGED_S, help="for how long, s")
@@ -338,7 +339,7 @@ def main() -> None:
         fit, test = (
             [
                 logged(folder / f"{key}{i}.csv", speeds, options.hold, model, options.effect, options.seed, emulated)
-                for i, speeds in enumerate(group)
+                for i, speeds in enumerate(group[: max(1, round(options.scale * len(group)))])
             ]
             for key, group in zip(("fit", "test"), work, strict=True)
         )
