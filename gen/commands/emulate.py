@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from gen.coefficients.wiring import Wiring
     from gen.emulate.board import Board
     from gen.emulate.results import Results
-    from gen.emulate.rig import RigPlant
+    from gen.emulate.scenario import Made, Scenario
     from gen.emulate.session import Event, Session
     from gen.record.profile import Profile
 
@@ -42,7 +42,18 @@ _EXAMPLE = (
 @click.option("--elf", type=_PATH, help="Run this firmware (PlatformIO's firmware.elf) instead of building one.")
 @click.option("--duration", type=Finite(min=1.0, max=1e6), default=10_800.0, show_default=True, help="s")
 @click.option("--profile", metavar="FILE|TIME:PWM,...", default="0:153", show_default=True, help="PWM to command.")
-@click.option("--fault", type=click.Choice(["bearing", "brush"]), help="A fault of the motor.")
+@click.option(
+    "--plant",
+    metavar="rig|model|COEFFS",
+    help="The motor: the simulated MY1016, this very model, or another coefficient file.  [default: rig if it has all "
+    "parts that the board measures, else model]",
+)
+@click.option(
+    "--fault",
+    metavar="FAULT",
+    help="Of the rig: bearing or brush. Of a model: heat:PART=+20%[@TIME] (or W, or K), path:A-B=-50%[@TIME]; several "
+    "with commas.",
+)
 @click.option("--fault-start", type=_SECONDS, default=0.0, show_default=True, help="s")
 @click.option("--fault-severity", type=Finite(0.0, 1.0), default=1.0, show_default=True)
 @click.option(
@@ -54,6 +65,12 @@ _EXAMPLE = (
 @click.option("--sensor-tolerance", type=Finite(min=0.0), default=1.1, show_default=True, help="Offsets, K.")
 @click.option("--ambient", metavar="DEGC|FILE|TIME:DEGC,...", default="30", show_default=True)
 @click.option("--load", metavar="NM|FILE|TIME:NM,...", default="0", show_default=True, help="Torque at the shaft.")
+@click.option(
+    "--channel",
+    metavar="COLUMN=VALUE|FILE|TIME:VALUE,...",
+    multiple=True,
+    help="What the motor's surroundings do beside that, such as fan=1; may be given several times.",
+)
 @click.option(
     "--start",
     metavar="NAME=DEGC,...|PWM:SECONDS",
@@ -91,16 +108,17 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
     """Run the firmware itself on an emulated Mega against a simulated motor.
 
     The firmware of the coefficient file is built as for the board and executed instruction by instruction; its
-    thermocouples, encoder, drive, button, LED and serial line lead to a simulated motor. The run file holds what it
-    printed. Time-lapse changes how fast one can watch, nothing else. Ctrl-C ends a run with what was simulated until
-    then; exit status 130.
+    thermocouples, encoder, drive, button, LED and serial line lead to a simulated motor: the MY1016, or a model. The
+    run file holds what it printed. Time-lapse changes how fast one can watch, nothing else. Ctrl-C ends a run with
+    what was simulated until then; exit status 130.
     """
     from gen.coefficients import load
     from gen.emulate.results import results_of, summary
     from gen.files import check_outputs, write_bytes
     from gen.interruption import EXIT_STATUS
 
-    check_outputs((out, json_file, plot, options["eeprom"]), (coefficients,))
+    plant = () if options["plant"] in (None, "rig", "model") else (Path(options["plant"]),)
+    check_outputs((out, json_file, plot, options["eeprom"]), (coefficients, *plant))
     loaded = load(coefficients)
     wanted = _wanted(loaded, coefficients, options)
 
@@ -112,13 +130,13 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
         if session.interrupted and not session.recorder.rows:
             raise KeyboardInterrupt
         results = results_of(loaded.document, board, session)
-        found = summary(results, board, session, _settings(loaded, options))
-        found["true_at_end_degC"] = {name: round(value, 3) for name, value in wanted.plant.temperatures.items()}
+        found = summary(results, board, session, _settings(loaded, wanted.made, options))
+        found["true_at_end_degC"] = {name: round(value, 3) for name, value in wanted.made.plant.temperatures.items()}
         if options["eeprom"] is not None:
             write_bytes(options["eeprom"], board.mega.eeprom.image)
         if not session.recorder.rows:
             raise CheckFailed("the firmware printed no row of a run file")
-        _write(session, results, found, _title(loaded, options), (out, json_file, plot), options)
+        _write(session, results, found, _title(loaded, wanted.made, options), (out, json_file, plot), options)
     _tell(found)
     if session.interrupted:
         click.echo(f"interrupted: {session.seconds:.0f} of {options['duration']:.0f} s are kept in {out}", err=True)
@@ -153,7 +171,7 @@ class _Wanted:
     """What the options ask for; all faults in them have been found when it is made."""
 
     wiring: Wiring
-    plant: RigPlant
+    made: Made
     profile: Profile
     events: list[Event]
     image: bytes | None
@@ -161,6 +179,7 @@ class _Wanted:
 
 def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -> _Wanted:
     from gen.emulate.options import check_profile, parse_events
+    from gen.emulate.scenario import make_plant
     from gen.record.profile import parse_profile
 
     wiring = loaded.document.wiring
@@ -172,33 +191,18 @@ def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -
     check_profile(profile, options["duration"])
     names = ("button", "reset", "power_cut", "brown_out", "send", "flood")
     events = parse_events(options["duration"], **{name: options[name] for name in names})
-    try:
-        plant = _plant(wiring, options)
-    except InputError as error:
-        raise InputError(error.message, file=error.file or str(coefficients), place=error.place) from error
-    return _Wanted(wiring, plant, profile, events, _eeprom_image(options["eeprom"]))
+    made = make_plant(_scenario(options), loaded, coefficients)
+    return _Wanted(wiring, made, profile, events, _eeprom_image(options["eeprom"]))
 
 
-def _plant(wiring: Wiring, options: dict[str, Any]) -> RigPlant:
-    from gen.emulate.options import parse_sensor_faults, parse_signal, parse_start
-    from gen.emulate.rig import RigPlant
-    from gen.rig import Fault, MotorConfig, sensors
-    from gen.rig.signals import value
+def _scenario(options: dict[str, Any]) -> Scenario:
+    from gen.emulate.scenario import Scenario
 
-    channels = [chip.channel for chip in wiring.thermocouples]
-    fault = Fault(options["fault"], options["fault_start"], options["fault_severity"]) if options["fault"] else None
-    motor = MotorConfig(faults=(fault,) if fault is not None else ())
-    ambient = parse_signal(options["ambient"], "--ambient", column="ambient_degC", straight=True)
-    return RigPlant(
-        channels,
-        motor=motor,
-        sensors=sensors(options["seed"], tolerance_K=options["sensor_tolerance"]),
-        sensor_faults=parse_sensor_faults(options["sensor_fault"], channels),
-        start_degC=parse_start(options["start"], motor, value(ambient, 0.0)),
-        ambient_degC=ambient,
-        load_Nm=parse_signal(options["load"], "--load", column="load_Nm", straight=False),
-        pulses_per_revolution=wiring.encoder.pulses_per_revolution if wiring.encoder is not None else 0,
-        seed=options["seed"],
+    alike = ("plant", "fault", "fault_start", "fault_severity", "sensor_tolerance", "ambient", "load", "start", "seed")
+    return Scenario(
+        sensor_faults=options["sensor_fault"],
+        channels=options["channel"],
+        **{name: options[name] for name in alike},
     )
 
 
@@ -213,7 +217,7 @@ def _board(
     if elf is None:
         elf = build_firmware(loaded, options["arithmetic"], options["schedule"], shown_name(coefficients), cache).elf
     options["elf_sha256"] = hashlib.sha256(elf.read_bytes()).hexdigest()
-    board = Board(elf, cache, wanted.wiring, wanted.plant, encoder=options["encoder"])
+    board = Board(elf, cache, wanted.wiring, wanted.made.plant, encoder=options["encoder"])
     stack.callback(board.close)
     if wanted.image is not None:
         board.mega.eeprom.image = wanted.image
@@ -265,7 +269,7 @@ def _eeprom_image(path: Path | None) -> bytes | None:
     return image
 
 
-def _settings(loaded: Coefficients, options: dict[str, Any]) -> dict[str, Any]:
+def _settings(loaded: Coefficients, made: Made, options: dict[str, Any]) -> dict[str, Any]:
     from gen.version import __version__
 
     kept = {name: value for name, value in options.items() if value not in (None, ()) and not isinstance(value, Path)}
@@ -273,22 +277,24 @@ def _settings(loaded: Coefficients, options: dict[str, Any]) -> dict[str, Any]:
         "tool": f"gen {__version__}",
         "model": loaded.name,
         "coefficients_sha256": loaded.sha256,
+        "plant": made.about,
+        "motor_fault": made.fault,
         "settings": kept,
     }
 
 
-def _title(loaded: Coefficients, options: dict[str, Any]) -> str:
-    fault = f"{options['fault']} fault from {options['fault_start']:g} s" if options["fault"] else "healthy motor"
+def _title(loaded: Coefficients, made: Made, options: dict[str, Any]) -> str:
+    fault = "healthy motor" if made.fault == "none" else f"fault: {made.fault}"
     return f"{loaded.name}, {fault}, PWM {options['profile']}"
 
 
 def _comments(found: dict[str, Any], options: dict[str, Any]) -> list[str]:
-    fault = f"{options['fault']} from {options['fault_start']:g} s" if options["fault"] else "none"
     ended = f"after {found['seconds']:.2f} of {options['duration']:.12g} s"
     return [
         *([f"# interrupted: {ended}"] if found["interrupted"] else []),
         f"# emulated: {found['tool']}, encoder {options['encoder']}, seed {options['seed']}",
-        f"# motor_fault: {fault}",
+        f"# plant: {found['plant']}",
+        f"# motor_fault: {found['motor_fault']}",
         f"# power_on: {-found['time_zero_s']:.2f} s",
         f"# elf_sha256: {options['elf_sha256']}",
     ]
@@ -297,6 +303,7 @@ def _comments(found: dict[str, Any], options: dict[str, Any]) -> list[str]:
 def _tell(found: dict[str, Any]) -> None:
     from gen.reference.sensors import SensorCode
 
+    click.echo(f"  plant: {found['plant']}")
     click.echo(
         f"  {found['seconds']:.0f} s in {found['wall_s']:.1f} s; {found['garbled_lines']} garbled lines, "
         f"{len(found['restarts_s'])} restarts"

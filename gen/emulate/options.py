@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
+from collections.abc import Collection
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from gen.emulate.plant import FULL_PWM
+from gen.emulate.plant import FULL_PWM, Ran
 from gen.emulate.session import Event
 from gen.errors import InputError
 from gen.record.profile import Profile
-from gen.rig import NODES, SENSOR_FAULTS, MotorConfig, SensorFault, warm_start
-from gen.rig import Profile as RigProfile
+from gen.rig import SENSOR_FAULTS, SensorFault
 from gen.rig.signals import Signal
 from gen.runs import read_run
 
@@ -81,8 +81,15 @@ def parse_signal(text: str, option: str, *, column: str, straight: bool) -> Sign
     return lambda t: values[max(0, bisect_right(times, t) - 1)]
 
 
-def parse_start(text: str | None, motor: MotorConfig, ambient_degC: float) -> dict[str, float]:
+def parse_start(text: str | None, parts: Collection[str]) -> dict[str, float] | Ran:
     """Read the temperatures at the start: ``brush=60,casing=50``, or ``PWM:SECONDS`` that the motor has run before.
+
+    Parameters
+    ----------
+    text
+        The option.
+    parts
+        Names of the motor's parts.
 
     Raises
     ------
@@ -96,16 +103,33 @@ def parse_start(text: str | None, motor: MotorConfig, ambient_degC: float) -> di
         pwm, seconds = int(ran[1]), float(ran[2])
         if abs(pwm) > FULL_PWM or not seconds > 0.0:
             raise InputError(f'found "{text}", expected PWM -{FULL_PWM}..{FULL_PWM} and more than 0 s', place="--start")
-        return warm_start(RigProfile((0.0,), (pwm,), seconds), motor, ambient_degC)
+        return Ran(pwm, seconds)
     start = {}
     for pair in text.split(","):
         name, equals, number = pair.partition("=")
-        if not equals or name not in NODES:
+        if not equals or name not in parts:
             raise InputError(
-                f'found "{pair}", expected PWM:SECONDS or name=degC with one of {", ".join(NODES)}', place="--start"
+                f'found "{pair}", expected PWM:SECONDS or name=degC with one of {", ".join(parts)}', place="--start"
             )
         start[name] = parse_number(number, "--start", "a temperature in degC")
     return start
+
+
+def parse_told(texts: tuple[str, ...]) -> dict[str, Signal]:
+    """Read ``COLUMN=VALUE`` over time, any number of times; each value holds until the next.
+
+    Raises
+    ------
+    InputError
+        When one is of another form.
+    """
+    told: dict[str, Signal] = {}
+    for text in texts:
+        column, equals, signal = text.partition("=")
+        if not equals or not column or column in told:
+            raise InputError(f'found "{text}", expected COLUMN=VALUE, each column once', place="--channel")
+        told[column] = parse_signal(signal, "--channel", column=column, straight=False)
+    return told
 
 
 def parse_sensor_faults(texts: tuple[str, ...], channels: list[str]) -> dict[str, tuple[SensorFault, ...]]:

@@ -16,6 +16,14 @@ FULL_PWM = 255
 
 
 @dataclass(frozen=True)
+class Ran:
+    """What a motor has run before it is looked at: a PWM, -255..255, for a time in s, from ambient on."""
+
+    pwm: int
+    seconds: float
+
+
+@dataclass(frozen=True)
 class Reading:
     """What the sensors tell after a step.
 
@@ -47,6 +55,15 @@ class Plant(Protocol):
         dt_s
             How long, s.
         """
+        ...
+
+
+class Motor(Plant, Protocol):
+    """A motor whose truth can be told."""
+
+    @property
+    def temperatures(self) -> Mapping[str, float]:
+        """True temperatures now, degC, by part, and ``ambient``."""
         ...
 
 

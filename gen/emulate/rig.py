@@ -9,10 +9,17 @@ import numpy as np
 
 from gen.emulate.plant import AMBIENT, STEP_S, Reading
 from gen.errors import InputError
-from gen.rig import Encoder, Fault, Motor, MotorConfig, SensorConfig, SensorFault, Thermocouple
+from gen.rig import NODES, Encoder, Fault, Motor, MotorConfig, SensorConfig, SensorFault, Thermocouple
 from gen.rig.signals import Signal, value
 
 _COLUMN = "_degC"
+TOLD = ("airflow_m_s", "voltage_V")
+"""What surrounds the motor beside ambient and load, by the columns that hold it."""
+
+
+def has_parts(channels: Iterable[str]) -> bool:
+    """Whether the simulated motor has a part for each of these thermocouples."""
+    return {name.removesuffix(_COLUMN) for name in channels} <= {*NODES, AMBIENT}
 
 
 class RigPlant:
@@ -34,8 +41,8 @@ class RigPlant:
         By channel.
     start_degC
         True temperatures at the start by node; the rest start at ambient.
-    ambient_degC, load_Nm
-        Over time.
+    ambient_degC, load_Nm, airflow_m_s, voltage_V
+        Over time; without a voltage the supply is the nominal one.
     pulses_per_revolution
         Of the encoder; 0: none.
     seed
@@ -57,13 +64,16 @@ class RigPlant:
         start_degC: Mapping[str, float] | None = None,
         ambient_degC: Signal = 30.0,
         load_Nm: Signal = 0.0,
+        airflow_m_s: Signal = 0.0,
+        voltage_V: Signal | None = None,
         pulses_per_revolution: int = 0,
         seed: int = 0,
     ) -> None:
         config = motor or MotorConfig()
         config = replace(config, faults=tuple(_later(fault) for fault in config.faults))
         self.motor = Motor(config, start_degC=start_degC, ambient_degC=value(ambient_degC, 0.0))
-        self._ambient, self._load = ambient_degC, load_Nm
+        self._ambient, self._load, self._airflow = ambient_degC, load_Nm, airflow_m_s
+        self._voltage = config.parameters.electrical.nominal_voltage_V if voltage_V is None else voltage_V
         self._encoder = Encoder(pulses_per_revolution) if pulses_per_revolution else None
         self._time = -STEP_S
         named = tuple(channels)
@@ -73,7 +83,7 @@ class RigPlant:
                 expected = ", ".join(known)
                 raise InputError(
                     f'the simulated motor has no part "{name}"; it is the MY1016 and has {expected}; '
-                    "a board for another motor can be logged only (gen log)",
+                    "--plant model makes the coefficient file its own plant",
                     place="$.wiring",
                 )
         seeds = np.random.SeedSequence(seed).spawn(len(named))
@@ -97,14 +107,23 @@ class RigPlant:
         """See `gen.emulate.plant.Plant.step`."""
         before = self.motor.revolutions
         start = max(self._time, 0.0)
-        drive = self.motor.step(pwm, dt_s, load_Nm=value(self._load, start), ambient_degC=value(self._ambient, start))
+        airflow = value(self._airflow, start)
+        drive = self.motor.step(
+            pwm,
+            dt_s,
+            load_Nm=value(self._load, start),
+            ambient_degC=value(self._ambient, start),
+            voltage_V=value(self._voltage, start),
+            airflow_m_s=airflow,
+        )
         self._time += dt_s
         true = self.temperatures
         words = {
             name: sensor.read(true[name.removesuffix(_COLUMN)], self._time) for name, sensor in self._sensors.items()
         }
         pulses = self._encoder.between(before, self.motor.revolutions) if self._encoder is not None else 0
-        return Reading(words, pulses, {"current_A": drive.current_A, "voltage_V": drive.voltage_V})
+        channels = {"current_A": drive.current_A, "voltage_V": drive.voltage_V, "airflow_m_s": airflow}
+        return Reading(words, pulses, channels)
 
 
 def _later(fault: Fault) -> Fault:

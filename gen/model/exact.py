@@ -46,6 +46,7 @@ class ExactSolution:
         self._table = [
             _Steps(np.zeros((PWM_LEVELS, c.order, c.order)), np.zeros((PWM_LEVELS, c.order))) for c in model.components
         ]
+        self._intervals: dict[tuple[str, int, float], _Steps] = {}
 
     def simulate(
         self,
@@ -160,6 +161,54 @@ class ExactSolution:
         start = {name: float(given.get(name, 0.0) + over[0]) for name in self.model.component_names}
         solved = self.simulate_times(time_s, pwm, start, over)
         return {name: rise - over for name, rise in solved.items()}
+
+    def begin(self, initial_rise: Mapping[str, float] | None = None) -> dict[str, FloatArray]:
+        """States for :meth:`advance`, at rest: by component, shape (order,), the first entry its rise in K.
+
+        Parameters
+        ----------
+        initial_rise
+            In K by component; 0 where not given.
+        """
+        start = self._start(initial_rise)
+        states = {component.name: np.zeros(component.order) for component in self.model.components}
+        for name, state in states.items():
+            state[0] = float(np.asarray(start.get(name, 0.0)))
+        return states
+
+    def advance(
+        self, states: Mapping[str, FloatArray], pwm: int, step_s: float, over: Mapping[str, float]
+    ) -> dict[str, FloatArray]:
+        """States after one interval of constant inputs.
+
+        Parameters
+        ----------
+        states
+            From :meth:`begin`, or from here.
+        pwm
+            -255..255.
+        step_s
+            How long, s.
+        over
+            By component what it tends to beside K |PWM| / A(0), in K: A(d/dt) T = K |PWM| + A(0) over. The ambient over
+            the temperature that rises count from is such a thing, and so is further heat.
+        """
+        counts = int(magnitude([pwm])[0])
+        after = {}
+        for component in self.model.components:
+            steps = self._interval(component, counts, step_s)
+            away = states[component.name].copy()
+            away[0] -= over[component.name]
+            after[component.name] = states[component.name] + (steps.increment[0] @ away + steps.forced[0])
+        return after
+
+    def _interval(self, component: Component, counts: int, step_s: float) -> _Steps:
+        key = (component.name, counts, step_s)
+        if key not in self._intervals:
+            self._intervals[key] = _step_matrices(
+                component, _time_scale(component), np.array([counts]), np.array([step_s])
+            )
+        return self._intervals[key]
 
     def _states(
         self,

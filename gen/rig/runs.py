@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -26,7 +26,12 @@ SENSOR_TOLERANCE_K = 1.1
 
 
 def sensors(
-    seed: int, *, tolerance_K: float = SENSOR_TOLERANCE_K, noise_K: float = 0.1, lag_s: float = 2.0
+    seed: int,
+    *,
+    tolerance_K: float = SENSOR_TOLERANCE_K,
+    noise_K: float = 0.1,
+    lag_s: float = 2.0,
+    names: Iterable[str] = (*MEASURED, AMBIENT),
 ) -> dict[str, SensorConfig]:
     """Draw a set of sensors, ambient's included, whose offsets are uniform within the tolerance."""
     random = np.random.default_rng(seed)
@@ -36,7 +41,7 @@ def sensors(
             noise_K=noise_K,
             lag_s=0.0 if name == AMBIENT else lag_s,
         )
-        for name in (*MEASURED, AMBIENT)
+        for name in names
     }
 
 

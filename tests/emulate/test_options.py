@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from gen.emulate.options import parse_events, parse_sensor_faults, parse_signal, parse_start
+from gen.emulate.options import parse_events, parse_sensor_faults, parse_signal, parse_start, parse_told
+from gen.emulate.plant import Ran
 from gen.emulate.session import Event
 from gen.errors import InputError
-from gen.rig import MotorConfig, SensorFault
+from gen.rig import NODES, SensorFault
 from gen.rig.signals import value
 
 
@@ -35,17 +36,27 @@ def test_a_bad_signal_is_refused(text: str) -> None:
 
 
 def test_a_warm_start_by_name_or_by_history() -> None:
-    assert parse_start(None, MotorConfig(), 30.0) == {}
-    assert parse_start("brush=60,casing=45.5", MotorConfig(), 30.0) == {"brush": 60.0, "casing": 45.5}
-    ran = parse_start("153:3600", MotorConfig(), 30.0)
-    assert 40.0 < ran["brush"] < 90.0
-    assert ran["winding"] > ran["casing"]
+    assert parse_start(None, NODES) == {}
+    assert parse_start("brush=60,casing=45.5", NODES) == {"brush": 60.0, "casing": 45.5}
+    assert parse_start("-153:3600", NODES) == Ran(-153, 3600.0)
 
 
 @pytest.mark.parametrize("text", ["brush", "gearbox=3", "brush=hot", "300:10", "153:0", ""])
 def test_a_bad_start_is_refused(text: str) -> None:
     with pytest.raises(InputError, match="--start"):
-        parse_start(text, MotorConfig(), 30.0)
+        parse_start(text, NODES)
+
+
+def test_channels_are_told_over_time() -> None:
+    told = parse_told(("fan=1", "current_A=0:2.5,60:4"))
+    assert [value(told["current_A"], t) for t in (0.0, 59.0, 60.0)] == [2.5, 2.5, 4.0]
+    assert value(told["fan"], 1e5) == 1.0
+
+
+@pytest.mark.parametrize("texts", [("fan",), ("=1",), ("fan=on",), ("fan=1", "fan=2")])
+def test_bad_channels_are_refused(texts: tuple[str, ...]) -> None:
+    with pytest.raises(InputError, match="--channel"):
+        parse_told(texts)
 
 
 def test_sensor_faults() -> None:

@@ -192,3 +192,21 @@ def test_work_grows_with_the_samples_alone(monkeypatch: pytest.MonkeyPatch) -> N
     assert sum(exponentials) == made
     assert whole < 2.01 * half
     assert whole < 20 * N
+
+
+@pytest.mark.parametrize("example", ["my1016", "two_mass"])
+def test_interval_by_interval_is_the_whole_run(example: str) -> None:
+    """Intervals of any length, and what else a part tends to, change from one to the next."""
+    solution = ExactSolution(model(example))
+    random = np.random.default_rng(3)
+    time = np.concatenate([[0.0], np.cumsum(random.uniform(0.1, 300.0, 50))])
+    pwm, over = random.integers(-255, 256, time.size), random.uniform(-5.0, 5.0, time.size)
+    first = {name: 7.0 + k for k, name in enumerate(solution.model.component_names)}
+    whole = solution.simulate_times(time, pwm, first, over)
+    states = solution.begin(first)
+    for k, step in enumerate(np.diff(time)):
+        states = solution.advance(states, int(pwm[k]), float(step), dict.fromkeys(states, float(over[k])))
+        for name, state in states.items():
+            assert state[0] == pytest.approx(whole[name][k + 1], abs=1e-10)
+    with pytest.raises(KeyError, match="no component rotor"):
+        solution.begin({"rotor": 1.0})

@@ -1,0 +1,200 @@
+"""Which plant a run has: the simulated MY1016, or a coefficient file, with what its options say of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, get_args
+
+from gen.coefficients import Coefficients, load
+from gen.coefficients.wiring import Wiring
+from gen.emulate.options import parse_sensor_faults, parse_signal, parse_start, parse_told
+from gen.emulate.plant import Motor, Ran
+from gen.emulate.rig import TOLD, RigPlant, has_parts
+from gen.errors import InputError
+from gen.rig import NODES, Fault, MotorConfig, sensors, warm_start
+from gen.rig import Profile as RigProfile
+from gen.rig.config import FaultKind
+from gen.rig.signals import Signal, value
+
+if TYPE_CHECKING:
+    from gen.emulate.model_faults import ModelFault
+    from gen.emulate.model_plant import ModelPlant
+
+RIG, MODEL = "rig", "model"
+_RIG_FAULTS: tuple[FaultKind, ...] = get_args(FaultKind)
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What the options of `gen emulate` say of motor and sensors, as they stand there.
+
+    Parameters
+    ----------
+    plant
+        ``rig``, ``model``, a coefficient file, or None: the rig where it has all parts that the board measures, else
+        the model.
+    fault, fault_start, fault_severity
+        The fault, when it begins in s, and 0..1.
+    sensor_faults, sensor_tolerance
+        Faults, and the largest offset in K.
+    ambient, load, start
+        Temperature, torque, and the state at the start.
+    channels
+        ``COLUMN=VALUE`` over time.
+    seed
+        Of the sensors' errors.
+    """
+
+    plant: str | None = None
+    fault: str | None = None
+    fault_start: float = 0.0
+    fault_severity: float = 1.0
+    sensor_faults: tuple[str, ...] = ()
+    sensor_tolerance: float = 1.1
+    ambient: str = "30"
+    load: str = "0"
+    start: str | None = None
+    channels: tuple[str, ...] = ()
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Made:
+    """A plant, and what a person should know of it.
+
+    Parameters
+    ----------
+    plant
+        For the board.
+    about
+        What it is.
+    fault
+        What is wrong with the motor and since when, as run files have it; ``none``.
+    """
+
+    plant: Motor
+    about: str
+    fault: str
+
+
+def make_plant(scenario: Scenario, coefficients: Coefficients, file: Path) -> Made:
+    """Make the plant of a run.
+
+    Parameters
+    ----------
+    scenario
+        The options.
+    coefficients, file
+        What the board holds, and its file; it has wiring.
+
+    Raises
+    ------
+    InputError
+        With the option that is at fault, or the file and what the plant lacks of it.
+    """
+    wiring = coefficients.document.wiring
+    assert wiring is not None
+    wired = [chip.channel for chip in wiring.thermocouples]
+    plant = scenario.plant or (RIG if has_parts(wired) else MODEL)
+    try:
+        if plant == RIG:
+            return _rig(scenario, wiring, wired)
+        return _model(scenario, wiring, wired, coefficients, coefficients if plant == MODEL else _other(plant))
+    except InputError as error:
+        about_option = error.place is not None and error.place.startswith("--")
+        raise InputError(
+            error.message, file=error.file or (None if about_option else str(file)), place=error.place
+        ) from error
+
+
+def _other(plant: str) -> Coefficients:
+    if not Path(plant).exists():
+        raise InputError(f'found "{plant}", expected rig, model or a coefficient file', place="--plant")
+    return load(plant)
+
+
+def _rig(scenario: Scenario, wiring: Wiring, wired: list[str]) -> Made:
+    ambient, told = _surroundings(scenario)
+    strangers = set(told) - set(TOLD)
+    if strangers:
+        raise InputError(
+            f'the simulated motor is not told "{min(strangers)}"; expected {" or ".join(TOLD)}', place="--channel"
+        )
+    fault = None
+    if scenario.fault is not None:
+        kind = next((known for known in _RIG_FAULTS if known == scenario.fault), None)
+        if kind is None:
+            raise InputError(
+                f'found "{scenario.fault}", expected {" or ".join(_RIG_FAULTS)}, which the simulated motor has; heats '
+                "and paths are a coefficient file's (--plant model)",
+                place="--fault",
+            )
+        fault = Fault(kind, scenario.fault_start, scenario.fault_severity)
+    motor = MotorConfig(faults=(fault,) if fault is not None else ())
+    start = parse_start(scenario.start, NODES)
+    if isinstance(start, Ran):
+        start = warm_start(RigProfile((0.0,), (start.pwm,), start.seconds), motor, value(ambient, 0.0))
+    plant = RigPlant(
+        wired,
+        motor=motor,
+        sensors=sensors(scenario.seed, tolerance_K=scenario.sensor_tolerance),
+        sensor_faults=parse_sensor_faults(scenario.sensor_faults, wired),
+        start_degC=start,
+        ambient_degC=ambient,
+        load_Nm=parse_signal(scenario.load, "--load", column="load_Nm", straight=False),
+        airflow_m_s=told.get("airflow_m_s", 0.0),
+        voltage_V=told.get("voltage_V"),
+        pulses_per_revolution=_pulses(wiring),
+        seed=scenario.seed,
+    )
+    said = "none" if fault is None else f"{fault.kind} from {fault.start_s:g} s"
+    return Made(plant, "rig, the simulated MY1016", said)
+
+
+def _model(scenario: Scenario, wiring: Wiring, wired: list[str], board: Coefficients, motor: Coefficients) -> Made:
+    from gen.emulate.courses import part_names
+    from gen.emulate.model_faults import parse_faults
+    from gen.emulate.model_plant import ModelPlant, neutral_of
+
+    ambient, told = _surroundings(scenario)
+    if scenario.load != "0":
+        raise InputError(
+            "a coefficient file says nothing of torque; expected what it reads, such as a current, by --channel",
+            place="--load",
+        )
+    faults: tuple[ModelFault, ...] = ()
+    if scenario.fault is not None:
+        faults = parse_faults(scenario.fault, scenario.fault_start, scenario.fault_severity)
+    plant = ModelPlant(
+        motor,
+        wired,
+        faults=faults,
+        sensors=sensors(scenario.seed, tolerance_K=scenario.sensor_tolerance, lag_s=0.0, names=wired),
+        sensor_faults=parse_sensor_faults(scenario.sensor_faults, wired),
+        start=parse_start(scenario.start, part_names(motor.model)),
+        ambient_degC=ambient,
+        told=told,
+        wired=dict.fromkeys((channel.column for channel in wiring.channels), 0.0) | neutral_of(board),
+        pulses_per_revolution=_pulses(wiring),
+        seed=scenario.seed,
+    )
+    said = ", ".join(f"{fault.name} from {fault.start_s:g} s" for fault in faults) or "none"
+    return Made(plant, _about(plant, motor), said)
+
+
+def _about(plant: ModelPlant, motor: Coefficients) -> str:
+    kind = "network" if motor.model.network is not None else "transfer functions"
+    kind += " with effects" if motor.effects else ""
+    still = ", ".join(f"{column} = {stays:g}" for column, stays in plant.untold.items())
+    return f"model {motor.name}, {kind}" + (f"; nobody tells (--channel): {still}" if still else "")
+
+
+def _surroundings(scenario: Scenario) -> tuple[Signal, Mapping[str, Signal]]:
+    ambient = parse_signal(scenario.ambient, "--ambient", column="ambient_degC", straight=True)
+    return ambient, parse_told(scenario.channels)
+
+
+def _pulses(wiring: Wiring) -> int:
+    return wiring.encoder.pulses_per_revolution if wiring.encoder is not None else 0
