@@ -29,6 +29,7 @@ _MONTHS = {
     )
     for number, name in enumerate(names.split(), start=1)
 }
+_ISO_MARKS = str.maketrans("", "", "0123456789-:.T \n")
 _DAY_NS = 86_400 * 10**9
 _NOT = np.iinfo(np.int64).min
 
@@ -97,6 +98,9 @@ def instants(cells: Sequence[str], order: str = "ymd") -> IntArray:
     order
         "dmy" or "mdy" for dates with the year last.
     """
+    quick = _plain_instants(cells)
+    if quick is not None:
+        return quick
     days: dict[str, int | None] = {}
     made = np.full(len(cells), _NOT, dtype=np.int64)
     for i, cell in enumerate(cells):
@@ -112,6 +116,19 @@ def instants(cells: Sequence[str], order: str = "ymd") -> IntArray:
             if day is not None and ns is not None:
                 made[i] = day * _DAY_NS + ns - _offset(match["zone"])
             break
+    return made
+
+
+def _plain_instants(cells: Sequence[str]) -> IntArray | None:
+    """Instants where all are ``2024-05-01T12:00:00.5`` without a zone: numpy's own way, which is quick."""
+    if not all(len(cell) >= 19 and cell[10] in "T " and cell[16] == ":" and cell[-1] in "0123456789" for cell in cells):
+        return None
+    if "\n".join(cells).translate(_ISO_MARKS) or any("-" in cell[11:] for cell in cells):
+        return None
+    try:
+        made: IntArray = np.array(cells, dtype="datetime64[ns]").astype(np.int64)
+    except ValueError:
+        return None
     return made
 
 

@@ -19,12 +19,13 @@ from gen.importing.table import Column, Counted, Reading, Table, unique_names
 from gen.importing.units import unit_of
 
 DELIMITERS = {";": "semicolon", "\t": "tab", "|": "pipe", ",": "comma", " ": "white space"}
-_COMMENT = re.compile(r"\s*(?:#|%|//|\*\*|--\s)")
+_COMMENT = re.compile(r"\s*(?:#|%(?![,;|\t])|//|\*\*|--\s)")  # a unit of a row of units may be `%`
 _STAMPED = re.compile(r"\s*(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*->\s?(.*)")
 _SAMPLE = 400
 _LEAST_CONSISTENT = 0.8
 _MOST_LOST = 0.5
 _SHOWN = 40
+MOST_COLUMNS = 2000
 _HEAD_LINES = 20
 
 
@@ -192,6 +193,8 @@ def table_of_rows(
         Without a file name, with a place: no rows, or too much that is none.
     """
     width = _width(rows)
+    if width > MOST_COLUMNS:
+        raise InputError(f"found {width} columns, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")
     first = next((i for i, row in enumerate(rows) if _is_data(row, width)), None)
     if first is None:
         found = " | ".join(rows[0])[:_SHOWN] if rows else "nothing"
@@ -307,7 +310,7 @@ def _sorted_out(
     head = [name.strip() for name in names]
     for i in range(first, len(rows)):
         row = rows[i]
-        if len(row) == width and any(map(_may_be_number, row)):
+        if len(row) == width and (row[0][:1].isdigit() or any(map(_may_be_number, row))):
             good.append(i)
         elif [cell.strip() for cell in row] == head:
             others.setdefault("repeated header", []).append(i)

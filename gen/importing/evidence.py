@@ -42,11 +42,11 @@ class Facts:
             if cells.dtype.kind == "M":
                 return "instant"
             return "number" if self.values.size else "nothing"
-        if self.values.size and max(entry.numeric for entry in self.parsed) >= _LEAST_NUMBERS:
-            return "number"
         found = kind_of(cells)
         if found:
             return found
+        if self.values.size and max(entry.numeric for entry in self.parsed) >= _LEAST_NUMBERS:
+            return "number"
         return "text" if any(entry.text.any() for entry in self.parsed) else "nothing"
 
     @cached_property

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from gen.errors import InputError
-from gen.importing.delimited import Lines, keyed_comments
+from gen.importing.delimited import MOST_COLUMNS, Lines, keyed_comments
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
 _PAIR = re.compile(
@@ -122,6 +122,8 @@ def _table(
     word: str = "line",
 ) -> Table:
     names = list(dict.fromkeys(key for record in records for key in record))
+    if len(names) > MOST_COLUMNS:
+        raise InputError(f"found {len(names)} names, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")
     columns = [
         Column(shown, [record.get(name, "") for record in records])
         for name, shown in zip(names, unique_names(names), strict=True)

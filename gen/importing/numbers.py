@@ -62,7 +62,7 @@ def parse(cells: Sequence[str], decimal: str = ".") -> Parsed:
     none = np.zeros(len(cells), dtype=bool)
     quick = _parse_fast(cells, decimal)
     if quick is not None:
-        return Parsed(quick, np.array([not cell.strip() for cell in cells], dtype=bool), none, none.copy())
+        return Parsed(quick, np.isnan(quick), none, none.copy())
     values = np.full(len(cells), np.nan)
     empty, words, text = none, none.copy(), none.copy()
     units: Counter[str] = Counter()
@@ -91,9 +91,13 @@ def _parse_fast(cells: Sequence[str], decimal: str) -> FloatArray | None:
         joined = joined.replace(",", ".")
     if joined.translate(_PLAIN) or joined.count("\n") != len(cells) - 1:
         return None
+    texts = joined.split("\n")
     try:
-        missing = float("nan")
-        values = np.array([float(cell) if cell.strip() else missing for cell in joined.split("\n")])
+        if " " not in joined and "" not in texts:
+            values = np.fromiter(map(float, texts), dtype=np.float64, count=len(texts))
+        else:
+            missing = float("nan")
+            values = np.array([float(text) if text.strip() else missing for text in texts])
     except ValueError:
         return None
     return None if np.isinf(values).any() else values

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gen.errors import InputError
+from gen.importing.delimited import MOST_COLUMNS
 from gen.importing.table import Cells, Column, Reading, Table, unique_names
 
 if TYPE_CHECKING:
@@ -32,6 +33,8 @@ def read_parquet(file: Path, data: bytes) -> Table:
         found = pq.read_table(io.BytesIO(data))
     except (pa.ArrowException, OSError) as error:
         raise InputError(f"cannot be read as Parquet ({str(error)[:80]})") from None
+    if found.num_columns > MOST_COLUMNS:
+        raise InputError(f"found {found.num_columns} columns, expected {MOST_COLUMNS} at most")
     names = ["" if name.startswith("__index_level_") else name for name in found.column_names]
     columns = [
         Column(name, _of_arrow(found.column(i)))
@@ -106,6 +109,8 @@ def read_matlab(file: Path, data: bytes) -> Table:
     if not lengths:
         hint = "; a table or timetable is opaque: write it by writetable(T, 'log.csv')" if opaque else ""
         raise InputError(f"found no vectors of one length{hint}")
+    if len(vectors) > MOST_COLUMNS:
+        raise InputError(f"found {len(vectors)} vectors, expected {MOST_COLUMNS} at most")
     rows = max(lengths, key=lambda length: (lengths[length], length))
     columns = [Column(name, cells) for name, cells in vectors.items() if len(cells) == rows]
     comments = {name: f"{value:g}" for name, value in content.items() if isinstance(value, (int, float))}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 
 TEMPERATURE, CURRENT, VOLTAGE, SPEED, TIME, SHARE, COUNTS, POWER, OTHER = (
     "temperature",
@@ -81,6 +82,7 @@ _ALONE = {"deg", "count", "raw", "digits", "d", "min", "cnt", "duty", "perc", "f
 """No units where they only stand behind an underscore: `cell_count`, `T_min`, `motor_duty`."""
 
 
+@lru_cache(maxsize=4096)
 def unit_of(text: str) -> Unit | None:
     """The unit that a text names, or None; ``0.25degC`` is a count of a quarter degree.
 
