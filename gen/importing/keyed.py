@@ -20,6 +20,8 @@ _PAIR = re.compile(
     re.IGNORECASE,
 )
 _SAMPLE = 400
+_LONGEST = 2000
+"""Of a line that names its numbers."""
 
 
 def is_json(lines: Sequence[str]) -> bool:
@@ -30,7 +32,7 @@ def is_json(lines: Sequence[str]) -> bool:
 
 def is_keyed(lines: Sequence[str]) -> bool:
     """Whether most lines consist of names with numbers, the same in most."""
-    sample = lines[:_SAMPLE]
+    sample = [line[:_LONGEST] for line in lines[:_SAMPLE]]
     found = Counter(tuple(match["key"].strip() for match in _PAIR.finditer(line)) for line in sample)
     found.pop((), None)
     if not found or found.most_common(1)[0][1] < 0.5 * len(sample):
@@ -84,10 +86,10 @@ def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading
     """A table of lines such as ``T1:23.4 T2:25.1``."""
     records, numbers, bad = [], [], []
     wanted = Counter(
-        tuple(match["key"].strip() for match in _PAIR.finditer(line)) for line in lines.texts[:_SAMPLE]
+        tuple(match["key"].strip() for match in _PAIR.finditer(line[:_LONGEST])) for line in lines.texts[:_SAMPLE]
     ).most_common(1)[0][0]
     for i, (text, number) in enumerate(zip(lines.texts, lines.numbers, strict=True)):
-        found = list(_PAIR.finditer(text))
+        found = list(_PAIR.finditer(text)) if len(text) <= _LONGEST else []
         record = {m["key"].strip(): m["value"] + (m["unit"] or "") for m in found}
         if found and set(record) <= set(wanted):
             records.append({"clock": times[i], **record} if times else record)

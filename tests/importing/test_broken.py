@@ -87,7 +87,7 @@ def test_a_stray_quote_swallows_one_line_at_most(tmp_path: Path) -> None:
     same(read_run(found.runs[0]), truth())
 
 
-def test_a_million_columns_are_no_table_but_end_soon(tmp_path: Path) -> None:
+def test_hundreds_of_thousands_of_columns_are_no_table_and_that_is_said_soon(tmp_path: Path) -> None:
     begin = time.perf_counter()
     refused(file(tmp_path, ",".join(["1"] * 300_000) + "\n1,2\n"), "line|column")
     assert time.perf_counter() - begin < 60
@@ -114,7 +114,7 @@ def test_no_time_no_input_no_temperature(tmp_path: Path) -> None:
         ({"input": "torque"}, '--input: found "torque", expected a column'),
         ({"input": "300"}, "expected a column .* or whole counts -255..255"),
         ({"columns": {"coil": "winding_degC"}}, '--column: found "coil", expected one of the columns'),
-        ({"columns": {"winding_degC": "casing_degC"}}, "would be there twice|expected another name"),
+        ({"columns": {"winding_degC": "a_degC", "casing_degC": "a"}}, "would be there twice; expected another name"),
         ({"columns": {"winding_degC": "a,b_degC"}}, "cannot be a run file's column"),
         ({"units": {"winding_degC": "furlongs"}}, 'found the unit "furlongs"'),
         ({"units": {"time_s": "degC"}}, "expected s, ms"),
@@ -182,7 +182,7 @@ unit = "degC"
 @pytest.mark.parametrize(
     ("text", "match"),
     [
-        ("[time", "map.toml: is not TOML: .*line 1"),
+        ("[time", "map.toml: is not TOML: Expected"),
         ("", "map.toml: time: Field required"),
         (GOOD_MAPPING + "colour = 1\n", r"map.toml: column\[0\].colour: Extra inputs"),
         (GOOD_MAPPING.replace('"time_s"]', "1]"), r"time.columns\[0\]: Input should be a valid string, found 1"),

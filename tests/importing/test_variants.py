@@ -394,7 +394,7 @@ def test_parquet_with_an_index_of_times(tmp_path: Path) -> None:
 
 
 def test_matlab(tmp_path: Path) -> None:
-    columns = {name: TRUE[name].to_numpy().reshape(-1, 1) for name in TRUE}
+    columns: dict[str, object] = {str(name): TRUE[name].to_numpy().reshape(-1, 1) for name in TRUE}
     savemat(tmp_path / "a.mat", columns)
     same(taken(tmp_path / "a.mat", tmp_path / "a"), TRUE)
     savemat(tmp_path / "b.mat", {"log": columns, "room": 21.0})
@@ -507,7 +507,10 @@ def test_the_same_counts_in_all_rows_and_an_interval(tmp_path: Path) -> None:
 
 
 def test_further_channels_keep_their_names_and_known_units_are_converted(tmp_path: Path) -> None:
-    frame = TRUE.assign(**{"Motor current (mA)": 1500.0, "Drehzahl [1/min]": 2400.0, "Torque (Nm)": 0.5, "note": "x"})
+    frame = TRUE.copy()
+    for name, value in (("Motor current (mA)", 1500.0), ("Drehzahl [1/min]", 2400.0), ("Torque (Nm)", 0.5)):
+        frame[name] = value
+    frame["note"] = "x"
     run = taken(write(tmp_path, csv(frame)), tmp_path / "runs")
     assert {name: values[0] for name, values in run.extras.items()} == {
         "current_A": 1.5,
