@@ -20,6 +20,7 @@ from gen.runs import AMBIENT, Run
 
 _FULL = 255
 _MOST_REPEATED = 0.1
+_FEW_REPEATED = 5
 _MOST_UNTIMED = 0.5
 _CELSIUS = (-273.15, 5000.0)
 _HIGHEST = 1e12
@@ -256,7 +257,7 @@ def _label(value: object) -> str:
 def _report(order: sequence.Order, stretch: IntArray, mapping: Mapping, made: Converted) -> None:
     """Count what is out of order; refuse where a rule would have to choose among many rows."""
     column = ", ".join(mapping.time.columns)
-    if order.repeated.size > _MOST_REPEATED * stretch.size and not mapping.duplicates:
+    if order.repeated.size > max(_MOST_REPEATED * stretch.size, _FEW_REPEATED) and not mapping.duplicates:
         raise InputError(
             f"{order.repeated.size} of {stretch.size} rows repeat the time of the row before; expected --duplicates "
             "spread (a clock that is too coarse), first or last; or --runs COLUMN, where several series share the file",

@@ -91,7 +91,8 @@ def guess_delimiter(lines: Sequence[str]) -> tuple[str, str]:
         Without a file name: no mark parts the lines into columns.
     """
     middle = max(0, len(lines) // 2 - _SAMPLE // 2)
-    sample = [*lines[: _SAMPLE // 4], *lines[middle : middle + _SAMPLE]]
+    head = min(_SAMPLE // 4, middle)
+    sample = [*lines[:head], *lines[middle : middle + _SAMPLE]]
     for delimiter, name in DELIMITERS.items():
         fields = Counter(_fields(line, delimiter) for line in sample)
         width = max((w for w in fields if w > 1), key=lambda w: fields[w], default=1)
