@@ -21,6 +21,7 @@ from gen.importing.units import unit_of
 
 _MOST_RUNS = 1000
 _MOST_SERIES = 200
+_PERCENT = 100.0
 
 
 @dataclass(frozen=True)
@@ -35,11 +36,14 @@ class Decided:
         What their columns are.
     guesses
         How sure that is, and why.
+    warnings
+        What is suspicious of that, in a line each.
     """
 
     evidence: Evidence
     mapping: Mapping
     guesses: Sequence[Guess]
+    warnings: Sequence[str] = ()
 
 
 def decide(tables: Sequence[Table], choices: Choices, known: Mapping | None) -> Decided:
@@ -117,7 +121,17 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
         duplicates=choices.duplicates,  # type: ignore[arg-type]
         column=entries,
     )
-    return Decided(evidence, mapping, guesses)
+    return Decided(evidence, mapping, guesses, _suspicious(evidence, mapping, choices))
+
+
+def _suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[str]:
+    """A run file's own pwm is in counts; that the largest is 100 of 255 would be chance."""
+    name = mapping.input.column
+    told = choices.full_scale or choices.units.get(name) or choices.units.get("pwm")
+    if not name or told or mapping.input.unit != "counts" or max(map(abs, evidence.facts[name].span)) != _PERCENT:
+        return []
+    label = evidence.tables[0].label
+    return [f"{label}: {name}: the largest is {_PERCENT:g}, as in percent; if so: --unit {quoted(f'{name}=percent')}"]
 
 
 def _check_wide(evidence: Evidence) -> None:

@@ -156,7 +156,9 @@ def _ambient(found: list[_Sorted], choices: Choices) -> str:
 
 def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool) -> tuple[Entry, Guess]:
     facts = found.facts
-    base, _, _ = facts.named
+    base, in_name, _ = facts.named
+    if in_name is not None and found.unit is None:  # the letters are none
+        base = facts.name
     unit = found.unit
     name = "" if unit is None else unit.name
     new = choices.columns.get(facts.name)

@@ -102,11 +102,16 @@ def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[F
 def _none(numbers: list[Facts]) -> str:
     drives = [entry for entry in numbers if DRIVES.search(entry.name)]
     said = "no column is a motor's PWM"
-    options = [f"--input {quoted(entry.name)} --full-scale {_round_up(entry):g}" for entry in drives[:4]]
+    options = [f"--input {quoted(entry.name)}{_full_scale(entry)}" for entry in drives[:4]]
     if options:
         return f"{said}; expected what drives it, such as {' or '.join(options)}"
     names = ", ".join(entry.name for entry in numbers)
     return f"{said} among {names}; expected --input COLUMN --full-scale X, or --input COUNTS for what all rows have"
+
+
+def _full_scale(entry: Facts) -> str:
+    unit = entry.named[1]
+    return "" if unit is not None and unit.quantity == SHARE else f" --full-scale {_round_up(entry):g}"
 
 
 def _round_up(entry: Facts) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 InstantArray = NDArray[np.datetime64]
+_UNIT = re.compile(r"(.+?)(\s*[\[(].*[\])]|_[A-Za-z%]{1,6})?")
 Cells = list[str] | FloatArray | InstantArray
 
 
@@ -137,14 +139,23 @@ class Table:
 
 
 def unique_names(names: Sequence[str]) -> list[str]:
-    """Names for all columns, each once: what has none is numbered, what is there twice gets a number behind it."""
+    """Names for all columns, each once.
+
+    Parameters
+    ----------
+    names
+        As the file has them: what has no name is numbered (``column_3``), what is there again gets a number before its
+        unit (``T_2 (degC)``).
+    """
+    given = [name.strip() or f"column_{i}" for i, name in enumerate(names, start=1)]
     seen: Counter[str] = Counter()
-    taken = {name.strip() for name in names}
-    made = []
-    for index, given in enumerate(names, start=1):
-        name = given.strip() or f"column_{index}"
+    made: list[str] = []
+    for name in given:
         seen[name] += 1
-        while seen[name] > 1 and f"{name}_{seen[name]}" in taken:
-            seen[name] += 1
-        made.append(name if seen[name] == 1 else f"{name}_{seen[name]}")
+        shown = name
+        while seen[name] > 1 and (shown in given or shown in made):
+            parted = _UNIT.fullmatch(name)
+            shown = f"{parted[1]}_{seen[name]}{parted[2] or ''}" if parted else f"{name}_{seen[name]}"
+            seen[name] += shown in given or shown in made
+        made.append(shown)
     return made

@@ -41,7 +41,8 @@ class Import:
     @property
     def warnings(self) -> list[str]:
         """What is suspicious, with the option that would correct it."""
-        return [warning for made in self._written.converted for warning in made.warnings]
+        decided = [warning for entry in self._plan.decided for warning in entry.warnings]
+        return decided + [warning for made in self._written.converted for warning in made.warnings]
 
     def guesses(self) -> pd.DataFrame:
         """What was taken for what.

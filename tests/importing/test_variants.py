@@ -256,6 +256,13 @@ def test_whole_numbers_up_to_a_hundred_may_be_percent_and_are_refused(tmp_path: 
     same(taken(path, tmp_path / "b", units={"pwm": "counts"}), TRUE.assign(pwm=np.where(TRUE.pwm, 80, 0)))
 
 
+def test_a_run_file_s_own_pwm_up_to_a_hundred_is_said(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE.assign(pwm=np.where(TRUE.pwm, 100, 0))))
+    assert ["--unit pwm=percent" in warning for warning in take(path, tmp_path / "a").warnings] == [True]
+    assert take(path, tmp_path / "b", units={"pwm": "counts"}).warnings == []
+    assert set(taken(path, tmp_path / "c", units={"pwm": "percent"}).pwm.tolist()) == {0, 255}
+
+
 def test_ten_bits_need_a_full_scale(tmp_path: Path) -> None:
     path = write(tmp_path, csv(TRUE.assign(pwm=np.where(TRUE.pwm, 1000, 0))))
     with pytest.raises(InputError, match="reaches 1000, more than 255 counts; settle it by --full-scale 1023"):
@@ -497,6 +504,14 @@ def test_another_input_with_its_full_scale(tmp_path: Path) -> None:
     run = taken(path, tmp_path / "runs", input="Power (W)", full_scale=500.0)
     same(run, TRUE)
     assert run.comments["input"] == "Power (W), 255 = 500 W"
+
+
+def test_names_that_repeat_and_letters_that_are_no_units(tmp_path: Path) -> None:
+    text = csv(TRUE.assign(phase_A=1, phase_B=2, phase_C=3)).replace("casing_degC", "winding_degC", 1)
+    run = taken(write(tmp_path, text), tmp_path / "runs")
+    assert list(run.temps) == ["winding", "winding_2"]
+    assert list(run.extras) == ["phase_A", "phase_B", "phase_C"]
+    np.testing.assert_array_equal(run.temps["winding_2"], TRUE.casing_degC)
 
 
 def test_the_same_counts_in_all_rows_and_an_interval(tmp_path: Path) -> None:
