@@ -1,8 +1,9 @@
 """From identified motor-temperature coefficients to proven firmware for the Arduino Mega 2560.
 
 The Python interface: :func:`load`, :func:`read_run`, :func:`identify`, :func:`refine`, :func:`simulate`,
-:func:`build`, :func:`verify` and :func:`check`, as the commands of the same names. Importing the package is quick: what
-a function needs is imported when it is called.
+:func:`build`, :func:`verify` and :func:`check`, as the commands of the same names, and :func:`import_runs`, as the
+command `import`, which is a reserved word here. Importing the package is quick:
+what a function needs is imported when it is called.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
         Build,
         Check,
         Identification,
+        Import,
         Model,
         NetworkIdentification,
         Refinement,
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
         build,
         check,
         identify,
+        import_runs,
         load,
         read_run,
         refine,
@@ -36,6 +39,7 @@ __all__ = [
     "Check",
     "CheckFailed",
     "Identification",
+    "Import",
     "InputError",
     "Model",
     "NetworkIdentification",
@@ -45,6 +49,7 @@ __all__ = [
     "build",
     "check",
     "identify",
+    "import_runs",
     "load",
     "read_run",
     "refine",

@@ -7,6 +7,7 @@ from gen.interface.certificate import Check, check
 from gen.interface.files import load, read_run
 from gen.interface.firmware import Build, Verification, build, verify
 from gen.interface.identification import Identification, NetworkIdentification, identify
+from gen.interface.importing import Import, import_runs
 from gen.interface.model import Model
 from gen.interface.refinement import Refinement, refine
 from gen.interface.simulation import simulate
@@ -15,6 +16,7 @@ __all__ = [
     "Build",
     "Check",
     "Identification",
+    "Import",
     "Model",
     "NetworkIdentification",
     "Refinement",
@@ -22,6 +24,7 @@ __all__ = [
     "build",
     "check",
     "identify",
+    "import_runs",
     "load",
     "read_run",
     "refine",

@@ -42,6 +42,11 @@ OTHER_FORMATS = {
         "power_W",
     },
     "identification/summary.py": {"components", "value", "model_minus_measured_K"},
+    # times and lines as loggers write them, the mapping file of `gen import`, comments of a run file
+    "importing/clock.py": {"min"},
+    "importing/importing.py": {"input"},
+    "importing/keyed.py": {"value"},
+    "importing/mapping.py": {"input"},
     # the manifest of a project
     "certificate/claims.py": {"components", "name"},
     # the certificate of a network

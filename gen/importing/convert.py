@@ -1,0 +1,328 @@
+"""Tables and a mapping to runs; whatever is no sample is counted, with the place of the first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.errors import InputError
+from gen.importing import clock, sequence
+from gen.importing.evidence import Evidence, Facts
+from gen.importing.mapping import Entry, Mapping
+from gen.importing.overflow import overflows
+from gen.importing.suspicions import suspicions
+from gen.importing.table import Cells, Counted, FloatArray, IntArray, Table
+from gen.importing.units import unit_of
+from gen.runs import AMBIENT, Run
+
+_FULL = 255
+_MOST_REPEATED = 0.1
+_FEW_REPEATED = 5
+_MOST_UNTIMED = 0.5
+_CELSIUS = (-273.15, 5000.0)
+_HIGHEST = 1e12
+_DIGITS = 9
+
+
+@dataclass(frozen=True)
+class Splitting:
+    """Where a log becomes several runs.
+
+    Parameters
+    ----------
+    at_all
+        Whether at gaps and where the clock begins anew.
+    gap_s
+        From which interval on; None: ten usual intervals, and a minute at least.
+    """
+
+    at_all: bool = False
+    gap_s: float | None = None
+
+
+@dataclass
+class Converted:
+    """The runs of one table.
+
+    Parameters
+    ----------
+    table
+        Of which.
+    runs
+        With what to put behind the file's name; empty for one run.
+    counted
+        What was found.
+    warnings
+        What is suspicious, in a line each.
+    """
+
+    table: Table
+    runs: list[tuple[str, Run]] = field(default_factory=list)
+    counted: list[Counted] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def count(self, what: str, rows: IntArray, column: str = "") -> None:
+        """Note rows of the table, if there are any."""
+        if rows.size:
+            self.counted.append(Counted(what, int(rows.size), self.table.place(int(rows[0]), column)))
+
+
+def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitting) -> Converted:
+    """Make runs of one table.
+
+    Parameters
+    ----------
+    evidence, index
+        The table among those of its header.
+    mapping
+        What its columns are.
+    splitting
+        Where to split.
+
+    Raises
+    ------
+    InputError
+        Without a file name: too much is no sample, the clock begins anew, the input exceeds its scale.
+    """
+    table = evidence.tables[index]
+    made = Converted(table, counted=list(table.counted))
+    time, begun = _time(evidence, index, mapping, made)
+    drive = _drive(evidence, index, mapping, made)
+    usable = np.isfinite(time) & _known_from_the_first(drive)
+    _left_out(usable, time, drive, mapping, made)
+    channels = {
+        entry.to: _channel(evidence.facts[entry.source], index, entry, mapping, made)
+        for entry in mapping.column
+        if entry.to
+    }
+    rows = np.flatnonzero(usable)
+    labels = evidence.facts[mapping.runs].columns[index].cells if mapping.runs else None
+    for label, stretch in _labelled(rows, labels):
+        order = sequence.order(time[stretch], stretch, mapping.duplicates or "first")
+        _report(order, stretch, mapping, made)
+        pieces = _pieces(order, splitting, made)
+        for number, (begin, end) in enumerate(pieces, start=1):
+            kept = order.kept[begin:end]
+            name = "_".join(filter(None, (label, str(number) if len(pieces) > 1 else "")))
+            run = _run(kept, order.time_s[begin:end], drive, channels, table, begun)
+            made.runs.append((name, run))
+    _suspect(made)
+    return made
+
+
+def _time(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> tuple[FloatArray, str]:
+    """Time of every row in s, NaN where it has none; and the instant at which it is 0."""
+    form, table = mapping.time, made.table
+    if form.interval_s is not None:
+        return np.arange(table.rows, dtype=np.float64) * form.interval_s, ""
+    facts = [evidence.facts[name] for name in form.columns]
+    first = facts[0]
+    unit = unit_of(form.unit)
+    if unit is not None and unit.quantity == "time":
+        parsed = first.parsed[index]
+        made.count("row without a time", np.flatnonzero(~np.isfinite(parsed.values)), first.name)
+        return _numbered(parsed.values, unit.scale)
+    ns = _instants(facts, index, form.unit, form.order, made)
+    made.count("row without a time", np.flatnonzero(ns == np.iinfo(np.int64).min), first.name)
+    if form.unit in ("time of day", "mm:ss"):
+        return clock.in_seconds(ns), ""
+    time, begin = clock.seconds(ns)
+    return time, "" if begin is None else _iso(begin)
+
+
+def _numbered(values: FloatArray, scale: float) -> tuple[FloatArray, str]:
+    """Numbers in a unit of time; those since 1970 count from the first."""
+    finite = values[np.isfinite(values)]
+    if finite.size and 1e9 < finite[0] * scale < 2.5e9:
+        return _scaled(values - finite[0], scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e9))
+    return _scaled(values, scale), ""
+
+
+def _scaled(values: FloatArray, scale: float) -> FloatArray:
+    """In s; a division by 1000 is rounded correctly, a product with 0.001 is not."""
+    parts = round(1.0 / scale) if scale < 1.0 else 0
+    exact = parts > 0 and abs(parts * scale - 1.0) < 1e-12
+    return np.asarray(values / parts if exact else values * scale, dtype=np.float64)
+
+
+def _iso(ns: int) -> str:
+    return str(np.datetime64(ns // 10**6, "ms"))
+
+
+def _instants(facts: list[Facts], index: int, unit: str, order: str, made: Converted) -> IntArray:
+    cells = facts[0].columns[index].cells
+    if not isinstance(cells, list):
+        if cells.dtype.kind != "M":
+            raise InputError(f"holds numbers, expected a {unit}", place=f"column {facts[0].name}")
+        return clock.of_instants(cells)  # type: ignore[arg-type]
+    if unit == "mm:ss":
+        return clock.minutes(cells)
+    if unit == "timestamp":
+        return clock.instants(cells, order)
+    if unit == "date and time":
+        times = facts[1].columns[index].cells
+        if not isinstance(times, list):
+            raise InputError("holds numbers, expected times of day", place=f"column {facts[1].name}")
+        return clock.together(clock.instants(cells, order), clock.of_day(times))
+    ns, nights = clock.over_midnight(clock.of_day(cells))
+    if nights:
+        made.counted.append(Counted("midnight passed", nights, f"column {facts[0].name}"))
+    return ns
+
+
+def _drive(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> FloatArray:
+    """The input in counts, not rounded, NaN where it is missing."""
+    form, table = mapping.input, made.table
+    if form.counts is not None:
+        return np.full(table.rows, float(form.counts))
+    parsed = evidence.facts[form.column].parsed[index]
+    made.count("text in a number's field", np.flatnonzero(parsed.text), form.column)
+    made.count('word for "no number"', np.flatnonzero(parsed.words), form.column)
+    values = parsed.values / form.full_scale * _FULL
+    if form.sign:
+        sign = evidence.facts[form.sign].parsed[index].values
+        values = values * np.where(sign < 0, -1.0, 1.0)
+    beyond = np.flatnonzero(np.abs(values) > _FULL + 0.5)
+    if beyond.size:
+        found = parsed.values[beyond[0]]
+        raise InputError(
+            f"found {found:g}, more than the full scale of {form.full_scale:g} {form.unit}; expected --full-scale of "
+            f"at least {np.nanmax(np.abs(parsed.values)):g}, or --unit",
+            place=table.place(int(beyond[0]), form.column),
+        )
+    return np.asarray(values)
+
+
+def _known_from_the_first(drive: FloatArray) -> NDArray[np.bool_]:
+    """Rows from the first known input on: it is held until the next."""
+    known = np.isfinite(drive)
+    return np.logical_or.accumulate(known)
+
+
+def _left_out(
+    usable: NDArray[np.bool_], time: FloatArray, drive: FloatArray, mapping: Mapping, made: Converted
+) -> None:
+    missing = ~np.isfinite(drive)
+    made.count(
+        "row before the first input, left out", np.flatnonzero(~_known_from_the_first(drive)), mapping.input.column
+    )
+    made.count("missing input, held from the row before", np.flatnonzero(missing & usable), mapping.input.column)
+    if usable.sum() < _MOST_UNTIMED * usable.size:
+        what = ", ".join(mapping.time.columns) if np.isfinite(time).mean() < _MOST_UNTIMED else mapping.input.column
+        raise InputError(
+            f"{int((~usable).sum())} of {usable.size} rows have no time or no input; expected both in most",
+            place=made.table.place(int(np.argmin(usable)), what),
+        )
+
+
+def _channel(facts: Facts, index: int, entry: Entry, mapping: Mapping, made: Converted) -> FloatArray:
+    parsed = facts.parsed[index]
+    values = parsed.values.copy()
+    made.count("text in a number's field, left empty", np.flatnonzero(parsed.text), facts.name)
+    made.count('word for "no number", left empty', np.flatnonzero(parsed.words), facts.name)
+    temperature = entry.to.endswith("_degC")
+    kept = mapping.overflow == "keep"
+    for rows, value, words in overflows(values, temperature=temperature):
+        made.count(f"{value:g} ({words}), {'kept' if kept else 'left empty'}", rows, facts.name)
+        if not kept:
+            values[rows] = np.nan
+    unit = unit_of(entry.unit) if entry.unit else None
+    if unit is not None and (unit.scale, unit.offset) != (1.0, 0.0):
+        values = np.round(values * unit.scale + unit.offset, _DIGITS)
+    low, high = _CELSIUS if temperature else (-_HIGHEST, _HIGHEST)
+    beyond = np.flatnonzero((values < low) | (values > high))
+    made.count(f"value outside of {low:g}..{high:g}, left empty", beyond, facts.name)
+    values[beyond] = np.nan
+    return np.asarray(values)
+
+
+def _labelled(rows: IntArray, labels: Cells | None) -> list[tuple[str, IntArray]]:
+    """Rows of each run by its label, in order of appearance."""
+    if labels is None:
+        return [("", rows)]
+    found: dict[str, list[int]] = {}
+    for row in rows.tolist():
+        found.setdefault(_label(labels[row]), []).append(row)
+    return [(label, np.array(stretch, dtype=np.int64)) for label, stretch in found.items()]
+
+
+def _label(value: object) -> str:
+    text = f"{value:g}" if isinstance(value, float) else str(value).strip()
+    return "".join(c if c.isalnum() or c in "-_." else "_" for c in text) or "none"
+
+
+def _report(order: sequence.Order, stretch: IntArray, mapping: Mapping, made: Converted) -> None:
+    """Count what is out of order; refuse where a rule would have to choose among many rows."""
+    column = ", ".join(mapping.time.columns)
+    if order.repeated.size > max(_MOST_REPEATED * stretch.size, _FEW_REPEATED) and not mapping.duplicates:
+        raise InputError(
+            f"{order.repeated.size} of {stretch.size} rows repeat the time of the row before; expected --duplicates "
+            "spread (a clock that is too coarse), first or last; or --runs COLUMN, where several series share the file",
+            place=made.table.place(int(order.repeated[0]), column),
+        )
+    which = "last" if mapping.duplicates == "last" else "first"
+    made.count(f"repeated time, the {which} row taken", order.repeated, column)
+    made.count("time before that of an earlier row, left out", order.late, column)
+    made.count("time far ahead in one row, left out", order.jumped, column)
+    for row, name in order.wraps:
+        made.count(f"{name} ran over, counted on", np.array([row]), column)
+
+
+def _pieces(order: sequence.Order, splitting: Splitting, made: Converted) -> list[tuple[int, int]]:
+    """Begin and end of each run among the rows kept."""
+    length = splitting.gap_s if splitting.gap_s is not None else sequence.gap_length(order.time_s)
+    wide = sequence.gaps(order.time_s, order.resets, length)
+    if order.resets.size and not splitting.at_all:
+        at = int(order.resets[0])
+        raise InputError(
+            f"the clock begins anew: {order.time_s[at]:g} s after {order.time_s[at - 1]:g} s; expected --split, which "
+            "makes a run of each stretch",
+            place=made.table.place(int(order.kept[at])),
+        )
+    made.count("clock that begins anew: a run of its own", order.kept[order.resets])
+    what = "a run of its own" if splitting.at_all else "no rows for longer, the input held"
+    made.count(f"gap of more than {length:g} s: {what}", order.kept[wide])
+    at_all = np.union1d(order.resets, wide) if splitting.at_all else np.zeros(0, dtype=np.int64)
+    edges = [0, *at_all.tolist(), order.kept.size]
+    return [(int(begin), int(end)) for begin, end in pairwise(edges) if end > begin]
+
+
+def _run(
+    kept: IntArray, time: FloatArray, drive: FloatArray, channels: dict[str, FloatArray], table: Table, begun: str
+) -> Run:
+    known = np.flatnonzero(np.isfinite(drive))
+    held = drive[known[np.searchsorted(known, kept, side="right") - 1]]
+    temps = {name.removesuffix("_degC"): values[kept] for name, values in channels.items() if _is_part(name)}
+    extras = {name: values[kept] for name, values in channels.items() if not _is_part(name) and name != AMBIENT}
+    comments = {"started": begun} if begun else {}
+    return Run(
+        time_s=time,
+        pwm=np.asarray(np.sign(held) * np.floor(np.abs(held) + 0.5)).astype(np.int64),
+        temps=temps,
+        ambient=channels[AMBIENT][kept] if AMBIENT in channels else None,
+        extras=extras,
+        comments=comments,
+    )
+
+
+def _is_part(name: str) -> bool:
+    return name.endswith("_degC") and name != AMBIENT
+
+
+def _suspect(made: Converted) -> None:
+    """Once for each column of a table, from the run that says it first."""
+    told: set[str] = set()
+    for _, run in made.runs:
+        found = suspicions({f"{name}_degC": values for name, values in run.temps.items()}, run.ambient)
+        for name, (said, unit) in found.items():
+            if name not in told:
+                told.add(name)
+                made.warnings.append(f"{made.table.label}: {name}: {said}; if so: --unit {name}={unit}")
+
+
+def with_comments(run: Run, comments: dict[str, str]) -> Run:
+    """A run with further comments before its own."""
+    return replace(run, comments={**comments, **run.comments})

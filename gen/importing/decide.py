@@ -1,0 +1,246 @@
+"""From the tables of one header to a mapping: what the user says, what the mapping file says, else a guess."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from gen.errors import InputError
+from gen.importing.evidence import Evidence
+from gen.importing.guess_columns import decide_columns
+from gen.importing.guess_input import decide_input
+from gen.importing.guess_time import decide_time
+from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.mapping import Entry, Mapping, TextForm
+from gen.importing.names import RUNS, SERIES
+from gen.importing.table import Table
+from gen.importing.text import shown_delimiter
+from gen.importing.units import unit_of
+
+_MOST_RUNS = 1000
+_MOST_SERIES = 200
+_PERCENT = 100.0
+
+
+@dataclass(frozen=True)
+class Decided:
+    """What was decided of the tables of one header.
+
+    Parameters
+    ----------
+    evidence
+        The tables.
+    mapping
+        What their columns are.
+    guesses
+        How sure that is, and why.
+    warnings
+        What is suspicious of that, in a line each.
+    """
+
+    evidence: Evidence
+    mapping: Mapping
+    guesses: Sequence[Guess]
+    warnings: Sequence[str] = ()
+
+
+def decide(tables: Sequence[Table], choices: Choices, known: Mapping | None) -> Decided:
+    """Decide of tables with the same columns.
+
+    Parameters
+    ----------
+    tables
+        At least one.
+    choices
+        What the user says.
+    known
+        The mapping file's, or None.
+
+    Raises
+    ------
+    InputError
+        With the file: nothing can be the time, the input or a temperature, or what was said does not fit.
+    """
+    evidence = Evidence(tables)
+    try:
+        _check_choices(evidence, choices)
+        decided = _by_mapping(evidence, known) if known is not None else _by_guess(evidence, choices)
+        _check_entries(decided.mapping)
+    except InputError as error:
+        raise InputError(error.message, file=error.file or tables[0].label, place=error.place) from None
+    return decided
+
+
+def doubts(decided: Decided) -> InputError | None:
+    """What may not be taken without being asked, in one line; None where all is sure enough."""
+    open_ones = [guess for guess in decided.guesses if guess.doubtful]
+    if not open_ones:
+        return None
+    parts = [f"{guess.subject}: {guess.taken}? {guess.why}; settle it by {guess.settle}" for guess in open_ones]
+    return InputError(f"doubtful: {' | '.join(parts)}", file=decided.evidence.tables[0].label)
+
+
+def _check_choices(evidence: Evidence, choices: Choices) -> None:
+    found = ", ".join(evidence.facts)
+    for name in choices.columns:
+        if name not in evidence.facts:
+            raise InputError(f'found "{name}", expected one of the columns {found}', place="--column")
+    for name in choices.units:
+        if name not in {*evidence.facts, *choices.columns.values(), "pwm", "time_s"} and not name.endswith("_degC"):
+            raise InputError(f'found "{name}", expected one of the columns {found}', place="--unit")
+    if choices.runs and choices.runs not in evidence.facts:
+        raise InputError(f'found "{choices.runs}", expected one of the columns {found}', place="--runs")
+
+
+def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
+    guesses = _of_text(evidence, choices)
+    runs = choices.runs or _runs(evidence)
+    if runs:
+        confidence = CERTAIN if choices.runs else 0.9
+        why = "--runs" if choices.runs else "by its name; each text in rows of its own"
+        guesses.append(Guess(runs, "a run for each value", confidence, why))
+    _check_wide(evidence)
+    reserved = {runs} - {""}
+    time, said = decide_time(evidence, choices)
+    guesses += said
+    drive, said = decide_input(evidence, choices, reserved | set(time.columns))
+    guesses += said
+    used = {*reserved, *time.columns, drive.column, drive.sign} - {""}
+    entries, said = decide_columns(evidence, _by_old_names(evidence, choices), used)
+    guesses += said
+    form = evidence.tables[0].reading
+    mapping = Mapping(
+        text=TextForm.model_validate(
+            {"encoding": form.encoding, "delimiter": form.delimiter, "decimal": form.decimal if form.encoding else ""}
+        ),
+        time=time,
+        input=drive,
+        runs=runs,
+        duplicates=choices.duplicates,  # type: ignore[arg-type]
+        column=entries,
+    )
+    return Decided(evidence, mapping, guesses, _suspicious(evidence, mapping, choices))
+
+
+def _suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[str]:
+    """A run file's own pwm is in counts; that the largest is 100 of 255 would be chance."""
+    name = mapping.input.column
+    told = choices.full_scale or choices.units.get(name) or choices.units.get("pwm")
+    if not name or told or mapping.input.unit != "counts" or max(map(abs, evidence.facts[name].span)) != _PERCENT:
+        return []
+    label = evidence.tables[0].label
+    return [f"{label}: {name}: the largest is {_PERCENT:g}, as in percent; if so: --unit {quoted(f'{name}=percent')}"]
+
+
+def _check_wide(evidence: Evidence) -> None:
+    """Refuse a table with a row for each sensor: a column of names that alternate beside one of values."""
+    for name, facts in evidence.facts.items():
+        if facts.kind == "text" and SERIES.fullmatch(name.casefold()) and 1 < len(set(facts.texts)) <= _MOST_SERIES:
+            found = ", ".join(sorted(set(facts.texts))[:4])
+            raise InputError(
+                f"has a row for each of {found} ..; expected a column for each (in pandas: "
+                f"frame.pivot(index=.., columns={name!r}, values=..))",
+                place=f"column {name}",
+            )
+
+
+def _by_old_names(evidence: Evidence, choices: Choices) -> Choices:
+    """Units may be given by the run file's name, which warnings speak of: they are looked up by the log's."""
+    told = {name: unit for name, unit in choices.units.items() if name not in evidence.facts}
+    if not told:
+        return choices
+    plain = Choices(columns=choices.columns, units={n: u for n, u in choices.units.items() if n in evidence.facts})
+    entries, _ = decide_columns(evidence, plain, set())
+    olds = {entry.to: entry.source for entry in entries if entry.to}
+    units = dict(plain.units)
+    for name, unit in told.items():
+        if name in ("pwm", "time_s"):
+            continue
+        if name not in olds:
+            raise InputError(f'found "{name}", expected one of the columns {", ".join(evidence.facts)}', place="--unit")
+        units[olds[name]] = unit
+    return Choices(columns=choices.columns, units=units)
+
+
+def _of_text(evidence: Evidence, choices: Choices) -> list[Guess]:
+    reading = evidence.tables[0].reading
+    guesses = []
+    for key, shown in (("encoding", reading.encoding), ("delimiter", shown_delimiter(reading.delimiter))):
+        if shown and key in reading.why:
+            guesses.append(Guess(key, shown, 0.95, reading.why[key]))
+    unsure = [table.reading.unsure for table in evidence.tables]
+    if choices.decimal:
+        guesses.append(Guess("decimal mark", choices.decimal, CERTAIN, "--decimal"))
+    elif unsure and all(unsure):
+        guesses.append(Guess("decimal mark", reading.decimal, 0.4, unsure[0], "--decimal , or --decimal ."))
+    elif "decimal" in reading.why:
+        guesses.append(Guess("decimal mark", reading.decimal, 0.95, reading.why["decimal"]))
+    return guesses
+
+
+def _runs(evidence: Evidence) -> str:
+    """A column of texts, each in rows of its own, that says by its name that it parts runs."""
+    for name, facts in evidence.facts.items():
+        if facts.kind != "text" or not RUNS.fullmatch(name.casefold()):
+            continue
+        texts = facts.texts
+        changes = sum(1 for before, after in pairwise(texts) if before != after) + 1
+        if 1 < len(set(texts)) == changes <= _MOST_RUNS:
+            return name
+    return ""
+
+
+def _by_mapping(evidence: Evidence, known: Mapping) -> Decided:
+    wanted = known.used | {entry.source for entry in known.column}
+    missing = sorted(wanted - set(evidence.facts))
+    if missing:
+        raise InputError(f'has no column "{missing[0]}", which the mapping names; found {", ".join(evidence.facts)}')
+    new = [name for name in evidence.facts if name not in wanted]
+    if new:
+        raise InputError(
+            f'the mapping says nothing of the column "{new[0]}"; expected [[column]] with from = "{new[0]}", and '
+            'to = "" to leave it out'
+        )
+    said = "in the mapping"
+    time = ", ".join(known.time.columns) or "time"
+    unit = known.time.unit if known.time.columns else f"rows every {known.time.interval_s:g} s"
+    guesses = [Guess(time, f"time: {unit}", CERTAIN, said)]
+    scale = f"pwm: {known.input.full_scale:g} {known.input.unit} = 255" if known.input.column else ""
+    guesses.append(Guess(known.input.column or "input", scale or f"pwm = {known.input.counts}", CERTAIN, said))
+    for entry in known.column:
+        shown = f"{entry.to}, from {entry.unit}" if entry.unit and not entry.to.endswith(entry.unit) else entry.to
+        guesses.append(Guess(entry.source, shown or "left out", CERTAIN, said))
+    for name in known.used:
+        if evidence.facts[name].kind == "text" and name != known.runs:
+            raise InputError("holds text, expected numbers or times", place=f"column {name}")
+    return Decided(evidence, known, guesses)
+
+
+def _check_entries(mapping: Mapping) -> None:
+    """Every name once, each a name that a run file can have; and a temperature among them."""
+    given = Counter(entry.to for entry in mapping.column if entry.to)
+    for name, count in given.items():
+        if count > 1 or name in ("time_s", "pwm"):
+            raise InputError(f'"{name}" would be there twice; expected another name', place=f"--column ..={name}")
+        if set(name) & set(',"#\n\r') or name != name.strip() or not name.isprintable():
+            raise InputError(f"{name!r} cannot be a run file's column", place="--column")
+    _check_units(mapping.column)
+    if not any(name.endswith("_degC") and name != "ambient_degC" for name in given):
+        shown = next((entry.source for entry in mapping.column), "OLD")
+        raise InputError(
+            f"no column is a part's temperature; expected --column OLD=NAME_degC, such as "
+            f"--column {quoted(f'{shown}=winding_degC')}"
+        )
+
+
+def _check_units(entries: Sequence[Entry]) -> None:
+    for entry in entries:
+        unit = unit_of(entry.unit) if entry.unit else None
+        if entry.unit and unit is None:
+            raise InputError(
+                f'found the unit "{entry.unit}", expected one that is known', place=f"column {entry.source}"
+            )
+        if entry.to.endswith("_degC") and unit is not None and unit.quantity != "temperature":
+            raise InputError(f"found {entry.unit}, expected degC, degF or K", place=f"column {entry.source}")

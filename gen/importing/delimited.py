@@ -1,0 +1,324 @@
+"""Delimited text, with whatever stands before, between and behind its rows, to a table."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+
+from gen.errors import InputError
+from gen.importing.clock import is_time
+from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
+from gen.importing.table import Column, Counted, Reading, Table, unique_names
+from gen.importing.units import unit_of
+
+DELIMITERS = {";": "semicolon", "\t": "tab", "|": "pipe", ",": "comma", " ": "white space"}
+_COMMENT = re.compile(r"\s*(?:#|%(?![,;|\t])|//|\*\*|--\s)")  # a unit of a row of units may be `%`
+_STAMPED = re.compile(r"\s*(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*->\s?(.*)")
+_SAMPLE = 400
+_LEAST_CONSISTENT = 0.8
+_MOST_LOST = 0.5
+_SHOWN = 40
+MOST_COLUMNS = 2000
+_HEAD_LINES = 20
+
+
+@dataclass(frozen=True)
+class Lines:
+    """A text's lines.
+
+    Parameters
+    ----------
+    texts
+        Without their ends, comments and empty lines.
+    numbers
+        Of each in the file.
+    comments
+        The comment lines, in order, without their marks.
+    """
+
+    texts: list[str]
+    numbers: list[int]
+    comments: list[str]
+
+
+def lines_of(text: str) -> Lines:
+    """Part a text into lines; comments and empty lines are set apart."""
+    texts, numbers, comments = [], [], []
+    for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1):
+        if not line.strip():
+            continue
+        if line[0] in "#%/*- \t" and (mark := _COMMENT.match(line)):
+            comments.append(line[mark.end() :].strip())
+            continue
+        texts.append(line)
+        numbers.append(number)
+    return Lines(texts, numbers, comments)
+
+
+def stamped(lines: Lines) -> tuple[Lines, list[str]]:
+    """Part the time of day from lines of a serial monitor (``13:45:10.123 -> 23.5,102``).
+
+    Returns
+    -------
+    lines, times
+        No times where most lines have none; then the lines are those given.
+    """
+    sample = lines.texts[:_SAMPLE]
+    if sum(1 for line in sample if _STAMPED.match(line)) <= 0.5 * len(sample):
+        return lines, []
+    texts, numbers, times = [], [], []
+    for line, number in zip(lines.texts, lines.numbers, strict=True):
+        found = _STAMPED.match(line)
+        texts.append(found[2] if found else line)
+        times.append(found[1] if found else "")
+        numbers.append(number)
+    return Lines(texts, numbers, lines.comments), times
+
+
+def guess_delimiter(lines: Sequence[str]) -> tuple[str, str]:
+    """The delimiter, and why; a comma last of all marks, for it may be a decimal's.
+
+    Raises
+    ------
+    InputError
+        Without a file name: no mark parts the lines into columns.
+    """
+    middle = max(0, len(lines) // 2 - _SAMPLE // 2)
+    head = min(_SAMPLE // 4, middle)
+    sample = [*lines[:head], *lines[middle : middle + _SAMPLE]]
+    for delimiter, name in DELIMITERS.items():
+        fields = Counter(_fields(line, delimiter) for line in sample)
+        width = max((w for w in fields if w > 1), key=lambda w: fields[w], default=1)
+        if width > 1 and fields[width] >= _LEAST_CONSISTENT * len(sample):
+            return delimiter, f"{name}: {width} columns in {fields[width]} of {len(sample)} lines looked at"
+    best = Counter(
+        (delimiter, _fields(line, delimiter))
+        for delimiter in DELIMITERS
+        for line in sample
+        if _fields(line, delimiter) > 1 and _numbers(line, delimiter)
+    ).most_common(1)
+    if best and best[0][1] >= _MOST_LOST * len(sample):
+        (delimiter, width), number = best[0]
+        return delimiter, f"{DELIMITERS[delimiter]}: {width} columns in {number} of {len(sample)} lines looked at"
+    raise InputError(
+        "no delimiter parts its lines into the same number of columns (tried comma, semicolon, tab, pipe, spaces); "
+        "expected a table",
+        place="line 1",
+    )
+
+
+def _fields(line: str, delimiter: str) -> int:
+    if delimiter == " ":
+        return len(line.split())
+    if '"' in line:
+        line = re.sub(r'"[^"]*"', "", line)
+    return line.count(delimiter) + 1
+
+
+def _numbers(line: str, delimiter: str) -> bool:
+    return any(plain_number(cell.strip(), ",") is not None for cell in line.split(delimiter))
+
+
+def split_rows(lines: Lines, delimiter: str, word: str = "line") -> tuple[list[list[str]], list[int]]:
+    """Part lines into cells, quotes taken off; a quoted cell may hold line ends.
+
+    Raises
+    ------
+    InputError
+        Without a file name, with the line of a field that is too large to be one.
+    """
+    if delimiter == " ":
+        return [line.split() for line in lines.texts], lines.numbers
+    reader = csv.reader(_closed(lines.texts), delimiter=delimiter, skipinitialspace=True)
+    rows: list[list[str]] = []
+    numbers: list[int] = []
+    before = 0
+    try:
+        for row in reader:
+            rows.append(row)
+            numbers.append(lines.numbers[before])
+            before = reader.line_num
+    except csv.Error as error:
+        raise InputError(
+            f"{error}; expected rows of numbers", place=f"{word} {lines.numbers[min(before, len(lines.numbers) - 1)]}"
+        ) from None
+    return rows, numbers
+
+
+def _closed(texts: list[str]) -> list[str]:
+    """A quote that noise put into a line must not swallow the lines behind it; a header may hold line ends."""
+    odd = [i for i, line in enumerate(texts) if line.count('"') % 2 and i >= _HEAD_LINES]
+    if odd:
+        texts = list(texts)
+        for i in odd:
+            texts[i] = texts[i].replace('"', "")
+    return texts
+
+
+def table_of_rows(
+    file: Path,
+    rows: list[list[str]],
+    numbers: list[int],
+    *,
+    reading: Reading,
+    word: str = "line",
+    part: str = "",
+    comments: Sequence[str] = (),
+    times: Sequence[str] = (),
+) -> Table:
+    """Find header, units and rows, and count what is none of them.
+
+    Parameters
+    ----------
+    file, part, word
+        Of the table.
+    rows, numbers
+        Cells, and the line of each.
+    reading
+        Encoding and delimiter; the decimal mark is guessed where it is empty.
+    comments
+        The comment lines.
+    times
+        Time of day of each row, where a serial monitor wrote one.
+
+    Raises
+    ------
+    InputError
+        Without a file name, with a place: no rows, or too much that is none.
+    """
+    width = _width(rows)
+    if width > MOST_COLUMNS:
+        raise InputError(f"found {width} columns, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")
+    first = next((i for i, row in enumerate(rows) if _is_data(row, width)), None)
+    if first is None:
+        found = " | ".join(rows[0])[:_SHOWN] if rows else "nothing"
+        raise InputError(
+            f'found no row of numbers, only such as "{found}"; expected a header line and rows',
+            place=f"{word} {numbers[-1] if numbers else 1}",
+        )
+    names, units = _head(rows[:first], width, comments)
+    good, counted = _sorted_out(rows, numbers, first, width, names, word)
+    if len(good) < _MOST_LOST * (len(rows) - first):
+        raise InputError(
+            f"only {len(good)} of {len(rows) - first} lines are rows of {width} columns; expected one table",
+            place=counted[0].first,
+        )
+    cells = [list(column) for column in zip(*(rows[i] for i in good), strict=True)]
+    if not names:
+        names = [f"column_{i + 1}" for i in range(width)]
+    if times:
+        names, units, cells = ["clock", *names], ["", *units], [[times[i] for i in good], *cells]
+    kept = [i for i, name in enumerate(names) if name.strip() or any(cell.strip() for cell in cells[i])]
+    return Table(
+        file,
+        [
+            Column(name, cells[i], units[i].strip())
+            for i, name in zip(kept, unique_names([names[i] for i in kept]), strict=True)
+        ],
+        np.array([numbers[i] for i in good], dtype=np.int64),
+        word,
+        part,
+        keyed_comments(comments),
+        _with_decimal(reading, cells),
+        tuple(counted),
+    )
+
+
+def keyed_comments(comments: Sequence[str]) -> dict[str, str]:
+    """Comments as a run file has them; only those that say ``key: value``."""
+    found = {}
+    for text in comments:
+        key, colon, value = text.partition(":")
+        if colon and key.strip() and len(key) <= _SHOWN:
+            found[key.strip()] = value.strip()
+    return found
+
+
+def _with_decimal(reading: Reading, cells: Sequence[Sequence[str]]) -> Reading:
+    if reading.decimal:
+        return reading
+    step = max(1, len(cells[0]) // 2000)
+    mark, confidence, why = decimal_mark(chain.from_iterable(column[::step] for column in cells))
+    return replace(reading, decimal=mark, unsure="" if confidence >= 0.6 else why, why={**reading.why, "decimal": why})
+
+
+def _width(rows: Sequence[Sequence[str]]) -> int:
+    counts = Counter(map(len, rows))
+    wide = {width: count for width, count in counts.items() if width > 1}
+    return max(wide or counts, key=lambda width: (counts[width], width), default=1)
+
+
+def _is_number(cell: str) -> bool:
+    text = cell.strip()
+    return (
+        plain_number(text) is not None
+        or plain_number(text, ",") is not None
+        or is_time(text)
+        or (text[:1].isdigit() and unit_of(re.sub(r"^[\d.,]+\s*", "", text)) is not None)
+    )
+
+
+def _is_data(row: Sequence[str], width: int) -> bool:
+    if len(row) != width:
+        return False
+    filled = [cell for cell in row if cell.strip() and cell.strip().casefold() not in NAN_WORDS]
+    return bool(filled) and 2 * sum(map(_is_number, filled)) >= len(filled)
+
+
+def _is_head(row: Sequence[str]) -> bool:
+    filled = [cell for cell in row if cell.strip()]
+    return 2 * len(filled) > len(row) and not any(plain_number(cell.strip()) is not None for cell in filled)
+
+
+def _is_units(row: Sequence[str]) -> bool:
+    filled = [cell.strip() for cell in row if cell.strip()]
+    known = sum(1 for cell in filled if unit_of(cell) or re.fullmatch(r"[\[(].*[\])]|-|hh:mm:ss.*", cell))
+    return bool(filled) and 2 * known > len(filled)
+
+
+def _head(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Names and units; no names where there is no header."""
+    heads = [_padded(row, width) for row in before[-4:] if len(row) in (width, width - 1) and _is_head(row)]
+    if heads and len(heads) > 1 and _is_units(heads[-1]) and not _is_units(heads[-2]):
+        return heads[-2], heads[-1]
+    if heads:
+        return heads[-1], [""] * width
+    for text in reversed(comments):  # as numpy.savetxt writes it
+        for delimiter in DELIMITERS:
+            row = text.split() if delimiter == " " else text.split(delimiter)
+            if width > 1 and len(row) == width and _is_head(row) and ":" not in row[0]:
+                return [cell.strip() for cell in row], [""] * width
+    return [], [""] * width
+
+
+def _padded(row: list[str], width: int) -> list[str]:
+    return [*row, *[""] * (width - len(row))]
+
+
+def _sorted_out(
+    rows: Sequence[list[str]], numbers: Sequence[int], first: int, width: int, names: Sequence[str], word: str
+) -> tuple[list[int], list[Counted]]:
+    """Rows that are some, and what the others are."""
+    good: list[int] = []
+    others: dict[str, list[int]] = {}
+    head = [name.strip() for name in names]
+    for i in range(first, len(rows)):
+        row = rows[i]
+        if len(row) == width and (row[0][:1].isdigit() or any(map(_may_be_number, row))):
+            good.append(i)
+        elif [cell.strip() for cell in row] == head:
+            others.setdefault("repeated header", []).append(i)
+        else:
+            others.setdefault(f"line that is no row of {width} columns", []).append(i)
+    return good, [Counted(what, len(found), f"{word} {numbers[found[0]]}") for what, found in others.items()]
+
+
+def _may_be_number(cell: str) -> bool:
+    return any(map(str.isdigit, cell))

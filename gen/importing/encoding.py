@@ -1,0 +1,110 @@
+"""Bytes to text, whatever wrote them."""
+
+from __future__ import annotations
+
+import codecs
+import re
+
+from gen.errors import InputError
+
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+_SAMPLE = 1 << 16
+_DEGREES = re.compile(r"[°º]\s?[CFK]|℃|℉|µs|[A-Za-zÄÖÜäöü]*[ÄÖÜäöüß][a-zäöüß]+")
+_SINGLE_BYTE = ("cp1252", "cp437", "mac_roman")
+_DAMAGED = 0.05
+"""Of the lines: a serial line's bit errors hit fewer, another encoding's letters stand in the header or in all rows."""
+
+
+def decode(data: bytes, given: str = "") -> tuple[str, str, str]:
+    """Decode a file.
+
+    Parameters
+    ----------
+    data
+        All of it.
+    given
+        The encoding, where it is known.
+
+    Returns
+    -------
+    text, encoding, why
+        Why is empty where it was given.
+
+    Raises
+    ------
+    InputError
+        Without a file name: where it is no text, or not in the encoding given.
+    """
+    if given:
+        try:
+            return data.decode(given), given, ""
+        except LookupError:
+            raise InputError(f'found the encoding "{given}", expected one that Python knows') from None
+        except UnicodeDecodeError as error:
+            line = data.count(b"\n", 0, error.start) + 1
+            if given.replace("-", "") in ("utf8", "utf8sig"):
+                return data.decode(given, "replace"), given, ""
+            raise InputError(f"byte 0x{data[error.start]:02x} is not {given}", place=f"line {line}") from None
+    text, encoding, why = _guessed(data)
+    _check_text(text)
+    return text, encoding, why
+
+
+def _guessed(data: bytes) -> tuple[str, str, str]:
+    for mark, encoding in _MARKS:
+        if data.startswith(mark):
+            return data.decode(encoding, "replace"), encoding, "a byte-order mark"
+    wide = _without_mark(data[:_SAMPLE])
+    if wide:
+        return data.decode(wide, "replace"), wide, "every other byte is 0"
+    try:
+        return data.decode("utf-8"), "utf-8", "all of it is UTF-8"
+    except UnicodeDecodeError:
+        pass
+    replaced = data.decode("utf-8", "replace")
+    lines = replaced.split("\n")
+    damaged = [number for number, line in enumerate(lines) if "\ufffd" in line]
+    if damaged[0] > 5 and len(damaged) <= max(1, _DAMAGED * len(lines)):
+        return replaced, "utf-8", f"{len(damaged)} line(s) hold other bytes, as noise on a serial line does"
+    return _single_byte(data)
+
+
+def _without_mark(sample: bytes) -> str:
+    """UTF-16 without its mark: ASCII with a zero in every other byte."""
+    half = len(sample) // 2
+    if half < 2:
+        return ""
+    if sample[1::2].count(0) > 0.9 * half and sample[0::2].count(0) < 0.1 * half:
+        return "utf-16-le"
+    if sample[0::2].count(0) > 0.9 * half and sample[1::2].count(0) < 0.1 * half:
+        return "utf-16-be"
+    return ""
+
+
+def _single_byte(data: bytes) -> tuple[str, str, str]:
+    sample = data[:_SAMPLE]
+    for encoding in _SINGLE_BYTE:
+        found = _DEGREES.search(sample.decode(encoding, "replace"))
+        if found:
+            return data.decode(encoding, "replace"), encoding, f'with it a word is "{found[0]}"'
+    from charset_normalizer import from_bytes
+
+    best = from_bytes(sample).best()
+    encoding = best.encoding if best is not None and best.chaos < 0.1 else "cp1252"
+    return data.decode(encoding, "replace"), encoding, "it is no UTF-8; by charset-normalizer"
+
+
+def _check_text(text: str) -> None:
+    sample = text[:_SAMPLE]
+    strange = sum(1 for c in sample if (ord(c) < 32 and c not in "\t\r\n\f\x1b") or c == "\ufffd")
+    if "\0" in sample or strange > 0.1 * len(sample):
+        raise InputError(
+            "is neither text nor a format that is known by its first bytes; expected CSV, JSON lines, a serial "
+            "capture, Excel (.xlsx), Parquet or MATLAB (.mat)"
+        )

@@ -1,0 +1,132 @@
+"""What the columns of files with one header hold, taken together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gen.importing.clock import kind_of
+from gen.importing.numbers import Parsed, parse
+from gen.importing.table import Column, FloatArray, Table
+from gen.importing.units import Unit, split_name, unit_of
+
+_LEAST_NUMBERS = 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class Facts:
+    """One column in all files.
+
+    Parameters
+    ----------
+    name
+        As the files have it.
+    columns
+        Of each table.
+    decimals
+        Decimal mark of each table.
+    """
+
+    name: str
+    columns: Sequence[Column]
+    decimals: Sequence[str]
+
+    @cached_property
+    def kind(self) -> str:
+        """What it holds: "number", "instant", "date", "clock", "minutes", "text" or "nothing"."""
+        cells = self.columns[0].cells
+        if not isinstance(cells, list):
+            if cells.dtype.kind == "M":
+                return "instant"
+            return "number" if self.values.size else "nothing"
+        found = kind_of(cells)
+        if found:
+            return found
+        if self.values.size and max(entry.numeric for entry in self.parsed) >= _LEAST_NUMBERS:
+            return "number"
+        return "text" if any(entry.text.any() for entry in self.parsed) else "nothing"
+
+    @cached_property
+    def parsed(self) -> list[Parsed]:
+        """The numbers of each table."""
+        return [_parsed(column, mark) for column, mark in zip(self.columns, self.decimals, strict=True)]
+
+    @cached_property
+    def values(self) -> FloatArray:
+        """All numbers, shape (n,), without those missing."""
+        joined = np.concatenate([entry.values for entry in self.parsed])
+        return np.asarray(joined[np.isfinite(joined)])
+
+    @cached_property
+    def steps(self) -> FloatArray:
+        """Differences from number to number within each table."""
+        found = [entry.values[np.isfinite(entry.values)] for entry in self.parsed]
+        return np.concatenate([np.diff(values) for values in found])
+
+    @cached_property
+    def texts(self) -> list[str]:
+        """All cells as text; empty for a typed column."""
+        return [cell for column in self.columns if isinstance(column.cells, list) for cell in column.cells]
+
+    @cached_property
+    def named(self) -> tuple[str, Unit | None, str]:
+        """Name without unit, the unit, and where that was found: "name", "row of units", "values" or nothing."""
+        base, unit, _ = split_name(self.name)
+        if unit is not None:
+            return base, unit, "name"
+        row = unit_of(self.columns[0].unit) if self.columns[0].unit else None
+        if row is not None:
+            return base, row, "row of units"
+        behind = self.parsed[0].unit if isinstance(self.columns[0].cells, list) else ""
+        if behind and (unit := unit_of(behind)):
+            return base, unit, "values"
+        return base, None, ""
+
+    @property
+    def whole(self) -> bool:
+        """Whether all numbers are whole."""
+        return bool(np.all(self.values == np.round(self.values)))
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Smallest and largest number; of no numbers, zeros."""
+        return (float(self.values.min()), float(self.values.max())) if self.values.size else (0.0, 0.0)
+
+    @property
+    def starts(self) -> FloatArray:
+        """Median of each table's first five numbers."""
+        found = [entry.values[np.isfinite(entry.values)][:5] for entry in self.parsed]
+        return np.array([np.median(values) for values in found if values.size])
+
+
+def _parsed(column: Column, mark: str) -> Parsed:
+    cells = column.cells
+    if isinstance(cells, list):
+        return parse(cells, mark or ".")
+    instants = cells.dtype.kind == "M"
+    values = np.full(len(cells), np.nan) if instants else np.where(np.isfinite(cells), cells, np.nan)
+    none = np.zeros(len(values), dtype=bool)
+    return Parsed(values, np.isnan(values), none, none)
+
+
+class Evidence:
+    """The columns of tables that have the same ones.
+
+    Parameters
+    ----------
+    tables
+        At least one; all with the same names of columns.
+    """
+
+    def __init__(self, tables: Sequence[Table]) -> None:
+        self.tables = tables
+        decimals = [table.reading.decimal for table in tables]
+        self.facts = {name: Facts(name, [table.column(name) for table in tables], decimals) for name in tables[0].names}
+
+    @property
+    def numbers(self) -> list[Facts]:
+        """Columns of numbers, in order."""
+        return [facts for facts in self.facts.values() if facts.kind == "number"]

@@ -1,0 +1,196 @@
+"""What each of the other columns is: a part's temperature, the ambient, current, voltage, speed, or something else."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen.errors import InputError
+from gen.importing import names
+from gen.importing.evidence import Evidence, Facts
+from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.mapping import Entry
+from gen.importing.units import CURRENT, SPEED, TEMPERATURE, VOLTAGE, Unit, unit_of
+
+AMBIENT = "ambient_degC"
+_CANONICAL = {
+    CURRENT: ("current_A", names.CURRENT),
+    VOLTAGE: ("voltage_V", names.VOLTAGE),
+    SPEED: ("speed_rpm", names.SPEED),
+}
+_COLD_C = (-40.0, 45.0)
+"""degC at which a log may begin."""
+_LETTER = re.compile(r".*[_ ][A-Za-z]")
+
+
+@dataclass(frozen=True)
+class _Sorted:
+    facts: Facts
+    quantity: str
+    unit: Unit | None
+    confidence: float
+    why: str
+
+
+def decide_columns(evidence: Evidence, choices: Choices, used: set[str]) -> tuple[list[Entry], list[Guess]]:
+    """Say of every column that is not time or input what it becomes.
+
+    Parameters
+    ----------
+    evidence
+        The columns.
+    choices
+        What the user says.
+    used
+        Columns that have a place already.
+
+    Raises
+    ------
+    InputError
+        Without a file name: what was said names no column, or a unit that is none.
+    """
+    taken = {"time_s", "pwm"} | {name for name in choices.columns.values() if name}
+    entries: list[Entry] = []
+    guesses: list[Guess] = []
+    left = [_sorted(facts, evidence, choices) for name, facts in evidence.facts.items() if name not in used]
+    room = _ambient(left, choices)
+    for found in left:
+        entry, guess = _entry(found, choices, taken, found.facts.name == room)
+        if entry.to:
+            taken.add(entry.to)
+            taken.add(entry.to.removesuffix("_degC"))
+        entries.append(entry)
+        guesses.append(guess)
+    return entries, guesses
+
+
+def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
+    """The quantity and the unit of a column."""
+    base, unit, where = facts.named
+    told = choices.units.get(facts.name) or choices.units.get(choices.columns.get(facts.name) or facts.name)
+    if told:
+        unit = unit_of(told)
+        if unit is None:
+            raise InputError(f'found the unit "{told}", expected degC, degF, K, A, mA, V, rpm ..', place="--unit")
+        return _Sorted(facts, unit.quantity, unit, CERTAIN, f"{unit.name} by --unit")
+    if facts.kind != "number":
+        return _Sorted(facts, "", None, 0.9, f"holds {facts.kind}")
+    if unit is not None and where == "name" and _one_of_letters(facts.name, evidence):
+        unit = None
+    target = choices.columns.get(facts.name, "")
+    if names.WANTED.search(base) and not target:
+        return _Sorted(facts, "", unit, 0.8, "a wanted or modelled value by its name")
+    thermal = bool(names.THERMAL.fullmatch(base) or names.PARTS.search(base) or names.AMBIENT.search(base))
+    if unit is not None and unit.quantity == TEMPERATURE:
+        return _by_unit(facts, unit, where, thermal)
+    if unit is None and (target.endswith("_degC") or (thermal and not _electrical(base))):
+        return _by_range(facts, bool(target))
+    if unit is not None:
+        return _Sorted(facts, unit.quantity, unit, 0.9, f"in {unit.name} by its {where}")
+    return _by_name(facts, base)
+
+
+def _one_of_letters(name: str, evidence: Evidence) -> bool:
+    """Whether the last letter counts (`phase_A`, `phase_B`) and is no unit."""
+    if not _LETTER.fullmatch(name):
+        return False
+    others = {other[-1] for other in evidence.facts if other[:-1] == name[:-1]}
+    return len(others) > 1 and (others - set("CFKAVWs")) != set()
+
+
+def _electrical(base: str) -> bool:
+    return any(pattern.fullmatch(base) for _, pattern in _CANONICAL.values()) and not re.search(
+        r"(?i)temp|thermo", base
+    )
+
+
+def _by_unit(facts: Facts, unit: Unit, where: str, thermal: bool) -> _Sorted:
+    low, high = facts.span
+    begin = float(np.median(facts.starts)) if facts.starts.size else low
+    if unit.name == "degC" and begin > 200 and high < 700:
+        return _Sorted(facts, TEMPERATURE, unit, 0.4, f"begins at {begin:.4g}, which is rather K than degC")
+    if unit.name == "K" and begin < 150:
+        return _Sorted(facts, TEMPERATURE, unit, 0.4, f"begins at {begin:.4g}, which is no temperature in K")
+    said = f"{unit.name} by its {where}" if where == "name" else f"{unit.name} by the {where}"
+    return _Sorted(facts, TEMPERATURE, unit, 0.95 if thermal else 0.85, said)
+
+
+def _by_range(facts: Facts, told: bool) -> _Sorted:
+    """A temperature whose unit nothing says: by where the log begins."""
+    low, high = facts.span
+    starts = facts.starts
+    begin = float(np.median(starts)) if starts.size else low
+    said = f"begins at {begin:.4g}, {low:.4g}..{high:.4g}"
+    celsius, kelvin = unit_of("degC"), unit_of("K")
+    if facts.values.size and 260 <= begin <= 330 and low > 230 and not facts.whole:
+        return _Sorted(facts, TEMPERATURE, kelvin, 0.8, f"{said}: K")
+    if begin > 100 or (low < -60 and high > 500):
+        return _Sorted(facts, TEMPERATURE, celsius, 0.3, f"{said}: no cold motor in degC, and nothing says the unit")
+    if not _COLD_C[0] <= begin <= _COLD_C[1]:
+        return _Sorted(facts, TEMPERATURE, celsius, 0.45, f"{said}: degC after it ran, or degF of a cold one")
+    return _Sorted(facts, TEMPERATURE, celsius, 0.85 if told else 0.8, f"{said}: degC")
+
+
+def _by_name(facts: Facts, base: str) -> _Sorted:
+    alone = unit_of(base) if len(base) > 1 else None
+    if alone is not None and alone.quantity in _CANONICAL:
+        return _Sorted(facts, alone.quantity, alone, 0.9, f"in {alone.name} by its name")
+    for quantity, unit in ((CURRENT, "A"), (VOLTAGE, "V")):
+        reached = max(map(abs, facts.span))
+        if _CANONICAL[quantity][1].fullmatch(base) and reached <= 100:
+            return _Sorted(facts, quantity, unit_of(unit), 0.7, f"by its name; up to {reached:.4g}: {unit}")
+    return _Sorted(facts, "", None, 0.8, "kept as it is")
+
+
+def _ambient(found: list[_Sorted], choices: Choices) -> str:
+    """The column of the ambient's temperature; empty where there is none."""
+    told = [name for name, new in choices.columns.items() if new == AMBIENT]
+    if told:
+        return told[0]
+    fit = [entry.facts for entry in found if entry.quantity == TEMPERATURE and entry.facts.name not in choices.columns]
+    named = [facts.name for facts in fit if names.AMBIENT.search(facts.named[0])]
+    return next((name for name in named if "amb" in name.casefold()), named[0] if named else "")
+
+
+def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool) -> tuple[Entry, Guess]:
+    facts = found.facts
+    base, in_name, _ = facts.named
+    if in_name is not None and found.unit is None:  # the letters are none
+        base = facts.name
+    unit = found.unit
+    name = "" if unit is None else unit.name
+    new = choices.columns.get(facts.name)
+    if new == "" or (new is None and facts.kind != "number"):
+        why = "--column" if new == "" else found.why
+        return Entry.model_validate({"from": facts.name, "to": ""}), Guess(facts.name, "left out", 0.9, why)
+    why = found.why if new is None else f"{found.why}; name by --column"
+    confidence, settle = found.confidence, ""
+    if found.quantity == TEMPERATURE:
+        to = AMBIENT if ambient else f"{names.component_name(base, taken)}_degC"
+        if new:
+            to = new if new.endswith("_degC") else f"{new}_degC"
+        shown = quoted(f"{facts.name}=degC")
+        settle = f"--unit {shown} or =degF or =K"
+    elif new:
+        to = new
+    else:
+        to, name, confidence = _channel(found, base, taken)
+    taken_for = to if not name or to.endswith(f"_{name}") else f"{to}, from {name}"
+    entry = Entry.model_validate({"from": facts.name, "to": to, "unit": name})
+    return entry, Guess(facts.name, taken_for, confidence, why, settle)
+
+
+def _channel(found: _Sorted, base: str, taken: set[str]) -> tuple[str, str, float]:
+    """Name and unit of what is no temperature; only what has a fixed name is converted."""
+    unit = found.unit
+    if unit is not None and unit.quantity in _CANONICAL:
+        to, pattern = _CANONICAL[unit.quantity]
+        if to not in taken and (pattern.fullmatch(base) or unit_of(base)):
+            return to, unit.name, found.confidence
+    written = found.unit.name if found.unit is not None else found.facts.columns[0].unit
+    kept = names.channel_name(base, written, taken)
+    if kept.endswith("_degC"):
+        kept = f"{kept}_value"
+    return kept, "", found.confidence

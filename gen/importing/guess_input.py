@@ -1,0 +1,186 @@
+"""Which column drives the motor, and what of it is 255 counts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen.errors import InputError
+from gen.importing.evidence import Evidence, Facts
+from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.mapping import InputForm
+from gen.importing.names import DRIVES, DUTY, PWM, SIGN
+from gen.importing.numbers import plain_number
+from gen.importing.units import COUNTS, SHARE, Unit, unit_of
+
+FULL = 255
+
+
+@dataclass(frozen=True)
+class _Scale:
+    unit: str
+    full: float
+    confidence: float
+    why: str
+
+
+def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[InputForm, list[Guess]]:
+    """Find the input and its scale.
+
+    Parameters
+    ----------
+    evidence
+        The columns.
+    choices
+        What the user says.
+    reserved
+        Columns that the time is made of.
+
+    Raises
+    ------
+    InputError
+        Without a file name: what was said is no column, or does not fit what it holds; or no column is a PWM.
+    """
+    if choices.drive and choices.drive not in evidence.facts:
+        counts = plain_number(choices.drive)
+        if counts is None or counts != round(counts) or abs(counts) > FULL:
+            raise InputError(
+                f'found "{choices.drive}", expected a column ({", ".join(evidence.facts)}) or whole counts -255..255 '
+                "that all rows have",
+                place="--input",
+            )
+        return InputForm(counts=int(counts)), [Guess("input", f"pwm = {int(counts)}", CERTAIN, "--input")]
+    entry, confidence, why = _column(evidence, choices, reserved)
+    scale = _scale(entry, evidence, choices)
+    sign = _sign(evidence, reserved | {entry.name})
+    form = InputForm(column=entry.name, unit=scale.unit, full_scale=scale.full, sign=sign)
+    low, high = entry.span
+    reached = max(abs(low), abs(high))
+    if reached / scale.full * FULL > FULL + 0.5 and scale.confidence == CERTAIN:
+        raise InputError(
+            f"found {reached:g} {scale.unit}, more than its full scale of {scale.full:g}; expected --full-scale of at "
+            "least that",
+            place=f"column {entry.name}",
+        )
+    taken = (
+        f"pwm: {scale.full:g} {scale.unit} = 255" if scale.unit != "counts" or scale.full != FULL else "pwm in counts"
+    )
+    taken += f", sign of {sign}" if sign else ""
+    shown = quoted(f"{entry.name}=percent")
+    settle = f"--unit {shown}, =counts or =duty" if scale.full <= FULL else f"--full-scale {scale.full:g}"
+    return form, [
+        Guess(entry.name, taken, min(confidence, scale.confidence), "; ".join(filter(None, (why, scale.why))), settle)
+    ]
+
+
+def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[Facts, float, str]:
+    if choices.drive:
+        entry = evidence.facts[choices.drive]
+        if entry.kind != "number":
+            raise InputError(f"holds {entry.kind}, expected numbers", place=f"column {entry.name}")
+        return entry, CERTAIN, "--input"
+    renamed = [name for name, new in choices.columns.items() if new == "pwm"]
+    left = {name for name, new in choices.columns.items() if new != "pwm"}
+    numbers = [entry for entry in evidence.numbers if entry.name not in reserved | left]
+    for entry in numbers:
+        if entry.name in renamed:
+            return entry, CERTAIN, "--column"
+    for pattern, confidence in ((PWM, 0.95), (DUTY, 0.85)):
+        found = [entry for entry in numbers if pattern.search(entry.name)]
+        exact = [entry for entry in found if entry.named[0].casefold() in ("pwm", "duty")]
+        if len(found) > 1 and len(exact) != 1:
+            names = " or ".join(f"--input {quoted(entry.name)}" for entry in found)
+            raise InputError(
+                f"{len(found)} columns may be the input; expected {names}", place=evidence.tables[0].place(0)
+            )
+        if found:
+            return (exact or found)[0], confidence, "by its name"
+    raise InputError(_none(numbers), place=evidence.tables[0].place(0))
+
+
+def _none(numbers: list[Facts]) -> str:
+    drives = [entry for entry in numbers if DRIVES.search(entry.name)]
+    said = "no column is a motor's PWM"
+    options = [f"--input {quoted(entry.name)}{_full_scale(entry)}" for entry in drives[:4]]
+    if options:
+        return f"{said}; expected what drives it, such as {' or '.join(options)}"
+    names = ", ".join(entry.name for entry in numbers)
+    return f"{said} among {names}; expected --input COLUMN --full-scale X, or --input COUNTS for what all rows have"
+
+
+def _full_scale(entry: Facts) -> str:
+    unit = entry.named[1]
+    return "" if unit is not None and unit.quantity == SHARE else f" --full-scale {_round_up(entry):g}"
+
+
+def _round_up(entry: Facts) -> float:
+    low, high = entry.span
+    reached = max(abs(low), abs(high), 1e-9)
+    power = 10.0 ** np.floor(np.log10(reached))
+    return float(next(m for m in (1.0, 2.0, 5.0, 10.0) if m * power >= reached) * power)
+
+
+def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> _Scale:
+    low, high = entry.span
+    reached = max(abs(low), abs(high))
+    base, unit, _ = entry.named
+    told = choices.units.get(entry.name) or choices.units.get("pwm")
+    if told:
+        unit = unit_of(told) or Unit("other", told, told)
+    if choices.full_scale is not None:
+        return _Scale(unit.name if unit else _bare(entry), choices.full_scale, CERTAIN, "--full-scale")
+    if unit is not None and unit.quantity in (SHARE, COUNTS):
+        full = 100.0 / unit.scale if unit.quantity == SHARE else FULL / unit.scale
+        sure = CERTAIN if told else 0.95
+        if reached > full * (1 + 0.5 / FULL):
+            return _Scale(
+                unit.name, float(_full_counts(reached)), 0.3, f"{reached:g} is more than {full:g} {unit.name}"
+            )
+        return _Scale(unit.name, full, sure, "--unit" if told else f"in {unit.name} by its name")
+    if unit is not None or (choices.drive and not PWM.search(entry.name) and not DUTY.search(entry.name)):
+        shown = f" {unit.name}" if unit else ""
+        raise InputError(
+            f"found {low:g}..{high:g}{shown}; expected --full-scale, the value that is 255 counts",
+            place=f"column {entry.name}",
+        )
+    return _by_range(entry, base, reached, evidence)
+
+
+def _by_range(entry: Facts, base: str, reached: float, evidence: Evidence) -> _Scale:
+    own = "time_s" in evidence.facts and entry.name == "pwm"
+    if own and entry.whole and reached <= FULL:
+        return _Scale(
+            "counts", FULL, 0.75 if reached <= 100 else 0.95, f"a run file's own column, whole, up to {reached:g}"
+        )
+    if reached > FULL:
+        return _Scale("counts", float(_full_counts(reached)), 0.3, f"reaches {reached:g}, more than 255 counts")
+    if reached > 100:
+        return _Scale("counts", FULL, 0.9 if entry.whole else 0.7, f"reaches {reached:g}: counts of 255")
+    if not entry.whole and reached <= 1.0:
+        return _Scale("duty", 1.0, 0.85, f"fractions up to {reached:g}: a share of 1")
+    if not entry.whole:
+        return _Scale("percent", 100.0, 0.7, f"fractions up to {reached:g}: percent")
+    if reached == 0:
+        return _Scale("counts", FULL, 0.9, "0 in all rows")
+    if DUTY.search(base):
+        return _Scale("percent", 100.0, 0.7 if reached > 1 else 0.4, f"a duty cycle up to {reached:g}")
+    return _Scale("counts", FULL, 0.4, f"whole numbers up to {reached:g} may be counts of 255 or percent")
+
+
+def _bare(entry: Facts) -> str:
+    return "counts" if PWM.search(entry.name) else "of its own unit"
+
+
+def _full_counts(reached: float) -> int:
+    return next((2**bits - 1 for bits in (8, 10, 12, 14, 16) if reached <= 2**bits), int(np.ceil(reached)))
+
+
+def _sign(evidence: Evidence, reserved: set[str]) -> str:
+    """A column that says the direction by its sign; with 0 and 1 nobody knows which is which."""
+    for entry in evidence.numbers:
+        if entry.name not in reserved and SIGN.search(entry.name):
+            found = set(np.unique(entry.values).tolist())
+            if found <= {-1.0, 0.0, 1.0} and -1.0 in found:
+                return entry.name
+    return ""

@@ -1,0 +1,176 @@
+"""Which column is the time, and its unit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gen.errors import InputError
+from gen.importing import clock
+from gen.importing.evidence import Evidence, Facts
+from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.mapping import TimeForm
+from gen.importing.names import TIME
+from gen.importing.numbers import plain_number
+from gen.importing.units import TIME as TIME_QUANTITY
+from gen.importing.units import unit_of
+
+_KINDS = {"instant": "timestamp", "clock": "time of day", "minutes": "mm:ss"}
+_EPOCHS = ((1e9, 2.5e9, "s"), (1e12, 2.5e12, "ms"), (1e15, 2.5e15, "us"), (1e18, 2.5e18, "ns"))
+_ROUND_S = {60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0}
+_SHORTEST_S = 20.0
+"""A log of a motor's temperature lasts longer."""
+
+
+def decide_time(evidence: Evidence, choices: Choices) -> tuple[TimeForm, list[Guess]]:
+    """Find the time.
+
+    Parameters
+    ----------
+    evidence
+        The columns.
+    choices
+        What the user says.
+
+    Raises
+    ------
+    InputError
+        Without a file name: what was said is no column; or no column can be the time.
+    """
+    facts = evidence.facts
+    if choices.time:
+        names = [choices.time] if choices.time in facts else [part.strip() for part in choices.time.split(",")]
+        interval = plain_number(choices.time)
+        if interval is not None and choices.time not in facts:
+            if interval <= 0:
+                raise InputError(f"found {choices.time}, expected an interval above 0 s", place="--time")
+            return TimeForm(interval_s=interval), [Guess("time", f"rows every {interval:g} s", CERTAIN, "--time")]
+        for name in names:
+            if name not in facts:
+                raise InputError(
+                    f'found "{name}", expected a column ({", ".join(facts)}) or an interval in s', place="--time"
+                )
+        return _form(evidence, names[:2], choices, CERTAIN, "--time")
+    return _form(evidence, *_found(evidence, choices))
+
+
+def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, float, str]:
+    facts = [entry for name, entry in evidence.facts.items() if choices.columns.get(name, "time_s") == "time_s"]
+    numbers = [entry for entry in facts if entry.kind == "number" and _rises(entry)]
+    known = [entry for entry in numbers if _timed(entry) and entry.named[1] is not None]
+    if known:
+        best = next((entry for entry in known if TIME.fullmatch(entry.named[0].casefold())), known[0])
+        return [best.name], choices, 0.95, "by its name and unit; it rises"
+    dates = [entry for entry in facts if entry.kind == "date"]
+    clocks = [entry for entry in facts if entry.kind in ("clock", "minutes")]
+    instants = [entry for entry in facts if entry.kind == "instant"]
+    if instants:
+        return [instants[0].name], choices, 0.95, f"timestamps such as {_example(instants[0])}"
+    named = [entry for entry in numbers if TIME.fullmatch(entry.named[0].casefold())]
+    if dates and clocks:
+        return [dates[0].name, clocks[0].name], choices, 0.95, f"a date and a time: {_example(dates[0])}"
+    if named:
+        return [named[0].name], choices, 0.85, "by its name; it rises"
+    if clocks:
+        return [clocks[0].name], choices, 0.85, f"times such as {_example(clocks[0])}"
+    unnamed = [entry for entry in numbers if entry.name.startswith("column_")]
+    if unnamed:
+        return [unnamed[0].name], choices, 0.7, "the first column that rises all the way"
+    raise InputError(
+        f"no column is a time among {', '.join(evidence.facts)}; expected --time COLUMN, or --time SECONDS for the "
+        "interval of its rows",
+        place=evidence.tables[0].place(0),
+    )
+
+
+def _form(
+    evidence: Evidence, names: list[str], choices: Choices, confidence: float, why: str
+) -> tuple[TimeForm, list[Guess]]:
+    chosen = [evidence.facts[name] for name in names]
+    subject = ", ".join(names)
+    if len(chosen) == 2 or chosen[0].kind in _KINDS or chosen[0].kind == "date":
+        cells = chosen[0].texts
+        order, sure, reason = clock.date_order(cells) if cells else ("ymd", CERTAIN, "")
+        told = choices.units.get(names[0], "")
+        if told in ("dmy", "mdy", "ymd"):
+            order, sure, reason = told, CERTAIN, "--unit"
+        if len(chosen) == 1 and chosen[0].kind == "date":
+            raise InputError("holds dates without times; expected a time, too", place=f"column {names[0]}")
+        unit = "date and time" if len(chosen) == 2 else _KINDS[chosen[0].kind]
+        form = TimeForm.model_validate({"columns": names, "unit": unit, "order": order})
+        taken = unit if order == "ymd" else f"{unit}, {order}"
+        settle = f"--unit {quoted(f'{names[0]}=dmy')} or {quoted(f'{names[0]}=mdy')}"
+        return form, [
+            Guess(subject, f"time: {taken}", min(confidence, sure), "; ".join(filter(None, (why, reason))), settle)
+        ]
+    entry = chosen[0]
+    if entry.kind != "number":
+        raise InputError(f"holds {entry.kind}, expected times", place=f"column {entry.name}")
+    name, sure, reason = _unit(entry, choices)
+    form = TimeForm(columns=names, unit=name)
+    settle = f"--unit {quoted(f'{entry.name}=s')}, =ms, =min or =h"
+    return form, [
+        Guess(subject, f"time in {name}", min(confidence, sure), "; ".join(filter(None, (why, reason))), settle)
+    ]
+
+
+def _unit(entry: Facts, choices: Choices) -> tuple[str, float, str]:
+    told = choices.units.get(entry.name) or choices.units.get("time_s")
+    if told:
+        unit = unit_of(told)
+        if unit is None or unit.quantity != TIME_QUANTITY:
+            raise InputError(f'found "{told}", expected s, ms, us, min, h or d', place=f"--unit {entry.name}")
+        return unit.name, CERTAIN, "--unit"
+    base, unit, where = entry.named
+    if unit is None and (alone := unit_of(base)) and alone.quantity == TIME_QUANTITY:
+        unit, where = alone, "name"
+    first = float(np.median(entry.starts)) if entry.starts.size else 0.0
+    epoch = next((name for low, high, name in _EPOCHS if low < first < high), None)
+    if unit is not None and unit.quantity == TIME_QUANTITY:
+        return unit.name, 0.95, "" if where == "name" else f"unit from the {where}"
+    if epoch:
+        return epoch, 0.95, f"begins at {first:.0f}, {epoch} since 1970"
+    return _unit_by_steps(entry)
+
+
+def _unit_by_steps(entry: Facts) -> tuple[str, float, str]:
+    """The unit by the usual interval: seconds are taken for granted only where nothing else is likely."""
+    rising = entry.steps[entry.steps > 0]
+    step = float(np.median(rising)) if rising.size else 0.0
+    low, high = entry.span
+    if 30_000 < low < 60_000 and not entry.whole and high - low < 1000:
+        return "d", 0.85, "days since 1900, as Excel counts"
+    said = f"steps of {step:.6g}"
+    if entry.whole and step >= 100 and not (step in _ROUND_S and len(set(rising.tolist())) == 1):
+        return "ms", 0.8, f"{said} and whole: ms"
+    if entry.whole and step in _ROUND_S:
+        return "s", 0.65, f"{said}: s"
+    if high - low < _SHORTEST_S:
+        return "s", 0.4, f"{said}, {high - low:.4g} in all: too short for s, so it may be min or h"
+    if entry.whole and 10 <= step < 100:
+        sure = 0.65 if step in (10, 15, 20, 30) and len(set(rising.tolist())) <= 3 else 0.45
+        return "s", sure, f"{said} and whole: s or ms"
+    if 1e-3 <= step <= 60.0:
+        return "s", 0.8, f"{said}: s"
+    return "s", 0.4, f"{said}: no unit is likely"
+
+
+def _timed(entry: Facts) -> bool:
+    base, unit, _ = entry.named
+    alone = unit_of(base) if unit is None else unit
+    return (
+        bool(TIME.fullmatch(base.casefold()) or base.casefold() in ("t", ""))
+        and (unit is None or unit.quantity == TIME_QUANTITY)
+    ) or (alone is not None and alone.quantity == TIME_QUANTITY)
+
+
+def _rises(entry: Facts) -> bool:
+    """Whether it rises nearly always: loggers repeat times, and begin anew."""
+    steps = entry.steps
+    if not steps.size:
+        return entry.values.size > 0
+    return bool((steps >= 0).mean() > 0.8 and (steps > 0).mean() > 0.04)
+
+
+def _example(entry: Facts) -> str:
+    cells = entry.columns[0].cells
+    return next((cell for cell in cells if cell), "") if isinstance(cells, list) else str(cells[0])[:23]

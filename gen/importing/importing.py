@@ -1,0 +1,299 @@
+"""Logs to run files: read, decide, convert, write all or nothing."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from gen.errors import InputError
+from gen.files import check_writable, write_text
+from gen.importing.convert import Converted, Splitting, convert, with_comments
+from gen.importing.decide import Decided, decide, doubts
+from gen.importing.guesses import Choices
+from gen.importing.mapping import Mapping, mapping_text, read_mapping
+from gen.importing.sources import read_tables
+from gen.importing.table import Reading, Table
+from gen.runs import Run, write_run
+
+_OWN = ("imported_from", "mapping", "input", "counted")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What would be written, before anything is.
+
+    Parameters
+    ----------
+    decided
+        Of the tables of each header.
+    known
+        Whether a mapping file said it.
+    """
+
+    decided: Sequence[Decided]
+    known: bool
+
+    def check(self) -> None:
+        """Refuse what is doubtful.
+
+        Raises
+        ------
+        InputError
+            With the file, and what would settle it.
+        """
+        for entry in self.decided:
+            fault = doubts(entry)
+            if fault is not None:
+                raise fault
+
+
+@dataclass(frozen=True)
+class Written:
+    """What was written.
+
+    Parameters
+    ----------
+    files
+        The run files.
+    converted
+        What was found in each table.
+    mapping
+        The mapping file, if it was written.
+    """
+
+    files: Sequence[Path]
+    rows: Sequence[int]
+    converted: Sequence[Converted]
+    mapping: Path | None
+
+
+def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress: Callable[[str], None]) -> Plan:
+    """Read logs and decide what their columns are.
+
+    Parameters
+    ----------
+    files
+        The logs.
+    choices
+        What the user says.
+    mapping
+        The mapping file; read if it exists.
+    progress
+        Told what is being done.
+
+    Raises
+    ------
+    InputError
+        With file and place.
+    """
+    known = read_mapping(mapping) if mapping is not None and mapping.exists() else None
+    if known is not None:
+        known = _with_options(known, choices)
+    text = known.text if known is not None else None
+    given = Reading(text.encoding, text.delimiter, text.decimal) if text is not None else Reading()
+    if choices.decimal:
+        given = Reading(given.encoding, given.delimiter, choices.decimal)
+    tables: list[Table] = []
+    for file in files:
+        progress(f"reading {file.name}")
+        tables += read_tables(file, given)
+    progress("deciding")
+    groups: dict[tuple[str, ...], list[Table]] = {}
+    for table in tables:
+        groups.setdefault(tuple(table.names), []).append(table)
+    if mapping is not None and known is None and len(groups) > 1:
+        first, second = (group[0] for group in list(groups.values())[:2])
+        raise InputError(
+            f"has other columns than {first.label}; expected the same in all files of one mapping", file=second.label
+        )
+    return Plan([decide(group, choices, known) for group in groups.values()], known is not None)
+
+
+def _with_options(known: Mapping, choices: Choices) -> Mapping:
+    """What a mapping file says is corrected in the file: two places for one thing would contradict each other."""
+    told = [
+        option
+        for option, value in (
+            ("--time", choices.time),
+            ("--input", choices.drive),
+            ("--full-scale", choices.full_scale),
+            ("--column", choices.columns),
+            ("--unit", choices.units),
+            ("--decimal", choices.decimal),
+            ("--runs", choices.runs),
+        )
+        if value
+    ]
+    if told:
+        raise InputError("the mapping file exists and says it; expected it to be corrected there", place=told[0])
+    return known.model_copy(update={"duplicates": choices.duplicates}) if choices.duplicates else known
+
+
+def write(
+    planned: Plan,
+    out: Path,
+    *,
+    splitting: Splitting,
+    mapping: Path | None,
+    overwrite: bool,
+    progress: Callable[[str], None],
+) -> Written:
+    """Convert all tables and write all runs, or nothing.
+
+    Parameters
+    ----------
+    planned
+        From :func:`plan`, checked.
+    out
+        The folder; made where it is missing.
+    splitting
+        Where to split.
+    mapping
+        The mapping file to write, if it is not there.
+    overwrite
+        Whether run files of the same names may be replaced.
+    progress
+        Told what is being done.
+
+    Raises
+    ------
+    InputError
+        With the file.
+    """
+    runs: dict[str, Run] = {}
+    converted: list[Converted] = []
+    for decided in planned.decided:
+        for index, table in enumerate(decided.evidence.tables):
+            progress(f"converting {table.label}")
+            try:
+                made = convert(decided.evidence, index, decided.mapping, splitting)
+            except InputError as error:
+                raise InputError(error.message, file=table.label, place=error.place) from None
+            converted.append(made)
+            for name, run in made.runs:
+                runs[_fresh(_stem(table, name), runs)] = with_comments(run, _comments(made, decided.mapping))
+    if mapping is not None and not mapping.exists():
+        written, text = mapping, _mapping_text(planned)
+    else:
+        written, text = None, ""
+    progress("writing")
+    _check_targets([out / name for name in runs], out, overwrite, {made.table.file.resolve() for made in converted})
+    if written is not None:
+        check_writable(written)
+    files = _write_all(runs, out, (written, text))
+    return Written(files, [run.time_s.size for run in runs.values()], converted, written)
+
+
+def _stem(table: Table, name: str) -> str:
+    stem = table.file.name.removesuffix(".gz")
+    stem = stem.rpartition(".")[0] or stem
+    part = "".join(c if c.isalnum() or c in "-_." else "_" for c in table.part)
+    return "_".join(filter(None, (stem, part, name)))
+
+
+def _fresh(stem: str, taken: dict[str, Run]) -> str:
+    """A file's name unlike those taken, also where capitals do not count."""
+    folded = {name.casefold() for name in taken}
+    names = (f"{stem}.csv", *(f"{stem}_{i}.csv" for i in range(2, len(folded) + 3)))
+    return next(name for name in names if name.casefold() not in folded)
+
+
+def _comments(made: Converted, mapping: Mapping) -> dict[str, str]:
+    """What a run file says of where it comes from."""
+    table = made.table
+    comments = {"imported_from": table.file.name + (f", sheet {table.part}" if table.part else "")}
+    time = mapping.time
+    shown = [
+        f"time_s <- {', '.join(time.columns)} ({time.unit})" if time.columns else f"time_s every {time.interval_s:g} s"
+    ]
+    for entry in mapping.column:
+        if entry.to and entry.to != entry.source:
+            shown.append(f"{entry.to} <- {entry.source}" + (f" ({entry.unit})" if entry.unit else ""))
+    comments["mapping"] = "; ".join(shown)
+    drive = mapping.input
+    if drive.column:
+        sign = f", sign of {drive.sign}" if drive.sign else ""
+        comments["input"] = f"{drive.column}, 255 = {drive.full_scale:g} {drive.unit}{sign}"
+    else:
+        comments["input"] = f"{drive.counts} in all rows"
+    for number, found in enumerate(made.counted, start=1):
+        comments[f"counted_{number}"] = str(found)
+    for key, value in table.comments.items():
+        if not key.startswith(_OWN):
+            comments.setdefault(key, value)
+    return {_printable(key): _printable(value) for key, value in comments.items()}
+
+
+def _printable(text: str) -> str:
+    return "".join(c if c.isprintable() else " " for c in text)
+
+
+def _mapping_text(planned: Plan) -> str:
+    decided = planned.decided[0]
+    why: dict[str, str] = {}
+    mapping = decided.mapping
+    sections = {
+        "encoding": "text",
+        "delimiter": "text",
+        "decimal mark": "text",
+        ", ".join(mapping.time.columns): "time",
+    }
+    sections |= {mapping.input.column: "input", "input": "input"}
+    for guess in decided.guesses:
+        key = sections.get(guess.subject, guess.subject)
+        said = (
+            f"{guess.subject}: {guess.why} ({guess.confidence:.2f})"
+            if key == "text"
+            else (f"{guess.why} ({guess.confidence:.2f})")
+        )
+        why[key] = f"{why[key]}; {said}" if key in why else said
+    return mapping_text(mapping, [table.file.name for table in decided.evidence.tables], why)
+
+
+def _write_all(runs: dict[str, Run], out: Path, mapping: tuple[Path | None, str]) -> list[Path]:
+    """Write beside, then rename: a folder that is new at once, into one that exists file by file."""
+    folder = out.resolve()
+    staging: Path | None = None
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        staging = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
+        new = staging / "new"
+        new.mkdir()
+        for name, run in runs.items():
+            write_run(new / name, run)
+        if folder.exists():
+            for name in runs:
+                (new / name).replace(folder / name)
+        else:
+            new.rename(folder)
+        if mapping[0] is not None:
+            write_text(mapping[0], mapping[1])
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror or error}", file=str(out)) from error
+    finally:
+        if staging is not None:
+            shutil.rmtree(staging, ignore_errors=True)
+    return [out / name for name in runs]
+
+
+def _check_targets(targets: Sequence[Path], out: Path, overwrite: bool, read: set[Path]) -> None:
+    if out.exists() and not out.is_dir():
+        raise InputError("exists and is no folder; choose another --out", file=str(out))
+    for target in targets:
+        if target.resolve() in read:
+            raise InputError("is read by this command and would be overwritten; choose another --out", file=str(target))
+        if target.exists() and not overwrite:
+            raise InputError("exists; expected another --out, or --overwrite", file=str(target))
+
+
+def summary(counted: Sequence[Converted]) -> Counter[str]:
+    """How often each thing was found in all tables."""
+    total: Counter[str] = Counter()
+    for made in counted:
+        for entry in made.counted:
+            total[entry.what] += entry.count
+    return total

@@ -1,0 +1,114 @@
+"""What columns are by their names, and the names that they get in a run file."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Collection
+
+from gen.coefficients.names import MAX_LENGTH, name_fault
+
+_SPECIAL = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "%": "percent"})
+
+
+def _words(text: str) -> re.Pattern[str]:
+    return re.compile(rf"(?:^|[^a-z])(?:{text})(?:[^a-z]|$)", re.IGNORECASE)
+
+
+TIME = re.compile(
+    r"t|ts|(?:.*[^a-z])?(?:time|times|zeit|uhrzeit|timestamp|zeitstempel|datum|date|datetime|elapsed|epoch|unix|clock|"
+    r"millis|micros|seconds?|secs?|ms|minutes?|minuten|hours?|stunden|sekunden)(?:[^a-z].*)?|.*time|.*zeit",
+)
+PWM = _words(r"pwm\d*")
+DUTY = _words(r"duty|duty.?cycle|dutycycle|tastgrad|tastverh(?:ä|ae)ltnis")
+DRIVES = _words(
+    r"throttle|command|cmd|power|leistung|gas|drive|output|current|strom|speed|drehzahl|rpm|heater\d*|setpoint|load|i|p|q\d*"
+)
+SIGN = _words(r"dir|direction|richtung|drehrichtung|sign")
+RUNS = re.compile(
+    r"(?:run|runs|run.?id|run.?name|test|test.?id|experiment|session|trial|profile.?id|versuch|lauf|file)"
+)
+SERIES = re.compile(
+    r"sensor|sensor.?name|sensor.?id|channel|kanal|signal|variable|field|_field|tag|tag.?name|entity.?id|metric"
+)
+AMBIENT = _words(
+    r"amb|ambient|ambiance|umgebung|umgebungstemperatur|room|raum|raumtemperatur|zimmer|outside|air|luft|env|t_?amb"
+)
+WANTED = _words(r"set|setpoint|soll|target|ziel|limit|threshold|grenze|model|estimated?|predicted")
+THERMAL = re.compile(
+    r".*(?:temp|thermo|°).*|tc\d*|t\d+|t_.*|ntc\d*.*|pt\d{3,4}.*|ds18.*|max6675.*|max31855.*|.*[^a-z]t\d*",
+    re.IGNORECASE,
+)
+PARTS = _words(
+    r"winding|windings|wicklung|stator|rotor|bearing|lager|casing|case|housing|geh(?:ä|ae)use|coil|spule|brush|brushes|"
+    r"b(?:ü|ue)rste|b(?:ü|ue)rsten|magnet|magnets|kohle|kohlen|shaft|welle|core|yoke|tooth|motor|surface|coolant|pm|endbell"
+)
+_OF = r"(?:(?:motor|mot|dc|bus|bat|batt|battery|supply|shaft|versorgungs?)[ _-]?)?"
+
+
+def _alone(text: str) -> re.Pattern[str]:
+    return re.compile(rf"{_OF}(?:{text})(?:[ _-]?(?:motor|mot|dc|bat|in))?", re.IGNORECASE)
+
+
+CURRENT = _alone(r"i|ia|idc|current|strom|amps?|amperage")
+VOLTAGE = _alone(r"u|v|vbat|ubat|vdc|vin|voltage|spannung|volts?|supply")
+SPEED = _alone(r"rpm|speed|drehzahl|omega|n|velocity|geschwindigkeit")
+
+
+def slug(text: str) -> str:
+    """A name of ASCII letters, digits and underscores; empty where nothing is left.
+
+    Parameters
+    ----------
+    text
+        A column's name.
+    """
+    plain = unicodedata.normalize("NFKD", text.translate(_SPECIAL)).encode("ascii", "ignore").decode("ascii")
+    return re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9]+", "_", plain)).strip("_")
+
+
+def component_name(base: str, taken: Collection[str]) -> str:
+    """A component's name that a coefficient file can have, unlike those taken.
+
+    Parameters
+    ----------
+    base
+        The column's name without unit: ``Winding Temp`` becomes ``winding``, ``T_coil`` ``coil``, ``T1`` stays.
+    taken
+        Names that are.
+    """
+    name = slug(base)
+    short = re.sub(r"(?i)(?:^|_)(?:temperature|temperatur|temp)(?=_|$)", "_", name).strip("_")
+    short = re.sub(r"^[Tt]_(?=[A-Za-z])", "", short)
+    if short and short[0].isalpha():
+        name = short
+    if " " in base.strip() or re.fullmatch(r"[A-Z]?[a-z_]+", name):
+        name = name.lower()
+    if not name or not name[0].isalpha():
+        name = f"sensor_{name}".rstrip("_")
+    name = re.sub(r"_+", "_", name[:MAX_LENGTH]).rstrip("_")
+    if name_fault(name):
+        name = f"{name[: MAX_LENGTH - 5]}_part"
+    return _fresh(name, taken)
+
+
+def channel_name(base: str, unit: str, taken: Collection[str]) -> str:
+    """A further channel's name, with its unit, unlike those taken.
+
+    Parameters
+    ----------
+    base, unit
+        Of the column; the unit may be empty.
+    taken
+        Names that are.
+    """
+    name = slug(base) or "channel"
+    name = name if name[0].isalpha() else f"channel_{name}"
+    ending = slug(unit.replace("/", "_per_"))
+    return _fresh(f"{name}_{ending}" if ending else name, taken)
+
+
+def _fresh(name: str, taken: Collection[str]) -> str:
+    if name not in taken:
+        return name
+    return next(f"{name}_{i}" for i in range(2, 10_000) if f"{name}_{i}" not in taken)

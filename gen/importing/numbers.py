@@ -1,0 +1,171 @@
+"""Text to numbers, with a count of all that is none."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.importing.table import FloatArray
+from gen.importing.units import unit_of
+
+NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+NAN_WORDS = frozenset(
+    ["nan", "na", "n/a", "#n/a", "#na", "null", "none", "nil", "missing", "-", "--", "---", "?", "inf", "+inf", "-inf"]
+)
+_PLAIN = str.maketrans("", "", "0123456789+-.eE \n")
+_GROUPED = re.compile(r"(?<=\d)[ \u00a0\u202f'’](?=\d{3}(?!\d))")
+_WITH_UNIT = re.compile(r"(\S*\d\.?)\s*([^\d\s.,+-].{0,9})")
+
+
+@dataclass(frozen=True)
+class Parsed:
+    """A column of text as numbers.
+
+    Parameters
+    ----------
+    values
+        NaN where there is no number, shape (N,).
+    empty, words, text
+        Rows with nothing, with a word for "no number", with other text, shape (N,).
+    unit
+        What stands behind every number; empty without one.
+    """
+
+    values: FloatArray
+    empty: NDArray[np.bool_]
+    words: NDArray[np.bool_]
+    text: NDArray[np.bool_]
+    unit: str = ""
+
+    @property
+    def numeric(self) -> float:
+        """Share of numbers among the rows that hold something other than a word for "no number"."""
+        something = int((~self.empty & ~self.words).sum())
+        return float(np.isfinite(self.values).sum()) / something if something else 0.0
+
+
+def parse(cells: Sequence[str], decimal: str = ".") -> Parsed:
+    """Read numbers; every one is rounded correctly, as Python's own ``float`` does.
+
+    Parameters
+    ----------
+    cells
+        Texts.
+    decimal
+        The decimal mark; the other one, spaces and apostrophes may part thousands.
+    """
+    none = np.zeros(len(cells), dtype=bool)
+    quick = _parse_fast(cells, decimal)
+    if quick is not None:
+        return Parsed(quick, np.isnan(quick), none, none.copy())
+    values = np.full(len(cells), np.nan)
+    empty, words, text = none, none.copy(), none.copy()
+    units: Counter[str] = Counter()
+    for i, cell in enumerate(cells):
+        stripped = cell.strip()
+        if not stripped:
+            empty[i] = True
+        elif stripped.casefold() in NAN_WORDS:
+            words[i] = True
+        else:
+            number, unit = _number(stripped, decimal)
+            if number is None:
+                text[i] = True
+            else:
+                values[i] = number
+                units[unit] += 1
+    common = units.most_common(1)[0][0] if units else ""
+    return Parsed(values, empty, words, text, common)
+
+
+def _parse_fast(cells: Sequence[str], decimal: str) -> FloatArray | None:
+    joined = "\n".join(cells)
+    if decimal == ",":
+        if "." in joined:
+            return None
+        joined = joined.replace(",", ".")
+    if joined.translate(_PLAIN) or joined.count("\n") != len(cells) - 1:
+        return None
+    texts = joined.split("\n")
+    try:
+        if " " not in joined and "" not in texts:
+            values = np.fromiter(map(float, texts), dtype=np.float64, count=len(texts))
+        else:
+            missing = float("nan")
+            values = np.array([float(text) if text.strip() else missing for text in texts])
+    except ValueError:
+        return None
+    return None if np.isinf(values).any() else values
+
+
+def _number(text: str, decimal: str) -> tuple[float | None, str]:
+    plain = plain_number(text, decimal)
+    if plain is not None:
+        return plain, ""
+    parted = _WITH_UNIT.fullmatch(text)
+    if parted and unit_of(parted[2]):
+        return plain_number(parted[1], decimal), parted[2]
+    return None, ""
+
+
+def plain_number(text: str, decimal: str = ".") -> float | None:
+    """The number that a text is, or None; infinity is none."""
+    plain = _GROUPED.sub("", text)
+    if decimal == ",":
+        plain = re.sub(r"(?<=\d)\.(?=\d{3}(?:\D|$))", "", plain).replace(",", ".")
+    else:
+        plain = re.sub(r"(?<=\d),(?=\d{3}(?:\D|$))", "", plain)
+    if not NUMBER.fullmatch(plain):
+        return None
+    value = float(plain)
+    return value if np.isfinite(value) else None
+
+
+def decimal_mark(cells: Iterable[str]) -> tuple[str, float, str]:
+    """Guess the decimal mark of a file.
+
+    Parameters
+    ----------
+    cells
+        Texts from all of its columns.
+
+    Returns
+    -------
+    mark, confidence, why
+        The mark, how sure that is, 0..1, and why.
+    """
+    seen: dict[str, list[str]] = {}
+    for cell in cells:
+        text = _GROUPED.sub("", cell.strip())
+        for kind, pattern in _MARKS.items():
+            if re.fullmatch(pattern, text, re.ASCII):
+                seen.setdefault(kind, []).append(text)
+                break
+    if "thousands comma" in seen and "comma" not in seen:
+        return ".", 0.95, f"commas part thousands: {seen['thousands comma'][0]}"
+    if "thousands point" in seen and "point" not in seen:
+        return ",", 0.95, f"points part thousands: {seen['thousands point'][0]}"
+    if "comma" in seen and "point" in seen:
+        return ".", 0.3, f"both occur: {seen['comma'][0]}, {seen['point'][0]}"
+    if "comma" in seen:
+        return ",", 0.97, f"found {seen['comma'][0]}"
+    if "point" in seen:
+        return ".", 0.97, f"found {seen['point'][0]}"
+    if "three behind comma" in seen:
+        return ",", 0.4, f"{seen['three behind comma'][0]} may be a thousand or a decimal fraction"
+    return ".", 0.9, "no decimal fraction found" if "three behind point" not in seen else "points only"
+
+
+_MARKS = {
+    "thousands comma": r"[+-]?\d{1,3}(?:,\d{3})+\.\d+|[+-]?\d{1,3}(?:,\d{3}){2,}",
+    "thousands point": r"[+-]?\d{1,3}(?:\.\d{3})+,\d+|[+-]?\d{1,3}(?:\.\d{3}){2,}",
+    "three behind comma": r"[+-]?[1-9]\d{0,2},\d{3}",
+    "three behind point": r"[+-]?[1-9]\d{0,2}\.\d{3}",
+    "comma": r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?(?:\s*[^\d\s.,+-]\S{0,4})?",
+    "point": r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?(?:\s*[^\d\s.,+-]\S{0,4})?",
+}

@@ -1,0 +1,79 @@
+"""Text files to tables: CSV of any dialect, a sketch's output, JSON."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from gen.errors import InputError
+from gen.importing.delimited import (
+    DELIMITERS,
+    guess_delimiter,
+    lines_of,
+    split_rows,
+    stamped,
+    table_of_rows,
+)
+from gen.importing.encoding import decode
+from gen.importing.keyed import array_table, is_json, is_keyed, json_table, keyed_table
+from gen.importing.numbers import decimal_mark
+from gen.importing.table import Reading, Table
+
+
+def read_text(file: Path, data: bytes, given: Reading) -> Table:
+    """Read one text file.
+
+    Parameters
+    ----------
+    file
+        Its name.
+    data
+        What is in it.
+    given
+        What need not be guessed; empty fields are.
+
+    Raises
+    ------
+    InputError
+        Without a file name, with the place.
+    """
+    text, encoding, why = decode(data, given.encoding)
+    reading = Reading(encoding, given.delimiter, given.decimal, {"encoding": why} if why else {})
+    lines = lines_of(text.removeprefix("\ufeff"))
+    if not lines.texts:
+        raise InputError("there are only comments; expected a header line and rows" if lines.comments else "is empty")
+    if text.lstrip("\ufeff \t\r\n")[0] in "[{":
+        plain = replace(reading, decimal=".", delimiter="")
+        whole = array_table(file, text.removeprefix("\ufeff"), plain)
+        if whole is not None and (whole.rows > 1 or len(lines.texts) > 1 or not is_json(lines.texts)):
+            return whole
+        if is_json(lines.texts):
+            return json_table(file, lines, plain)
+    lines, times = stamped(lines)
+    if not given.delimiter and is_keyed(lines.texts):
+        table = keyed_table(file, lines, times, reading)
+        return replace(table, reading=_keyed_decimal(table, reading))
+    if not given.delimiter:
+        reading = _with_delimiter(reading, lines.texts)
+    rows, numbers = split_rows(lines, reading.delimiter)
+    if times and len(rows) != len(times):
+        raise InputError("quoted line ends in a serial monitor's lines; expected one row a line")
+    return table_of_rows(file, rows, numbers, reading=reading, comments=lines.comments, times=times)
+
+
+def _with_delimiter(reading: Reading, lines: list[str]) -> Reading:
+    delimiter, why = guess_delimiter(lines)
+    return replace(reading, delimiter=delimiter, why={**reading.why, "delimiter": why})
+
+
+def _keyed_decimal(table: Table, reading: Reading) -> Reading:
+    if reading.decimal:
+        return replace(reading, delimiter="")
+    cells = [cell for column in table.columns if isinstance(column.cells, list) for cell in column.cells[:2000]]
+    mark, confidence, why = decimal_mark(cells)
+    return replace(reading, decimal=mark, unsure="" if confidence >= 0.6 else why, why={**reading.why, "decimal": why})
+
+
+def shown_delimiter(delimiter: str) -> str:
+    """A delimiter in words."""
+    return DELIMITERS.get(delimiter, repr(delimiter)) if delimiter else ""

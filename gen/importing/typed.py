@@ -1,0 +1,137 @@
+"""Files that hold typed columns to tables: Parquet and MATLAB."""
+
+from __future__ import annotations
+
+import io
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gen.errors import InputError
+from gen.importing.delimited import MOST_COLUMNS
+from gen.importing.table import Cells, Column, Reading, Table, unique_names
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+
+def read_parquet(file: Path, data: bytes) -> Table:
+    """Read a Parquet file; an index that pandas left in it is a column like the others.
+
+    Raises
+    ------
+    InputError
+        Without a file name: it is broken, or empty.
+    """
+    import pyarrow as pa  # slow to import
+    import pyarrow.parquet as pq
+
+    try:
+        found = pq.read_table(io.BytesIO(data))
+    except (pa.ArrowException, OSError) as error:
+        raise InputError(f"cannot be read as Parquet ({str(error)[:80]})") from None
+    if found.num_columns > MOST_COLUMNS:
+        raise InputError(f"found {found.num_columns} columns, expected {MOST_COLUMNS} at most")
+    names = ["" if name.startswith("__index_level_") else name for name in found.column_names]
+    columns = [
+        Column(name, _of_arrow(found.column(i)))
+        for i, name in enumerate(unique_names(names))
+        if not _nested(found.schema.field(i).type)
+    ]
+    if not found.num_rows or not columns:
+        raise InputError("there are no rows; expected at least one")
+    return Table(file, columns, np.arange(1, found.num_rows + 1), "row", reading=Reading())
+
+
+def _nested(kind: pa.DataType) -> bool:
+    import pyarrow as pa
+
+    return bool(pa.types.is_nested(kind))
+
+
+def _of_arrow(column: pa.ChunkedArray[Any]) -> Cells:
+    import pandas as pd
+    import pyarrow as pa
+
+    kind = column.type
+    series = column.to_pandas()
+    if pa.types.is_timestamp(kind):
+        stamps = pd.to_datetime(series, utc=True).dt.tz_localize(None)
+        return stamps.to_numpy(dtype="datetime64[ns]")
+    if pa.types.is_date(kind):
+        return pd.to_datetime(series).to_numpy(dtype="datetime64[ns]")
+    if pa.types.is_duration(kind):
+        return np.asarray(pd.to_timedelta(series).dt.total_seconds(), dtype=np.float64)
+    if (
+        pa.types.is_integer(kind)
+        or pa.types.is_floating(kind)
+        or pa.types.is_boolean(kind)
+        or pa.types.is_decimal(kind)
+    ):
+        numbers = column.cast(pa.float64(), safe=False).to_numpy(zero_copy_only=False)
+        return np.asarray(numbers, dtype=np.float64)
+    return ["" if entry is None else str(entry) for entry in column.to_pylist()]
+
+
+def read_matlab(file: Path, data: bytes) -> Table:
+    """Read a MATLAB file of version 4 to 7: vectors of one length, columns of matrices, fields of structures.
+
+    Raises
+    ------
+    InputError
+        Without a file name: version 7.3, broken, or nothing that is a column.
+    """
+    if data.startswith(b"\x89HDF") or b"MATLAB 7.3" in data[:128]:
+        raise InputError(
+            "is a MATLAB file of version 7.3, which is not read; save it in MATLAB by save('log.mat', ..., '-v7'), "
+            "or write a table by writetable(T, 'log.csv')"
+        )
+    from scipy.io import loadmat  # slow to import
+
+    try:
+        content = loadmat(
+            io.BytesIO(data),  # type: ignore[arg-type]
+            squeeze_me=True,
+            struct_as_record=False,
+            chars_as_strings=True,
+        )
+    except Exception as error:  # scipy raises what it meets in a broken file
+        raise InputError(f"cannot be read as a MATLAB file ({str(error)[:80]})") from None
+    vectors: dict[str, Cells] = {}
+    opaque = [str(name) for name, value in content.items() if type(value).__name__ == "MatlabOpaque" or name == "None"]
+    for name, value in content.items():
+        if not name.startswith("__") and name not in opaque:
+            vectors |= _vectors(name, value)
+    lengths = Counter(len(cells) for cells in vectors.values() if len(cells) > 1)
+    if not lengths:
+        hint = "; a table or timetable is opaque: write it by writetable(T, 'log.csv')" if opaque else ""
+        raise InputError(f"found no vectors of one length{hint}")
+    if len(vectors) > MOST_COLUMNS:
+        raise InputError(f"found {len(vectors)} vectors, expected {MOST_COLUMNS} at most")
+    rows = max(lengths, key=lambda length: (lengths[length], length))
+    columns = [Column(name, cells) for name, cells in vectors.items() if len(cells) == rows]
+    comments = {name: f"{value:g}" for name, value in content.items() if isinstance(value, (int, float))}
+    return Table(file, columns, np.arange(1, rows + 1), "row", comments=comments, reading=Reading())
+
+
+def _vectors(name: str, value: object) -> Mapping[str, Cells]:
+    fields = getattr(value, "_fieldnames", None)
+    if fields is not None:
+        found: dict[str, Cells] = {}
+        for field in fields:
+            found |= _vectors(field, getattr(value, field))
+        return found
+    if not isinstance(value, np.ndarray) or value.ndim not in (1, 2):
+        return {}
+    if value.dtype.kind in "biuf":
+        numbers = value.astype(np.float64)
+        if numbers.ndim == 1:
+            return {name: numbers}
+        wide = numbers.T if numbers.shape[0] >= numbers.shape[1] else numbers
+        return {f"{name}_{i}": np.ascontiguousarray(column) for i, column in enumerate(wide, start=1)}
+    if value.ndim == 1 and value.size and all(isinstance(entry, str) for entry in value):
+        return {name: [str(entry).strip() for entry in value]}
+    return {}

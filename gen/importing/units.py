@@ -1,0 +1,142 @@
+"""Units as people write them: in a header, in a row below it, behind a number, in an option."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+
+TEMPERATURE, CURRENT, VOLTAGE, SPEED, TIME, SHARE, COUNTS, POWER, OTHER = (
+    "temperature",
+    "current",
+    "voltage",
+    "speed",
+    "time",
+    "share",
+    "counts",
+    "power",
+    "other",
+)
+
+
+@dataclass(frozen=True)
+class Unit:
+    """What a number of this unit is in the unit that run files have.
+
+    Parameters
+    ----------
+    quantity
+        What is measured.
+    name
+        The unit's plain name, as options and mapping files have it.
+    target
+        The unit of run files: ``value * scale + offset`` is in it.
+    scale, offset
+        Of that.
+    """
+
+    quantity: str
+    name: str
+    target: str
+    scale: float = 1.0
+    offset: float = 0.0
+
+
+DEGC = Unit(TEMPERATURE, "degC", "degC")
+DEGF = Unit(TEMPERATURE, "degF", "degC", 1.0 / 1.8, -32.0 / 1.8)
+KELVIN = Unit(TEMPERATURE, "K", "degC", 1.0, -273.15)
+PERCENT = Unit(SHARE, "percent", "percent")
+DUTY = Unit(SHARE, "duty", "percent", 100.0)
+PWM_COUNTS = Unit(COUNTS, "counts", "counts")
+
+_SPELT: dict[Unit, str] = {
+    DEGC: "degc °c c celsius ℃ grad gradc deg ºc",
+    DEGF: "degf °f f fahrenheit ℉ gradf ºf",
+    KELVIN: "k kelvin degk °k",
+    Unit(CURRENT, "A", "A"): "a amp amps ampere amperes",
+    Unit(CURRENT, "mA", "A", 1e-3): "ma milliamp milliamps",
+    Unit(VOLTAGE, "V", "V"): "v volt volts vdc",
+    Unit(VOLTAGE, "mV", "V", 1e-3): "mv millivolt millivolts",
+    Unit(SPEED, "rpm", "rpm"): "rpm 1/min u/min min-1 min^-1 min⁻¹ /min r/min rev/min upm",
+    Unit(SPEED, "rps", "rpm", 60.0): "rps 1/s u/s s-1 s^-1 r/s rev/s",
+    Unit(SPEED, "rad/s", "rpm", 9.549296585513721): "rad/s rads",
+    Unit(TIME, "s", "s"): "s sec secs second seconds sek sekunden sekunde",
+    Unit(TIME, "ms", "s", 1e-3): "ms msec msecs millis millisecond milliseconds millisekunden",
+    Unit(TIME, "us", "s", 1e-6): "us µs μs usec micros microseconds mikrosekunden",
+    Unit(TIME, "ns", "s", 1e-9): "ns nanoseconds",
+    Unit(TIME, "min", "s", 60.0): "min mins minute minutes minuten",
+    Unit(TIME, "h", "s", 3600.0): "h hr hrs hour hours std stunden",
+    Unit(TIME, "d", "s", 86400.0): "d day days tage",
+    PERCENT: "% percent pct prozent perc",
+    DUTY: "duty 0..1 0-1 0…1 fraction",
+    PWM_COUNTS: "counts count cnt raw 0..255 0-255 lsb digits",
+    Unit(POWER, "W", "W"): "w watt watts",
+    Unit(POWER, "kW", "W", 1e3): "kw kilowatt",
+    Unit(OTHER, "Nm", "Nm"): "nm n·m n*m",
+}
+_KNOWN = {spelling: unit for unit, text in _SPELT.items() for spelling in text.split()}
+_FACTOR = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)\s*\*?\s*(.+)", re.ASCII)
+_BRACKETED = re.compile(r"^(?P<base>.*?)\s*[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]\s*(?P<rest>.*)$")
+_SPOKEN = re.compile(r"^(?P<base>.*\S)\s*(?:\s(?:in|/)\s|,\s+|\s*/\s*)(?P<unit>\S+)$", re.IGNORECASE)
+_ALONE = {"deg", "count", "raw", "digits", "d", "min", "cnt", "duty", "perc", "fraction", "grad"}
+"""No units where they only stand behind an underscore: `cell_count`, `T_min`, `motor_duty`."""
+
+
+@lru_cache(maxsize=4096)
+def unit_of(text: str) -> Unit | None:
+    """The unit that a text names, or None; ``0.25degC`` is a count of a quarter degree.
+
+    Parameters
+    ----------
+    text
+        As in a header or an option.
+    """
+    spelt = re.sub(r"\s+", "", text.strip().strip("[]()<>{}")).replace("deg.", "deg").casefold()
+    if spelt in _KNOWN:
+        return _KNOWN[spelt]
+    scaled = _FACTOR.fullmatch(text.strip())
+    if scaled and (unit := unit_of(scaled[2])) and _FACTOR.fullmatch(scaled[2]) is None:
+        factor = float(scaled[1])
+        if factor:
+            return Unit(unit.quantity, f"{scaled[1]}{unit.name}", unit.target, unit.scale * factor, unit.offset)
+    return None
+
+
+def split_name(header: str) -> tuple[str, Unit | None, str]:
+    """Part a column's name from the unit in it.
+
+    Parameters
+    ----------
+    header
+        ``Winding Temp (°C)``, ``I [mA]``, ``T1_degF``, ``t / s``.
+
+    Returns
+    -------
+    base
+        The name without the unit.
+    unit
+        What was recognised, or None.
+    written
+        The unit as it was written, recognised or not; empty without one.
+    """
+    text = header.strip()
+    bracketed = _BRACKETED.match(text)
+    if bracketed and (bracketed["base"] or bracketed["rest"]):
+        base = f"{bracketed['base']} {bracketed['rest']}".strip()
+        return base, unit_of(bracketed["unit"]), bracketed["unit"].strip()
+    spoken = _SPOKEN.match(text)
+    if spoken and (unit := unit_of(spoken["unit"])):
+        return spoken["base"], unit, spoken["unit"]
+    degrees = re.fullmatch(r"(.+?)[\s_]*(°\s?[CFK]|℃|℉|%)", text)
+    if degrees:
+        return degrees[1], unit_of(degrees[2]), degrees[2]
+    parts = re.split(r"[_\s]+", text)
+    for count in (2, 1):  # `deg_C` is two of them
+        if len(parts) <= count:
+            continue
+        written = "".join(parts[-count:])
+        unit = unit_of(written)
+        if unit is not None and written.casefold() not in _ALONE and not written[0].isdigit():
+            base = re.split(r"[_\s]+(?=" + r"[_\s]+".join(map(re.escape, parts[-count:])) + "$)", text)[0]
+            return base, unit, written
+    return text, None, ""

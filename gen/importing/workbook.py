@@ -1,0 +1,79 @@
+"""Excel workbooks to tables, one for each sheet that has rows of numbers."""
+
+from __future__ import annotations
+
+import io
+import warnings
+import zipfile
+from datetime import date, datetime, time, timedelta
+from pathlib import Path
+
+from gen.errors import InputError
+from gen.importing.delimited import table_of_rows
+from gen.importing.table import Counted, Reading, Table
+
+
+def read_workbook(file: Path, data: bytes) -> list[Table]:
+    """Read every sheet that holds a table; values as Excel last computed them.
+
+    Raises
+    ------
+    InputError
+        Without a file name: no workbook, or no table in it.
+    """
+    import openpyxl  # slow to import
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of styles and extensions that values do not need
+            book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
+            sheets = {
+                sheet.title: [[_text(cell) for cell in row] for row in sheet.iter_rows(values_only=True)]
+                for sheet in book.worksheets
+            }
+    except (KeyError, ValueError, OSError, TypeError, zipfile.BadZipFile, SyntaxError) as error:
+        raise InputError(
+            f"cannot be read as an Excel workbook ({str(error)[:80]}); save it anew as .xlsx or CSV"
+        ) from None
+    tables, without = [], []
+    for name, rows in sheets.items():
+        try:
+            tables.append(_table(file, name, rows))
+        except InputError as error:
+            without.append((name, error))
+    if not tables:
+        raise InputError("no sheet holds rows of numbers below a header") if len(without) != 1 else without[0][1]
+    if len(tables) == 1:
+        skipped = tuple(Counted(f"sheet without a table: {name}", 1, f"sheet {name}") for name, _ in without)
+        table = tables[0]
+        return [
+            Table(file, table.columns, table.places, "row", "", {}, table.reading, (*table.counted, *skipped)),
+        ]
+    return tables
+
+
+def _table(file: Path, name: str, rows: list[list[str]]) -> Table:
+    filled = [(number, row) for number, row in enumerate(rows, start=1) if any(row)]
+    used = [i for i in range(max((len(row) for _, row in filled), default=0)) if any(row[i] for _, row in filled)]
+    cells = [[row[i] for i in used] for _, row in filled]
+    if not cells:
+        raise InputError("is empty", place=f"sheet {name}")
+    numbers = [number for number, _ in filled]
+    try:
+        return table_of_rows(file, cells, numbers, reading=Reading(decimal="."), word="row", part=name)
+    except InputError as error:
+        raise InputError(error.message, place=f"sheet {name}, {error.place}") from None
+
+
+def _text(cell: object) -> str:
+    if cell is None:
+        return ""
+    if isinstance(cell, bool):
+        return str(int(cell))
+    if isinstance(cell, float):
+        return repr(cell)
+    if isinstance(cell, (datetime, date, time)):
+        return cell.isoformat()
+    if isinstance(cell, timedelta):
+        return repr(cell.total_seconds())
+    return str(cell).strip()
