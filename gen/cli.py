@@ -16,6 +16,7 @@ from gen.commands.build import build
 from gen.commands.check import check
 from gen.commands.emulate import emulate
 from gen.commands.identify import identify
+from gen.commands.init import init
 from gen.commands.log import log
 from gen.commands.plot import plot
 from gen.commands.refine import refine
@@ -35,7 +36,7 @@ def cli() -> None:
     """Turn identified motor-temperature coefficients into proven firmware for the Arduino Mega 2560."""
 
 
-for command in (build, verify, check, simulate, emulate, log, identify, thresholds, refine, plot):
+for command in (build, verify, check, simulate, emulate, log, identify, init, thresholds, refine, plot):
     cli.add_command(command)
 
 

@@ -110,7 +110,8 @@ def _layout(section: Section) -> tuple[dict[str, Any], list[tuple[float, float]]
     for height in heights:
         domains.append((max(0.0, (top - height) / inner), top / inner))
         top -= height + _GAP_PX
-    unit, _ = section.unit
+    unit, seconds = section.unit
+    first, last = float(section.time_s[0]) / seconds, float(section.time_s[-1]) / seconds
     lowest = len(heights)
     layout: dict[str, Any] = {
         "height": inner + _HEAD_PX + _FOOT_PX,
@@ -131,7 +132,7 @@ def _layout(section: Section) -> tuple[dict[str, Any], list[tuple[float, float]]
             "anchor": "y" if lowest == 1 else f"y{lowest}",
             "title": {"text": f"time, {unit}"},
             "unifiedhovertitle": {"text": f"%{{x}} {unit}"},
-            "showspikes": False,
+            "range": [first, last] if last > first else [first - 1.0, first + 1.0],
         },
         "shapes": [],
     }
@@ -150,7 +151,7 @@ def _wrapped(panel: Panel) -> str:
 
 def _text(name: str) -> str:
     """A name as the plot library shows it: neither its tags nor its templates are read in it."""
-    return html.escape(name).replace("{", "&#123;")
+    return html.escape(name, quote=False).replace("{", "&#123;")
 
 
 def _traces(

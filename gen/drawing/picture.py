@@ -24,7 +24,7 @@ from gen.drawing.thinning import line, lonely, steps
 
 MOST_POINTS = 4_000
 """Of a curve: a line of so many is as the whole one at any size of paper."""
-_WIDTH_IN, _PANEL_IN, _ROW_IN, _REST_IN = 10.0, 0.72, 0.2, 1.1
+_WIDTH_IN, _PANEL_IN, _ROW_IN, _REST_IN = 10.0, 0.8, 0.2, 1.1
 _DPI = 150
 
 
@@ -106,9 +106,12 @@ def _panel(section: Section, panel: Panel, axes: Axes, seconds: float) -> None:
         alone = lonely(y)
         if curve.role == "measured" and alone.any():
             axes.plot(x[alone] / seconds, y[alone], ".", color=ink, markersize=2.0, markeredgewidth=0.0)
-    label = panel.label if len(panel.label) <= (most := int(panel.weight * 15)) else f"{panel.label[: most - 1]}…"
+    label = panel.label if len(panel.label) <= (most := int(panel.weight * 17)) else f"{panel.label[: most - 1]}…"
     _plain(axes.yaxis.label, label)
-    axes.yaxis.set_major_locator(mpl.ticker.MaxNLocator(nbins=max(2, round(2.0 * panel.weight)), min_n_ticks=2))
+    axes.yaxis.label.set_fontsize(9 if panel.weight > 1.0 else 7)
+    axes.yaxis.set_major_locator(
+        mpl.ticker.MaxNLocator(nbins=max(2, round(2.0 * panel.weight)), min_n_ticks=2, steps=[1, 2, 2.5, 5, 10])
+    )
 
 
 def _look(curve: Curve) -> dict[str, Any]:
