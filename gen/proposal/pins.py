@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 from gen.coefficients.messages import building
 from gen.coefficients.wiring import SUPPLY_V, ChannelInput, Drive, Encoder, Thermocouple, Wiring
@@ -43,12 +44,13 @@ def wiring_for(motor: Motor, source: str) -> Wiring:
             f"{len(chips)} thermocouples and {len(motor.channels)} channels; the sketch takes at most {_MOST_CHIPS} "
             f"and {_ANALOG_PINS}"
         )
+    channels: dict[str, Any] = {"channels": tuple(_channel(i, *item) for i, item in enumerate(motor.channels.items()))}
     with building():
         return Wiring(
             led_pin=_LED,
             button_pin=_BUTTON,
             thermocouples=tuple(chips),
-            channels=tuple(_channel(i, *item) for i, item in enumerate(motor.channels.items())),
+            **(channels if motor.channels else {}),
             drive=Drive(
                 forward_pin=_FORWARD,
                 reverse_pin=_REVERSE,
