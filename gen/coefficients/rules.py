@@ -40,6 +40,11 @@ class RuleDraft:
         return self.written.get("kind")
 
     @property
+    def name(self) -> str:
+        """The rule's name, empty if it has none."""
+        return str(self.written.get("name", ""))
+
+    @property
     def component(self) -> str:
         """The component that is watched."""
         return str(self.written["component"])

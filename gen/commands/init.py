@@ -9,6 +9,7 @@ import click
 
 from gen.commands.options import check_once
 from gen.errors import InputError
+from gen.files import shown_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -56,7 +57,7 @@ def init(files: tuple[Path, ...], out: Path) -> None:
     if coefficients is not None and not runs:
         text, said = _completed(coefficients, models[0])
     else:
-        text, said = _rules(coefficients, runs, [path.name for path in files])
+        text, said = _rules(coefficients, runs, [shown_name(path) for path in files])
     write_text(out, text)
     for line in said:
         click.echo(line)
@@ -83,7 +84,7 @@ def _completed(coefficients: Coefficients, path: Path) -> tuple[str, list[str]]:
         raise InputError("has wiring and alarm rules already; there is nothing to start", file=str(path), place="$")
     motor = of_model(coefficients)
     try:
-        wiring = wiring_for(motor, path.name) if document.wiring is None else None
+        wiring = wiring_for(motor, shown_name(path)) if document.wiring is None else None
         rules = complete_rules(motor, coefficients) if not document.alarms else None
         text = with_start(path.read_text(encoding="utf-8-sig"), wiring, rules)
         made = parse(text.encode())
@@ -127,5 +128,5 @@ def _told(wiring: Wiring | None, rules: Sequence[RuleDraft] | None) -> list[str]
     if rules is None:
         told.append("alarm rules: kept as they are")
     else:
-        told.append(f"alarm rules: {', '.join(str(rule.written['name']) for rule in rules)}")
+        told.append(f"alarm rules: {', '.join(rule.name for rule in rules)}")
     return told

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from functools import partial
 
 from gen.coefficients.messages import building
 from gen.coefficients.wiring import SUPPLY_V, ChannelInput, Drive, Encoder, Thermocouple, Wiring
@@ -44,13 +44,13 @@ def wiring_for(motor: Motor, source: str) -> Wiring:
             f"{len(chips)} thermocouples and {len(motor.channels)} channels; the sketch takes at most {_MOST_CHIPS} "
             f"and {_ANALOG_PINS}"
         )
-    channels: dict[str, Any] = {"channels": tuple(_channel(i, *item) for i, item in enumerate(motor.channels.items()))}
     with building():
-        return Wiring(
+        channels = tuple(_channel(i, *item) for i, item in enumerate(motor.channels.items()))
+        made = partial(
+            Wiring,
             led_pin=_LED,
             button_pin=_BUTTON,
             thermocouples=tuple(chips),
-            **(channels if motor.channels else {}),
             drive=Drive(
                 forward_pin=_FORWARD,
                 reverse_pin=_REVERSE,
@@ -62,10 +62,11 @@ def wiring_for(motor: Motor, source: str) -> Wiring:
             note=f"Started by gen init from {source}: pins that are free and can do it. Change them to those of your "
             f"board. LED on {_LED}: the Mega's own; button on {_BUTTON}, to ground, resets alarms.",
         )
+        return made(channels=channels) if channels else made()
 
 
 def _thermocouples(motor: Motor) -> list[Thermocouple]:
-    named = [(part, "part of the model: sensor checks, alarm rules") for part in motor.parts]
+    named = [(part, "a part that is watched: sensor checks, alarm rules") for part in motor.parts]
     named += [("ambient", motor.ambient)] if motor.ambient is not None else []
     named += [(column, f"{why}: logged, and told to what reads it") for column, why in motor.beside.items()]
     shared = f"MAX6675. SO {_DATA} and SCK {_CLOCK} are shared by all; CS is the next free pin from {_FIRST_SELECT} on"
