@@ -17,7 +17,9 @@ from gen.commands.check import check
 from gen.commands.emulate import emulate
 from gen.commands.identify import identify
 from gen.commands.importing import import_runs
+from gen.commands.init import init
 from gen.commands.log import log
+from gen.commands.plot import plot
 from gen.commands.refine import refine
 from gen.commands.simulate import simulate
 from gen.commands.thresholds import thresholds
@@ -35,7 +37,7 @@ def cli() -> None:
     """Turn identified motor-temperature coefficients into proven firmware for the Arduino Mega 2560."""
 
 
-for command in (build, verify, check, simulate, emulate, log, import_runs, identify, thresholds, refine):
+for command in (build, verify, check, simulate, emulate, log, import_runs, identify, init, thresholds, refine, plot):
     cli.add_command(command)
 
 

@@ -17,6 +17,7 @@ NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0)]
 Celsius = Annotated[float, Field(allow_inf_nan=False, ge=-273.15, le=5000)]
 Counts = Annotated[int, Field(ge=0, le=MAX_PWM)]
 CountRange = tuple[Counts, Counts]
+Note = Annotated[str, Field(description="Why it is so; for those who read the file.")]
 ColumnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 
 

@@ -40,6 +40,11 @@ class RuleDraft:
         return self.written.get("kind")
 
     @property
+    def name(self) -> str:
+        """The rule's name, empty if it has none."""
+        return str(self.written.get("name", ""))
+
+    @property
     def component(self) -> str:
         """The component that is watched."""
         return str(self.written["component"])
@@ -79,6 +84,36 @@ class RuleDraft:
         }
         added = {key: value for key, value in found.items() if value is not None and key not in self.written}
         return RuleDraft({**self.written, **added})
+
+
+def drafted(
+    name: str,
+    kind: Literal["above_model", "over_temperature"],
+    component: str,
+    description: str,
+    *,
+    speed_percent: tuple[float, float] | None = None,
+    persistence_s: float | None = None,
+    settle_s: float | None = None,
+    note: str | None = None,
+    beyond: Literal["model", "error_band"] | None = None,
+    threshold_K: float | None = None,
+    limit_degC: float | None = None,
+    hysteresis_K: float | None = None,
+) -> RuleDraft:
+    """Write a rule anew; what is None is left open."""
+    written: dict[str, Any] = {"name": name, "description": description, "kind": kind, "component": component}
+    further = {
+        "speed_percent": None if speed_percent is None else list(speed_percent),
+        "persistence_s": persistence_s,
+        "settle_s": settle_s,
+        "beyond": beyond,
+        "threshold_K": threshold_K,
+        "limit_degC": limit_degC,
+        "hysteresis_K": hysteresis_K,
+        "note": note,
+    }
+    return RuleDraft(written | {key: value for key, value in further.items() if value is not None})
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from gen.coefficients.provenance import ErrorBand
 from gen.coefficients.reader import read_tree
 from gen.coefficients.rules import RuleDraft, Rules
 from gen.coefficients.versions import Tree, migrated
+from gen.coefficients.wiring import Wiring
 
 
 def dump(document: Document) -> str:
@@ -102,6 +103,27 @@ def with_rules(text: str, rules: Rules, alarms: Sequence[RuleDraft], error: Sequ
     tree["provenance"]["error"] = [as_json(band) for band in error]
     tree["alarms"] = [dict(rule.written) for rule in alarms]
     return _text(tree)
+
+
+def with_start(text: str, wiring: Wiring | None, alarms: Sequence[RuleDraft] | None) -> str:
+    """Give the text of a file with wiring and alarm rules that it had not; None adds nothing.
+
+    Raises
+    ------
+    InputError
+        When the text is no coefficient file; what it says is not checked.
+    """
+    tree = _source(text)
+    if wiring is not None:
+        tree["wiring"] = as_json(wiring)
+    if alarms is not None:
+        tree["alarms"] = [dict(rule.written) for rule in alarms]
+    return _text(tree)
+
+
+def rules_text(wiring: Wiring, alarms: Sequence[RuleDraft]) -> str:
+    """Give the text of a rules file, as :func:`gen.coefficients.rules.read_rules` reads it."""
+    return _text({"wiring": as_json(wiring), "alarms": [dict(rule.written) for rule in alarms]})
 
 
 def as_json(part: Part) -> Tree:

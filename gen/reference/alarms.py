@@ -83,7 +83,7 @@ class ReferenceAlarms:
         """
         magnitude = np.minimum(np.abs(pwm), MAX_PWM)
         for number, rule in enumerate(self._rules):
-            inside, trip, clear = _thresholds(rule, magnitude)
+            inside, trip, clear = thresholds(rule, magnitude)
             awake = self._awake(number, rule, inside)
             self._settled[number][~inside] = 0
             asleep = ~inside | ~awake
@@ -153,7 +153,8 @@ def alarm_record_type(rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
     return np.dtype([*timers, *((mask, "<u2") for mask in ("latched", "active", "asleep"))])
 
 
-def _thresholds(rule: LoweredRule, magnitude: Integers) -> tuple[NDArray[np.bool_], Integers, Integers]:
+def thresholds(rule: LoweredRule, magnitude: Integers) -> tuple[NDArray[np.bool_], Integers, Integers]:
+    """Whether each |PWM|, shape (L,), lies in a rule's segments, and where its condition begins and ends there, mK."""
     inside = np.zeros(len(magnitude), dtype=bool)
     trip, clear = np.zeros_like(magnitude), np.zeros_like(magnitude)
     for segment in rule.segments:

@@ -15,7 +15,7 @@ from tests.examples import ROOT
 
 COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"
 RUN = "time_s,pwm,brush_degC\n" + "".join(f"{i},102,{30 + i}\n" for i in range(10))
-SLOW = {"control", "jinja2", "matplotlib", "pandas", "scipy"}
+SLOW = {"control", "jinja2", "matplotlib", "pandas", "plotly", "scipy", "tsdownsample"}
 # Runs commands one after the other in one interpreter; a slow package that one of them loads stays loaded.
 WATCHED = """
 import contextlib, io, json, sys
@@ -91,6 +91,8 @@ def test_a_bad_coefficient_file_is_told_before_anything_slow(folder: Path) -> No
         "emulate {} --out out.csv",
         "thresholds {} run.csv --rules rules.json --out out.json",
         "refine {} --fit run.csv --test other.csv --out out.json",
+        "plot run.csv --model {} --out out.html",
+        "init {} --out out.json",
     )
     for file in ("missing.json", "broken.json", "wrong.json"):
         for command, message in complaints(folder, (command.format(file) for command in commands)):
@@ -104,6 +106,8 @@ def test_a_bad_head_of_a_run_is_told_before_anything_slow(folder: Path) -> None:
         "thresholds good.json run.csv {} --rules rules.json --out out.json",
         "refine good.json --fit run.csv {} --test other.csv --out out.json",
         "refine good.json --fit run.csv --test other.csv {} --out out.json",
+        "plot run.csv {} --model good.json --out out.svg",
+        "init run.csv {} --out out.json",
     )
     for file in ("missing.csv", "empty.csv", "head.csv"):
         for command, message in complaints(folder, (command.format(file) for command in commands)):
@@ -122,6 +126,8 @@ def test_other_complaints_load_nothing_slow(folder: Path) -> None:
         "simulate good.json row.csv --out out.csv": "row.csv: line 2, column pwm",
         "thresholds good.json run.csv row.csv --rules rules.json --out out.json": "row.csv: line 2, column pwm",
         "thresholds good.json run.csv --rules run.csv --out out.json": "run.csv: line 1",
+        "plot run.csv row.csv --out out.html": "row.csv: line 2, column pwm",
+        "init run.csv row.csv --out out.json": "row.csv: line 2, column pwm",
         "verify good.json --json no/such/folder.json": "no/such/folder.json: cannot be written",
         "emulate good.json --profile 0:300 --out out.csv": "--profile: found PWM 300",
         "emulate good.json --json no/such/folder.json --out out.csv": "no/such/folder.json: cannot be written",

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from gen.coefficients.base import Part, Positive, fault
+from gen.coefficients.base import Note, Part, Positive, fault
 from gen.coefficients.wiring.drive import DRIVE_PINS, Drive, Observe
 from gen.coefficients.wiring.pins import BOOT_LED_PIN, COUNTER_TIMER_PINS, PWM_PINS, Pin, Role, check_free, roles
 from gen.coefficients.wiring.sensors import ChannelInput, Encoder, Thermocouple
@@ -41,6 +41,7 @@ class Wiring(Part):
     drive: Drive | None = None
     observe: Observe | None = None
     memory: Annotated[Memory | None, Field(description="null: no copies.")] = Memory()
+    note: Note = ""
 
     @model_validator(mode="after")
     def _check(self) -> Wiring:

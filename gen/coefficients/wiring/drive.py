@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field, model_validator
 from pydantic.config import JsonDict
 
-from gen.coefficients.base import Part, Positive, fault, listed
+from gen.coefficients.base import Note, Part, Positive, fault, listed
 from gen.coefficients.wiring.pins import Pin
 from gen.model.dynamics import MAX_PWM
 
@@ -60,6 +60,7 @@ class Drive(Part):
         Field(description="Level of the direction pin for PWM > 0, beside pwm_pin only. Without it high."),
     ] = None
     profile: Profile | None = None
+    note: Note = ""
 
     @property
     def pwm_pins(self) -> dict[str, int]:

@@ -1,0 +1,190 @@
+"""A run's alarms: those that the board recorded, and those that a file's rules raise on what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.coefficients import Coefficients
+from gen.drawing.section import Bar, shown
+from gen.drawing.thinning import gaps
+from gen.lowering.alarms import COLD_mK, LoweredRule, lower_alarms
+from gen.model.dynamics import MAX_PWM
+from gen.reference.first_alarms import first_raised
+from gen.runs import Run
+
+Array = NDArray[np.float64]
+
+COLUMN = "alarms"
+"""The board's: a bit for each rule, set while its alarm is raised."""
+_MOST_BITS = 16
+_MOST_BARS = 500
+_ON_GRID = 1e-6
+"""A row this close to a sample, in samples, counts as on it (decimal times are not exact in binary)."""
+
+
+def recorded(run: Run, events: Sequence[tuple[float, str]], rules: Sequence[str]) -> list[Bar]:
+    """Give the alarms that a run file's own column shows.
+
+    Parameters
+    ----------
+    run
+        The run.
+    events
+        What the board said: it names the rules.
+    rules
+        Names of the rules of the board's own coefficient file, where it is known.
+    """
+    if COLUMN not in run.extras:
+        return []
+    mask = np.nan_to_num(run.extras[COLUMN]).astype(np.int64)
+    found: list[tuple[int, float, float]] = []
+    for bit in range(_MOST_BITS):
+        found += [(bit, start, end) for start, end in spans((mask >> bit & 1).astype(np.bool_), run.time_s)]
+    names = dict(enumerate(rules)) or _named(found, events, run.time_s)
+    return [Bar(shown(names.get(bit, f"alarm {bit + 1}")), "recorded", start, end) for bit, start, end in found]
+
+
+def _named(
+    found: Sequence[tuple[int, float, float]], events: Sequence[tuple[float, str]], time_s: Array
+) -> dict[int, str]:
+    """Names of the rules by their bits, from the events in the row's interval in which only one bit was first set."""
+    said = [(at, text.removeprefix("alarm ")) for at, text in events if text.startswith("alarm ")]
+    names: dict[int, str] = {}
+    for bit, start, _ in found:
+        row = int(np.searchsorted(time_s, start))
+        since = time_s[row - 1] if row else -np.inf
+        named = {name for at, name in said if since < at <= start}
+        if len(named) == 1 and sum(other == start for _, other, _ in found) == 1:
+            names.setdefault(bit, named.pop())
+    return names
+
+
+def spans(present: NDArray[np.bool_], time_s: Array) -> list[tuple[float, float]]:
+    """First time of every stretch of True and the first after it, s; a distance too short to be seen is closed."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], present, [False])).astype(np.int8)))
+    starts, ends = time_s[edges[::2]], time_s[np.minimum(edges[1::2], time_s.size - 1)]
+    least = (time_s[-1] - time_s[0]) / _MOST_BARS
+    apart = starts[1:] - ends[:-1] > least
+    first, last = np.concatenate([[True], apart]), np.concatenate([apart, [True]])
+    return list(zip(starts[first].tolist(), ends[last].tolist(), strict=True)) if starts.size else []
+
+
+def derived(coefficients: Coefficients, run: Run, model_degC: Mapping[str, Array]) -> list[Bar]:
+    """Give the alarms that a coefficient file's rules raise on a run.
+
+    The board's own judgement (:func:`first_raised`) in its samples; between rows what was measured is held, and
+    the model, here the exact solution, runs straight. In a gap nothing is measured.
+
+    Parameters
+    ----------
+    coefficients
+        Model and rules.
+    run
+        What was measured.
+    model_degC
+        The model's temperatures at the run's rows by component, shape (N,) each.
+
+    Returns
+    -------
+    list of Bar
+        From when a rule's alarm is raised to the end, as nobody resets it; in the rules' order.
+    """
+    model, rules = coefficients.model, lower_alarms(coefficients)
+    names, step_s = model.component_names, model.sample_time
+    samples = int(np.floor((run.time_s[-1] - run.time_s[0]) / step_s + _ON_GRID))
+    if not rules or samples == 0:
+        return []
+    grid = run.time_s[0] + step_s * np.arange(1, samples + 1)
+    row = np.searchsorted(run.time_s, grid + _ON_GRID * step_s, side="right") - 1
+    acting = np.searchsorted(run.time_s, grid - (1.0 - _ON_GRID) * step_s, side="right") - 1
+    measured, valid = _seen(run, names, row)
+    shown_mC = np.array([np.rint(1000.0 * np.interp(grid, run.time_s, model_degC[name])) for name in names])
+    first = first_raised(
+        rules, run.pwm[acting], measured, shown_mC.astype(np.int64), valid, trusted=_starts_cold(run, names)
+    )
+    end = float(run.time_s[-1])
+    return [
+        Bar(shown(rule.name), "derived", float(grid[at]), end)
+        for rule, at in zip(rules, first, strict=True)
+        if at is not None
+    ]
+
+
+def _held(values: Array) -> Array:
+    """Each missing sample replaced by the latest before it; NaN before the first."""
+    last = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(values.size), -1))
+    return np.where(last >= 0, values[last], np.nan)
+
+
+def _seen(run: Run, names: Sequence[str], row: NDArray[np.intp]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """What the rules are given at each sample: thousandths of a degree, shape (parts, K), and the bits of the valid."""
+    measured = np.zeros((len(names), row.size), dtype=np.int64)
+    valid = np.zeros(row.size, dtype=np.int64)
+    for i, name in enumerate(names):
+        values = run.temps.get(name)
+        if values is None or not np.isfinite(values).any():
+            continue
+        held = _held(values)[row]
+        there = np.isfinite(held) & ~_in_gap(run.time_s, values)[row]
+        measured[i] = np.rint(1000.0 * np.nan_to_num(held)).astype(np.int64)
+        valid |= there.astype(np.int64) << i
+    return measured, valid
+
+
+def _in_gap(time_s: Array, values: Array) -> NDArray[np.bool_]:
+    """Rows that lie in a gap of a column; a value's own row does not."""
+    known = np.flatnonzero(np.isfinite(values))
+    after = gaps(time_s, values)
+    latest = np.searchsorted(known, np.arange(values.size), side="right") - 1
+    inside: NDArray[np.bool_] = np.where(latest >= 0, after[latest], True) & ~np.isfinite(values)
+    return inside
+
+
+def _starts_cold(run: Run, names: Sequence[str]) -> bool:
+    """Whether every part starts within so much of the measured ambient that its slopes are known, as on the board."""
+    if run.ambient is None or not np.isfinite(run.ambient).any():
+        return False
+    room = run.ambient[np.isfinite(run.ambient)][0]
+    firsts = []
+    for name in names:
+        values = run.temps.get(name)
+        if values is None or not np.isfinite(values).any():
+            return False
+        firsts.append(values[np.isfinite(values)][0])
+    return bool(np.all(np.abs(np.array(firsts) - room) <= COLD_mK / 1000.0))
+
+
+def band(rules: Sequence[LoweredRule], component: int, side: str, pwm: NDArray[np.int64]) -> Array | None:
+    """Give where the nearest rule on one side of the model begins at each row.
+
+    Parameters
+    ----------
+    rules
+        Of the coefficient file, lowered. Those that depend on another component or another rule, and sums, are no band.
+    component
+        Place of the component.
+    side
+        ``above`` or ``below``.
+    pwm
+        Of each row, shape (N,).
+
+    Returns
+    -------
+    NDArray or None
+        Measured minus model in K, shape (N,), NaN where no rule holds; None without any.
+    """
+    table = np.full(MAX_PWM + 1, np.inf)
+    for rule in rules:
+        alone = rule.relative_to is None and rule.requires is None and rule.sum_limit is None
+        if rule.component == component and rule.quantity == side and alone:
+            for segment in rule.segments:
+                inside = table[segment.low : segment.high + 1]
+                np.minimum(inside, segment.trip_mK / 1000.0, out=inside)
+    if not np.isfinite(table).any():
+        return None
+    table[np.isinf(table)] = np.nan
+    found = table[np.minimum(np.abs(pwm), MAX_PWM)]
+    return found if side == "above" else -found

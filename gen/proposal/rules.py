@@ -1,0 +1,104 @@
+"""Alarm rules for a motor's parts: too hot for itself, and hotter than its model."""
+
+from __future__ import annotations
+
+from gen.coefficients import Coefficients
+from gen.coefficients.alarms import MOST_RULES
+from gen.coefficients.names import MAX_LENGTH, name_fault
+from gen.coefficients.rules import RuleDraft, drafted
+from gen.proposal.motor import Motor
+
+GUESSED_K = 3.0
+"""Beyond the declared error band, until healthy runs tell more: six times the least margin of `gen thresholds`."""
+_HYSTERESIS_K = 5.0
+_PERSISTENCE_S, _LIMIT_PERSISTENCE_S, _SETTLE_S = 120.0, 5.0, 600.0
+
+
+def open_rules(motor: Motor) -> list[RuleDraft]:
+    """Rules without their numbers, for `gen thresholds` to fill in from healthy runs."""
+    taken: set[str] = set()
+    limits = [
+        drafted(
+            _name(part, "limit", taken),
+            "over_temperature",
+            part,
+            f"{part} too hot, whatever the model says.",
+            persistence_s=_LIMIT_PERSISTENCE_S,
+        )
+        for part in motor.parts
+    ]
+    hot = [
+        drafted(
+            _name(part, "hot", taken),
+            "above_model",
+            part,
+            f"{part} over the healthy range: it heats more, or cools less, than a healthy motor.",
+            speed_percent=_speeds(motor),
+            persistence_s=_PERSISTENCE_S,
+            settle_s=_SETTLE_S,
+        )
+        for part in motor.parts
+    ]
+    return _fitting(hot, limits)
+
+
+def complete_rules(motor: Motor, coefficients: Coefficients) -> list[RuleDraft]:
+    """Rules with numbers from the coefficient file alone: its domain, and how far off it declares itself."""
+    taken: set[str] = set()
+    document = coefficients.document
+    highest = document.domain.temperature_degC[1]
+    limits = [
+        drafted(
+            _name(part, "limit", taken),
+            "over_temperature",
+            part,
+            f"{part} too hot, whatever the model says.",
+            persistence_s=_LIMIT_PERSISTENCE_S,
+            limit_degC=highest,
+            hysteresis_K=_HYSTERESIS_K,
+            note=f"TO BE SET: {highest:g} degC is the highest temperature of $.domain, for which all is proven. A "
+            "limit of the material goes before.",
+        )
+        for part in motor.parts
+    ]
+    bands = document.provenance.error if document.provenance is not None else ()
+    hot = [
+        drafted(
+            _name(part, "hot", taken),
+            "above_model",
+            part,
+            f"{part} over the healthy range: it heats more, or cools less, than a healthy motor.",
+            speed_percent=_speeds(motor),
+            persistence_s=_PERSISTENCE_S,
+            settle_s=_SETTLE_S,
+            beyond="error_band",
+            threshold_K=GUESSED_K,
+            hysteresis_K=GUESSED_K / 2.0,
+            note=f"TO BE SET: {GUESSED_K:g} K beyond what provenance.error declares at the present speed are a guess; "
+            "gen thresholds derives the number from healthy runs.",
+        )
+        for part in motor.parts
+        if any(band.component == part for band in bands)
+    ]
+    return _fitting(hot, limits)
+
+
+def _fitting(hot: list[RuleDraft], limits: list[RuleDraft]) -> list[RuleDraft]:
+    """As many as the board has room for; limits go before."""
+    return [*hot[: max(0, MOST_RULES - len(limits))], *limits]
+
+
+def _speeds(motor: Motor) -> tuple[float, float]:
+    """Where the motor was seen, in % of full scale, up to full speed."""
+    return int(1000.0 * motor.speeds[0] / motor.full_scale) / 10.0, 100.0
+
+
+def _name(part: str, what: str, taken: set[str]) -> str:
+    """A rule's name that no other has, whatever the part's is."""
+    for number in range(1, 100):
+        end = f"_{what}" if number == 1 else f"_{what}{number}"
+        name = f"{part[: MAX_LENGTH - len(end)].rstrip('_')}{end}"
+        if name.lower() not in taken and name_fault(name) is None:
+            break
+    taken.add(name.lower())
+    return name

@@ -1,0 +1,65 @@
+"""When rules are first raised on a whole record, against the definition sample by sample."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gen.lowering.alarms import LoweredRule, Segment
+from gen.reference.alarms import ReferenceAlarms
+from gen.reference.first_alarms import first_raised
+
+SAMPLES, PARTS = 160, 2
+STEP_mK = 200  # coarse, so that values meet thresholds exactly
+
+
+@st.composite
+def rule(draw: st.DrawFn, number: int) -> LoweredRule:
+    quantity = draw(st.sampled_from(["above", "below", "measured"]))
+    trip = STEP_mK * draw(st.integers(0, 7)) + (40_000 if quantity == "measured" else 0)
+    clear = trip - STEP_mK * draw(st.integers(0, 4))
+    low, high = sorted([draw(st.integers(0, 255)), draw(st.integers(0, 255))])
+    segments = [Segment(low, high, trip, clear)]
+    if high < 255 and draw(st.booleans()):
+        segments.append(Segment(high + 1, 255, trip + STEP_mK, clear + STEP_mK))
+    earlier = st.none() | st.integers(0, number - 1) if number else st.none()
+    component = draw(st.integers(0, PARTS - 1))
+    is_sum = quantity != "measured" and draw(st.booleans())
+    return LoweredRule(
+        name=f"rule{number}",
+        description="",
+        quantity=quantity,
+        component=component,
+        relative_to=1 - component if quantity != "measured" and draw(st.booleans()) else None,
+        segments=tuple(Segment(s.low, s.high, s.trip_mK, s.trip_mK) for s in segments) if is_sum else tuple(segments),
+        settle=draw(st.integers(0, 20)),
+        start_wait=draw(st.integers(0, 20)),
+        persistence=draw(st.integers(0, 10)),
+        requires=draw(earlier),
+        unless=draw(earlier),
+        stops=False,
+        sum_limit=draw(st.integers(1, 10_000)) if is_sum else None,
+    )
+
+
+@settings(max_examples=150)
+@given(st.data(), st.integers(1, 4), st.integers(0, 2**32), st.booleans())
+def test_rules_are_first_raised_when_the_definition_raises_them(
+    data: st.DataObject, count: int, seed: int, trusted: bool
+) -> None:
+    rules = [data.draw(rule(number)) for number in range(count)]
+    rng = np.random.default_rng(seed)
+    pwm = np.repeat(rng.integers(-255, 256, 8), SAMPLES // 8)
+    wander = np.cumsum(rng.normal(0.0, 150.0, (PARTS, SAMPLES)), axis=1) + rng.normal(0.0, 300.0, (PARTS, SAMPLES))
+    model = np.full((PARTS, SAMPLES), 40_000, dtype=np.int64)
+    measured = model + STEP_mK * np.rint(wander / STEP_mK).astype(np.int64)
+    valid = rng.integers(0, 4, SAMPLES) | np.where(rng.random(SAMPLES) < 0.8, 3, 0)
+    reference = ReferenceAlarms(rules, np.array([trusted]))
+    expected: list[int | None] = [None] * count
+    for k in range(SAMPLES):
+        reference.step(pwm[k : k + 1], measured[:, k : k + 1], model[:, k : k + 1], valid[k : k + 1])
+        for number in range(count):
+            if int(reference.latched[0]) >> number & 1 and expected[number] is None:
+                expected[number] = k
+    assert first_raised(rules, pwm, measured, model, valid, trusted=trusted) == expected
