@@ -131,6 +131,10 @@ def test_other_complaints_load_nothing_slow(folder: Path) -> None:
         "verify good.json --json no/such/folder.json": "no/such/folder.json: cannot be written",
         "emulate good.json --profile 0:300 --out out.csv": "--profile: found PWM 300",
         "emulate good.json --json no/such/folder.json --out out.csv": "no/such/folder.json: cannot be written",
+        "import missing.csv --out runs": "missing.csv: there is no such file; expected a log",
+        "import empty.csv --out runs": "empty.csv: is empty; expected a log",
+        "import run.csv --out runs --mapping broken.json": "broken.json: is not TOML",
+        "import run.csv --out runs --column x": '--column: found "x", expected OLD=NEW',
         "log no-such-port --out out.csv": "no-such-port: cannot be opened",
     }
     for command, message in complaints(folder, expected):
