@@ -41,7 +41,7 @@ class Wiring(Part):
     drive: Drive | None = None
     observe: Observe | None = None
     memory: Annotated[Memory | None, Field(description="null: no copies.")] = Memory()
-    note: Note = ""
+    note: Note | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Wiring:

@@ -60,7 +60,7 @@ class Drive(Part):
         Field(description="Level of the direction pin for PWM > 0, beside pwm_pin only. Without it high."),
     ] = None
     profile: Profile | None = None
-    note: Note = ""
+    note: Note | None = None
 
     @property
     def pwm_pins(self) -> dict[str, int]:

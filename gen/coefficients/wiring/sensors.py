@@ -63,7 +63,7 @@ class Thermocouple(Part):
             description="See stuck_s; 0: time alone decides. Without it 3 K; ambient and columns 0.",
         ),
     ] = None
-    note: Note = ""
+    note: Note | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Thermocouple:
@@ -83,7 +83,7 @@ class Encoder(Part):
     ] = None
     stall_pwm: Annotated[int, Field(ge=1, le=MAX_PWM, description="|PWM| from which on the motor must turn.")] = 51
     stall_s: Annotated[Positive, Field(le=3600, description="No pulse for this long at such a PWM is a stall.")] = 2.0
-    note: Note = ""
+    note: Note | None = None
 
     @property
     def counts_in_hardware(self) -> bool:
@@ -119,7 +119,7 @@ class ChannelInput(Part):
     per_V: Annotated[float, Field(description="Change of the value for each volt, in its unit.")] = 1.0
     min: Annotated[float | None, Field(description="Lowest plausible value; without it the one at 0 V.")] = None
     max: Annotated[float | None, Field(description="Highest plausible value; without it the one at 5 V.")] = None
-    note: Note = ""
+    note: Note | None = None
 
     @property
     def limits(self) -> tuple[float, float]:
