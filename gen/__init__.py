@@ -1,7 +1,7 @@
 """From identified motor-temperature coefficients to proven firmware for the Arduino Mega 2560.
 
-The Python interface: :func:`load`, :func:`read_run`, :func:`identify`, :func:`refine`, :func:`simulate`,
-:func:`build`, :func:`verify` and :func:`check`, as the commands of the same names. Importing the package is quick: what
+The Python interface: :func:`load`, :func:`read_run`, :func:`identify`, :func:`refine`, :func:`plan`,
+:func:`simulate`, :func:`build`, :func:`verify` and :func:`check`, as the commands of the same names. Importing the package is quick: what
 a function needs is imported when it is called.
 """
 
@@ -19,12 +19,14 @@ if TYPE_CHECKING:
         Identification,
         Model,
         NetworkIdentification,
+        Plan,
         Refinement,
         Verification,
         build,
         check,
         identify,
         load,
+        plan,
         read_run,
         refine,
         simulate,
@@ -39,6 +41,7 @@ __all__ = [
     "InputError",
     "Model",
     "NetworkIdentification",
+    "Plan",
     "Refinement",
     "Verification",
     "__version__",
@@ -46,6 +49,7 @@ __all__ = [
     "check",
     "identify",
     "load",
+    "plan",
     "read_run",
     "refine",
     "simulate",

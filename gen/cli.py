@@ -17,6 +17,7 @@ from gen.commands.check import check
 from gen.commands.emulate import emulate
 from gen.commands.identify import identify
 from gen.commands.log import log
+from gen.commands.plan import plan
 from gen.commands.refine import refine
 from gen.commands.simulate import simulate
 from gen.commands.thresholds import thresholds
@@ -34,7 +35,7 @@ def cli() -> None:
     """Turn identified motor-temperature coefficients into proven firmware for the Arduino Mega 2560."""
 
 
-for command in (build, verify, check, simulate, emulate, log, identify, thresholds, refine):
+for command in (build, verify, check, simulate, emulate, log, identify, thresholds, refine, plan):
     cli.add_command(command)
 
 

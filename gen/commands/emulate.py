@@ -118,7 +118,7 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
             write_bytes(options["eeprom"], board.mega.eeprom.image)
         if not session.recorder.rows:
             raise CheckFailed("the firmware printed no row of a run file")
-        _write(session, results, found, _title(loaded, options), (out, json_file, plot), options)
+        _write(session, results, found, _title(loaded, options), (out, json_file, plot), options, wanted.carried)
     _tell(found)
     if session.interrupted:
         click.echo(f"interrupted: {session.seconds:.0f} of {options['duration']:.0f} s are kept in {out}", err=True)
@@ -132,6 +132,7 @@ def _write(
     title: str,
     files: tuple[Path, Path | None, Path | None],
     options: dict[str, Any],
+    carried: list[str],
 ) -> None:
     """Write run file, summary and picture; the run file first, which is what took the time."""
     from gen.emulate.plot import plot_svg
@@ -139,7 +140,7 @@ def _write(
     from gen.record.port import write_parts
 
     out, json_file, plot = files
-    session.recorder.parts[0].comments += _comments(found, options)
+    session.recorder.parts[0].comments += [*_comments(found, options), *carried]
     for path in write_parts(session.recorder, out):
         click.echo(f"{path}: {session.recorder.rows} rows")
     if json_file is not None:
@@ -155,13 +156,14 @@ class _Wanted:
     wiring: Wiring
     plant: RigPlant
     profile: Profile
+    carried: list[str]
     events: list[Event]
     image: bytes | None
 
 
 def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -> _Wanted:
     from gen.emulate.options import check_profile, parse_events
-    from gen.record.profile import parse_profile
+    from gen.record.profile import carried_comments, parse_profile
 
     wiring = loaded.document.wiring
     if wiring is None or not wiring.thermocouples:
@@ -176,7 +178,8 @@ def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -
         plant = _plant(wiring, options)
     except InputError as error:
         raise InputError(error.message, file=error.file or str(coefficients), place=error.place) from error
-    return _Wanted(wiring, plant, profile, events, _eeprom_image(options["eeprom"]))
+    carried = carried_comments(options["profile"])
+    return _Wanted(wiring, plant, profile, carried, events, _eeprom_image(options["eeprom"]))
 
 
 def _plant(wiring: Wiring, options: dict[str, Any]) -> RigPlant:

@@ -8,6 +8,7 @@ from gen.interface.files import load, read_run
 from gen.interface.firmware import Build, Verification, build, verify
 from gen.interface.identification import Identification, NetworkIdentification, identify
 from gen.interface.model import Model
+from gen.interface.planning import Plan, plan
 from gen.interface.refinement import Refinement, refine
 from gen.interface.simulation import simulate
 
@@ -17,12 +18,14 @@ __all__ = [
     "Identification",
     "Model",
     "NetworkIdentification",
+    "Plan",
     "Refinement",
     "Verification",
     "build",
     "check",
     "identify",
     "load",
+    "plan",
     "read_run",
     "refine",
     "simulate",

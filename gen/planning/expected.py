@@ -1,0 +1,156 @@
+"""What runs would tell: how far apart hypotheses are, and how much narrower their intervals become.
+
+Two hypotheses differ by r in the readings of a run. What the free numbers of the second can take up of r is no
+evidence, so the separation is T-optimality's (Atkinson and Fedorov, Biometrika 62, 1975): the least of
+
+    (r - J d)^T W (r - J d) + d^T P d        over all changes d of the second one's numbers,
+
+J its sensitivities, P what the runs so far say of its numbers, W the weights of readings, which are those of the fit:
+by the density of errors that last. Intervals are those of the information matrix P + J^T W J.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from gen.identification.network.bins import FloatArray
+from gen.identification.network.fit import settle
+from gen.identification.network.inputs import START_K
+from gen.planning.hypotheses import Remaining
+from gen.planning.march import March, Predicted, problem_of
+from gen.planning.stage import PwmArray, Stage
+
+REFITS = 8
+"""Linearisations of a hypothesis that is fitted to another one's readings."""
+
+
+class Expected:
+    """What runs would tell of what remains.
+
+    Parameters
+    ----------
+    remaining, stage
+        The hypotheses, and where runs would be.
+    levels
+        PWM that they may have, counts. Runs are given by the levels' numbers.
+    """
+
+    def __init__(self, remaining: Remaining, stage: Stage, levels: tuple[int, ...]) -> None:
+        self.remaining, self.stage, self.levels = remaining, stage, np.array(levels, dtype=np.int64)
+        self._marches = [March(one, stage, levels) for one in remaining.hypotheses]
+        self._priors = []
+        for one in remaining.hypotheses:
+            size, nodes = one.shape.size, one.shape.nodes
+            prior = np.zeros((size + nodes, size + nodes))
+            prior[:size, :size] = one.precision
+            prior[np.arange(size, size + nodes), np.arange(size, size + nodes)] = START_K**-2
+            self._priors.append(prior)
+
+    @property
+    def pairs(self) -> list[tuple[int, int]]:
+        """Hypotheses to be told apart, by number."""
+        count = len(self.remaining.hypotheses)
+        return [(i, j) for i in range(count) for j in range(i + 1, count)]
+
+    def weight(self, bins: int) -> FloatArray:
+        """Of each reading, shape (T S,), 1/K^2."""
+        return np.tile(self.stage.bin_s / self.remaining.density, bins)
+
+    def worth(self, index: PwmArray) -> FloatArray:
+        """Give what is maximised, of each of K runs, shape (K,).
+
+        Of several hypotheses the mean over all pairs of log(1 + separation), the worse way round: what can hardly be
+        told apart and what is told apart anyway both count little. Of one alone the logarithm of the information
+        matrix's determinant (D-optimality).
+
+        Parameters
+        ----------
+        index
+            Shape (K, T).
+        """
+        weight = self.weight(index.shape[1])
+        each = [march.predicted(index) for march in self._marches]
+        matrices = [self._information(k, found, weight) for k, found in enumerate(each)]
+        if len(each) == 1:
+            return np.asarray(np.linalg.slogdet(matrices[0])[1])
+        squares = np.array([self._least(pair, each, matrices, weight) for pair in self.pairs])
+        return np.asarray(np.mean(np.log1p(np.maximum(squares, 0.0)), axis=0))
+
+    def _information(self, number: int, found: Predicted, weight: FloatArray) -> FloatArray:
+        """P + J^T W J, shape (K, p, p)."""
+        weighed = found.slopes * weight[:, None]
+        return np.asarray(np.swapaxes(found.slopes, 1, 2) @ weighed + self._priors[number])
+
+    def _least(
+        self, pair: tuple[int, int], each: Sequence[Predicted], matrices: Sequence[FloatArray], weight: FloatArray
+    ) -> FloatArray:
+        """The lesser of both ways round, shape (K,)."""
+        made = []
+        for true, other in (pair, pair[::-1]):
+            away = each[true].reading - each[other].reading
+            by = np.einsum("kap,ka->kp", each[other].slopes, weight * away, optimize=True)
+            taken = np.einsum("kp,kp->k", by, np.linalg.solve(matrices[other], by[..., None])[..., 0])
+            made.append(np.sum(weight * away**2, axis=1) - taken)
+        return np.minimum(*made)
+
+    def left_K(self, index: PwmArray) -> FloatArray:
+        """Give what is left of the difference of each pair in one run after a whole fit, shape (pairs,), K.
+
+        Parameters
+        ----------
+        index
+            Shape (T,).
+        """
+        pwm = self.levels[index]
+        return np.array([min(self._left(i, j, pwm), self._left(j, i, pwm)) for i, j in self.pairs])
+
+    def _left(self, true: int, other: int, pwm: PwmArray) -> float:
+        density, hypotheses = self.remaining.density, self.remaining.hypotheses
+        source = problem_of(hypotheses[true], self.stage, pwm[None], density)
+        reading = -source.evaluate(source.prior.mean).residual
+        problem = problem_of(hypotheses[other], self.stage, pwm[None], density)
+        fitted = replace(problem, inputs=replace(problem.inputs, target=reading))
+        residual = settle(fitted, fitted.prior.mean, REFITS).evaluated.residual
+        return float(np.sqrt(np.mean(residual**2)))
+
+    def deviations(self, index: PwmArray) -> tuple[FloatArray, FloatArray]:
+        """Standard deviations of the first hypothesis's numbers, before a run and after it, shape (size,) each.
+
+        Parameters
+        ----------
+        index
+            Shape (T,).
+        """
+        found = self._marches[0].predicted(index[None])
+        after = self._information(0, found, self.weight(index.size))[0]
+        made = [np.sqrt(np.maximum(np.diag(np.linalg.inv(one)), 0.0)) for one in (self._priors[0], after)]
+        size = self.remaining.hypotheses[0].shape.size
+        return made[0][:size], made[1][:size]
+
+    def readings_95_K(self, index: PwmArray) -> tuple[float, float]:
+        """Half of the widest 95 % interval of a predicted reading along a run, before it and after it, K.
+
+        Parameters
+        ----------
+        index
+            Shape (T,).
+        """
+        found = self._marches[0].predicted(index[None])
+        after = self._information(0, found, self.weight(index.size))[0]
+        slopes = found.slopes[0]
+        variance = [np.einsum("ap,pa->a", slopes, np.linalg.solve(m, slopes.T)) for m in (self._priors[0], after)]
+        before_K, after_K = (1.96 * float(np.sqrt(max(float(v.max()), 0.0))) for v in variance)
+        return before_K, after_K
+
+    def hottest(self, index: PwmArray) -> FloatArray:
+        """Give the hottest temperature of each of the file's nodes by any hypothesis, shape (K, n), degC.
+
+        Parameters
+        ----------
+        index
+            Shape (K, T).
+        """
+        return np.asarray(np.max([march.hottest(index) for march in self._marches], axis=0))

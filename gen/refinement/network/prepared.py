@@ -1,0 +1,74 @@
+"""Later runs of a network, read and condensed: what refinement and planning begin with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from gen.coefficients import Coefficients
+from gen.errors import InputError
+from gen.refinement.admission import healthy
+from gen.refinement.condense import read_measured
+from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.data import Data, make_data
+from gen.runs import Run
+
+
+def check_laws(coefficients: Coefficients, file: str | None, command: str = "gen refine") -> None:
+    """Refuse a network with paths that cannot be fitted yet.
+
+    Parameters
+    ----------
+    coefficients
+        A file with a network.
+    file
+        Its name for messages, where it has one.
+    command
+        Which refuses.
+
+    Raises
+    ------
+    InputError
+        With the first such path.
+    """
+    network = coefficients.model.network
+    assert network is not None
+    for number, law in network.laws:
+        kind = type(law).__name__.lower()
+        place = f"$.network.paths[{number}].{kind}"
+        raise InputError(f"{command} knows no path with {kind} yet", file=file, place=place)
+
+
+def prepared(
+    coefficients: Coefficients, paths: Sequence[Path], progress: Callable[[str], None]
+) -> tuple[list[tuple[str, Run]], Data, Anchored, list[str]]:
+    """Read the runs of a healthy motor and condense them.
+
+    Parameters
+    ----------
+    coefficients
+        A file with a network.
+    paths
+        Run files.
+    progress
+        Called with what is being done.
+
+    Returns
+    -------
+    runs, data, shape, warnings
+        The runs by name; their bins; the file with everything in it free; sentences for the user.
+
+    Raises
+    ------
+    InputError
+        For files that are no runs, or where all of them name a fault.
+    """
+    network = coefficients.model.network
+    assert network is not None
+    runs = []
+    for path in paths:
+        progress(f"reading {path}")
+        runs.append((str(path), read_measured(coefficients, path)))
+    runs, warnings = healthy(runs)
+    data = make_data(coefficients, runs)
+    return runs, data, Anchored(network, coefficients.document.input.full_scale, data.columns), warnings
