@@ -1,8 +1,8 @@
 """From identified motor-temperature coefficients to proven firmware for the Arduino Mega 2560.
 
 The Python interface: :func:`load`, :func:`read_run`, :func:`identify`, :func:`refine`, :func:`plan`,
-:func:`simulate`, :func:`build`, :func:`verify` and :func:`check`, as the commands of the same names. Importing the package is quick: what
-a function needs is imported when it is called.
+:func:`simulate`, :func:`build`, :func:`verify` and :func:`check`, as the commands of the same names. Importing the
+package is quick: what a function needs is imported when it is called.
 """
 
 from __future__ import annotations

@@ -89,7 +89,7 @@ def text(results: Sequence[Judged]) -> str:
     """The table of all ambiguous cases, and what was left out of it."""
     open_ = [one for one in results if one.planned is not None and one.random is not None]
     lines = [
-        "| planted | after one run | after the planned run | after a random run as long | expected floors: planned, plain |",
+        "| planted | one run | and the planned one | and a random one as long | expected floors: planned, plain |",
         "|---|---|---|---|---|",
     ]
     for one in open_:

@@ -12,19 +12,43 @@ by the density of errors that last. Intervals are those of the information matri
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
-from gen.identification.network.fit import settle
 from gen.identification.network.inputs import START_K
+from gen.identification.network.problem import Problem
 from gen.planning.hypotheses import Remaining
 from gen.planning.march import March, Predicted, problem_of
 from gen.planning.stage import PwmArray, Stage
+from gen.refinement.network.anchored import Anchored
 
-REFITS = 8
-"""Linearisations of a hypothesis that is fitted to another one's readings."""
+REFITS, ENOUGH = 8, 1e-3
+"""Linearisations of a hypothesis that is fitted to another one's readings, and decrease of the cost that ends it."""
+SHARES = (1.0, 0.5, 0.2, 0.05)
+"""Of a step, that are tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class Apart:
+    """How far apart hypotheses are in a run, one entry for each pair, the worse way round.
+
+    Attributes
+    ----------
+    squares
+        Least weighed squares with which the one takes the other's readings, what is known of it before included.
+    left_K
+        What is then left of the difference, root mean square over sensors and time, K.
+    """
+
+    squares: FloatArray
+    left_K: FloatArray
+
+    @property
+    def worth(self) -> float:
+        """What is maximised."""
+        return float(np.mean(np.log1p(self.squares)))
 
 
 class Expected:
@@ -88,16 +112,16 @@ class Expected:
         self, pair: tuple[int, int], each: Sequence[Predicted], matrices: Sequence[FloatArray], weight: FloatArray
     ) -> FloatArray:
         """The lesser of both ways round, shape (K,)."""
-        made = []
+        made: list[FloatArray] = []
         for true, other in (pair, pair[::-1]):
             away = each[true].reading - each[other].reading
             by = np.einsum("kap,ka->kp", each[other].slopes, weight * away, optimize=True)
             taken = np.einsum("kp,kp->k", by, np.linalg.solve(matrices[other], by[..., None])[..., 0])
             made.append(np.sum(weight * away**2, axis=1) - taken)
-        return np.minimum(*made)
+        return np.asarray(np.minimum(made[0], made[1]))
 
-    def left_K(self, index: PwmArray) -> FloatArray:
-        """Give what is left of the difference of each pair in one run after a whole fit, shape (pairs,), K.
+    def whole(self, index: PwmArray) -> Apart:
+        """Give how far apart the hypotheses are in one run, by whole fits and not by their linear part.
 
         Parameters
         ----------
@@ -105,16 +129,17 @@ class Expected:
             Shape (T,).
         """
         pwm = self.levels[index]
-        return np.array([min(self._left(i, j, pwm), self._left(j, i, pwm)) for i, j in self.pairs])
+        found = [min(self._refitted(i, j, pwm), self._refitted(j, i, pwm)) for i, j in self.pairs]
+        return Apart(np.array([cost for cost, _ in found]), np.array([left for _, left in found]))
 
-    def _left(self, true: int, other: int, pwm: PwmArray) -> float:
+    def _refitted(self, true: int, other: int, pwm: PwmArray) -> tuple[float, float]:
+        """One hypothesis fitted to another's readings: weighed squares, and what is left of them, K."""
         density, hypotheses = self.remaining.density, self.remaining.hypotheses
         source = problem_of(hypotheses[true], self.stage, pwm[None], density)
         reading = -source.evaluate(source.prior.mean).residual
         problem = problem_of(hypotheses[other], self.stage, pwm[None], density)
         fitted = replace(problem, inputs=replace(problem.inputs, target=reading))
-        residual = settle(fitted, fitted.prior.mean, REFITS).evaluated.residual
-        return float(np.sqrt(np.mean(residual**2)))
+        return _refit(fitted)
 
     def deviations(self, index: PwmArray) -> tuple[FloatArray, FloatArray]:
         """Standard deviations of the first hypothesis's numbers, before a run and after it, shape (size,) each.
@@ -154,3 +179,27 @@ class Expected:
             Shape (K, T).
         """
         return np.asarray(np.max([march.hottest(index) for march in self._marches], axis=0))
+
+
+def _refit(problem: Problem[Anchored]) -> tuple[float, float]:
+    """Gauss-Newton from what is known before, steps cut where they lead up: cost, and what is left, K.
+
+    One long run may move numbers by many of their standard deviations, so steps are not held to these.
+    """
+    vector = problem.prior.mean
+    evaluated, normal = problem.linearised(vector)
+    cost = evaluated.cost
+    for _ in range(REFITS):
+        matrix, right = problem.assembled(normal, vector)
+        step, before = np.linalg.solve(matrix, right), cost
+        for share in SHARES:
+            trial = vector + share * step
+            new = problem.evaluate(trial).cost + problem.penalty(trial)
+            if new < cost:
+                vector, cost = trial, new
+                break
+        if cost > (1.0 - ENOUGH) * before:
+            break
+        evaluated, normal = problem.linearised(vector)
+    left = problem.evaluate(vector).residual
+    return cost, float(np.sqrt(np.mean(left**2)))

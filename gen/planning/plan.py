@@ -238,7 +238,7 @@ def _plan(
     best, plain = runs
     left: Remaining = expected.remaining
     bins = np.repeat(best, BINS)
-    planned_K, plain_K = expected.left_K(bins), expected.left_K(np.repeat(plain, BINS))
+    planned_K, plain_K = (expected.whole(np.repeat(run, BINS)).left_K for run in runs)
     told = [Told(i, j, float(a), float(b)) for (i, j), a, b in zip(expected.pairs, planned_K, plain_K, strict=True)]
     readings = expected.readings_95_K(bins)
     shape = left.hypotheses[0].shape

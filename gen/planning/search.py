@@ -2,7 +2,8 @@
 
 A run is a row of blocks of one length, each at one of a few PWM levels. Stretches as long as the network's time
 constants are set to each level in turn, wherever they may begin, and what tells most is kept (coordinate exchange,
-Meyer and Nachtsheim, Technometrics 37, 1995), until nothing tells more.
+Meyer and Nachtsheim, Technometrics 37, 1995), until nothing tells more. What is exchanged is judged by derivatives;
+of the best few, whole fits decide.
 """
 
 from __future__ import annotations
@@ -138,10 +139,14 @@ class Search:
         of_plain = self._worth(plain)
         first = np.concatenate([plain, self._by_chance()])
         worth = np.concatenate([of_plain, self._worth(first[len(plain) :])])
-        order = np.argsort(-worth, kind="stable")[:IMPROVED]
-        improved = [self._improved(first[k], float(worth[k])) for k in order if np.isfinite(worth[k])]
-        best, _ = max(improved, key=lambda one: one[1])
-        return Sought(best, plain[int(np.argmax(of_plain))])
+        order = [k for k in np.argsort(-worth, kind="stable")[:IMPROVED].tolist() if np.isfinite(worth[k])]
+        best_plain = plain[int(np.argmax(of_plain))]
+        improved = sorted((self._improved(first[k], float(worth[k])) for k in order), key=lambda one: -one[1])
+        if not self._expected.pairs:
+            return Sought(improved[0][0], best_plain)
+        few = [*(run for run, _ in improved), *(first[k] for k in order), best_plain]
+        best = max(few, key=lambda run: self._expected.whole(np.repeat(run, BINS)).worth)
+        return Sought(best, best_plain)
 
     def _check_coolest(self) -> None:
         levels = self._limits.levels
