@@ -6,7 +6,8 @@ evidence, so the separation is T-optimality's (Atkinson and Fedorov, Biometrika 
     (r - J d)^T W (r - J d) + d^T P d        over all changes d of the second one's numbers,
 
 J its sensitivities, P what the runs so far say of its numbers, W the weights of readings, which are those of the fit:
-by the density of errors that last. Intervals are those of the information matrix P + J^T W J.
+by the density of errors that last. It is averaged over what the true one may be. Intervals are those of the information
+matrix P + J^T W J.
 """
 
 from __future__ import annotations
@@ -32,14 +33,15 @@ SHARES = (1.0, 0.5, 0.2, 0.05)
 
 @dataclass(frozen=True, eq=False)
 class Apart:
-    """How far apart hypotheses are in a run, one entry for each pair, the worse way round.
+    """How far apart hypotheses are in a run.
 
     Attributes
     ----------
     squares
-        Least weighed squares with which the one takes the other's readings, what is known of it before included.
+        Least weighed squares with which the one takes the other's readings, what is known of it before included, either
+        way round, shape (pairs, 2).
     left_K
-        What is then left of the difference, root mean square over sensors and time, K.
+        What is then left of the difference, root mean square over sensors and time, shape (pairs,), K.
     """
 
     squares: FloatArray
@@ -86,8 +88,8 @@ class Expected:
     def worth(self, index: PwmArray) -> FloatArray:
         """Give what is maximised, of each of K runs, shape (K,).
 
-        Of several hypotheses the mean over all pairs of log(1 + separation), the worse way round: what can hardly be
-        told apart and what is told apart anyway both count little. Of one alone the logarithm of the information
+        Of several hypotheses the mean over all pairs, either way round, of log(1 + separation): what can hardly be told
+        apart and what is told apart anyway both count little. Of one alone the logarithm of the information
         matrix's determinant (D-optimality).
 
         Parameters
@@ -100,7 +102,11 @@ class Expected:
         matrices = [self._information(k, found, weight) for k, found in enumerate(each)]
         if len(each) == 1:
             return np.asarray(np.linalg.slogdet(matrices[0])[1])
-        squares = np.array([self._least(pair, each, matrices, weight) for pair in self.pairs])
+        squares = [
+            self._least(true, other, each, matrices[other], weight)
+            for pair in self.pairs
+            for true, other in _ways(pair)
+        ]
         return np.asarray(np.mean(np.log1p(np.maximum(squares, 0.0)), axis=0))
 
     def _information(self, number: int, found: Predicted, weight: FloatArray) -> FloatArray:
@@ -109,16 +115,14 @@ class Expected:
         return np.asarray(np.swapaxes(found.slopes, 1, 2) @ weighed + self._priors[number])
 
     def _least(
-        self, pair: tuple[int, int], each: Sequence[Predicted], matrices: Sequence[FloatArray], weight: FloatArray
+        self, true: int, other: int, each: Sequence[Predicted], matrix: FloatArray, weight: FloatArray
     ) -> FloatArray:
-        """The lesser of both ways round, shape (K,)."""
-        made: list[FloatArray] = []
-        for true, other in (pair, pair[::-1]):
-            away = each[true].reading - each[other].reading
-            by = np.einsum("kap,ka->kp", each[other].slopes, weight * away, optimize=True)
-            taken = np.einsum("kp,kp->k", by, np.linalg.solve(matrices[other], by[..., None])[..., 0])
-            made.append(np.sum(weight * away**2, axis=1) - taken)
-        return np.asarray(np.minimum(made[0], made[1]))
+        """Mean over what may be true of the least squares that the other one leaves, shape (K,)."""
+        moved = self.remaining.hypotheses[true].truths.T
+        away = (each[true].reading - each[other].reading)[:, :, None] + each[true].slopes[:, :, : len(moved)] @ moved
+        by = np.swapaxes(each[other].slopes, 1, 2) @ (weight[:, None] * away)
+        taken = np.sum(by * np.linalg.solve(matrix, by), axis=1)
+        return np.asarray(np.mean(np.sum(weight[:, None] * away**2, axis=1) - taken, axis=1))
 
     def whole(self, index: PwmArray) -> Apart:
         """Give how far apart the hypotheses are in one run, by whole fits and not by their linear part.
@@ -129,17 +133,23 @@ class Expected:
             Shape (T,).
         """
         pwm = self.levels[index]
-        found = [min(self._refitted(i, j, pwm), self._refitted(j, i, pwm)) for i, j in self.pairs]
-        return Apart(np.array([cost for cost, _ in found]), np.array([left for _, left in found]))
+        both = [[self._refitted(true, other, pwm) for true, other in _ways(pair)] for pair in self.pairs]
+        found = np.array(both).reshape(len(both), 2, 2)
+        return Apart(found[..., 0], np.sqrt(np.mean(found[..., 1] ** 2, axis=1)))
 
     def _refitted(self, true: int, other: int, pwm: PwmArray) -> tuple[float, float]:
-        """One hypothesis fitted to another's readings: weighed squares, and what is left of them, K."""
+        """One hypothesis fitted to what another may be: mean of the least squares, and what is left, K."""
         density, hypotheses = self.remaining.density, self.remaining.hypotheses
         source = problem_of(hypotheses[true], self.stage, pwm[None], density)
-        reading = -source.evaluate(source.prior.mean).residual
         problem = problem_of(hypotheses[other], self.stage, pwm[None], density)
-        fitted = replace(problem, inputs=replace(problem.inputs, target=reading))
-        return _refit(fitted)
+        found = []
+        for moved in hypotheses[true].truths:
+            vector = source.prior.mean.copy()
+            vector[: moved.size] += moved
+            reading = -source.evaluate(vector).residual
+            found.append(_refit(replace(problem, inputs=replace(problem.inputs, target=reading))))
+        squares, left = np.array(found).T
+        return float(np.mean(squares)), float(np.sqrt(np.mean(left**2)))
 
     def deviations(self, index: PwmArray) -> tuple[FloatArray, FloatArray]:
         """Standard deviations of the first hypothesis's numbers, before a run and after it, shape (size,) each.
@@ -179,6 +189,11 @@ class Expected:
             Shape (K, T).
         """
         return np.asarray(np.max([march.hottest(index) for march in self._marches], axis=0))
+
+
+def _ways(pair: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
+    """What is true, and what is fitted to it."""
+    return pair, pair[::-1]
 
 
 def _refit(problem: Problem[Anchored]) -> tuple[float, float]:

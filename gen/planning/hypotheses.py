@@ -80,6 +80,23 @@ class Hypothesis:
         made = matrix[:size, :size] - across @ np.linalg.solve(matrix[size:, size:], across.T)
         return np.asarray(0.5 * (made + made.T))
 
+    @cached_property
+    def truths(self) -> FloatArray:
+        """What the motor may be if this is so, as changes of the numbers, shape (M, size).
+
+        Nothing; and, for each of the effect's numbers, one standard deviation of it away from none, the others moved
+        along as they are known to go with it. A first run may show an effect hardly at all: what is best by it is then
+        near none, however large the effect may be.
+        """
+        made = [np.zeros(self.shape.size)]
+        if self.effect is not None:
+            place = next(k for k, effect in enumerate(self.shape.effects) if effect is self.effect)
+            covariance = np.linalg.inv(self.precision)
+            for at, number in zip(self.shape.places[place].columns.tolist(), self.effect.numbers, strict=True):
+                sign = 1.0 if number.log or self.shared[at] >= 0.0 else -1.0
+                made.append(sign * covariance[:, at] / np.sqrt(covariance[at, at]))
+        return np.array(made)
+
 
 @dataclass(frozen=True, eq=False)
 class Remaining:

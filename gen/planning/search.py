@@ -144,7 +144,7 @@ class Search:
         improved = sorted((self._improved(first[k], float(worth[k])) for k in order), key=lambda one: -one[1])
         if not self._expected.pairs:
             return Sought(improved[0][0], best_plain)
-        few = [*(run for run, _ in improved), *(first[k] for k in order), best_plain]
+        few = [*(run for run, _ in improved), best_plain]
         best = max(few, key=lambda run: self._expected.whole(np.repeat(run, BINS)).worth)
         return Sought(best, best_plain)
 

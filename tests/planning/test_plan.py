@@ -51,8 +51,7 @@ def test_the_profile_is_one_that_emulate_and_log_take(planned: Result, folder: P
 
 def test_the_table_and_the_summary_say_what_is_expected(planned: Result, folder: Path) -> None:
     said = json.loads((folder / "next.json").read_text(encoding="utf-8"))
-    assert said["hypotheses"][0].startswith("standstill_cooling")
-    assert "standstill_cooling" in planned.output
+    assert all(name in planned.output for name in said["hypotheses"])
     assert "hottest: winding" in planned.output
     assert set(said["hottest_degC"]) == {"winding", "casing"}
     assert all(said["hottest_degC"][name] <= said["allowed_degC"][name] for name in said["hottest_degC"])
@@ -65,7 +64,7 @@ def test_the_function_gives_what_the_command_wrote(planned: Result, folder: Path
     made = gen.plan(gen.load(folder / "small.json"), [folder / "short.csv"], hours=2, limit_degC=80.0)
     made.save(tmp_path / "again.csv")
     assert (tmp_path / "again.csv").read_bytes() == (folder / "next.csv").read_bytes()
-    assert made.details() == json.loads((folder / "next.json").read_text(encoding="utf-8"))
+    assert json.loads(json.dumps(made.details())) == json.loads((folder / "next.json").read_text(encoding="utf-8"))
     assert made.profile["pwm"].abs().max() <= 255
     assert len(made.separations()) == len(made.details()["pairs"])
 
@@ -146,7 +145,7 @@ def expectation(folder: Path, second: str) -> str:
 def test_refine_says_whether_a_planned_run_told_what_it_was_to_tell(planned: Result, folder: Path) -> None:
     assert planned.exit_code == 0
     (told,) = after(folder, expectation(folder, "none")).details()["planned"]
-    assert (told["told"], told["remains"]) == (True, ["standstill_cooling"])
+    assert (told["told"], told["remains"]) == (True, ("standstill_cooling",))
     assert told["sentence"].endswith("standstill_cooling remains")
     assert "was to tell standstill_cooling from none by 3.0 noise floors: it did, by " in told["sentence"]
     assert told["found_floors"] > 1.0
