@@ -91,6 +91,7 @@ def test_a_bad_coefficient_file_is_told_before_anything_slow(folder: Path) -> No
         "emulate {} --out out.csv",
         "thresholds {} run.csv --rules rules.json --out out.json",
         "refine {} --fit run.csv --test other.csv --out out.json",
+        "plan {} run.csv --hours 3 --out out.csv",
     )
     for file in ("missing.json", "broken.json", "wrong.json"):
         for command, message in complaints(folder, (command.format(file) for command in commands)):
@@ -104,6 +105,7 @@ def test_a_bad_head_of_a_run_is_told_before_anything_slow(folder: Path) -> None:
         "thresholds good.json run.csv {} --rules rules.json --out out.json",
         "refine good.json --fit run.csv {} --test other.csv --out out.json",
         "refine good.json --fit run.csv --test other.csv {} --out out.json",
+        "plan good.json run.csv {} --hours 3 --out out.csv",
     )
     for file in ("missing.csv", "empty.csv", "head.csv"):
         for command, message in complaints(folder, (command.format(file) for command in commands)):
