@@ -159,6 +159,16 @@ def test_an_over_temperature_alarm_is_a_limit_of_its_part() -> None:
     assert limits.hottest.tolist() == [197.0, 57.0]
 
 
+def test_it_turns_backwards_only_where_a_run_did_and_it_matters_or_as_asked() -> None:
+    coefficients, data, left = question()
+    levels = [
+        limits_of(coefficients, Wishes(hours=2.0, reverse=asked), data, left, None).levels for asked in (None, True)
+    ]
+    assert min(levels[0]) == 0
+    assert [level for level in levels[1] if level < 0] == [-255, -146]
+    assert all(abs(level) in levels[0] for level in levels[1])
+
+
 def test_a_limit_that_no_run_keeps_is_told() -> None:
     with pytest.raises(InputError, match=r"comes to 2\d\.\d degC at PWM 0 already"):
         searched(Wishes(hours=2.0, limit_degC=20.0))
