@@ -1,8 +1,8 @@
 """From identified motor-temperature coefficients to proven firmware for the Arduino Mega 2560.
 
-The Python interface: :func:`load`, :func:`read_run`, :func:`identify`, :func:`refine`, :func:`simulate`,
-:func:`build`, :func:`verify` and :func:`check`, as the commands of the same names, and :func:`import_runs`, as the
-command `import`, which is a reserved word here. Importing the package is quick:
+The Python interface: :func:`load`, :func:`read_run`, :func:`identify`, :func:`refine`, :func:`plan`,
+:func:`simulate`, :func:`build`, :func:`verify` and :func:`check`, as the commands of the same names, and
+:func:`import_runs`, as the command `import`, which is a reserved word here. Importing the package is quick:
 what a function needs is imported when it is called.
 """
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         Import,
         Model,
         NetworkIdentification,
+        Plan,
         Refinement,
         Verification,
         build,
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
         identify,
         import_runs,
         load,
+        plan,
         read_run,
         refine,
         simulate,
@@ -43,6 +45,7 @@ __all__ = [
     "InputError",
     "Model",
     "NetworkIdentification",
+    "Plan",
     "Refinement",
     "Verification",
     "__version__",
@@ -51,6 +54,7 @@ __all__ = [
     "identify",
     "import_runs",
     "load",
+    "plan",
     "read_run",
     "refine",
     "simulate",

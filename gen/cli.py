@@ -19,6 +19,7 @@ from gen.commands.identify import identify
 from gen.commands.importing import import_runs
 from gen.commands.init import init
 from gen.commands.log import log
+from gen.commands.plan import plan
 from gen.commands.plot import plot
 from gen.commands.refine import refine
 from gen.commands.simulate import simulate
@@ -37,7 +38,21 @@ def cli() -> None:
     """Turn identified motor-temperature coefficients into proven firmware for the Arduino Mega 2560."""
 
 
-for command in (build, verify, check, simulate, emulate, log, import_runs, identify, init, thresholds, refine, plot):
+for command in (
+    build,
+    verify,
+    check,
+    simulate,
+    emulate,
+    log,
+    import_runs,
+    identify,
+    init,
+    thresholds,
+    refine,
+    plan,
+    plot,
+):
     cli.add_command(command)
 
 

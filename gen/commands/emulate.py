@@ -136,7 +136,15 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
             write_bytes(options["eeprom"], board.mega.eeprom.image)
         if not session.recorder.rows:
             raise CheckFailed("the firmware printed no row of a run file")
-        _write(session, results, found, _title(loaded, wanted.made, options), (out, json_file, plot), options)
+        _write(
+            session,
+            results,
+            found,
+            _title(loaded, wanted.made, options),
+            (out, json_file, plot),
+            options,
+            wanted.carried,
+        )
     _tell(found)
     if session.interrupted:
         click.echo(f"interrupted: {session.seconds:.0f} of {options['duration']:.0f} s are kept in {out}", err=True)
@@ -150,6 +158,7 @@ def _write(
     title: str,
     files: tuple[Path, Path | None, Path | None],
     options: dict[str, Any],
+    carried: list[str],
 ) -> None:
     """Write run file, summary and picture; the run file first, which is what took the time."""
     from gen.emulate.plot import plot_svg
@@ -157,7 +166,7 @@ def _write(
     from gen.record.port import write_parts
 
     out, json_file, plot = files
-    session.recorder.parts[0].comments += _comments(found, options)
+    session.recorder.parts[0].comments += [*_comments(found, options), *carried]
     for path in write_parts(session.recorder, out):
         click.echo(f"{path}: {session.recorder.rows} rows")
     if json_file is not None:
@@ -173,6 +182,7 @@ class _Wanted:
     wiring: Wiring
     made: Made
     profile: Profile
+    carried: list[str]
     events: list[Event]
     image: bytes | None
 
@@ -180,7 +190,7 @@ class _Wanted:
 def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -> _Wanted:
     from gen.emulate.options import check_profile, parse_events
     from gen.emulate.scenario import make_plant
-    from gen.record.profile import parse_profile
+    from gen.record.profile import carried_comments, parse_profile
 
     wiring = loaded.document.wiring
     if wiring is None or not wiring.thermocouples:
@@ -192,7 +202,8 @@ def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -
     names = ("button", "reset", "power_cut", "brown_out", "send", "flood")
     events = parse_events(options["duration"], **{name: options[name] for name in names})
     made = make_plant(_scenario(options), loaded, coefficients)
-    return _Wanted(wiring, made, profile, events, _eeprom_image(options["eeprom"]))
+    carried = carried_comments(options["profile"])
+    return _Wanted(wiring, made, profile, carried, events, _eeprom_image(options["eeprom"]))
 
 
 def _scenario(options: dict[str, Any]) -> Scenario:

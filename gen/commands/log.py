@@ -31,9 +31,10 @@ def log(port: str, out: Path, baud: int, duration: float | None, profile: str | 
     """
     from gen.files import check_writable
     from gen.record.port import record_port, write_parts
-    from gen.record.profile import parse_profile
+    from gen.record.profile import carried_comments, parse_profile
 
     steps = parse_profile(profile) if profile is not None else ()
+    carried = carried_comments(profile)
     check_writable(out)
     with _progress() as progress:
         recording = record_port(port, baud=baud, duration_s=duration, profile=steps, progress=progress)
@@ -41,6 +42,7 @@ def log(port: str, out: Path, baud: int, duration: float | None, profile: str | 
     if not recorder.rows:
         came = f"; {recorder.unheaded} lines came without a header" if recorder.unheaded else ""
         raise CheckFailed(f"{port}: no row came in {recording.seconds:.0f} s, nothing written{came}")
+    recorder.parts[0].comments += carried
     restarts = sum(len(part.restarts) for part in recorder.parts)
     for path, part in zip(write_parts(recorder, out), recorder.parts, strict=True):
         click.echo(f"{path}: {len(part.rows)} rows")

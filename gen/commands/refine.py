@@ -124,6 +124,8 @@ def _say(found: Refinement | NetworkRefinement) -> None:
             click.echo(f"    could as well be {other['name']}; to tell: {other['told_apart_by']}")
     if not found.effects and found.summary().get("refitted"):
         click.echo("  no effect; numbers that the file left open were fitted anew")
+    for told in getattr(found, "planned", ()):
+        click.echo(f"  {told.sentence}")
     before, after = found.before.summary(), found.after.summary()
     for key in ("fit", "test"):
         click.echo(

@@ -9,6 +9,7 @@ from gen.interface.firmware import Build, Verification, build, verify
 from gen.interface.identification import Identification, NetworkIdentification, identify
 from gen.interface.importing import Import, import_runs
 from gen.interface.model import Model
+from gen.interface.planning import Plan, plan
 from gen.interface.refinement import Refinement, refine
 from gen.interface.simulation import simulate
 
@@ -19,6 +20,7 @@ __all__ = [
     "Import",
     "Model",
     "NetworkIdentification",
+    "Plan",
     "Refinement",
     "Verification",
     "build",
@@ -26,6 +28,7 @@ __all__ = [
     "identify",
     "import_runs",
     "load",
+    "plan",
     "read_run",
     "refine",
     "simulate",

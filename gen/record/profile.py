@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from gen.errors import InputError
-from gen.runs import read_run
+from gen.runs import EXPECTS, read_run
 
 _FULL = 255
 _PAIR = re.compile(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*:\s*(-?\d+)\s*", re.ASCII)
@@ -33,6 +33,20 @@ def parse_profile(text: str) -> Profile:
         )
     run = read_run(path)
     return tuple(zip(run.time_s.tolist(), run.pwm.tolist(), strict=True))
+
+
+def carried_comments(text: str | None) -> list[str]:
+    """Give the comment lines of a profile's file that belong into a run that follows it: what it is to decide.
+
+    Parameters
+    ----------
+    text
+        What :func:`parse_profile` has read, or None for no profile.
+    """
+    if text is None or re.fullmatch(r"[-\d.:,\s]+", text):
+        return []
+    said = read_run(Path(text)).comments.get(EXPECTS)
+    return [] if said is None else [f"# {EXPECTS}: {said}"]
 
 
 def _parse_pairs(text: str) -> Profile:

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 AMBIENT = "ambient_degC"
+EXPECTS = "expects"
+"""Key of the comment in which a planned profile, and a run that followed it, says what it is to decide."""
 _STATUS = {"flags", "sensors", "alarms"}
 
 

@@ -93,6 +93,7 @@ def test_a_bad_coefficient_file_is_told_before_anything_slow(folder: Path) -> No
         "refine {} --fit run.csv --test other.csv --out out.json",
         "plot run.csv --model {} --out out.html",
         "init {} --out out.json",
+        "plan {} run.csv --hours 3 --out out.csv",
     )
     for file in ("missing.json", "broken.json", "wrong.json"):
         for command, message in complaints(folder, (command.format(file) for command in commands)):
@@ -108,6 +109,7 @@ def test_a_bad_head_of_a_run_is_told_before_anything_slow(folder: Path) -> None:
         "refine good.json --fit run.csv --test other.csv {} --out out.json",
         "plot run.csv {} --model good.json --out out.svg",
         "init run.csv {} --out out.json",
+        "plan good.json run.csv {} --hours 3 --out out.csv",
     )
     for file in ("missing.csv", "empty.csv", "head.csv"):
         for command, message in complaints(folder, (command.format(file) for command in commands)):

@@ -140,6 +140,15 @@ def test_an_interruption_keeps_what_was_simulated(home: dict[str, str], tmp_path
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run.csv", "run.json", "run.svg"]
 
 
+def test_a_run_says_what_the_profile_that_it_follows_is_to_decide(home: dict[str, str], tmp_path: Path) -> None:
+    profile, run = tmp_path / "profile.csv", tmp_path / "run.csv"
+    said = '{"pairs":[],"holds":[[102,3.0]]}'
+    profile.write_text(f"# plan: by hand\n# expects: {said}\ntime_s,pwm\n0,102\n2,0\n", encoding="utf-8")
+    done = emulate(home, COEFFICIENTS, "--duration", "3", "--profile", profile, "--out", run)
+    assert done.returncode == 0, done.stderr
+    assert read_run(run).comments["expects"] == said
+
+
 def test_an_interruption_before_the_first_row_leaves_nothing(home: dict[str, str], tmp_path: Path) -> None:
     port = tmp_path / "port"
     command = [sys.executable, "-m", "gen", "emulate", str(COEFFICIENTS), "--out", str(tmp_path / "run.csv")]

@@ -49,7 +49,12 @@ class Followed:
 
 
 def follow(
-    stand: Bench, planted: Sequence[Change], name: str, row_s: float, start: FloatArray | None = None
+    stand: Bench,
+    planted: Sequence[Change],
+    name: str,
+    row_s: float,
+    start: FloatArray | None = None,
+    instead: Profile | None = None,
 ) -> Followed:
     """Follow a run of a bench with changes.
 
@@ -63,8 +68,10 @@ def follow(
         From row to row, s.
     start
         State at the first row; by itself what came before tells it.
+    instead
+        What is done in the place of the run's own profile; its room and its signals stay.
     """
-    (profile,) = later(profile_chance(stand), (name,))
+    profile = used(stand, name) if instead is None else instead
     number = (*FIT_NAMES, *TEST_NAMES).index(name)
     for change in planted:
         profile = change.profile(stand.chance("before", name, type(change).__name__), profile)
@@ -86,6 +93,12 @@ def follow(
         for column, node in enumerate(stand.plant.sensed):
             seen[:, column] = change.seen(node, seen[:, column], run.time, run.ambient)
     return Followed(profile, room, motor, run, seen, room_seen)
+
+
+def used(stand: Bench, name: str) -> Profile:
+    """What is done with a motor in one of its later runs."""
+    (profile,) = later(profile_chance(stand), (name,))
+    return profile
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,9 +128,9 @@ class Logged:
         return np.asarray(np.stack(read, axis=1) - self.followed.seen[self.rows])
 
 
-def log(stand: Bench, planted: Sequence[Change], name: str) -> Logged:
-    """Run a motor and log it."""
-    followed = follow(stand, planted, name, stand.row_s)
+def log(stand: Bench, planted: Sequence[Change], name: str, instead: Profile | None = None) -> Logged:
+    """Run a motor and log it; with another profile in the place of the run's own, where one is given."""
+    followed = follow(stand, planted, name, stand.row_s, instead=instead)
     run, rng = followed.run, stand.chance("sensors", name)
     columns: Columns = {"time_s": run.time, "pwm": run.pwm}
     for sensor, node, seen in zip(stand.sensors, stand.plant.sensed, followed.seen.T, strict=True):

@@ -126,7 +126,7 @@ def sensitivities(
         Shape (N, S, p): by the parameters that all runs share, in the structure's order, then by each node's start and
         by the hats of the room. Single precision: they only point the way.
     """
-    sources = _sources(structure, inputs, found, steps, before, room)
+    sources = sources_of(structure, inputs, found, steps, before, room)
     nodes, sensors = structure.nodes, structure.sensors
     made = np.empty((inputs.level.size, sensors, sources.shape[-1]), dtype=np.float32)
     current = np.zeros((len(inputs.runs), nodes, sources.shape[-1]), dtype=np.float32)
@@ -143,10 +143,10 @@ def sensitivities(
     return made
 
 
-def _sources(
+def sources_of(
     structure: Shape, inputs: Inputs, found: Physical, steps: Steps, before: FloatArray, room: FloatArray
 ) -> Slopes:
-    """What each parameter adds to the temperatures within one bin, shape (N, n, p)."""
+    """Give what each parameter adds to the temperatures within one bin, shape (N, n, p); affine in `before`."""
     level = inputs.level
     nodes = structure.nodes
     root = np.sqrt(found.capacity)

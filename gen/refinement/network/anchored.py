@@ -163,6 +163,12 @@ class Anchored:
         return firsts[:count], firsts[count:-1], int(firsts[-1])
 
     @property
+    def levels_at(self) -> tuple[IntArray, IntArray]:
+        """Places of the levels of the file's paths and heats."""
+        paths, heats, _ = self._firsts
+        return paths + np.array([form.level for form in self.forms], dtype=np.int64), heats + HEAT.level
+
+    @property
     def offsets(self) -> IntArray:
         """Places of the changes of offsets, shape (S,)."""
         return self._firsts[2] + np.arange(self.sensors)

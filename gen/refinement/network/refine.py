@@ -11,15 +11,14 @@ import numpy as np
 
 from gen.coefficients import Coefficients, parse
 from gen.reference.simulate import simulate_run
-from gen.refinement.admission import healthy
 from gen.refinement.condense import check_apart, check_measured, read_measured
 from gen.refinement.errors import Errors
 from gen.refinement.network.ambient import moving_ambient
-from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.changed import looks_like_a_change
-from gen.refinement.network.data import make_data
 from gen.refinement.network.entries import ambient_entry, considered_entry, effect_entry, start_entry
 from gen.refinement.network.folds import described
+from gen.refinement.network.planned import Settled, settled
+from gen.refinement.network.prepared import prepared
 from gen.refinement.network.trace import Traced, trace
 from gen.refinement.network.warm_start import WarmStart, warm_start
 from gen.refinement.network.written import written
@@ -47,6 +46,8 @@ class NetworkRefinement:
         For the report.
     warnings
         What to look at, one sentence each.
+    planned
+        Of runs that `gen plan` asked for: whether they told what they were to tell.
     """
 
     text: str
@@ -57,6 +58,7 @@ class NetworkRefinement:
     refitted: bool
     traced: Traced
     warnings: list[str]
+    planned: tuple[Settled, ...] = ()
 
     @property
     def judged_on(self) -> str:
@@ -75,6 +77,7 @@ class NetworkRefinement:
             "left_out_rmse_K": {"without_effects": self.traced.null.score_K, "with": self.traced.final.score_K},
             "noise_floor_K": self.traced.null.noise_K,
             "considered": [considered_entry(step) for step in self.traced.steps],
+            "planned": [one.summary() for one in self.planned],
             "warnings": self.warnings,
         }
 
@@ -106,19 +109,11 @@ def refine_network(
     InputError
         For files that are no runs, or with no admitted run to fit.
     """
-    network = coefficients.model.network
-    assert network is not None
     check_apart(fit_paths, test_paths)
     for path in test_paths:
         progress(f"checking {path}")
         check_measured(coefficients, path)  # only whether it can be judged: its values stay unopened until the end
-    runs = []
-    for path in fit_paths:
-        progress(f"reading {path}")
-        runs.append((str(path), read_measured(coefficients, path)))
-    runs, warnings = healthy(runs)
-    data = make_data(coefficients, runs)
-    shape = Anchored(network, coefficients.document.input.full_scale, data.columns)
+    runs, data, shape, warnings = prepared(coefficients, fit_paths, progress)
     traced = trace(data, shape, progress)
     room = moving_ambient(coefficients, runs, data, traced.file)
     start = warm_start(data, traced.final)
@@ -139,7 +134,9 @@ def refine_network(
         after = _errors(refined, kept_paths, test_paths, lambda path: progress(f"judging {path} with what was found"))
     holds = not made.refused and not any(changes) and all(found.effect.held_by_the_file for found in traced.added)
     verdict = _verdict(traced, start, anything=bool(effects), holds=holds)
-    return NetworkRefinement(made.text, before, after, effects, verdict, made.refitted, traced, warnings)
+    told, ignored = settled(runs, traced)
+    warnings += ignored
+    return NetworkRefinement(made.text, before, after, effects, verdict, made.refitted, traced, warnings, told)
 
 
 def _verdict(traced: Traced, start: WarmStart, *, anything: bool, holds: bool) -> Verdict:

@@ -1,0 +1,1 @@
+"""Tests of `gen.planning` and of `gen plan`."""
