@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from gen.coefficients import Coefficients
+from gen.errors import InputError
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import held
 from gen.planning.expected import Expected
