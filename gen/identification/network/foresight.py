@@ -40,11 +40,6 @@ class Foresight:
     rest: FloatArray
     deviation: FloatArray
 
-    @property
-    def rms_K(self) -> float:
-        """Over the whole profile and all sensed nodes, K."""
-        return float(np.sqrt(np.mean(self.deviation**2)))
-
     def within(self, low: int, high: int) -> FloatArray:
         """Root mean square of the deviations at |PWM| in a range, shape (S,), K."""
         inside = (self.pwm >= low - 0.5) & (self.pwm <= high + 0.5)

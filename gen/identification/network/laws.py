@@ -17,7 +17,7 @@ import numpy as np
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.forms import KNOTS, bend_covariance, spline
 
-BEND = 0.5
+BEND = 0.8
 """Standard deviation of the logarithm of the smooth factor."""
 MOVED_POWER = 1.0
 """Of moved air. Along a wall it goes with w^0.5 (laminar) to w^0.8 (turbulent), but still and moved air combine as the

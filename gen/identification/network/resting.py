@@ -18,12 +18,12 @@ REST_S, BEFORE_S = 1200.0, 10_800.0
 
 @dataclass(frozen=True)
 class Rested:
-    """Uncertainty of a forecast with stops, without and with a rest among the runs.
+    """Uncertainty of what is forecast while the motor rests, without and with a rest among the runs.
 
     Attributes
     ----------
     now_K, then_K
-        Root mean square over the sensed nodes along the profile of `foresight`, K.
+        Root mean square over the sensed nodes and the stops of the profile of `foresight`, K.
     pwm
         |PWM| before the rest.
     """
@@ -49,14 +49,16 @@ def rested(found: Found, spread: Spread, turned: tuple[int, int], full_scale: in
     """
     time = np.arange(0.0, BEFORE_S + REST_S, ROW_S)
     inputs, _, slopes = along(found, Run(time, np.where(time < BEFORE_S, turned[1], 0)), full_scale)
-    at_rest = inputs.rest > 0.5
-    lines = slopes[at_rest] * np.sqrt(weights(inputs, found.density))[at_rest][:, :, None]
+    rests = inputs.rest > 0.5
+    lines = slopes[rests] * np.sqrt(weights(inputs, found.density))[rests][:, :, None]
     lines = lines.reshape(-1, found.structure.size)
     size = found.structure.size
     covariance = spread.covariance[:size, :size]
     # Of rows J with unit noise: P - P J' (J P J' + 1)^-1 J P.
     carried = lines @ covariance
     less = carried.T @ np.linalg.solve(carried @ lines.T + np.eye(len(lines)), carried)
-    then = Spread(covariance - less, spread.share)
-    now = foresight(found, spread, turned, full_scale)
-    return Rested(now.rms_K, foresight(found, then, turned, full_scale).rms_K, turned[1])
+
+    def at_rest_K(of: Spread) -> float:
+        return float(np.sqrt(np.mean(foresight(found, of, turned, full_scale).within(0, 0) ** 2)))
+
+    return Rested(at_rest_K(spread), at_rest_K(Spread(covariance - less, spread.share)), turned[1])

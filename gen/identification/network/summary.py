@@ -140,9 +140,9 @@ class Summary:
         result = self.result
         told = rested(result.found, self.spread, turned_range(result), result.data.full_scale)
         return (
-            "PWM 0 was not held: how the motor cools at rest is taken from its speeds, and a forecast of "
-            f"holds and stops is uncertain by {told.now_K:.1f} K (standard deviation); {REST_S / 60.0:.0f} minutes "
-            f"at PWM 0 after a run at PWM {told.pwm} would bring that to {told.then_K:.1f} K"
+            "PWM 0 was not held: how the motor cools at rest is taken from its speeds, and what is forecast of a stop "
+            f"among holds is uncertain by {told.now_K:.1f} K (standard deviation); {REST_S / 60.0:.0f} minutes at "
+            f"PWM 0 after a run at PWM {told.pwm} would bring that to {told.then_K:.1f} K"
         )
 
     def _room(self) -> list[str]:
