@@ -28,9 +28,9 @@ from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Se
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.forecast import Band, bands
 from gen.identification.network.foresight import Foresight, foresight
-from gen.identification.network.forms import CONSTANT, WITHIN, Form
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.inputs import held, joined, turning
+from gen.identification.network.laws import CONSTANT, WITHIN, Law
 from gen.identification.network.uncertainty import Spread, spread_of
 
 FASTEST = 20.0
@@ -123,7 +123,7 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     loss = np.zeros(structure.nodes)
     for q, (i, j) in enumerate(structure.paths):
         own = physics.conductance[:, q]
-        curve = _path_curve(structure.forms[q], pwm, own, settings.full_scale)
+        curve = _path_curve(structure.laws[q], pwm, own, settings.full_scale)
         paths.append(PathEntry(between=(names[i], names[j]), conductance_W_per_K=curve))
         loss[[k for k in (i, j) if k >= 0]] += own.max()
     capacity = np.maximum(physics.capacity, FASTEST * settings.sample_time_s * loss)
@@ -141,11 +141,11 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     return NetworkEntry(nodes=tuple(nodes), paths=tuple(paths), heats=heats)
 
 
-def _path_curve(form: Form, pwm: NDArray[np.int64], value: FloatArray, full_scale: int) -> CurveEntry:
+def _path_curve(law: Law, pwm: NDArray[np.int64], value: FloatArray, full_scale: int) -> CurveEntry:
     """A path's curve from its values at rest and at the tables' points."""
-    if form is CONSTANT:
+    if law is CONSTANT:
         return PolyCurve(poly=(six_digits(float(value[0])),))
-    return _exponential(value, full_scale) if form is WITHIN else tabulated(pwm, value[1:], float(value[0]))
+    return _exponential(value, full_scale) if law is WITHIN else tabulated(pwm, value[1:], float(value[0]))
 
 
 def _exponential(value: FloatArray, full_scale: int) -> CurveEntry:
@@ -188,6 +188,16 @@ def _error_bands(result: NetworkFound, spread: Spread) -> list[ErrorBand]:
         for band in own:
             if math.isfinite(band.low[s]):
                 made.append(_error_band(name, s, band, ahead))
+        if not any(band.pwm == (0, 0) and math.isfinite(band.low[s]) for band in own):
+            unknown = TWICE * float(ahead.within(0, 0)[s])
+            made.append(
+                ErrorBand(
+                    component=name,
+                    pwm=(0, 0),
+                    model_minus_measured_K=(six_digits(-unknown), six_digits(unknown)),
+                    note="no run rests: what is not known of the cooling at rest",
+                )
+            )
     return made
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gen.identification.network.bins import FloatArray, binned
-from gen.identification.network.inputs import inputs_of
+from gen.identification.network.inputs import Inputs, inputs_of
 from gen.identification.network.priors import prior_of
-from gen.identification.network.problem import Problem
+from gen.identification.network.problem import Evaluated, Problem
 from gen.identification.network.scale import Scale
 from gen.identification.network.search import Found
 from gen.identification.network.uncertainty import FORM, SENSOR_K, Spread
@@ -61,23 +61,33 @@ def foresight(found: Found, spread: Spread, measured: tuple[int, int], full_scal
         The count that is 100 %.
     """
     structure = found.structure
-    run = _profile(measured)
-    temps = {name: np.full(run.time_s.size, AMBIENT) for name in structure.sensed}
-    made = binned(
-        "forecast", replace(run, temps=temps), structure.sensed, np.full(run.time_s.size, AMBIENT), full_scale
-    )
-    inputs = inputs_of([made])
-    scale = Scale(np.full(len(structure.sensed), 1e3), np.full(len(structure.sensed), 10.0))
-    problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
-    vector = np.zeros(problem.size)
-    vector[: structure.size] = found.vector[: structure.size]
-    evaluated, slopes = problem.slopes(vector)
-    shared = slopes[..., : structure.size].astype(np.float64)
+    inputs, evaluated, shared = along(found, _profile(measured), full_scale)
     covariance = spread.covariance[: structure.size, : structure.size]
     variance = np.einsum("nsp,pq,nsq->ns", shared, covariance, shared, optimize=True)
     rise = evaluated.after[:, : len(structure.sensed)] - AMBIENT
     whole = np.maximum(variance, 0.0) + SENSOR_K**2 + (FORM * rise) ** 2
     return Foresight(inputs.speed * full_scale, inputs.rest, np.sqrt(whole))
+
+
+def along(found: Found, run: Run, full_scale: int) -> tuple[Inputs, Evaluated, FloatArray]:
+    """Follow the network along a profile that nobody measured.
+
+    Returns
+    -------
+    inputs, evaluated, slopes
+        Its bins, the temperatures, and the derivatives of the modelled readings by the parameters that all runs share,
+        shape (N, S, p).
+    """
+    structure = found.structure
+    around = np.full(run.time_s.size, AMBIENT)
+    whole = replace(run, temps=dict.fromkeys(structure.sensed, around))
+    inputs = inputs_of([binned("forecast", whole, structure.sensed, around, full_scale)])
+    scale = Scale(np.full(len(structure.sensed), 1e3), np.full(len(structure.sensed), 10.0))
+    problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
+    vector = np.zeros(problem.size)
+    vector[: structure.size] = found.vector[: structure.size]
+    evaluated, slopes = problem.slopes(vector)
+    return inputs, evaluated, slopes[..., : structure.size].astype(np.float64)
 
 
 def _profile(measured: tuple[int, int]) -> Run:

@@ -10,7 +10,7 @@ import numpy as np
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.data import NetworkData
 from gen.identification.network.inputs import Inputs, inputs_of
-from gen.identification.network.left_out import LeftOut, folds_of, left_out
+from gen.identification.network.left_out import LeftOut, each_alone, folds_for_nodes, folds_of, left_out
 from gen.identification.network.priors import prior_of
 from gen.identification.network.problem import Problem
 from gen.identification.network.prune import pruned
@@ -20,6 +20,9 @@ from gen.identification.network.starts import taken_over
 from gen.identification.network.structure import full
 
 MOST_HIDDEN = 3
+MOST_ALONE = 1
+"""Hidden nodes at most where each run has a speed of its own: at one speed alone hidden temperatures may be any mixture
+of them, and what happens when speed changes, which the mixture decides, is in no run."""
 MOST_NODES = 10
 BETTER = 1.1
 """Left-out errors within this factor of the best are as good."""
@@ -94,19 +97,21 @@ def identify_network(
     """
     inputs = inputs_of(data.coarse)
     scale = scale_of(inputs)
-    folds = folds_of(inputs)
+    folds, by_nodes = folds_of(inputs), folds_for_nodes(inputs)
     noise = float(np.sqrt(np.mean([run.noise_K**2 for run in data.coarse])))
+    most_hidden = min(most_hidden, MOST_ALONE) if each_alone(inputs) else most_hidden
     tried: list[tuple[Found, LeftOut]] = []
     for hidden in range(max(0, min(most_hidden, MOST_NODES - len(data.names))) + 1):
         progress(f"{hidden} hidden node(s): fit")
         one = search(full(data.names, hidden), inputs, scale)
         progress(f"{hidden} hidden node(s): left-out error")
-        tried.append((one, left_out(one, folds)))
+        tried.append((one, left_out(one, by_nodes)))
         if _enough([out.score_K for _, out in tried], SLACK * noise):
             break
     candidates = tuple(Candidate(one.structure.hidden, out.score_K, one.structure.size) for one, out in tried)
-    found, judged = tried[_choice([out.score_K for _, out in tried], SLACK * noise)]
+    found, _ = tried[_choice([out.score_K for _, out in tried], SLACK * noise)]
     progress("paths")
+    judged = left_out(found, folds)
     found, judged = pruned(found, judged, folds, scale, SLACK * noise)
     progress("last fit")
     return NetworkFound(data, _polished(data, found, scale), judged, inputs, candidates)

@@ -16,6 +16,9 @@ MOST_FOLDS = 5
 STRETCHES = 8
 """Where there are few runs each is cut into so many; each fold leaves out every fourth."""
 FEW = 2
+ALIKE, MOST_ALONE = 0.05, 0.5
+"""Speeds within this of each other are alike; runs have speeds of their own where more than this share of
+the time that turns is at speeds that no other run has."""
 AT_EACH = 5
 """Linearisations of a fold, from where all runs lead."""
 
@@ -48,12 +51,42 @@ def folds_of(inputs: Inputs) -> list[Mask]:
     runs = len(inputs.runs)
     if runs <= FEW:
         # Half of the data, and speeds that no other run has, would be too much to leave out.
-        duration = np.array([run.duration for run in inputs.runs])[inputs.run]
-        part = (inputs.begins / duration * STRETCHES).astype(np.int64)
-        return [(part % (STRETCHES // 2)) == k for k in range(STRETCHES // 2)]
+        return stretches_of(inputs)
     # Neighbours in the list are often alike (speeds in order): a fold takes runs from all over it.
     count = min(runs, MOST_FOLDS)
     return [inputs.run % count == k for k in range(count)]
+
+
+def folds_for_nodes(inputs: Inputs) -> list[Mask]:
+    """Give what to leave out to see how many nodes there are, shape (N,) each.
+
+    Where each run has a speed of its own, one that is left out tells how well speeds between others are met, which has
+    nothing to do with the nodes and is the larger by far; stretches tell of the nodes.
+    """
+    return stretches_of(inputs) if each_alone(inputs) else folds_of(inputs)
+
+
+def stretches_of(inputs: Inputs) -> list[Mask]:
+    """Give stretches of all runs, shape (N,) each: each fold leaves out every fourth."""
+    duration = np.array([run.duration for run in inputs.runs])[inputs.run]
+    part = (inputs.begins / duration * STRETCHES).astype(np.int64)
+    return [(part % (STRETCHES // 2)) == k for k in range(STRETCHES // 2)]
+
+
+def each_alone(inputs: Inputs) -> bool:
+    """Whether most of the time that turns is at speeds which no other run has, and no run changes speed much."""
+    turning = inputs.rest < 0.5
+    alone = total = 0.0
+    for r in range(len(inputs.runs)):
+        own = turning & (inputs.run == r)
+        others = np.unique(inputs.speed[turning & (inputs.run != r)])
+        speeds = inputs.speed[own]
+        if speeds.size and np.ptp(speeds) > ALIKE:
+            return False
+        far = np.all(np.abs(speeds[:, None] - others) > ALIKE, axis=1)
+        alone += float(inputs.width[own][far].sum())
+        total += float(inputs.width[own].sum())
+    return len(inputs.runs) > FEW and alone > MOST_ALONE * total
 
 
 def left_out(found: Found, folds: list[Mask]) -> LeftOut:

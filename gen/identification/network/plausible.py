@@ -1,4 +1,4 @@
-"""What a node that nobody sees may be: as warm as the sensed ones, within a factor of two.
+"""What a node that nobody sees may be: as warm as the sensed ones, within a factor of e^0.5.
 
 Without this a hidden node can stand for a source of current: a thousand kelvin behind a thousandth of a watt per
 kelvin, which fits each step alone and nothing else.
@@ -13,7 +13,7 @@ from gen.identification.network.inputs import held
 from gen.identification.network.physics import Shape
 from gen.identification.network.steady import settled
 
-WITHIN = 0.7
+WITHIN = 0.5
 """Standard deviation of the logarithm of a hidden node's steady rise over the mean of the sensed ones."""
 SPEEDS = held(np.array([0.25, 0.5, 0.75, 1.0]), 1)
 

@@ -1,9 +1,10 @@
 """What is known before any run: wide, physical, and written down.
 
-Every logarithm is within a factor of e^2 (standard deviation) of a typical value. Typical are: a capacity of 100 J/K
-(a few hundred grams of metal); conductances that make the capacities settle within the time that the runs show; heats
-that make the rises that the runs show. Temperatures alone do not determine the scale of all capacities, conductances
-and heats together: it is the prior's.
+Capacities are within a factor of e, conductances and heats within one of e^1.2 (standard deviations) of a typical
+value: the parts of one motor are of one size. Typical are: a capacity of 100 J/K (a few hundred grams of metal);
+conductances that make the capacities settle within the time that the runs show; heats that make the rises that the runs
+show. Temperatures alone do not determine the scale of all capacities, conductances and heats together: it is the
+prior's. How they go with speed, and what they are at rest, stands in `laws`.
 """
 
 from __future__ import annotations
@@ -14,13 +15,14 @@ from functools import cached_property
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
-from gen.identification.network.forms import CONSTANT, HEAT, OUTSIDE, WITHIN
 from gen.identification.network.inputs import Inputs
+from gen.identification.network.laws import ALL_AT_REST, CONSTANT, HEAT, OUTSIDE, WITHIN
 from gen.identification.network.scale import Scale
 from gen.identification.network.structure import Structure
 
-FACTOR = 2.0
-"""Standard deviation of a logarithm."""
+MASS, FACTOR = 1.0, 1.2
+"""Standard deviations of the logarithms of capacities, and of conductances and heats. Runs of one speed each leave open
+what hidden parts store and what heats them; at another speed the motor cools by that."""
 FARTHEST = 8.0
 """Standard deviations from its mean beyond which no parameter is tried."""
 CAPACITY = 100.0
@@ -64,15 +66,15 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
     own = nodes + inputs.room.shape[-1]
     size = shared + len(inputs.runs) * own
     mean, deviation = np.zeros(size), np.full(size, FACTOR)
-    mean[structure.capacities], deviation[structure.capacities] = np.log(CAPACITY), FACTOR
+    mean[structure.capacities], deviation[structure.capacities] = np.log(CAPACITY), MASS
     loss = CAPACITY / scale.settling_s
     inner = np.log(2.0 * loss / max(nodes - 1, 1))
     levels = {OUTSIDE: np.log(loss), WITHIN: inner, CONSTANT: inner}
     blocks: list[tuple[slice, FloatArray]] = []
-    for form, at in zip(structure.forms, structure.conductances, strict=True):
-        mean[at] = form.mean
-        mean[at.start + form.level] = levels[form]
-        blocks.append((at, form.precision))
+    for law, at in zip(structure.laws, structure.conductances, strict=True):
+        mean[at] = law.mean
+        mean[at.start + law.level] = levels[law]
+        blocks.append((at, law.precision))
     for at in structure.heats:
         mean[at] = HEAT.mean
         mean[at.start + HEAT.level] = np.log(loss * scale.rise_K / 2.0)
@@ -89,9 +91,18 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
     for at, block in blocks:
         level = np.diag(block) == 0.0
         precision[at, at] = block + np.diag(np.where(level, FACTOR**-2, 0.0))
+    _join_at_rest(structure, precision)
     for r in range(len(inputs.runs)):
         at = shared + r * own + nodes
         for b in range(own - nodes - 1):
             pair = np.ix_([at + b, at + b + 1], [at + b, at + b + 1])
             precision[pair] += np.array([[1.0, -1.0], [-1.0, 1.0]]) / ROOM_STEP_K**2
     return Prior(mean, precision)
+
+
+def _join_at_rest(structure: Structure, precision: FloatArray) -> None:
+    """Conductances at rest have something in common: what one surface does in still air, the others do too."""
+    places = [at.start for law, at in zip(structure.laws, structure.conductances, strict=True) if law is OUTSIDE]
+    block = np.ix_(places, places)
+    own = np.linalg.inv(precision[block])
+    precision[block] = np.linalg.inv(own + ALL_AT_REST**2)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
-from gen.identification.network.forms import WITHIN
+from gen.identification.network.laws import WITHIN
 from gen.identification.network.left_out import LeftOut, Mask, left_out
 from gen.identification.network.priors import prior_of
 from gen.identification.network.problem import Problem
@@ -76,8 +76,8 @@ def _constant(found: Found) -> frozenset[int]:
     deviation = spread_of(found).deviation
     structure = found.structure
     made = []
-    for q, (form, at) in enumerate(zip(structure.forms, structure.conductances, strict=True)):
-        if form is WITHIN and abs(found.vector[at.stop - 1]) < SHOWN * deviation[at.stop - 1]:
+    for q, (law, at) in enumerate(zip(structure.laws, structure.conductances, strict=True)):
+        if law is WITHIN and abs(found.vector[at.stop - 1]) < SHOWN * deviation[at.stop - 1]:
             made.append(q)
     return frozenset(made)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
-from gen.identification.network.forms import HEAT, OUTSIDE
+from gen.identification.network.laws import HEAT, OUTSIDE
 from gen.identification.network.problem import Problem
 from gen.identification.network.scale import Scale
 from gen.identification.network.structure import Structure
@@ -72,11 +72,11 @@ def taken_over(problem: Problem[Structure], before: Problem[Structure], found: F
         same = frozenset(number.get(i, -2) if i >= 0 else -1 for i in path)
         if same in paths:
             there = paths[same]
-            if structure.forms[q] is old.forms[there]:
+            if structure.laws[q] is old.laws[there]:
                 vector[structure.conductances[q]] = found[old.conductances[there]]
             else:
-                level = found[old.conductances[there].start + old.forms[there].level]
-                vector[structure.conductances[q].start + structure.forms[q].level] = level
+                level = found[old.conductances[there].start + old.laws[there].level]
+                vector[structure.conductances[q].start + structure.laws[q].level] = level
     heats = {node: h for h, node in enumerate(old.heated)}
     for h, node in enumerate(structure.heated):
         if number.get(node, -2) in heats:

@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from gen.identification.network.bins import FloatArray, IntArray
-from gen.identification.network.forms import CONSTANT, FORMS, HEAT, OUTSIDE, SLOW, WITHIN, Form
 from gen.identification.network.inputs import Inputs, Levels
+from gen.identification.network.laws import CONSTANT, HEAT, OUTSIDE, WITHIN, Law
 from gen.identification.network.physics import Partial, Physical, incidence_of, outer_of
 from gen.identification.network.plausible import off
 
@@ -82,7 +82,7 @@ class Structure:
         return np.arange(self.nodes)
 
     @cached_property
-    def forms(self) -> tuple[Form, ...]:
+    def laws(self) -> tuple[Law, ...]:
         """How each path goes with speed."""
         return tuple(
             OUTSIDE if j < 0 else CONSTANT if q in self.constant else WITHIN for q, (_, j) in enumerate(self.paths)
@@ -91,7 +91,7 @@ class Structure:
     @cached_property
     def conductances(self) -> tuple[slice, ...]:
         """Of the free numbers of each path."""
-        return _slices(self.nodes, [form.size for form in self.forms])
+        return _slices(self.nodes, [law.size for law in self.laws])
 
     @cached_property
     def heats(self) -> tuple[slice, ...]:
@@ -102,7 +102,7 @@ class Structure:
     @cached_property
     def path_of(self) -> IntArray:
         """The path that each free number of a path belongs to, shape (F,)."""
-        return np.repeat(np.arange(len(self.paths)), [form.size for form in self.forms])
+        return np.repeat(np.arange(len(self.paths)), [law.size for law in self.laws])
 
     @cached_property
     def offsets(self) -> IntArray:
@@ -118,24 +118,22 @@ class Structure:
     def physical(self, levels: Levels, vector: FloatArray) -> Physical:
         """Evaluate capacities, conductances and heats at each distinct input."""
         rest, turn = levels.rest[:, None], 1.0 - levels.rest[:, None]
-        curves = {form: (form.usual(levels.speed), form.turning(levels.speed)) for form in FORMS}
         conductance = np.empty((levels.count, len(self.paths)))
         by_term = np.empty((levels.count, self.path_of.size))
-        for q, (form, at) in enumerate(zip(self.forms, self.conductances, strict=True)):
-            usual, functions = curves[form]
-            own = vector[at]
-            moved = turn * np.exp(np.minimum(usual + functions @ own, LARGEST))[:, None]
-            slow = float(form.usual(np.array([SLOW]))[0])
-            still = rest * np.exp(np.minimum(slow + form.at_rest @ own, LARGEST))
+        for q, (law, at) in enumerate(zip(self.laws, self.conductances, strict=True)):
+            logs, slopes = law.turning(levels.speed, vector[at])
+            log_at_rest, slopes_at_rest = law.at_rest(vector[at])
+            moved = turn * np.exp(np.minimum(logs, LARGEST))[:, None]
+            still = rest * np.exp(min(log_at_rest, LARGEST))
             conductance[:, q] = (moved + still)[:, 0]
-            by_term[:, at.start - self.nodes : at.stop - self.nodes] = moved * functions + still * form.at_rest
-        usual, functions = curves[HEAT]
+            by_term[:, at.start - self.nodes : at.stop - self.nodes] = moved * slopes + still * slopes_at_rest
         heat = np.zeros((levels.count, self.nodes))
         by_heat = np.empty((levels.count, len(self.heated), HEAT.size))
         for h, (node, at) in enumerate(zip(self.heated, self.heats, strict=True)):
-            given = turn * np.exp(np.minimum(usual + functions @ vector[at], LARGEST))[:, None]
+            logs, slopes = HEAT.turning(levels.speed, vector[at])
+            given = turn * np.exp(np.minimum(logs, LARGEST))[:, None]
             heat[:, node] = given[:, 0]
-            by_heat[:, h] = given * functions
+            by_heat[:, h] = given * slopes
         last = self.nodes + self.path_of.size
         return Physical(
             capacity=np.exp(vector[self.capacities]),

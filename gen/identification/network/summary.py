@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
-from gen.identification.network.document import measured_range, rest_was_measured
+from gen.identification.network.document import measured_range, rest_was_measured, turned_range
 from gen.identification.network.forecast import bands
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.inputs import held
+from gen.identification.network.resting import REST_S, rested
 from gen.identification.network.uncertainty import Spread, Steady, spread_of, steady_of, undetermined
 
 SETTLED = 3.0
@@ -126,10 +127,7 @@ class Summary:
                 "what lies behind is extrapolated"
             )
         if not rest_was_measured(result):
-            said.append(
-                "PWM 0 was not held: how the motor cools at rest is taken from its slow speeds, to within a factor of "
-                "1.5; expected a run that goes on after the motor is switched off"
-            )
+            said.append(self._rest())
         said += self._room()
         for s, name in enumerate(result.data.names):
             offset = float(result.found.vector[result.found.structure.offsets[s]])
@@ -137,6 +135,15 @@ class Summary:
             if abs(offset) > OFFSET_SURE * sd:
                 said.append(f"{name}: its sensor reads {offset:+.2f} K against the ambient's (±{INTERVAL * sd:.2f} K)")
         return said
+
+    def _rest(self) -> str:
+        result = self.result
+        told = rested(result.found, self.spread, turned_range(result), result.data.full_scale)
+        return (
+            "PWM 0 was not held: how the motor cools at rest is taken from its speeds, and what is forecast of a stop "
+            f"among holds is uncertain by {told.now_K:.1f} K (standard deviation); {REST_S / 60.0:.0f} minutes at "
+            f"PWM 0 after a run at PWM {told.pwm} would bring that to {told.then_K:.1f} K"
+        )
 
     def _room(self) -> list[str]:
         data, problem = self.result.data, self.result.found.problem
@@ -224,7 +231,7 @@ class Summary:
         conductance = structure.physical(levels, vector).conductance
         made = []
         for q, (i, j) in enumerate(structure.paths):
-            level = structure.conductances[q].start + structure.forms[q].level
+            level = structure.conductances[q].start + structure.laws[q].level
             made.append(
                 {
                     "between": [names[i], names[j]],

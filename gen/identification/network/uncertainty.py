@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gen.identification.network.bins import FloatArray
-from gen.identification.network.forms import HEAT
 from gen.identification.network.inputs import held
+from gen.identification.network.laws import HEAT
 from gen.identification.network.search import Found
 from gen.identification.network.steady import settled
 
@@ -99,8 +99,8 @@ def undetermined(found: Found, spread: Spread) -> list[str]:
     names = (*structure.names, "ambient")
     open_ = spread.share > UNDETERMINED
     said = [f"capacity of {names[i]}" for i in range(structure.nodes) if open_[structure.capacities[i]]]
-    for (i, j), form, at in zip(structure.paths, structure.forms, structure.conductances, strict=True):
-        if open_[at.start + form.level]:
+    for (i, j), law, at in zip(structure.paths, structure.laws, structure.conductances, strict=True):
+        if open_[at.start + law.level]:
             said.append(f"path {names[i]} - {names[j]}")
     for node, at in zip(structure.heated, structure.heats, strict=True):
         if open_[at.start + HEAT.level]:

@@ -1,0 +1,116 @@
+"""What is said of rest where no run rests: by the law of conductances over speed, with an error that holds."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from gen.identification.coefficient_file import Settings
+from gen.identification.data import Source
+from gen.identification.network.data import make_network_data
+from gen.identification.network.document import network_text, turned_range
+from gen.identification.network.identify import NetworkFound, identify_network
+from gen.identification.network.laws import HEAT, OUTSIDE, WITHIN, Law
+from gen.identification.network.left_out import each_alone, folds_for_nodes, folds_of
+from gen.identification.network.resting import Rested, rested
+from gen.identification.network.summary import Summary
+from gen.identification.network.uncertainty import spread_of
+from gen.model.network_solution import NetworkSolution
+from gen.runs import Run
+from tests.identification.network.plant import ROOM, TWO, holds
+
+SPEEDS = (80, 160, 250)
+
+
+def found_of(runs: list[Run]) -> NetworkFound:
+    sources = [Source(f"run_{k}.csv", run) for k, run in enumerate(runs)]
+    return identify_network(make_network_data(sources, None), lambda said: None, 0)
+
+
+def turning(rng: np.random.Generator) -> list[Run]:
+    return [TWO.run(holds((pwm, 60)), rng) for pwm in SPEEDS]
+
+
+def told(result: NetworkFound) -> Rested:
+    return rested(result.found, spread_of(result.found), turned_range(result), 255)
+
+
+@pytest.fixture(scope="module")
+def never_rested() -> NetworkFound:
+    return found_of(turning(np.random.default_rng(20)))
+
+
+@pytest.mark.parametrize("law", [OUTSIDE, WITHIN, HEAT], ids=lambda law: law.name)
+def test_a_laws_derivatives_are_those_of_its_values(law: Law) -> None:
+    rng = np.random.default_rng(21)
+    own, speed, step = rng.normal(0.0, 0.5, law.size), np.array([0.0, 0.07, 0.5, 1.0]), 1e-6
+    by_turning, by_rest = law.turning(speed, own)[1], law.at_rest(own)[1]
+    for k in range(law.size):
+        up, down = (own + step * sign * np.eye(law.size)[k] for sign in (1.0, -1.0))
+        numeric = (law.turning(speed, up)[0] - law.turning(speed, down)[0]) / (2.0 * step)
+        assert by_turning[:, k] == pytest.approx(numeric, abs=1e-8)
+        if law is not HEAT:
+            assert by_rest[k] == pytest.approx((law.at_rest(up)[0] - law.at_rest(down)[0]) / (2.0 * step), abs=1e-8)
+
+
+def test_rest_follows_from_the_law_of_the_speeds(never_rested: NetworkFound) -> None:
+    """The plant's conductances go in a straight line to rest: what cools it there is 0.3 of 0.7 W/K at full speed."""
+    structure = never_rested.found.structure
+    levels = never_rested.inputs.levels
+    outside = [q for q, (_, j) in enumerate(structure.paths) if j < 0]
+    at_rest = sum(
+        np.exp(structure.laws[q].at_rest(never_rested.found.vector[structure.conductances[q]])[0]) for q in outside
+    )
+    speed = levels.speed.max()
+    full = sum(
+        np.exp(structure.laws[q].turning(np.array([speed]), never_rested.found.vector[structure.conductances[q]])[0][0])
+        for q in outside
+    )
+    assert at_rest / full == pytest.approx(0.3 / (0.3 + 0.4 * speed), rel=0.25)
+
+
+def test_the_error_declared_at_rest_holds_though_no_run_rests(never_rested: NetworkFound) -> None:
+    _, loaded = network_text(never_rested, Settings("plant"))
+    provenance = loaded.document.provenance
+    assert provenance is not None
+    pwm = holds((250, 60), (0, 40))
+    around = np.full(pwm.size, ROOM)
+    true = TWO.true(pwm, around)
+    time = 4.0 * np.arange(pwm.size, dtype=np.float64)
+    start = dict.fromkeys(TWO.sensed, ROOM)
+    shown = NetworkSolution(loaded.model).simulate_times(time, pwm, around, None, start)
+    for name, node in TWO.sensed.items():
+        (band,) = (band for band in provenance.error if band.component == name and band.pwm == (0, 0))
+        low, high = band.model_minus_measured_K
+        error = (shown[name] - true[:, node])[pwm == 0]
+        assert np.mean((low <= error) & (error <= high)) >= 0.95
+        # One that would hold for any model says nothing.
+        assert high - low < 0.5 * np.ptp(true[:, node])
+
+
+def test_what_a_rest_would_tell_is_what_it_tells(never_rested: NetworkFound) -> None:
+    before = told(never_rested)
+    rng = np.random.default_rng(20)
+    after = told(found_of([*turning(rng), TWO.run(holds((250, 180), (0, 20)), rng)]))
+    assert before.then_K < 0.7 * before.now_K
+    assert after.now_K == pytest.approx(before.then_K, rel=0.5)
+
+
+def test_the_warning_says_what_it_costs_and_what_would_help(never_rested: NetworkFound) -> None:
+    (said,) = (warning for warning in Summary(never_rested).warnings() if "PWM 0" in warning)
+    now, then = (float(number) for number in re.findall(r"(\d+\.\d) K", said))
+    assert now > then
+    assert "20 minutes at PWM 0" in said
+
+
+def test_runs_of_one_speed_each_are_cut_into_stretches_to_count_the_nodes() -> None:
+    rng = np.random.default_rng(22)
+    alone = found_of(turning(rng)).inputs
+    assert each_alone(alone)
+    assert not any(mask[row].all() for mask in folds_for_nodes(alone) for row in alone.rows)
+    assert all(any(mask[row].all() for mask in folds_of(alone)) for row in alone.rows)
+    alike = found_of([TWO.run(holds((90, 30), (200, 30), (0, 20)), rng) for _ in range(3)]).inputs
+    assert not each_alone(alike)
+    assert all(np.array_equal(a, b) for a, b in zip(folds_for_nodes(alike), folds_of(alike), strict=True))
