@@ -22,6 +22,8 @@ FEWEST = 20
 """Samples that a component needs in a run."""
 MOVES_K = 0.5
 """A component whose temperature, over all runs, moves less than this (or four sensor steps) tells nothing."""
+ALIKE_K = 3.0
+"""Components that begin no further apart than this begin cold."""
 MOST_NODES = 12
 NEAR = 6
 """Speeds closer than this, in counts, are not told apart."""
@@ -153,7 +155,19 @@ def components_of(sources: Sequence[Source]) -> list[str]:
 
 
 def ambient_of(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float:
-    """Give the ambient of a run: at every row, or one number.
+    """Give the ambient of a run, at every row or one number; parameters as for :func:`said_ambient`.
+
+    Raises
+    ------
+    InputError
+        When nothing says it.
+    """
+    said = said_ambient(source, fixed, warnings)
+    return _from_start(source, warnings) if said is None else said
+
+
+def said_ambient(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float | None:
+    """Give the ambient that was measured, noted or given: at every row, one number, or None.
 
     Parameters
     ----------
@@ -167,7 +181,7 @@ def ambient_of(source: Source, fixed: float | None, warnings: list[str]) -> Floa
     Raises
     ------
     InputError
-        When nothing says it.
+        When what is noted is no number.
     """
     run = source.run
     if run.ambient is not None and np.isfinite(run.ambient).any():
@@ -184,17 +198,18 @@ def ambient_of(source: Source, fixed: float | None, warnings: list[str]) -> Floa
             return float(noted)
         except ValueError:
             raise InputError(f'found "{noted}", expected a number', file=source.path, place="# ambient_degC") from None
-    return _from_start(source, warnings)
+    return None
+
+
+def first_readings(run: Run) -> list[float]:
+    """The first reading of each component that has one, degC."""
+    return [float(values[np.isfinite(values)][0]) for values in run.temps.values() if np.isfinite(values).any()]
 
 
 def _from_start(source: Source, warnings: list[str]) -> float:
     """Without any ambient: a cold start says it, when all components start alike."""
-    firsts = []
-    for values in source.run.temps.values():
-        good = np.flatnonzero(np.isfinite(values))
-        if good.size:
-            firsts.append(float(values[good[0]]))
-    if not firsts or max(firsts) - min(firsts) > 3.0:
+    firsts = first_readings(source.run)
+    if not firsts or max(firsts) - min(firsts) > ALIKE_K:
         raise InputError(
             "there is no ambient_degC, and the components do not start alike; give the ambient with --ambient",
             file=source.path,
