@@ -60,7 +60,10 @@ def gimbalbot(folder: Path) -> Iterator[Case]:
 
 
 def tclab(folder: Path) -> Iterator[Case]:
-    """Two heaters, each of which also warms the other's sensor; one of them is the input. Each run once left out."""
+    """Two heaters, each of which also warms the other's sensor; one of them is the input. Each run once left out.
+
+    The room was not measured: as in the examples, it is where the run begins.
+    """
     table = pd.read_csv(folder / "tclab_apm_runs.csv")
     for own, other in ((1, 2), (2, 1)):
         runs = {}
@@ -72,6 +75,7 @@ def tclab(folder: Path) -> Iterator[Case]:
                     f"heater{own}": rows[f"T{own}_C"].to_numpy(dtype=np.float64),
                     f"beside{other}": rows[f"T{other}_C"].to_numpy(dtype=np.float64),
                 },
+                ambient=np.full(len(rows), float(rows[f"T{own}_C"].iloc[0])),
                 extras={f"Q{other}_percent": rows[f"Q{other}"].to_numpy(dtype=np.float64)},
             )
         yield from _each_left_out(f"tclab heater {own}", runs, (f"heater{own}",), lambda name: name.split("_")[1])

@@ -9,8 +9,7 @@
     and both are heated.
 
 w is |PWM| over full scale. Each run is thinned to means over at most 400 equal times and solved by the trapezoidal
-rule; it starts from the part's first reading, the hidden node with it. Where the room was not measured it is one number
-more: a level for all runs, or a distance from where each run begins, whichever fits better.
+rule; it starts from the part's first reading, the hidden node with it. Where nothing says the room it is one number more.
 """
 
 from __future__ import annotations
@@ -138,9 +137,7 @@ class Fitted:
     solve, numbers
         The model and its logarithms.
     room
-        The level of a room that was not measured (degC), or its distance from the first reading (K), or neither.
-    relative
-        Whether it is the distance.
+        Of the runs that do not say it, degC.
     cost
         Of the fit.
     """
@@ -148,23 +145,22 @@ class Fitted:
     solve: Solve
     numbers: FloatArray
     room: float
-    relative: bool
     cost: float
 
     def predict(self, run: Run, part: str) -> FloatArray:
         """Give the part's temperature at every row of a run, shape (N,), degC."""
         made = thin(run, part)
         assert made is not None
-        shown = _shown(made, self.solve, self.numbers, self.room, relative=self.relative)
+        shown = _shown(made, self.solve, self.numbers, self.room)
         edges = np.linspace(0.0, made.step * made.speed.size, made.speed.size + 1)
         first = run.time_s[np.argmax(np.isfinite(run.temps[part]))]
         return np.asarray(np.interp(run.time_s - first, edges, shown))
 
 
-def _shown(run: Thin, solve: Solve, numbers: Vector, room: float, *, relative: bool) -> FloatArray:
+def _shown(run: Thin, solve: Solve, numbers: Vector, room: float) -> FloatArray:
     around = run.room
     if around is None:
-        around = np.full(run.speed.size, room + (run.begin if relative else 0.0))
+        around = np.full(run.speed.size, room)
     return solve(run, numbers, around)
 
 
@@ -187,27 +183,23 @@ def fitted(runs: Sequence[Run], part: str) -> dict[str, Fitted]:
 
 
 def _best(runs: Sequence[Thin], solve: Solve, starts: Sequence[Sequence[float]], before: Fitted | None = None) -> Fitted:
+    level = before.room if before is not None else min(run.begin for run in runs)
+
+    def residual(x: FloatArray) -> FloatArray:
+        parts = []
+        for run in runs:
+            shown = _shown(run, solve, x[:-1], float(x[-1]))
+            edges = np.linspace(0.0, run.step * run.speed.size, run.speed.size + 1)
+            left = np.interp(run.at, edges, shown) - run.reading
+            parts.append(np.clip(left, -1e4, 1e4) / np.sqrt(left.size))
+        return np.concatenate(parts)
+
+    scale = ROBUST_K / np.sqrt(np.mean([run.at.size for run in runs]))
     found = []
-    unknown = any(run.room is None for run in runs)
-    begins = [run.begin for run in runs]
-    for relative in (False, True) if unknown else (False,):
-        level = 0.0 if relative or not unknown else min(begins)
-        if before is not None and before.relative == relative:
-            level = before.room
-
-        def residual(x: FloatArray, relative: bool = relative) -> FloatArray:
-            parts = []
-            for run in runs:
-                shown = _shown(run, solve, x[:-1], float(x[-1]), relative=relative)
-                edges = np.linspace(0.0, run.step * run.speed.size, run.speed.size + 1)
-                left = np.interp(run.at, edges, shown) - run.reading
-                parts.append(np.clip(left, -1e4, 1e4) / np.sqrt(left.size))
-            return np.concatenate(parts)
-
-        for start in starts:
-            x = np.append(start, level)
-            low, high = np.append(np.array(start) - 9.0, -60.0), np.append(np.array(start) + 9.0, 130.0)
-            scale = ROBUST_K / np.sqrt(np.mean([run.at.size for run in runs]))
-            one = least_squares(residual, x, bounds=(low, high), loss="soft_l1", f_scale=scale, max_nfev=60)
-            found.append(Fitted(solve, one.x[:-1], float(one.x[-1]), relative, float(one.cost)))
+    for start in starts:
+        low, high = np.append(np.array(start) - 9.0, -60.0), np.append(np.array(start) + 9.0, 130.0)
+        one = least_squares(
+            residual, np.append(start, level), bounds=(low, high), loss="soft_l1", f_scale=scale, max_nfev=60
+        )
+        found.append(Fitted(solve, one.x[:-1], float(one.x[-1]), float(one.cost)))
     return min(found, key=lambda one: one.cost)
