@@ -159,9 +159,7 @@ def _identified(
     return _tried(lambda: _identify(case, list(fit.values()), test, kind))
 
 
-def _identify(
-    case: Case, fit: Sequence[Path], test: Mapping[str, Path], kind: str
-) -> tuple[Answer, gen.Model]:
+def _identify(case: Case, fit: Sequence[Path], test: Mapping[str, Path], kind: str) -> tuple[Answer, gen.Model]:
     started = time.perf_counter()
     found = gen.identify(fit, model="network" if kind == "network" else "parts", name="machine")
     seconds = time.perf_counter() - started

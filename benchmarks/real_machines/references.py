@@ -118,9 +118,7 @@ def _hidden(run: Thin, numbers: Vector, room: FloatArray) -> FloatArray:
     second = 2.0 * h * (out * room + c * run.speed + d * run.square)
     shown = [run.begin]
     one = two = run.begin
-    for pk, qk, rk, sk, wk, fk, gk in zip(
-        *(x.tolist() for x in (p, q, r, s, whole, first, second)), strict=True
-    ):
+    for pk, qk, rk, sk, wk, fk, gk in zip(*(x.tolist() for x in (p, q, r, s, whole, first, second)), strict=True):
         left = (1.0 - pk) * one + qk * two + fk
         right = rk * one + (1.0 - sk) * two + gk
         one, two = ((1.0 + sk) * left + qk * right) / wk, ((1.0 + pk) * right + rk * left) / wk
@@ -182,7 +180,9 @@ def fitted(runs: Sequence[Run], part: str) -> dict[str, Fitted]:
     return {"one node": ones[0], "two rates": twos, "hidden node": _best(made, _hidden, starts, twos)}
 
 
-def _best(runs: Sequence[Thin], solve: Solve, starts: Sequence[Sequence[float]], before: Fitted | None = None) -> Fitted:
+def _best(
+    runs: Sequence[Thin], solve: Solve, starts: Sequence[Sequence[float]], before: Fitted | None = None
+) -> Fitted:
     level = before.room if before is not None else min(run.begin for run in runs)
 
     def residual(x: FloatArray) -> FloatArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from gen.coefficients.names import name_fault
 from gen.errors import InputError
+from gen.identification.believed import believed_run
 from gen.identification.records import Record, condense
 from gen.identification.structure import FloatArray
 from gen.runs import Run, read_run
@@ -91,6 +92,7 @@ def read_data(paths: Sequence[Path], ambient: float | None) -> Data:
 def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     """Condense runs in memory, as :func:`read_data` does."""
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
+    sources = [sound(source, warnings) for source in sources]
     if not any(np.any(source.run.pwm != 0) for source in sources):
         raise InputError("found PWM 0 in every row, expected runs in which the motor turns", file=sources[0].path)
     names = components_of(sources)
@@ -104,6 +106,13 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     measured = all(s.run.ambient is not None and np.isfinite(s.run.ambient).any() for s in sources)
     fixed = next((a for a in ambients if isinstance(a, float)), ambient)
     return Data(tuple(sources), records, fixed, measured, tuple(dict.fromkeys(warnings)))
+
+
+def sound(source: Source, warnings: list[str]) -> Source:
+    """Give the run without readings that no part can have shown; the warnings say how many."""
+    run, said = believed_run(source.run)
+    warnings += [f"{source.path}: {sentence}" for sentence in said]
+    return replace(source, run=run) if said else source
 
 
 def _records(

@@ -18,6 +18,7 @@ from gen.identification.data import (
     components_of,
     first_readings,
     said_ambient,
+    sound,
 )
 from gen.identification.network.bins import Binned, FloatArray, binned, longest_bin
 from gen.identification.records import resolution
@@ -90,6 +91,7 @@ def read_network_data(paths: Sequence[Path], ambient: float | None, full_scale: 
 def make_network_data(sources: Sequence[Source], ambient: float | None, full_scale: int = 255) -> NetworkData:
     """Condense runs in memory, as :func:`read_network_data` does."""
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
+    sources = [sound(source, warnings) for source in sources]
     _check(sources, full_scale)
     names = _reacting(sources, components_of(sources), warnings)
     ambients, unsure = _ambients(sources, ambient, warnings)
@@ -173,7 +175,9 @@ def _ambients(
     said = [said_ambient(source, fixed, warnings) for source in sources]
     levels = [float(np.mean(level)) for level in said if level is not None]
     starts = [first_readings(source.run) for source in sources]
-    coldest = min(min(firsts) for firsts, level in zip(starts, said, strict=True) if firsts and (level is None or levels))
+    coldest = min(
+        min(firsts) for firsts, level in zip(starts, said, strict=True) if firsts and (level is None or levels)
+    )
     usual = float(np.median(levels)) if levels else coldest
     found: list[FloatArray | float] = []
     for source, level, firsts in zip(sources, said, starts, strict=True):

@@ -143,9 +143,7 @@ def _with_room(data: NetworkData, found: Found) -> NetworkData:
     if unsure == 0.0 or data.ambient_fixed is None:
         return data
     places = places_of(problem.inputs, problem.structure.size, problem.structure.nodes)
-    level, deviation = level_of(
-        problem.prior.precision, places, unsure, found.vector, spread_of(found).covariance
-    )
+    level, deviation = level_of(problem.prior.precision, places, unsure, found.vector, spread_of(found).covariance)
     return replace(data, ambient_fixed=data.ambient_fixed + level, ambient_unsure_K=deviation)
 
 
