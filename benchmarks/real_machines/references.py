@@ -9,7 +9,8 @@
     and both are heated.
 
 w is |PWM| over full scale. Each run is thinned to means over at most 400 equal times and solved by the trapezoidal
-rule; it starts from the part's first reading, the hidden node with it. Where nothing says the room it is one number more.
+rule; it starts from the part's first reading, the hidden node with it. Where nothing says the room it is one number
+more.
 """
 
 from __future__ import annotations

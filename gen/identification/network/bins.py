@@ -101,7 +101,7 @@ def binned(
     full_scale: int,
     longest: float = LONGEST_S,
     further: Sequence[FloatArray] = (),
-    room_K: float = 0.0,  # noqa: N803 (a unit, as in all names)
+    room_K: float = 0.0,
 ) -> Binned:
     """Condense one run.
 
