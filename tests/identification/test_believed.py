@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import gen
@@ -51,7 +52,7 @@ def test_a_part_that_is_read_soundly_loses_nothing() -> None:
 
 def test_a_burst_longer_than_the_window_is_bridged() -> None:
     rng = np.random.default_rng(2)
-    at = np.arange(4000) * 0.5
+    at = np.asarray(np.arange(4000) * 0.5, dtype=np.float64)
     true = 40.0 + 10.0 * np.sin(at / 400.0)
     wild = (at > 500.0) & (at < 900.0)
     read = np.where(wild, true + rng.uniform(-60.0, 60.0, at.size), true)
@@ -76,7 +77,7 @@ def test_what_was_taken_out_is_said() -> None:
 
 def test_a_long_log_takes_seconds() -> None:
     rng = np.random.default_rng(4)
-    at = np.arange(100_000) * 0.25
+    at = np.asarray(np.arange(100_000) * 0.25, dtype=np.float64)
     read = 50.0 + rng.normal(0.0, 0.2, at.size)
     read[::50] += 40.0
     started = time.process_time()
@@ -103,8 +104,6 @@ def test_a_network_of_wild_logs_is_that_of_the_sound_ones() -> None:
     assert float(np.sqrt(np.mean((shown - runs[2].temps["motor"]) ** 2))) < 1.0
 
 
-def frame(run: Run):  # type: ignore[no-untyped-def]  # noqa: ANN201
+def frame(run: Run) -> pd.DataFrame:
     """A run as a table."""
-    import pandas as pd
-
     return pd.DataFrame(run.columns()).set_index("time_s")
