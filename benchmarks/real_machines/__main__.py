@@ -12,7 +12,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from benchmarks import real_machines
 from benchmarks.campaign import json_text
-from benchmarks.real_machines.judge import Judged, judge
+from benchmarks.real_machines.judge import PARTS, REFINED, Judged, judge
 from benchmarks.real_machines.logs import cases
 from benchmarks.real_machines.table import text
 
@@ -26,14 +26,14 @@ def main() -> None:
     )
     parser.add_argument("--data", type=Path, required=True, help="the folder with the logs")
     parser.add_argument("--only", default="", help="cases whose name begins with this")
-    parser.add_argument("--no-refine", action="store_true", help="leave the refinement out")
+    parser.add_argument("--models", default=f"{REFINED},{PARTS}", help="beside the network; may be empty")
     parser.add_argument("--json", type=Path, help="write all answers here, after each case anew")
     options = parser.parse_args()
     results: list[Judged] = []
     for case in cases(options.data):
         if not str(case).startswith(options.only):
             continue
-        one = judge(case, lambda _: None, refined=not options.no_refine)
+        one = judge(case, options.models.split(","))
         results.append(one)
         print(f"{case}: {one.ratio:.2f} of the best reference", file=sys.stderr, flush=True)
         if options.json:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -85,20 +85,17 @@ class Judged:
         return 1.0 if self.answers[HELD].rmse_K < self.best_K else float("inf")
 
 
-def judge(case: Case, progress: Callable[[str], None], refined: bool = True) -> Judged:
+def judge(case: Case, models: Collection[str]) -> Judged:
     """Fit and test everything on one case.
 
     Parameters
     ----------
     case
         The runs.
-    progress
-        Told what is being done.
-    refined
-        Refine the network, too.
+    models
+        Which of `PARTS` and `REFINED` to make beside the network.
     """
-    answers = {HELD: _scored(case, lambda run, part: _held(run, part))}
-    progress("references")
+    answers = {HELD: _scored(case, _held)}
     started = time.perf_counter()
     by_part = {part: fitted(list(case.fit.values()), part) for part in case.parts}
     seconds = time.perf_counter() - started
@@ -107,12 +104,10 @@ def judge(case: Case, progress: Callable[[str], None], refined: bool = True) -> 
         answers[name].seconds = seconds / len(REFERENCES)
     with tempfile.TemporaryDirectory(prefix="real-") as folder:
         fit, test = _written(case.fit, Path(folder) / "fit"), _written(case.test, Path(folder) / "test")
-        progress("network")
         answers[NETWORK], model = _identified(case, fit, test, "network")
-        progress("parts")
-        answers[PARTS], _ = _identified(case, fit, test, "parts")
-        if refined and model is not None:
-            progress("refine")
+        if PARTS in models:
+            answers[PARTS], _ = _identified(case, fit, test, "parts")
+        if REFINED in models and model is not None:
             answers[REFINED] = _refined(case, model, fit, test)
     return Judged(case.machine, case.what, answers)
 

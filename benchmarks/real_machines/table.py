@@ -15,9 +15,10 @@ COLUMNS = (HELD, *REFERENCES, PARTS, NETWORK, REFINED)
 
 def text(results: Sequence[Judged], *, sentences: bool = True) -> str:
     """Give the table, and what `gen` said of each case."""
-    lines = ["| machine | tested on | " + " | ".join(COLUMNS) + " | network / best | s |", "|---" * 11 + "|"]
+    columns = [name for name in COLUMNS if any(name in one.answers for one in results)]
+    lines = [f"| machine | tested on | {' | '.join(columns)} | network / best | s |", "|---" * (len(columns) + 4) + "|"]
     for one in results:
-        cells = [_cell(one.answers.get(name)) for name in COLUMNS]
+        cells = [_cell(one.answers.get(name)) for name in columns]
         seconds = f"{one.answers[NETWORK].seconds:.1f}"
         if REFINED in one.answers:
             seconds += f" + {one.answers[REFINED].seconds:.1f}"
