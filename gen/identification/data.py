@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from gen.coefficients.names import name_fault
 from gen.errors import InputError
+from gen.identification.believed import believed_run
 from gen.identification.records import Record, condense
 from gen.identification.structure import FloatArray
 from gen.runs import Run, read_run
@@ -22,6 +23,8 @@ FEWEST = 20
 """Samples that a component needs in a run."""
 MOVES_K = 0.5
 """A component whose temperature, over all runs, moves less than this (or four sensor steps) tells nothing."""
+ALIKE_K = 3.0
+"""Components that begin no further apart than this begin cold."""
 MOST_NODES = 12
 NEAR = 6
 """Speeds closer than this, in counts, are not told apart."""
@@ -89,6 +92,7 @@ def read_data(paths: Sequence[Path], ambient: float | None) -> Data:
 def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     """Condense runs in memory, as :func:`read_data` does."""
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
+    sources = [sound(source, warnings) for source in sources]
     if not any(np.any(source.run.pwm != 0) for source in sources):
         raise InputError("found PWM 0 in every row, expected runs in which the motor turns", file=sources[0].path)
     names = components_of(sources)
@@ -102,6 +106,13 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     measured = all(s.run.ambient is not None and np.isfinite(s.run.ambient).any() for s in sources)
     fixed = next((a for a in ambients if isinstance(a, float)), ambient)
     return Data(tuple(sources), records, fixed, measured, tuple(dict.fromkeys(warnings)))
+
+
+def sound(source: Source, warnings: list[str]) -> Source:
+    """Give the run without readings that no part can have shown; the warnings say how many."""
+    run, said = believed_run(source.run)
+    warnings += [f"{source.path}: {sentence}" for sentence in said]
+    return replace(source, run=run) if said else source
 
 
 def _records(
@@ -153,7 +164,19 @@ def components_of(sources: Sequence[Source]) -> list[str]:
 
 
 def ambient_of(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float:
-    """Give the ambient of a run: at every row, or one number.
+    """Give the ambient of a run, at every row or one number; parameters as for :func:`said_ambient`.
+
+    Raises
+    ------
+    InputError
+        When nothing says it.
+    """
+    said = said_ambient(source, fixed, warnings)
+    return _from_start(source, warnings) if said is None else said
+
+
+def said_ambient(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float | None:
+    """Give the ambient that was measured, noted or given: at every row, one number, or None.
 
     Parameters
     ----------
@@ -167,7 +190,7 @@ def ambient_of(source: Source, fixed: float | None, warnings: list[str]) -> Floa
     Raises
     ------
     InputError
-        When nothing says it.
+        When what is noted is no number.
     """
     run = source.run
     if run.ambient is not None and np.isfinite(run.ambient).any():
@@ -184,17 +207,18 @@ def ambient_of(source: Source, fixed: float | None, warnings: list[str]) -> Floa
             return float(noted)
         except ValueError:
             raise InputError(f'found "{noted}", expected a number', file=source.path, place="# ambient_degC") from None
-    return _from_start(source, warnings)
+    return None
+
+
+def first_readings(run: Run) -> list[float]:
+    """The first reading of each component that has one, degC."""
+    return [float(values[np.isfinite(values)][0]) for values in run.temps.values() if np.isfinite(values).any()]
 
 
 def _from_start(source: Source, warnings: list[str]) -> float:
     """Without any ambient: a cold start says it, when all components start alike."""
-    firsts = []
-    for values in source.run.temps.values():
-        good = np.flatnonzero(np.isfinite(values))
-        if good.size:
-            firsts.append(float(values[good[0]]))
-    if not firsts or max(firsts) - min(firsts) > 3.0:
+    firsts = first_readings(source.run)
+    if not firsts or max(firsts) - min(firsts) > ALIKE_K:
         raise InputError(
             "there is no ambient_degC, and the components do not start alike; give the ambient with --ambient",
             file=source.path,

@@ -81,10 +81,11 @@ class Simulator:
         s = steady[:, self._level].copy()
         if self._mixed:
             p = p.astype(np.complex128)
-        for j, share in self._mixed.items():
-            p[:, j] = mixed_poles(np.asarray(poles, dtype=np.complex128), share)
-            last = np.abs(np.prod(np.asarray(poles, dtype=np.complex128), axis=2))
-            s[:, j] = (last * steady) @ share / (last @ share)
+            places, share = list(self._mixed), np.array(list(self._mixed.values()))
+            every = np.asarray(poles, dtype=np.complex128)
+            p[:, places] = mixed_poles(every, share)
+            last = np.abs(np.prod(every, axis=2))
+            s[:, places] = (last * steady) @ share.T / (last @ share.T)
         pieces = self.record.pieces
         of = pieces.segment
         temperature = simulate(p[:, of], s[:, of] + pieces.over, start, pieces.length, self.piece, self.since)

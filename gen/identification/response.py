@@ -130,25 +130,25 @@ def mixed_poles(poles: PoleArray, share: FloatArray) -> ComplexArray:
     poles
         Shape (B, L, n), of L levels.
     share
-        Share of time of each level, shape (L,), sum 1.
+        Share of time of each level in each of J mixtures, shape (J, L), each sum 1.
 
     Returns
     -------
     array
-        Shape (B, n).
+        Shape (B, J, n).
     """
-    count, _, order = poles.shape
-    mean = np.zeros((count, order + 1))
-    for level in np.flatnonzero(share):
-        a = np.ones((count, 1), dtype=np.complex128)
-        for k in range(order):
-            root = poles[:, level, k, None]
-            a = np.pad(a, ((0, 0), (0, 1))) - root * np.pad(a, ((0, 0), (1, 0)))
-        mean += share[level] * a.real
-    companion = np.zeros((count, order, order))
-    companion[:, np.arange(order - 1), np.arange(1, order)] = 1.0
-    companion[:, -1, :] = -mean[:, :0:-1]
+    count, levels, order = poles.shape
+    a = np.ones((count, levels, 1), dtype=np.complex128)
+    for k in range(order):
+        longer = np.zeros((count, levels, k + 2), dtype=np.complex128)
+        longer[..., :-1] = a
+        longer[..., 1:] -= poles[..., k, None] * a
+        a = longer
+    mean = share @ a.real
+    companion = np.zeros((*mean.shape[:2], order, order))
+    companion[..., np.arange(order - 1), np.arange(1, order)] = 1.0
+    companion[..., -1, :] = -mean[..., :0:-1]
     # Balance, so that the smallest root keeps its digits.
-    rate = np.abs(mean[:, -1]) ** (1.0 / order)
-    scale = rate[:, None] ** np.arange(order)
-    return np.asarray(np.linalg.eigvals(companion * (scale[:, None, :] / scale[:, :, None])), dtype=np.complex128)
+    rate = np.abs(mean[..., -1]) ** (1.0 / order)
+    scale = rate[..., None] ** np.arange(order)
+    return np.asarray(np.linalg.eigvals(companion * (scale[..., None, :] / scale[..., :, None])), dtype=np.complex128)

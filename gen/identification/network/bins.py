@@ -62,6 +62,8 @@ class Binned:
         Whether the ambient was measured.
     further
         Means of whatever else drives the motor, shape (K, E); E may be 0.
+    room_K
+        Where nothing says the ambient: what all such runs may be off by together, standard deviation, K; else 0.
     """
 
     name: str
@@ -78,6 +80,7 @@ class Binned:
     sample_s: FloatArray
     ambient_known: bool
     further: FloatArray
+    room_K: float = 0.0
 
     @property
     def width(self) -> FloatArray:
@@ -98,6 +101,7 @@ def binned(
     full_scale: int,
     longest: float = LONGEST_S,
     further: Sequence[FloatArray] = (),
+    room_K: float = 0.0,
 ) -> Binned:
     """Condense one run.
 
@@ -117,6 +121,8 @@ def binned(
         Longest bin, s.
     further
         What else drives the motor, at each row.
+    room_K
+        What the ambient may be off by where nothing says it, standard deviation, K.
     """
     time = run.time_s - run.time_s[0]
     level = np.abs(run.pwm).astype(np.float64)
@@ -143,6 +149,7 @@ def binned(
         sample_s=np.array([_distance(time, run.temps.get(n)) for n in names]),
         ambient_known=not isinstance(ambient, float),
         further=np.array([_means(edges, time, values) for values in further]).reshape(len(further), edges.size - 1).T,
+        room_K=room_K,
     )
 
 

@@ -9,15 +9,27 @@ from pathlib import Path
 import numpy as np
 
 from gen.errors import InputError
-from gen.identification.data import FEWEST, MOST_ROWS, MOVES_K, Source, ambient_of, components_of
+from gen.identification.data import (
+    ALIKE_K,
+    FEWEST,
+    MOST_ROWS,
+    MOVES_K,
+    Source,
+    components_of,
+    first_readings,
+    said_ambient,
+    sound,
+)
 from gen.identification.network.bins import Binned, FloatArray, binned, longest_bin
 from gen.identification.records import resolution
 from gen.runs import read_run
 
 COARSE = 4.0
 """The search works on bins longer by this factor."""
-DRIFT_K = 3.0
-"""Of parts that begin alike: no more apart than this."""
+SAME_ROOM_K = 4.0
+"""Rooms of several runs differ by no more than this: what begins warmer does not begin cold."""
+UNKNOWN_K = 5.0
+"""Standard deviation of a room that nothing says about where the coldest run begins, K."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +52,8 @@ class NetworkData:
         The count that is 100 %.
     warnings
         What was left out or assumed, and why.
+    ambient_unsure_K
+        Where nothing says the ambient: standard deviation of `ambient_fixed`, K; else 0.
     """
 
     sources: tuple[Source, ...]
@@ -50,6 +64,7 @@ class NetworkData:
     ambient_measured: bool
     full_scale: int
     warnings: tuple[str, ...]
+    ambient_unsure_K: float = 0.0
 
 
 def read_network_data(paths: Sequence[Path], ambient: float | None, full_scale: int) -> NetworkData:
@@ -76,16 +91,25 @@ def read_network_data(paths: Sequence[Path], ambient: float | None, full_scale: 
 def make_network_data(sources: Sequence[Source], ambient: float | None, full_scale: int = 255) -> NetworkData:
     """Condense runs in memory, as :func:`read_network_data` does."""
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
+    sources = [sound(source, warnings) for source in sources]
     _check(sources, full_scale)
     names = _reacting(sources, components_of(sources), warnings)
-    ambients = _ambients(sources, ambient, warnings)
+    ambients, unsure = _ambients(sources, ambient, warnings)
     stems = [source.name for source in sources]
     labels = stems if len(set(stems)) == len(stems) else [source.path for source in sources]
     longest = longest_bin([source.run for source in sources])
 
     def bins(width: float) -> tuple[Binned, ...]:
         return tuple(
-            binned(label, source.run, names, around, full_scale, width)
+            binned(
+                label,
+                source.run,
+                names,
+                around,
+                full_scale,
+                width,
+                room_K=unsure if isinstance(around, float) else 0.0,
+            )
             for label, source, around in zip(labels, sources, ambients, strict=True)
         )
 
@@ -94,11 +118,17 @@ def make_network_data(sources: Sequence[Source], ambient: float | None, full_sca
         names=tuple(names),
         fine=bins(longest),
         coarse=bins(COARSE * longest),
-        ambient_fixed=next((a for a in ambients if isinstance(a, float)), ambient),
+        ambient_fixed=_usual(ambients, ambient),
         ambient_measured=not any(isinstance(a, float) for a in ambients),
         full_scale=full_scale,
         warnings=tuple(dict.fromkeys(warnings)),
     )
+
+
+def _usual(ambients: Sequence[FloatArray | float], given: float | None) -> float | None:
+    """The ambient of a run that does not say it: the median of those that were not measured."""
+    levels = [level for level in ambients if isinstance(level, float)]
+    return float(np.median(levels)) if levels else given
 
 
 def _check(sources: Sequence[Source], full_scale: int) -> None:
@@ -134,25 +164,36 @@ def _reacting(sources: Sequence[Source], names: Sequence[str], warnings: list[st
     return kept
 
 
-def _ambients(sources: Sequence[Source], fixed: float | None, warnings: list[str]) -> list[FloatArray | float]:
-    """The ambient of each run; where one run says nothing (a warm start), it is as in the others."""
-    found: list[FloatArray | float | None] = []
-    fault: InputError | None = None
-    for source in sources:
-        try:
-            found.append(ambient_of(source, fixed, warnings))
-        except InputError as error:
-            if error.place is not None:
-                raise
-            fault = error
-            found.append(None)
-    levels = [float(np.mean(level)) for level in found if level is not None]
-    if fault is not None and not levels:
-        raise fault
-    usual = float(np.median(levels)) if levels else 0.0
-    for k, source in enumerate(sources):
-        if found[k] is None:
+def _ambients(
+    sources: Sequence[Source], fixed: float | None, warnings: list[str]
+) -> tuple[list[FloatArray | float], float]:
+    """The ambient of each run, and what all of them may be off by together, standard deviation, K.
+
+    Where nothing says it a run that begins like the coldest ones begins in its room; others are taken to stand in the
+    room of those.
+    """
+    said = [said_ambient(source, fixed, warnings) for source in sources]
+    levels = [float(np.mean(level)) for level in said if level is not None]
+    starts = [first_readings(source.run) for source in sources]
+    coldest = min(
+        min(firsts) for firsts, level in zip(starts, said, strict=True) if firsts and (level is None or levels)
+    )
+    usual = float(np.median(levels)) if levels else coldest
+    found: list[FloatArray | float] = []
+    for source, level, firsts in zip(sources, said, starts, strict=True):
+        if level is not None:
+            found.append(level)
+            continue
+        own = float(np.median(firsts)) if firsts else usual
+        alike = bool(firsts) and max(firsts) - min(firsts) <= ALIKE_K
+        if alike and own - usual <= SAME_ROOM_K:
+            warnings.append(
+                f"{source.path}: no ambient_degC; a cold start is assumed, so {own:g} degC, where the run begins"
+            )
+            found.append(own)
+        else:
             warnings.append(
                 f"{source.path}: no ambient_degC, and a warm start; {usual:g} degC is taken, as in the others"
             )
-    return [usual if level is None else level for level in found]
+            found.append(usual)
+    return found, 0.0 if levels else UNKNOWN_K

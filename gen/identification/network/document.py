@@ -35,6 +35,8 @@ from gen.identification.network.uncertainty import Spread, spread_of
 
 FASTEST = 20.0
 """No node follows its neighbours within fewer steps of the board: its capacity is raised to this."""
+HELD_SHARE = 0.05
+"""Of the whole time: a |PWM| that is held for longer is named."""
 TWICE = 2.0
 """Standard deviations by which a declared error is widened."""
 MARGIN, LEAST_RISE_K = 0.5, 40.0
@@ -54,7 +56,21 @@ def network_text(result: NetworkFound, settings: Settings) -> tuple[str, Coeffic
             text = dump(_document(result, settings))
         return text, parse(text.encode())
     except InputError as error:
-        raise CheckFailed(f"the identified network is not one that can be built: {error}") from error
+        raise CheckFailed(
+            f"the identified network is not one that can be built: {error}; {_missing(result)}"
+        ) from error
+
+
+def _missing(result: NetworkFound) -> str:
+    """What the runs do not show, and which run would."""
+    inputs = result.inputs
+    pwm = np.rint(np.where(inputs.rest > 0.5, 0.0, inputs.speed) * result.data.full_scale).astype(np.int64)
+    time = np.bincount(pwm, inputs.width)
+    held = ", ".join(str(level) for level in np.flatnonzero(time > HELD_SHARE * time.sum()))
+    ask = "" if rest_was_measured(result) else ", and 20 minutes of rest after one of them,"
+    return (
+        f"most of the time |PWM| is {held}: log runs at other speeds{ask} or other channels that heat it as the input"
+    )
 
 
 def measured_range(result: NetworkFound) -> tuple[int, int]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,10 +14,12 @@ from gen.identification.network.left_out import LeftOut, each_alone, folds_for_n
 from gen.identification.network.priors import prior_of
 from gen.identification.network.problem import Problem
 from gen.identification.network.prune import pruned
+from gen.identification.network.rooms import level_of, places_of, unsure_K
 from gen.identification.network.scale import Scale, scale_of
 from gen.identification.network.search import Found, search, tightened
 from gen.identification.network.starts import taken_over
 from gen.identification.network.structure import full
+from gen.identification.network.uncertainty import spread_of
 
 MOST_HIDDEN = 3
 MOST_ALONE = 1
@@ -103,7 +105,7 @@ def identify_network(
     tried: list[tuple[Found, LeftOut]] = []
     for hidden in range(max(0, min(most_hidden, MOST_NODES - len(data.names))) + 1):
         progress(f"{hidden} hidden node(s): fit")
-        one = search(full(data.names, hidden), inputs, scale)
+        one = search(full(data.names, hidden), inputs, scale, tried[-1][0] if tried else None)
         progress(f"{hidden} hidden node(s): left-out error")
         tried.append((one, left_out(one, by_nodes)))
         if _enough([out.score_K for _, out in tried], SLACK * noise):
@@ -114,7 +116,8 @@ def identify_network(
     judged = left_out(found, folds)
     found, judged = pruned(found, judged, folds, scale, SLACK * noise)
     progress("last fit")
-    return NetworkFound(data, _polished(data, found, scale), judged, inputs, candidates)
+    last = _polished(data, found, scale)
+    return NetworkFound(_with_room(data, last), last, judged, inputs, candidates)
 
 
 def _enough(scores: list[float], slack: float) -> bool:
@@ -136,6 +139,17 @@ def _polished(data: NetworkData, found: Found, scale: Scale) -> Found:
     problem = Problem(found.structure, inputs, prior_of(found.structure, inputs, scale))
     start = taken_over(problem, found.problem, found.vector)
     return tightened(problem, start, found.density, AT_LAST, rounds=2)
+
+
+def _with_room(data: NetworkData, found: Found) -> NetworkData:
+    """The same data, with the level of a room that nothing said as it was found."""
+    problem = found.problem
+    unsure = unsure_K(problem.inputs)
+    if unsure == 0.0 or data.ambient_fixed is None:
+        return data
+    places = places_of(problem.inputs, problem.structure.size, problem.structure.nodes)
+    level, deviation = level_of(problem.prior.precision, places, unsure, found.vector, spread_of(found).covariance)
+    return replace(data, ambient_fixed=data.ambient_fixed + level, ambient_unsure_K=deviation)
 
 
 def curves(result: NetworkFound) -> dict[str, tuple[FloatArray, dict[str, FloatArray]]]:

@@ -17,6 +17,7 @@ import numpy as np
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Inputs
 from gen.identification.network.laws import ALL_AT_REST, CONSTANT, HEAT, OUTSIDE, WITHIN
+from gen.identification.network.rooms import places_of, share_level, unsure_K
 from gen.identification.network.scale import Scale
 from gen.identification.network.structure import Structure
 
@@ -97,6 +98,9 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
         for b in range(own - nodes - 1):
             pair = np.ix_([at + b, at + b + 1], [at + b, at + b + 1])
             precision[pair] += np.array([[1.0, -1.0], [-1.0, 1.0]]) / ROOM_STEP_K**2
+    unsure = unsure_K(inputs)
+    if unsure > 0.0:
+        share_level(precision, places_of(inputs, shared, nodes), unsure)
     return Prior(mean, precision)
 
 

@@ -15,6 +15,8 @@ from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Inputs
 
 _GRID = 16
+LEAST = 0.5
+"""A part rises at full speed by this share of what it moves by at least, even where no rise goes with speed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,13 +63,14 @@ def scale_of(inputs: Inputs) -> Scale:
         after = into[low:high] + keep[low:high] * (state - into[low:high])
         middle[low:high] = 0.5 * (state + after)
         state = after
-    settling, rise = [], []
+    settling, rise, least = [], [], []
     for s in range(inputs.target.shape[1]):
         weight = np.sqrt(inputs.covered[:, s])
         used = weight > 0.0
         if not used.any():
             settling.append(longest / 3.0)
             rise.append(10.0)
+            least.append(1.0)
             continue
         begin = inputs.begin[inputs.run, s]
         errors, rises = [], []
@@ -82,4 +85,5 @@ def scale_of(inputs: Inputs) -> Scale:
         best = int(np.argmin(errors))
         settling.append(float(taus[best]))
         rise.append(rises[best])
-    return Scale(np.array(settling), np.maximum(np.array(rise), 1.0))
+        least.append(max(LEAST * float(np.ptp(inputs.target[used, s])), 1.0))
+    return Scale(np.array(settling), np.maximum(np.array(rise), np.array(least)))

@@ -12,7 +12,7 @@ from gen.identification.network.inputs import Inputs
 from gen.identification.network.priors import prior_of
 from gen.identification.network.problem import Problem
 from gen.identification.network.scale import Scale
-from gen.identification.network.starts import from_parts, in_roles
+from gen.identification.network.starts import from_parts, in_roles, taken_over
 from gen.identification.network.structure import Structure
 from gen.identification.network.weights import density, weights
 
@@ -54,7 +54,7 @@ class Found:
         return self.fit.vector
 
 
-def search(structure: Structure, inputs: Inputs, scale: Scale) -> Found:
+def search(structure: Structure, inputs: Inputs, scale: Scale, before: Found | None = None) -> Found:
     """Find the best network of a structure.
 
     Parameters
@@ -65,6 +65,8 @@ def search(structure: Structure, inputs: Inputs, scale: Scale) -> Found:
         The runs; their weights are not used.
     scale
         What the parts do alone.
+    before
+        What was found with fewer hidden nodes: one more place to begin from.
     """
     problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
     sensors = len(structure.sensed)
@@ -77,6 +79,8 @@ def search(structure: Structure, inputs: Inputs, scale: Scale) -> Found:
             loose = problem.weighed(weights(inputs, np.full(sensors, level)))
             vector = approach(loose, vector, AT_EACH).vector
         found.append(settle(firm, vector, AT_FIRST))
+    if before is not None:
+        found.append(settle(firm, taken_over(problem, before.problem, before.vector), AT_FIRST))
     best = min(found, key=lambda fit: fit.cost)
     return tightened(problem, best.vector, np.full(sensors, FIRST_AT), AT_LAST)
 

@@ -151,6 +151,11 @@ class Summary:
             return []
         own = problem.per_run(self.result.found.vector)[:, problem.structure.nodes :]
         unknown = [r for r, run in enumerate(data.fine) if not run.ambient_known]
+        if data.ambient_unsure_K > 0.0:
+            return [
+                f"nothing says the ambient: the runs themselves say {data.ambient_fixed:.1f} degC "
+                f"(±{INTERVAL * data.ambient_unsure_K:.1f} K), and that is taken; log it, or give --ambient"
+            ]
         most = float(np.max(np.abs(own[unknown]))) if own.size and unknown else 0.0
         return [
             f"the room was not measured in {len(unknown)} run(s): {data.ambient_fixed:.1f} degC is taken, and what the "
@@ -166,7 +171,11 @@ class Summary:
         return {
             "model": "network",
             "runs": [source.path for source in result.data.sources],
-            "ambient": {"fixed_degC": result.data.ambient_fixed, "measured": result.data.ambient_measured},
+            "ambient": {
+                "fixed_degC": result.data.ambient_fixed,
+                "measured": result.data.ambient_measured,
+                "unsure_K": result.data.ambient_unsure_K,
+            },
             "verdict": self.verdict,
             "warnings": self.warnings(),
             "hidden_nodes": structure.hidden,

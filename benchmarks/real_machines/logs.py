@@ -1,0 +1,192 @@
+"""The public logs, as runs, and what is fitted and tested of each.
+
+A log becomes run files as a person would write them: its temperatures under their names, its input as PWM (a current,
+a speed or a power over its full scale), all else as extra columns. Nothing is smoothed, shifted or left out, but that
+two clocks of one log are put on one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from gen.runs import Run, read_run
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """What is fitted, and what is tested.
+
+    Attributes
+    ----------
+    machine
+        Short name of the log.
+    what
+        Which of its runs are tested, and what is special.
+    parts
+        The temperatures that are judged; others are neighbours.
+    fit, test
+        Runs by name.
+    """
+
+    machine: str
+    what: str
+    parts: tuple[str, ...]
+    fit: dict[str, Run]
+    test: dict[str, Run]
+
+    def __str__(self) -> str:
+        return f"{self.machine}, {self.what}"
+
+
+def cases(folder: Path) -> Iterator[Case]:
+    """Give the cases of every log that the folder holds, the small ones first."""
+    for name, made in READERS.items():
+        if (folder / name).is_dir():
+            yield from made(folder / name)
+
+
+def gimbalbot(folder: Path) -> Iterator[Case]:
+    """A brushless motor that runs for two minutes and cools for ten; each run once left out."""
+    runs = _files(sorted(folder.glob("*.csv")))
+    yield from _each_left_out("gimbalbot", runs, ("motor",), lambda name: f"run {name.split('-')[1]}")
+
+
+def tclab(folder: Path) -> Iterator[Case]:
+    """Two heaters, each of which also warms the other's sensor; one of them is the input. Each run once left out.
+
+    The room was not measured: as in the examples, it is where the run begins.
+    """
+    table = pd.read_csv(folder / "tclab_apm_runs.csv")
+    for own, other in ((1, 2), (2, 1)):
+        runs = {}
+        for name, rows in table.groupby("run"):
+            runs[str(name)] = Run(
+                time_s=rows.t_s.to_numpy(dtype=np.float64),
+                pwm=np.rint(rows[f"Q{own}"].to_numpy() * 2.55).astype(np.int64),
+                temps={
+                    f"heater{own}": rows[f"T{own}_C"].to_numpy(dtype=np.float64),
+                    f"beside{other}": rows[f"T{other}_C"].to_numpy(dtype=np.float64),
+                },
+                ambient=np.full(len(rows), float(rows[f"T{own}_C"].iloc[0])),
+                extras={f"Q{other}_percent": rows[f"Q{other}"].to_numpy(dtype=np.float64)},
+            )
+        yield from _each_left_out(f"tclab heater {own}", runs, (f"heater{own}",), lambda name: name.split("_")[1])
+
+
+def battery_cell(folder: Path) -> Iterator[Case]:
+    """A cell under random current: tested on other random runs, and on discharges at 1 and 2 C."""
+    runs = {path.stem.removeprefix("cell1_"): run for path, run in _read(sorted(folder.glob("cell1_*.csv")))}
+    test = {name: runs[name] for name in ("random05", "random15", "random25", "random35", "random45")}
+    fit = {name: runs[name] for name in ("random00", "random10", "random20", "random30", "random40")}
+    surface = ("surface",)
+    yield Case("battery cell", "from five random runs", surface, fit, test)
+    yield Case("battery cell", "from one random run", surface, {"random00": runs["random00"]}, test)
+    held = {name: runs[name] for name in ("ref_1C", "two_C")}
+    yield Case("battery cell", "random runs, tested on held currents", surface, fit, held)
+
+
+def ur3(folder: Path) -> Iterator[Case]:
+    """Joints of a robot arm, one morning in three parts, the room not measured. Each part once left out."""
+    for joint in (3, 4, 5):
+        runs = _files(sorted(folder.glob(f"joint{joint}_*.csv")))
+        yield from _each_left_out(f"ur3 joint {joint}", runs, (f"joint{joint}",), lambda name: name.split("_")[1])
+
+
+def paderborn(folder: Path) -> Iterator[Case]:
+    """A PMSM of which speed is the input, on a drive cycle in six stretches, and on another one."""
+
+    def run(rows: pd.DataFrame, step: float) -> Run:
+        return Run(
+            time_s=np.arange(len(rows)) * step,
+            pwm=np.clip(np.rint(rows.motor_speed.to_numpy() / 6000.0 * 255.0), 0, 255).astype(np.int64),
+            temps={"winding": rows.stator_winding.to_numpy(), "rotor": rows.pm.to_numpy()},
+            ambient=rows.ambient.to_numpy(),
+            extras={
+                "current_A": np.hypot(rows.i_d.to_numpy(), rows.i_q.to_numpy()),
+                "voltage_V": np.hypot(rows.u_d.to_numpy(), rows.u_q.to_numpy()),
+                "torque_Nm": rows.torque.to_numpy(),
+            },
+        )
+
+    a = pd.read_csv(folder / "group_A.csv.gz")
+    stretches = {f"A{i}": run(a.iloc[i * 500 : (i + 1) * 500], 2.5) for i in range(6)}
+    test = {name: stretches.pop(name) for name in ("A3", "A5")}
+    b = run(pd.read_csv(folder / "group_B.csv.gz"), 5.0)
+    parts = ("winding", "rotor")
+    yield Case("paderborn", "stretches of the same cycle", parts, stretches, test)
+    yield Case("paderborn", "another cycle", parts, stretches, {"B": b})
+
+
+WATTS_PER_COUNT = 5.0
+STALLED = ("Run1", "Run2", "Run3", "Run5", "Run13", "Run14")
+"""Runs with a thermocouple in the winding and one on the stator's body, without the fan of Run4."""
+
+
+def tass_bldc_stall(folder: Path) -> Iterator[Case]:
+    """A large brushless motor close to standstill, heated by its power for minutes."""
+    sensors = pd.read_csv(folder / "thermocouples_long.csv.gz")
+    controller = pd.read_csv(folder / "esc_10hz.csv.gz")
+    runs = {}
+    for name in sorted(set(sensors.run)):
+        short = name.split("-")[0]
+        if short in STALLED:
+            runs[short] = _stalled(sensors[sensors.run == name], controller[controller.run == name])
+    test = {name: runs.pop(name) for name in ("Run5", "Run14")}
+    yield Case("tass bldc", "Run5 and Run14", ("winding", "stator"), runs, test)
+
+
+def _stalled(sensors: pd.DataFrame, controller: pd.DataFrame) -> Run:
+    """A run on one clock: the thermocouples' is moved so that the winding begins to warm when power comes on."""
+    at = {name: rows.dropna() for name, rows in sensors.groupby("sensor")}
+    clock, winding = at["Winding Temp"].t_s.to_numpy(), at["Winding Temp"].T_C.to_numpy()
+    first = clock[np.argmax(winding > np.median(winding[:20]) + 1.0)]
+    on = float(controller.t_s[controller.P_W > 50.0].iloc[0])
+    time = np.asarray(np.arange(max(on - 2.0, 0.0), float(controller.t_s.max()), 0.5), dtype=np.float64)
+    held = controller.iloc[np.clip(np.searchsorted(controller.t_s, time, side="right") - 1, 0, None)]
+    shown = {
+        key: np.interp(time, rows.t_s.to_numpy() - (first - on), rows.T_C.to_numpy(), right=np.nan)
+        for key, rows in at.items()
+    }
+    return Run(
+        time_s=time - time[0],
+        pwm=np.clip(np.rint(held.P_W.to_numpy() / WATTS_PER_COUNT), 0, 255).astype(np.int64),
+        temps={"winding": shown["Winding Temp"], "stator": shown["Stator Body"]},
+        ambient=np.full(time.size, float(at["Ambient"].T_C.median())),
+        extras={"current_A": held.I_A.to_numpy()},
+    )
+
+
+def _read(paths: list[Path]) -> Iterator[tuple[Path, Run]]:
+    for path in paths:
+        yield path, read_run(path)
+
+
+def _files(paths: list[Path]) -> dict[str, Run]:
+    return {path.stem: run for path, run in _read(paths)}
+
+
+def _each_left_out(
+    machine: str, runs: dict[str, Run], parts: tuple[str, ...], short: Callable[[str], str]
+) -> Iterator[Case]:
+    for left in runs:
+        fit = {name: run for name, run in runs.items() if name != left}
+        yield Case(machine, short(left), parts, fit, {left: runs[left]})
+
+
+READERS: dict[str, Callable[[Path], Iterator[Case]]] = {
+    "gimbalbot": gimbalbot,
+    "tclab": tclab,
+    "ur3": ur3,
+    "battery_cell": battery_cell,
+    "tass_bldc_stall": tass_bldc_stall,
+    "paderborn_mini": paderborn,
+}
+"""By the folder that holds the log."""

@@ -1,0 +1,116 @@
+"""Which readings a part can have shown: the board's check of jumps, off-line, with what comes after known as well.
+
+A thermocouple beside a motor that runs may be wild for minutes: readings missing, many of the others tens of kelvin
+off. A part's temperature changes by no more than so much a second; so of all readings the longest sequence is believed
+in which each is within reach of the one before. Wild readings scatter and agree with few others; sound ones agree with
+all. (The board, which does not know what follows, asks for four readings that agree before it believes a level.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+from gen.coefficients.wiring import Thermocouple
+from gen.runs import Run
+from gen.runs.run import FloatArray
+
+RATE_K_PER_S = float(Thermocouple.model_fields["max_rate_K_per_s"].default)
+"""As on the board, where the file does not say otherwise."""
+NOISE_K = 1.0
+"""What two readings of one temperature may differ by, at least; as on the board."""
+SCATTER = 4.0
+"""Or as many standard deviations of a reading, as the calm quarter of the differences shows it."""
+QUARTER = 0.45
+"""Lower quartile of the magnitude of differences of normal readings, in standard deviations of a reading."""
+WINDOW = 256
+"""Readings before one that may be the one before in the sequence, of those that are not out of any reach."""
+
+Mask = NDArray[np.bool_]
+AROUND, LEAST_SHARE = 33, 0.3
+"""Of so many readings around one at least this share has to be in the sequence, or it is not believed either."""
+
+
+def believed_run(run: Run) -> tuple[Run, list[str]]:
+    """Take out what the parts cannot have shown; say how much that is.
+
+    Returns
+    -------
+    run
+        The same, readings that are not believed missing.
+    said
+        One sentence for each column that lost any.
+    """
+    temps, said = {}, []
+    for name, values in run.temps.items():
+        kept = believed(run.time_s, values)
+        lost = int(np.count_nonzero(np.isfinite(values) & ~kept))
+        temps[name] = np.where(kept, values, np.nan) if lost else values
+        if lost:
+            known = int(np.count_nonzero(np.isfinite(values)))
+            worst = float(np.nanmax(np.abs(values - _between(run.time_s, temps[name]))[np.isfinite(values) & ~kept]))
+            said.append(
+                f"{name}_degC: {lost} of {known} readings are not believed, up to {worst:.0f} K off what lies around "
+                f"them: a part does not change faster than {RATE_K_PER_S:g} K/s"
+            )
+    return (replace(run, temps=temps), said) if said else (run, [])
+
+
+def believed(time: FloatArray, values: FloatArray) -> Mask:
+    """Say which readings are believed, shape (N,); missing ones are not.
+
+    Parameters
+    ----------
+    time
+        Shape (N,), s, increasing.
+    values
+        Shape (N,), degC; NaN where missing.
+    """
+    known = np.flatnonzero(np.isfinite(values))
+    kept = np.isfinite(values)
+    at, value = time[known], values[known]
+    step = np.abs(np.diff(value))
+    if known.size < 3:
+        return kept
+    noise = max(NOISE_K, SCATTER * float(np.quantile(step, 0.25)) / QUARTER)
+    if np.all(step <= noise + RATE_K_PER_S * np.diff(at)):
+        return kept
+    own = np.zeros(known.size)
+    own[_longest(at, value, noise)] = 1.0
+    # Where next to nothing agrees the sequence goes through what is wild by chance.
+    kept[known] = (own > 0.0) & (uniform_filter1d(own, AROUND, mode="nearest") >= LEAST_SHARE)
+    return kept
+
+
+def _longest(time: FloatArray, value: FloatArray, noise: float) -> NDArray[np.int64]:
+    """Places of the longest sequence in which each reading is within reach of the one before."""
+    count = value.size
+    length, before = np.ones(count, dtype=np.int64), np.full(count, -1, dtype=np.int64)
+    best = -1  # the longest sequence that ends before the window
+    for k in range(1, count):
+        first = max(0, k - WINDOW)
+        if first and (best < 0 or length[first - 1] > length[best]):
+            best = first - 1
+        reach = noise + RATE_K_PER_S * (time[k] - time[first:k])
+        own = np.where(np.abs(value[k] - value[first:k]) <= reach, length[first:k], 0)
+        place = own.size - 1 - int(np.argmax(own[::-1]))  # of equals the latest
+        if own[place]:
+            length[k], before[k] = own[place] + 1, first + place
+        if best >= 0 and length[best] >= length[k] and _reaches(time, value, best, k, noise):
+            length[k], before[k] = length[best] + 1, best
+    places = [int(np.argmax(length))]
+    while before[places[-1]] >= 0:
+        places.append(int(before[places[-1]]))
+    return np.array(places[::-1], dtype=np.int64)
+
+
+def _reaches(time: FloatArray, value: FloatArray, first: int, second: int, noise: float) -> bool:
+    return bool(abs(value[second] - value[first]) <= noise + RATE_K_PER_S * (time[second] - time[first]))
+
+
+def _between(time: FloatArray, values: FloatArray) -> FloatArray:
+    good = np.isfinite(values)
+    return np.asarray(np.interp(time, time[good], values[good]))

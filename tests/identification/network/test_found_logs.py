@@ -1,0 +1,80 @@
+"""Logs as people have them: a network from input that is never held, a room that nothing says, a day as one log."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import gen
+from gen.runs.run import FloatArray
+from tests.identification.network.plant import ROW_S, Plant
+
+ROOM = 22.0
+JOINT = Plant(
+    capacity=(60.0, 300.0),
+    links=((0, 1, 0.5),),
+    surfaces=((0, 0.02, 0.0), (1, 0.4, 0.15)),
+    heats=((0, 3.0, 12.0),),
+    sensed={"joint": 0, "beside": 1},
+)
+
+
+def steps(rng: np.random.Generator, hours: float, every_s: float = 30.0) -> FloatArray:
+    """Random |PWM| every half minute, none of them held."""
+    rows = round(every_s / ROW_S)
+    count = int(hours * 3600.0 / every_s)
+    return np.repeat(rng.integers(40, 256, count).astype(np.float64), rows)
+
+
+def log(rng: np.random.Generator, pwm: FloatArray, start: float | None, *, room: bool = False) -> pd.DataFrame:
+    """What a logger shows, from a sensor of 0.1 K; without the ambient unless it is asked for."""
+    level = pwm.astype(np.int64)
+    true = JOINT.true(level, np.full(level.size, ROOM), start)
+    columns = {"time_s": ROW_S * np.arange(level.size), "pwm": level}
+    for name, node in JOINT.sensed.items():
+        columns[f"{name}_degC"] = np.round(true[:, node] + rng.normal(0.0, 0.05, level.size), 1)
+    if room:
+        columns["ambient_degC"] = np.full(level.size, ROOM)
+    return pd.DataFrame(columns).set_index("time_s")
+
+
+def rmse(model: gen.Model, run: pd.DataFrame, part: str = "joint") -> float:
+    """Of a run that took no part, K."""
+    shown = gen.simulate(model, run)[f"{part}_degC"].to_numpy(dtype=np.float64)
+    return float(np.sqrt(np.mean((shown - run[f"{part}_degC"].to_numpy(dtype=np.float64)) ** 2)))
+
+
+@pytest.mark.parametrize("starts", [(34.0, 44.0), (ROOM, 40.0)])
+def test_a_room_that_nothing_says_is_estimated_from_warm_runs(starts: tuple[float, ...]) -> None:
+    """Two parts of one morning, begun 12 to 22 K over the room: the rise is some 25 K, the room is not in the log."""
+    rng = np.random.default_rng(5)
+    found = gen.identify([log(rng, steps(rng, 1.0), start) for start in starts], model="network")
+    said = found.details()["ambient"]
+    assert not said["measured"]
+    assert any("nothing says the ambient" in warning for warning in found.warnings)
+    assert said["unsure_K"] > 0.0
+    test = log(rng, steps(rng, 1.0), 37.0)
+    moved = float(np.ptp(test["joint_degC"]))
+    assert rmse(found.model, test) < 0.08 * moved
+
+
+def test_the_parts_of_a_day_that_begin_warm_are_no_reason_to_refuse() -> None:
+    """No run begins cold, and the neighbour is far from the part: there was no ambient, and a refusal."""
+    rng = np.random.default_rng(6)
+    runs = []
+    for start in (38.0, 46.0):
+        run = log(rng, steps(rng, 0.7), start)
+        run["far_degC"] = 30.0 + 2.0 * np.sin(np.arange(len(run)) / 300.0)
+        runs.append(run)
+    found = gen.identify(runs, model="network")
+    assert "joint" in found.model.components
+
+
+def test_one_long_log_is_judged_on_what_was_cut_out_of_it() -> None:
+    rng = np.random.default_rng(7)
+    found = gen.identify([log(rng, steps(rng, 4.0), None, room=True)], model="network")
+    test = log(rng, steps(rng, 1.5), None, room=True)
+    left_out = found.details()["left_out_K"]
+    assert rmse(found.model, test) < 0.6
+    assert rmse(found.model, test) < 4.0 * max(left_out, 0.1)

@@ -1,0 +1,109 @@
+"""Readings that no part can have shown, off-line; what was made wild is known."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import gen
+from gen.identification.believed import believed, believed_run
+from gen.runs import Run
+from gen.runs.run import FloatArray
+
+
+def warm_up(rng: np.random.Generator, step: float = 0.5) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Two minutes of running and eight of rest: time, |PWM| over full scale, and a part's temperature, degC."""
+    at = np.arange(0.0, 600.0, step)
+    on = (at >= 5.0) & (at < 125.0)
+    rise = np.empty(at.size)
+    level = 0.0
+    for k, running in enumerate(on):
+        rise[k] = level
+        level += step * (0.6 * running - level / (60.0 if running else 300.0))
+    return at, on.astype(np.float64), 24.0 + rise + rng.normal(0.0, 0.1, at.size)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_is_wild_while_the_motor_runs_is_found_and_nothing_else_is(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    at, on, true = warm_up(rng)
+    read = np.round(4.0 * true) / 4.0
+    running = on > 0.0
+    missing = running & (rng.random(at.size) < 0.38)
+    wild = running & ~missing & (rng.random(at.size) < 0.5)
+    read[wild] -= rng.uniform(20.0, 60.0, np.count_nonzero(wild))
+    read[missing] = np.nan
+    kept = believed(at, read)
+    sound = ~wild & ~missing
+    assert not kept[wild].any()
+    assert np.mean(kept[sound]) > 0.98
+
+
+def test_a_part_that_is_read_soundly_loses_nothing() -> None:
+    rng = np.random.default_rng(1)
+    at, _, true = warm_up(rng, 10.0)
+    noisy = true + rng.normal(0.0, 1.5, at.size)
+    for values in (true, noisy, np.round(true)):
+        assert believed(at, values).all()
+
+
+def test_a_burst_longer_than_the_window_is_bridged() -> None:
+    rng = np.random.default_rng(2)
+    at = np.asarray(np.arange(4000) * 0.5, dtype=np.float64)
+    true = 40.0 + 10.0 * np.sin(at / 400.0)
+    wild = (at > 500.0) & (at < 900.0)
+    read = np.where(wild, true + rng.uniform(-60.0, 60.0, at.size), true)
+    kept = believed(at, read)
+    assert np.mean(kept[~wild]) > 0.99
+    far = np.abs(read - true) > 10.0
+    assert np.mean(kept[wild & far]) < 0.05
+
+
+def test_what_was_taken_out_is_said() -> None:
+    at, on, true = warm_up(np.random.default_rng(3))
+    read = true.copy()
+    read[100] += 30.0
+    run, said = believed_run(Run(at, (255 * on).astype(np.int64), {"coil": read, "case": true}))
+    assert said == [
+        f"coil_degC: 1 of {at.size} readings are not believed, up to 30 K off what lies around them: "
+        "a part does not change faster than 5 K/s"
+    ]
+    assert np.isnan(run.temps["coil"][100])
+    assert run.temps["case"] is true
+
+
+def test_a_long_log_takes_seconds() -> None:
+    rng = np.random.default_rng(4)
+    at = np.asarray(np.arange(100_000) * 0.25, dtype=np.float64)
+    read = 50.0 + rng.normal(0.0, 0.2, at.size)
+    read[::50] += 40.0
+    started = time.process_time()
+    kept = believed(at, read)
+    assert time.process_time() - started < 10.0
+    assert np.count_nonzero(kept) == at.size - at.size // 50
+
+
+def test_a_network_of_wild_logs_is_that_of_the_sound_ones() -> None:
+    """Mean error of what is identified from wild logs, on a sound one: within a kelvin of a rise of over 30 K."""
+    runs = []
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        at, on, true = warm_up(rng)
+        if seed < 2:
+            running = on > 0.0
+            true[running & (rng.random(at.size) < 0.38)] = np.nan
+            wild = running & (rng.random(at.size) < 0.5)
+            true[wild] -= rng.uniform(20.0, 60.0, np.count_nonzero(wild))
+        runs.append(Run(at, (200 * on).astype(np.int64), {"motor": true}, ambient=np.full(at.size, 24.0)))
+    found = gen.identify([frame(run) for run in runs[:2]], model="network", max_hidden=1)
+    assert any("not believed" in warning for warning in found.warnings)
+    shown = gen.simulate(found.model, frame(runs[2]))["motor_degC"].to_numpy(dtype=np.float64)
+    assert float(np.sqrt(np.mean((shown - runs[2].temps["motor"]) ** 2))) < 1.0
+
+
+def frame(run: Run) -> pd.DataFrame:
+    """A run as a table."""
+    return pd.DataFrame(run.columns()).set_index("time_s")
