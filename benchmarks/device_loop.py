@@ -128,12 +128,12 @@ RULES = [
 
 
 def gen(*arguments: str | Path) -> str:
-    """Run a command of `gen`."""
+    """Run a command of `gen`; what it said, warnings last."""
     command = [sys.executable, "-m", "gen", *map(str, arguments)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode:
         raise SystemExit(f"gen {arguments[0]}: {done.stderr}")
-    return done.stdout
+    return done.stdout + done.stderr
 
 
 def commissioned(folder: Path, effect: str, kind: str, seed: int, given: Path | None) -> Path:
