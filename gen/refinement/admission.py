@@ -25,6 +25,8 @@ _LEAST_K = 2.0
 healthy range (`"beyond": "error_band"`) have that error in them already."""
 _FEWEST_BINS = 5
 _HEALTHY = {"", "none", "no", "healthy", "0", "false", "-"}
+_FAULT = ("fault", "motor_fault")
+"""Comments that may name one: by hand, and what `gen emulate` writes."""
 
 
 def admitted(coefficients: Coefficients, runs: Sequence[Condensed]) -> tuple[list[Condensed], list[str]]:
@@ -76,9 +78,10 @@ def healthy(runs: Sequence[tuple[str, AnyRun]]) -> tuple[list[tuple[str, AnyRun]
     """
     kept, warnings = [], []
     for name, run in runs:
-        declared = run.comments.get("fault", "").strip().lower()
+        told = (run.comments.get(key, "").strip().lower() for key in _FAULT)
+        declared = next((fault for fault in told if fault not in _HEALTHY), "")
         well = run.comments.get("healthy", "yes").strip().lower()
-        if declared not in _HEALTHY or well in ("no", "false", "0"):
+        if declared or well in ("no", "false", "0"):
             warnings.append(f"{name}: left out, its comments name a fault ({declared or 'healthy: ' + well})")
         else:
             kept.append((name, run))

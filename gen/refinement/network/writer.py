@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from gen.coefficients.checks import FASTEST
 from gen.coefficients.network import (
     ChannelEntry,
     CurveEntry,
@@ -25,6 +26,8 @@ from gen.model.network import AMBIENT, PWM
 
 MARGIN = 0.1
 """A channel's range is wider than what was measured by this share of it on both sides."""
+FASTEST_SHARE = 0.8
+"""Of the fastest that a file may hold: what factors and rounding add has room. Nodes so close are one to every sensor."""
 
 Scale = Callable[[FloatArray], FloatArray]
 """A factor by |PWM| over full scale, any shape."""
@@ -41,12 +44,17 @@ class NetworkWriter:
         The count that is 100 %.
     ranges
         Least and greatest measured value of each channel.
+    sample_time
+        Of the board, s.
     """
 
-    def __init__(self, entry: NetworkEntry, full_scale: int, ranges: dict[str, tuple[float, float]]) -> None:
+    def __init__(
+        self, entry: NetworkEntry, full_scale: int, ranges: dict[str, tuple[float, float]], sample_time: float
+    ) -> None:
         self.entry = entry
         self.full_scale = full_scale
         self._ranges = ranges
+        self._sample_time = sample_time
 
     def _replace(self, **parts: object) -> None:
         self.entry = self.entry.model_copy(update=parts)
@@ -145,13 +153,25 @@ class NetworkWriter:
         )
 
     def path(self, first: str, second: str, conductance: float) -> None:
-        """Add a path, or add to the one that is there."""
+        """Add a path, or add to the one that is there; no more than the board can follow."""
+        conductance = min(conductance, *(self._most(end) for end in (first, second) if end != AMBIENT))
         if not any(set(path.between) == {first, second} and path.law is None for path in self.entry.paths):
             curve = PolyCurve(poly=(six_digits(conductance),))
             path = PathEntry(between=(first, second), conductance_W_per_K=curve)
             self._replace(paths=(*self.entry.paths, path))
             return
         self._paths((first, second), lambda path: self._with_more(path, conductance))
+
+    def _most(self, name: str) -> float:
+        """Give the conductance, W/K, that may be added to a node until it follows its neighbours too fast."""
+        capacity = next(node.capacity_J_per_K for node in self.entry.nodes if node.name == name)
+        pwm = points_of(self.full_scale)
+        there = 0.0
+        for path in self.entry.paths:
+            if name in path.between:
+                turning, still = values_of(path.conductance_W_per_K, pwm, self.full_scale)
+                there += max(float(turning.max()), still)
+        return max(FASTEST_SHARE * FASTEST * capacity / self._sample_time - there, 1e-6)
 
     def radiates(self, name: str, conductance: float, reference: float) -> None:
         """Add a radiation to the ambient, or add to the one that is there, at whose reference it is then."""

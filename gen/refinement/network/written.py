@@ -63,7 +63,8 @@ def written(
     """
     network, channel = coefficients.document.network, None if room is None else room.channel
     assert network is not None
-    writer = NetworkWriter(network, coefficients.document.input.full_scale, traced.data.offered.ranges)
+    document = coefficients.document
+    writer = NetworkWriter(network, document.input.full_scale, traced.data.offered.ranges, document.sample_time_s)
     for name, factor in factors.items():
         writer.start_factor(name, factor)
     outside = [*(["initial_state"] if factors else []), *([] if channel is None else ["ambient"])]

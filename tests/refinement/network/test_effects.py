@@ -103,7 +103,7 @@ def test_what_is_written_is_what_was_fitted(effect: NetworkEffect) -> None:
     vector[shape.places[0].columns] = AT[effect.name][: len(effect.numbers)]
     motor = read(tree())
     assert motor.document.network is not None
-    writer = NetworkWriter(motor.document.network, 255, made.data.offered.ranges)
+    writer = NetworkWriter(motor.document.network, 255, made.data.offered.ranges, 0.25)
     shape.write(writer, vector, [effect])
     text = with_network(json.dumps(tree()), writer.entry, "a test")
     written = parse(text.encode())
@@ -134,3 +134,16 @@ def test_what_is_written_is_what_was_fitted(effect: NetworkEffect) -> None:
             assert float(np.quantile(away, 0.9)) < 0.12, name
         else:
             assert float(away.max()) < 0.12, name
+
+
+@pytest.mark.parametrize("end", ["casing", "ambient"])
+def test_a_path_is_written_no_better_than_the_board_can_follow(end: str) -> None:
+    motor = read(tree())
+    assert motor.document.network is not None
+    writer = NetworkWriter(motor.document.network, 255, {}, 0.25)
+    writer.path("winding", end, 1e5)
+    written = parse(with_network(json.dumps(tree()), writer.entry, "a test").encode())
+    assert written.model.network is not None
+    matrices, _, _ = written.model.network.matrices(np.arange(256))
+    fastest = 1.0 / float(-np.diagonal(matrices, axis1=1, axis2=2).min())
+    assert 10 * 0.25 < fastest < 15 * 0.25
