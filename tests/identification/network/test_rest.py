@@ -21,7 +21,7 @@ from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
 from tests.identification.network.plant import ROOM, TWO, holds
 
-SPEEDS = (80, 160, 250)
+SPEEDS = (50, 100, 170, 250)
 
 
 def found_of(runs: list[Run]) -> NetworkFound:
