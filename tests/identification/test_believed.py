@@ -9,7 +9,9 @@ import pandas as pd
 import pytest
 
 import gen
-from gen.identification.believed import believed, believed_run
+from gen.coefficients.wiring import Thermocouple
+from gen.identification.believed import NOISE_K, RATE_K_PER_S, believed, believed_run
+from gen.lowering.sensors import COUNT_K, NOISE_COUNTS
 from gen.runs import Run
 from gen.runs.run import FloatArray
 
@@ -60,6 +62,11 @@ def test_a_burst_longer_than_the_window_is_bridged() -> None:
     assert np.mean(kept[~wild]) > 0.99
     far = np.abs(read - true) > 10.0
     assert np.mean(kept[wild & far]) < 0.05
+
+
+def test_the_limits_are_those_of_the_board() -> None:
+    assert Thermocouple.model_fields["max_rate_K_per_s"].default == RATE_K_PER_S
+    assert NOISE_COUNTS * COUNT_K == NOISE_K
 
 
 def test_what_was_taken_out_is_said() -> None:
