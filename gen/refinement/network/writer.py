@@ -27,7 +27,7 @@ from gen.model.network import AMBIENT, PWM
 MARGIN = 0.1
 """A channel's range is wider than what was measured by this share of it on both sides."""
 FASTEST_SHARE = 0.8
-"""Of the fastest that a file may hold: what factors and rounding add has room. Nodes so close are one to every sensor."""
+"""Of the fastest that a file may hold, for what factors and rounding add. Nodes so close are one to every sensor."""
 
 Scale = Callable[[FloatArray], FloatArray]
 """A factor by |PWM| over full scale, any shape."""
