@@ -17,6 +17,8 @@ _MARKS = (
 _SAMPLE = 1 << 16
 _DEGREES = re.compile(r"[°º]\s?[CFK]|℃|℉|µs|[A-Za-zÄÖÜäöü]*[ÄÖÜäöüß][a-zäöüß]+")
 _SINGLE_BYTE = ("cp1252", "cp437", "mac_roman")
+_ZEROS = 0.01
+"""Share of a text's characters up to which zeros are noise."""
 _DAMAGED = 0.05
 """Of the lines: a serial line's bit errors hit fewer, another encoding's letters stand in the header or in all rows."""
 
@@ -103,7 +105,8 @@ def _single_byte(data: bytes) -> tuple[str, str, str]:
 def _check_text(text: str) -> None:
     sample = text[:_SAMPLE]
     strange = sum(1 for c in sample if (ord(c) < 32 and c not in "\t\r\n\f\x1b") or c == "\ufffd")
-    if "\0" in sample or strange > 0.1 * len(sample):
+    # A board that is reset sends a few zeros.
+    if sample.count("\0") > _ZEROS * len(sample) or strange > 0.1 * len(sample):
         raise InputError(
             "is neither text nor a format that is known by its first bytes; expected CSV, JSON lines, a serial "
             "capture, Excel (.xlsx), Parquet or MATLAB (.mat)"

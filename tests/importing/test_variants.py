@@ -325,7 +325,7 @@ def test_a_serial_capture_with_garbage(tmp_path: Path) -> None:
     lines = csv().splitlines()
     lines[30] = lines[30][:9] + "\x02\x7f"
     lines.insert(50, "rst cause:2, boot mode")
-    data = "\r\n".join(lines).encode().replace(lines[80].encode(), b"\xff\xfe\x80garbage")
+    data = "\r\n".join(lines).encode().replace(lines[80].encode(), b"\xff\xfe\x80\x00garbage")
     path = tmp_path / "capture.log"
     path.write_bytes(data)
     found = take(path, tmp_path / "runs")
