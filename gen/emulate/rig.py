@@ -72,7 +72,7 @@ class RigPlant:
         config = motor or MotorConfig()
         config = replace(config, faults=tuple(_later(fault) for fault in config.faults))
         self.motor = Motor(config, start_degC=start_degC, ambient_degC=value(ambient_degC, 0.0))
-        self._ambient, self._load, self._airflow = ambient_degC, load_Nm, airflow_m_s
+        self._ambient, self._load, self._air = ambient_degC, load_Nm, airflow_m_s
         self._voltage = config.parameters.electrical.nominal_voltage_V if voltage_V is None else voltage_V
         self._encoder = Encoder(pulses_per_revolution) if pulses_per_revolution else None
         self._time = -STEP_S
@@ -107,14 +107,14 @@ class RigPlant:
         """See `gen.emulate.plant.Plant.step`."""
         before = self.motor.revolutions
         start = max(self._time, 0.0)
-        airflow = value(self._airflow, start)
+        air = value(self._air, start)
         drive = self.motor.step(
             pwm,
             dt_s,
             load_Nm=value(self._load, start),
             ambient_degC=value(self._ambient, start),
             voltage_V=value(self._voltage, start),
-            airflow_m_s=airflow,
+            airflow_m_s=air,
         )
         self._time += dt_s
         true = self.temperatures
@@ -122,7 +122,7 @@ class RigPlant:
             name: sensor.read(true[name.removesuffix(_COLUMN)], self._time) for name, sensor in self._sensors.items()
         }
         pulses = self._encoder.between(before, self.motor.revolutions) if self._encoder is not None else 0
-        channels = {"current_A": drive.current_A, "voltage_V": drive.voltage_V, "airflow_m_s": airflow}
+        channels = {"current_A": drive.current_A, "voltage_V": drive.voltage_V, "airflow_m_s": air}
         return Reading(words, pulses, channels)
 
 

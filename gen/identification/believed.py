@@ -21,8 +21,9 @@ RATE_K_PER_S = 5.0
 """As on the board, where the file does not say otherwise (a test holds both together)."""
 NOISE_K = 1.0
 """What two readings of one temperature may differ by, at least; as on the board."""
-SCATTER = 4.0
-"""Or as many standard deviations of a reading, as the calm quarter of the differences shows it."""
+SCATTER = 9.0
+"""Or as many standard deviations of a reading, as the calm quarter of the differences shows it: no two of ten million
+normal ones differ by as much, and what is wild is further off."""
 QUARTER = 0.45
 """Lower quartile of the magnitude of differences of normal readings, in standard deviations of a reading."""
 WINDOW = 256

@@ -42,7 +42,7 @@ def read_text(file: Path, data: bytes, given: Reading) -> Table:
     lines = lines_of(text.removeprefix("\ufeff"))
     if not lines.texts:
         raise InputError("there are only comments; expected a header line and rows" if lines.comments else "is empty")
-    if text.lstrip("\ufeff \t\r\n")[0] in "[{":
+    if text.lstrip("\ufeff \t\r\n").startswith(("[", "{")):
         plain = replace(reading, decimal=".", delimiter="")
         whole = array_table(file, text.removeprefix("\ufeff"), plain)
         if whole is not None and (whole.rows > 1 or len(lines.texts) > 1 or not is_json(lines.texts)):

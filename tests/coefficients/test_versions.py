@@ -65,6 +65,10 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
         "ab3811c1b4e47e5ecb5b3a89fa66886de639d3cd6547249db59cde75ec06c70c",
         {"casing": 37.1821476090, "magnet": 39.1349802537},
     ),
+    "warm_inside.json": (
+        "d6c10249a6902d59ae2daa160db8a7e7bc64e1bac3a25287ad833f02137ddad4",
+        {"casing": 37.1821476090, "magnet": 39.1349802537},
+    ),
     "ambient_at_once.json": (
         "60781092f523aee6672382d67ffbf8e7e12b71c855cf7695840cedd6a41e7a97",
         FROZEN["my1016.json"][1],

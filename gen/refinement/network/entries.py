@@ -10,10 +10,11 @@ from gen.model.effects import registry
 from gen.refinement.judgement import LEVEL
 from gen.refinement.network.ambient import MovingAmbient
 from gen.refinement.network.effects.base import WHOLE
+from gen.refinement.network.effects.warm_start import NAME as INITIAL_STATE
+from gen.refinement.network.effects.warm_start import WarmStart
 from gen.refinement.network.fit import Fitted
 from gen.refinement.network.folds import described
 from gen.refinement.network.trace import Considered, Step, Traced
-from gen.refinement.network.warm_start import WarmStart
 
 INTERVAL = 1.96
 GENERIC = "vary what drives the one while the other's drive is held, for two hours each"
@@ -40,7 +41,7 @@ def ambient_entry(room: MovingAmbient) -> dict[str, Any]:
 def start_entry(start: WarmStart) -> dict[str, Any]:
     """Hidden nodes that begin warmer than the file lets them, as the summary has it."""
     return {
-        "name": "initial_state",
+        "name": INITIAL_STATE,
         "component": WHOLE if len(start.factors) > 1 else next(iter(start.factors)),
         "parameters": {f"start_factor_of_{name}": factor for name, factor in start.factors.items()},
         "evidence": {

@@ -15,12 +15,12 @@ from gen.refinement.condense import check_apart, check_measured, read_measured
 from gen.refinement.errors import Errors
 from gen.refinement.network.ambient import moving_ambient
 from gen.refinement.network.changed import looks_like_a_change
+from gen.refinement.network.effects.warm_start import WarmStart, warm_start
 from gen.refinement.network.entries import ambient_entry, considered_entry, effect_entry, start_entry
 from gen.refinement.network.folds import described
 from gen.refinement.network.planned import Settled, settled
 from gen.refinement.network.prepared import prepared
 from gen.refinement.network.trace import Traced, trace
-from gen.refinement.network.warm_start import WarmStart, warm_start
 from gen.refinement.network.written import written
 from gen.refinement.run_errors import compared
 from gen.refinement.verdict import EXPLAINED, NOTHING, Verdict

@@ -11,6 +11,7 @@ from gen.errors import InputError
 from gen.refinement.judgement import LEAST_GAIN, LEVEL
 from gen.refinement.network.ambient import MovingAmbient
 from gen.refinement.network.effects import NetworkEffect
+from gen.refinement.network.effects.warm_start import NAME as INITIAL_STATE
 from gen.refinement.network.judged import p_better
 from gen.refinement.network.trace import Traced
 from gen.refinement.network.writer import NetworkWriter
@@ -67,7 +68,7 @@ def written(
     writer = NetworkWriter(network, document.input.full_scale, traced.data.offered.ranges, document.sample_time_s)
     for name, factor in factors.items():
         writer.start_factor(name, factor)
-    outside = [*(["initial_state"] if factors else []), *([] if channel is None else ["ambient"])]
+    outside = [*([INITIAL_STATE] if factors else []), *([] if channel is None else ["ambient"])]
     unchanged = Written(raw)
     if outside:
         unchanged = Written(with_network(raw, writer.entry, f"refined: {', '.join(outside)}", channel))

@@ -65,15 +65,17 @@ def test_readings_on_a_fresh_run_are_below_the_noise_although_five_of_eight_node
 
 
 def test_a_room_that_moves_and_jumps_is_followed_through_the_parts_masses() -> None:
+    """At speeds that were run: what lies between them is asked elsewhere."""
     rng = np.random.default_rng(2)
-    time = 4.0 * np.arange(FRESH.size)
+    fresh = holds((200, 40), (0, 20), (80, 35), (255, 30), (120, 25), (0, 30))
+    time = 4.0 * np.arange(fresh.size)
     swing = ROOM + 2.5 * np.sin(time / 2500.0) + 4.0 * (time > 5000.0)
     runs = [
         EIGHT.run(pwm, rng, ROOM + 2.5 * np.sin(4.0 * np.arange(pwm.size) / 2000.0 + phase), NOISE)
         for pwm, phase in ((holds((200, 60), (0, 40), (120, 60)), 0.0), (holds((80, 60), (255, 60), (0, 40)), 2.0))
     ]
     _, loaded = found_of(runs)
-    assert off(loaded, EIGHT, FRESH, swing) < FLOOR
+    assert off(loaded, EIGHT, fresh, swing) < 0.7 * FLOOR
 
 
 def test_gaps_are_no_harm() -> None:

@@ -67,7 +67,8 @@ def test_derivatives_of_the_readings_agree_with_differences(problem: Problem[Str
         down[place] -= step
         change = problem.evaluate(down).residual - problem.evaluate(up).residual
         differences[place] = change / (2.0 * step)
-    assert max(float(np.abs(d).max()) for d in differences.values()) > 1.0
+    # Not of nothing: an offset alone moves its reading by 1 K for each kelvin.
+    assert max(float(np.abs(d).max()) for d in differences.values()) > 0.9
     for run, own, place in columns(problem):
         row = problem.inputs.rows[run]
         read = problem.inputs.covered[row] > 0.0

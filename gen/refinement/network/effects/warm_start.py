@@ -19,6 +19,8 @@ from gen.refinement.network.fit import Fitted
 from gen.refinement.network.judged import Judged, judged, p_better
 from gen.refinement.network.trace import PLAIN, PLAIN_LEVEL
 
+NAME = "initial_state"
+"""In the library of effects."""
 SPREAD = 1.0
 """Standard deviation of a factor about what the file says."""
 LEAST, MOST = 0.0, 8.0
