@@ -23,17 +23,18 @@ MOVED_POWER = 1.0
 """Of moved air. Along a wall it goes with w^0.5 (laminar) to w^0.8 (turbulent), but still and moved air combine as the
 third root of the sum of their cubes (Churchill, AIChE Journal 23, 1977): near rest, where still air is the larger, next
 to nothing is added, and the power is near 2. A straight line from rest stands between both."""
-MOVED = (-0.5, 0.8)
+MOVED = (-0.5, 2.0)
 """Logarithm of what moved air adds at full speed over still air, mean and standard deviation: a motor without a fan of
-its own has 5 to 10 W/m2K in still air, radiation included, and 10 to 30 in the air that it moves."""
-AT_REST = 0.2
+its own has 5 to 10 W/m2K in still air, radiation included, and 10 to 30 in the air that it moves; one that drives a
+propeller has ten times as much."""
+AT_REST = 0.4
 """Standard deviation of the logarithm of one conductance at rest over what its law leaves there."""
 ALL_AT_REST = 0.3
 """The same of what all conductances at rest have in common: still air gives 5 to 10 W/m2K, a factor of two, and what it
 is by depends on how warm the whole motor is."""
 STEADY, SQUARE = (-1.0, 1.5), (0.0, 1.5)
 """Logarithms of a heat's constant and of its quadratic part over its linear one, at full speed."""
-SLOPE = 0.3
+SLOPE = 0.5
 """Standard deviation of the change of a path's logarithm from rest to full speed, within the motor: most of them are
 metal, which does not know of speed; air gaps do."""
 SLOWEST = 1e-3
