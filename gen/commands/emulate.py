@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import sys
+import tempfile
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from gen.coefficients import Coefficients
     from gen.coefficients.wiring import Wiring
     from gen.emulate.board import Board
-    from gen.emulate.results import Results
     from gen.emulate.scenario import Made, Scenario
     from gen.emulate.session import Event, Session
     from gen.record.profile import Profile
@@ -103,7 +103,7 @@ _EXAMPLE = (
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the sensors' errors.")
 @click.option("--out", type=_PATH, required=True, help="The run file to write.")
 @click.option("--json", "json_file", type=_PATH, help="Write alarms, faults and counts as JSON.")
-@click.option("--plot", type=_PATH, help="Write a picture (SVG).")
+@click.option("--plot", type=_PATH, help="Draw the run, as gen plot does: FILE.html, FILE.svg or FILE.png.")
 def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | None, **options: Any) -> None:  # noqa: ANN401
     """Run the firmware itself on an emulated Mega against a simulated motor.
 
@@ -113,11 +113,14 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
     what was simulated until then; exit status 130.
     """
     from gen.coefficients import load
+    from gen.drawing.forms import form_of
     from gen.emulate.results import results_of, summary
     from gen.files import check_outputs, write_bytes
     from gen.interruption import EXIT_STATUS
 
     plant = () if options["plant"] in (None, "rig", "model") else (Path(options["plant"]),)
+    if plot is not None:
+        form_of(plot)
     check_outputs((out, json_file, plot, options["eeprom"]), (coefficients, *plant))
     loaded = load(coefficients)
     wanted = _wanted(loaded, coefficients, options)
@@ -136,15 +139,8 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
             write_bytes(options["eeprom"], board.mega.eeprom.image)
         if not session.recorder.rows:
             raise CheckFailed("the firmware printed no row of a run file")
-        _write(
-            session,
-            results,
-            found,
-            _title(loaded, wanted.made, options),
-            (out, json_file, plot),
-            options,
-            wanted.carried,
-        )
+        title = _title(loaded, wanted.made, options)
+        _write(session, found, title, (out, json_file, plot), [*_comments(found, options), *wanted.carried])
     _tell(found)
     if session.interrupted:
         click.echo(f"interrupted: {session.seconds:.0f} of {options['duration']:.0f} s are kept in {out}", err=True)
@@ -153,26 +149,37 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
 
 def _write(
     session: Session,
-    results: Results,
     found: dict[str, Any],
     title: str,
     files: tuple[Path, Path | None, Path | None],
-    options: dict[str, Any],
-    carried: list[str],
+    comments: list[str],
 ) -> None:
     """Write run file, summary and picture; the run file first, which is what took the time."""
-    from gen.emulate.plot import plot_svg
-    from gen.files import write_text
+    from gen.files import write_bytes, write_text
     from gen.record.port import write_parts
 
     out, json_file, plot = files
-    session.recorder.parts[0].comments += [*_comments(found, options), *carried]
+    session.recorder.parts[0].comments += comments
     for path in write_parts(session.recorder, out):
         click.echo(f"{path}: {session.recorder.rows} rows")
     if json_file is not None:
         write_text(json_file, json.dumps(found, indent=1) + "\n")
     if plot is not None:
-        write_text(plot, plot_svg(results, title))
+        write_bytes(plot, _drawn(session, title, plot))
+
+
+def _drawn(session: Session, title: str, plot: Path) -> bytes:
+    """What `gen plot` makes of the run, which may have been written to where it cannot be read again."""
+    from gen.drawing.content import section_of
+    from gen.drawing.forms import drawn, form_of
+    from gen.record.port import write_parts
+
+    with tempfile.TemporaryDirectory() as folder:
+        parts = write_parts(session.recorder, Path(folder) / "run.csv")
+        sections = [section_of(path, None) for path in parts]
+    number = [f", part {k}" if len(parts) > 1 else "" for k in range(1, len(parts) + 1)]
+    titled = [replace(one, title=f"{title}{which}") for one, which in zip(sections, number, strict=True)]
+    return drawn(titled, form_of(plot))
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,8 @@ from pathlib import Path
 import click
 
 from gen.commands.options import check_files, check_once
-from gen.errors import InputError
 
 _PATH = click.Path(path_type=Path)
-_FORMS = (".html", ".svg", ".png")
 
 
 @click.command(
@@ -31,12 +29,11 @@ def plot(runs: tuple[Path, ...], model: Path | None, out: Path | None) -> None:
     the file's alarm rules begin, and the alarms that they raise on these measurements. Without it, those of the board
     where it wrote the run.
     """
+    from gen.drawing.forms import drawn, form_of
     from gen.files import check_outputs, write_bytes
 
     target = out or runs[0].with_suffix(".html")
-    form = target.suffix.lower()
-    if form not in _FORMS:
-        raise InputError(f"expected a name that ends with {', '.join(_FORMS[:-1])} or {_FORMS[-1]}", file=str(target))
+    form = form_of(target)
     check_outputs((target,), (*runs, *([model] if model is not None else [])))
     check_once(runs)
     coefficients = None
@@ -66,15 +63,7 @@ def plot(runs: tuple[Path, ...], model: Path | None, out: Path | None) -> None:
             progress(f"{path}: reading")
             sections.append(section_of(path, coefficients))
         progress(f"{target}: drawing")
-        if form == ".html":
-            from gen.drawing.interactive import page_html
-
-            made = page_html(sections, ", ".join(section.title for section in sections[:3])).encode()
-        else:
-            from gen.drawing.picture import picture
-
-            made = picture(sections, "svg" if form == ".svg" else "png")
-        write_bytes(target, made)
+        write_bytes(target, drawn(sections, form))
     for section in sections:
         for note in section.notes:
             click.echo(f"{section.title}: {note}")

@@ -1,4 +1,4 @@
-"""Faults that a run file's comments declare: ``fault: bearing``, ``motor_fault: brush from 9 s``, ``healthy: no``."""
+"""Faults that a run file's comments declare, as bars; ``motor_fault: brush from 9 s`` says from when on."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping
 
 from gen.drawing.section import Bar, shown
+from gen.runs.faults import called_unhealthy, declared_faults
 
-_NONE = {"", "none", "no", "healthy", "0", "false", "-"}
 _FROM = re.compile(r"(.+?) from (\d+(?:\.\d+)?(?:e[+-]?\d+)?) s", re.ASCII)
 _POWER_ON = re.compile(r"(-?\d+(?:\.\d+)?) s", re.ASCII)
 
@@ -23,13 +23,12 @@ def declared(comments: Mapping[str, str], start_s: float, end_s: float) -> list[
         Of the run. A fault lasts to its end.
     """
     bars = []
-    for key, value in comments.items():
-        if (key == "fault" or key.endswith("_fault")) and value.strip().lower() not in _NONE:
-            named, since = value.strip(), start_s
-            if found := _FROM.fullmatch(named):
-                named, since = found[1], float(found[2]) + _power_on_s(comments)
-            bars.append(Bar(shown(f"fault: {named}"), "fault", min(max(since, start_s), end_s), end_s))
-    if not bars and comments.get("healthy", "yes").strip().lower() in ("no", "false", "0"):
+    for fault in declared_faults(comments):
+        named, since = fault, start_s
+        if found := _FROM.fullmatch(fault):
+            named, since = found[1], float(found[2]) + _power_on_s(comments)
+        bars.append(Bar(shown(f"fault: {named}"), "fault", min(max(since, start_s), end_s), end_s))
+    if not bars and called_unhealthy(comments):
         bars.append(Bar("fault: not healthy", "fault", start_s, end_s))
     return bars
 

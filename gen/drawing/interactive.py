@@ -140,13 +140,7 @@ def _layout(section: Section) -> tuple[dict[str, Any], list[tuple[float, float]]
 
 
 def _axis(panel: Panel, domain: tuple[float, float]) -> dict[str, Any]:
-    return {"domain": domain, "anchor": "x", "title": {"text": _text(_wrapped(panel)), "font": {"size": 12}}}
-
-
-def _wrapped(panel: Panel) -> str:
-    """A label that its axis has room for."""
-    most = int(panel.weight * 17)
-    return panel.label if len(panel.label) <= most else f"{panel.label[: most - 1]}…"
+    return {"domain": domain, "anchor": "x", "title": {"text": _text(panel.short_label), "font": {"size": 12}}}
 
 
 def _text(name: str) -> str:

@@ -12,6 +12,8 @@ Array = NDArray[np.float64]
 Role = Literal["measured", "model", "band", "held"]
 
 _LONGEST = 48
+_LETTERS = 17
+"""Of a label, along an axis of a panel of weight 1."""
 _UNITS = ((180.0, "s", 1.0), (7200.0, "min", 60.0), (float("inf"), "h", 3600.0))
 """Up to which length of a run, s: the axis's unit, and how many seconds it has."""
 
@@ -63,6 +65,12 @@ class Panel:
     curves: tuple[Curve, ...]
     weight: float
     zero: bool = False
+
+    @property
+    def short_label(self) -> str:
+        """The label, as much of it as its axis has room for."""
+        most = int(self.weight * _LETTERS)
+        return self.label if len(self.label) <= most else f"{self.label[: most - 1]}…"
 
 
 @dataclass(frozen=True)

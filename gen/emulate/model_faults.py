@@ -10,7 +10,8 @@ from typing import Literal
 
 from gen.errors import InputError
 from gen.model.dynamics import ThermalModel
-from gen.model.network import AMBIENT, Curve, Heat, Network, Path
+from gen.model.network import Network
+from gen.model.network_parts import AMBIENT, Curve, Heat, Path
 from gen.model.schedules import EXACT, FloatArray, Polynomial, Schedule
 
 Unit = Literal["%", "W", "K"]

@@ -14,7 +14,7 @@ from gen.emulate.model_faults import ModelFault, check_faults
 from gen.emulate.plant import AMBIENT, FULL_PWM, STEP_S, Ran, Reading
 from gen.errors import InputError
 from gen.model.effects.channel_ranges import channel_ranges
-from gen.model.network import PWM
+from gen.model.network_parts import PWM
 from gen.rig import Encoder, SensorConfig, SensorFault, Thermocouple
 from gen.rig.signals import Signal, value
 

@@ -18,15 +18,13 @@ from gen.coefficients.alarm_checks import healthy_end_K
 from gen.coefficients.alarms import Deviation, window_counts
 from gen.errors import InputError
 from gen.refinement.condense import Condensed
+from gen.runs.faults import called_unhealthy, declared_faults
 from gen.runs.run import FloatArray
 
 _LEAST_K = 2.0
 """Rules closer to the model trip on the model's own error; they say nothing of a fault here. Those that count from the
 healthy range (`"beyond": "error_band"`) have that error in them already."""
 _FEWEST_BINS = 5
-_HEALTHY = {"", "none", "no", "healthy", "0", "false", "-"}
-_FAULT = ("fault", "motor_fault")
-"""Comments that may name one: by hand, and what `gen emulate` writes."""
 
 
 def admitted(coefficients: Coefficients, runs: Sequence[Condensed]) -> tuple[list[Condensed], list[str]]:
@@ -78,11 +76,10 @@ def healthy(runs: Sequence[tuple[str, AnyRun]]) -> tuple[list[tuple[str, AnyRun]
     """
     kept, warnings = [], []
     for name, run in runs:
-        told = (run.comments.get(key, "").strip().lower() for key in _FAULT)
-        declared = next((fault for fault in told if fault not in _HEALTHY), "")
-        well = run.comments.get("healthy", "yes").strip().lower()
-        if declared or well in ("no", "false", "0"):
-            warnings.append(f"{name}: left out, its comments name a fault ({declared or 'healthy: ' + well})")
+        declared = declared_faults(run.comments)
+        if declared or called_unhealthy(run.comments):
+            said = ", ".join(declared) or "healthy: no"
+            warnings.append(f"{name}: left out, its comments name a fault ({said})")
         else:
             kept.append((name, run))
     if not kept:

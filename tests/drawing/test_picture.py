@@ -1,0 +1,46 @@
+"""The picture of a run, by what stands in its SVG."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from gen.drawing.picture import picture
+from gen.drawing.section import Bar, Curve, Panel, Section
+
+
+def run(length_s: float, rows: int = 50) -> Section:
+    time_s = np.linspace(0.0, length_s, rows)
+    warm = 30.0 + time_s / length_s * 20.0
+    seen = np.where(np.arange(rows) == 7, np.nan, warm + 1.0)
+    temperatures = (
+        Curve("ambient", "measured", None, np.full(rows, 25.0)),
+        Curve("brush", "measured", 0, seen),
+        Curve("brush", "model", 0, warm),
+        Curve("casing", "model", 1, warm - 5.0),
+    )
+    panels = (Panel("temperature, °C", temperatures, 4.0), Panel("a" * 200, temperatures[1:2], 1.0))
+    bars = (Bar("brush_hot", "recorded", length_s / 2, length_s),)
+    return Section("a motor", (), time_s, panels, bars, (("brush", 0), ("casing", 1)))
+
+
+def text(section: Section) -> list[str]:
+    return re.findall(r"<text[^>]*>([^<]*)</text>", picture([section], "svg").decode())
+
+
+@pytest.mark.parametrize(("length_s", "unit"), [(60.0, "s"), (600.0, "min"), (7200.0, "min"), (10_800.0, "h")])
+def test_the_time_axis_suits_the_run(length_s: float, unit: str) -> None:
+    found = text(run(length_s))
+    assert f"time, {unit}" in found
+    assert {"a motor", "brush", "casing", "ambient", "brush_hot", "measured", "model"} <= set(found)
+
+
+def test_the_same_run_gives_the_same_picture() -> None:
+    assert picture([run(600.0)], "svg") == picture([run(600.0)], "svg")
+
+
+def test_a_label_is_no_longer_than_its_axis() -> None:
+    assert "a" * 16 + "…" in text(run(600.0))
+    assert run(600.0).panels[0].short_label == "temperature, °C"
