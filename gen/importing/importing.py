@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,12 +13,11 @@ from gen.files import check_writable, write_text
 from gen.importing.convert import Converted, Splitting, convert, with_comments
 from gen.importing.decide import Decided, decide, doubts
 from gen.importing.guesses import Choices
-from gen.importing.mapping import Mapping, mapping_text, read_mapping
+from gen.importing.mapping import Mapping, read_mapping
+from gen.importing.provenance import commented_mapping, comments_of
 from gen.importing.sources import read_tables
 from gen.importing.table import Reading, Table
 from gen.runs import Run, write_run
-
-_OWN = ("imported_from", "mapping", "input", "counted")
 
 
 @dataclass(frozen=True)
@@ -175,9 +173,9 @@ def write(
                 raise InputError(error.message, file=table.label, place=error.place) from None
             converted.append(made)
             for name, run in made.runs:
-                runs[_fresh(_stem(table, name), runs)] = with_comments(run, _comments(made, decided.mapping))
+                runs[_fresh(_stem(table, name), runs)] = with_comments(run, comments_of(made, decided.mapping))
     if mapping is not None and not mapping.exists():
-        written, text = mapping, _mapping_text(planned)
+        written, text = mapping, commented_mapping(planned.decided[0])
     else:
         written, text = None, ""
     progress("writing")
@@ -200,58 +198,6 @@ def _fresh(stem: str, taken: dict[str, Run]) -> str:
     folded = {name.casefold() for name in taken}
     names = (f"{stem}.csv", *(f"{stem}_{i}.csv" for i in range(2, len(folded) + 3)))
     return next(name for name in names if name.casefold() not in folded)
-
-
-def _comments(made: Converted, mapping: Mapping) -> dict[str, str]:
-    """What a run file says of where it comes from."""
-    table = made.table
-    comments = {"imported_from": table.file.name + (f", sheet {table.part}" if table.part else "")}
-    time = mapping.time
-    shown = [
-        f"time_s <- {', '.join(time.columns)} ({time.unit})" if time.columns else f"time_s every {time.interval_s:g} s"
-    ]
-    for entry in mapping.column:
-        if entry.to and entry.to != entry.source:
-            shown.append(f"{entry.to} <- {entry.source}" + (f" ({entry.unit})" if entry.unit else ""))
-    comments["mapping"] = "; ".join(shown)
-    drive = mapping.input
-    if drive.column:
-        sign = f", sign of {drive.sign}" if drive.sign else ""
-        comments["input"] = f"{drive.column}, 255 = {drive.full_scale:g} {drive.unit}{sign}"
-    else:
-        comments["input"] = f"{drive.counts} in all rows"
-    for number, found in enumerate(made.counted, start=1):
-        comments[f"counted_{number}"] = str(found)
-    for key, value in table.comments.items():
-        if not key.startswith(_OWN):
-            comments.setdefault(key, value)
-    return {_printable(key): _printable(value) for key, value in comments.items()}
-
-
-def _printable(text: str) -> str:
-    return "".join(c if c.isprintable() else " " for c in text)
-
-
-def _mapping_text(planned: Plan) -> str:
-    decided = planned.decided[0]
-    why: dict[str, str] = {}
-    mapping = decided.mapping
-    sections = {
-        "encoding": "text",
-        "delimiter": "text",
-        "decimal mark": "text",
-        ", ".join(mapping.time.columns): "time",
-    }
-    sections |= {mapping.input.column: "input", "input": "input"}
-    for guess in decided.guesses:
-        key = sections.get(guess.subject, guess.subject)
-        said = (
-            f"{guess.subject}: {guess.why} ({guess.confidence:.2f})"
-            if key == "text"
-            else (f"{guess.why} ({guess.confidence:.2f})")
-        )
-        why[key] = f"{why[key]}; {said}" if key in why else said
-    return mapping_text(mapping, [table.file.name for table in decided.evidence.tables], why)
 
 
 def _write_all(runs: dict[str, Run], out: Path, mapping: tuple[Path | None, str]) -> list[Path]:
@@ -288,12 +234,3 @@ def _check_targets(targets: Sequence[Path], out: Path, overwrite: bool, read: se
             raise InputError("is read by this command and would be overwritten; choose another --out", file=str(target))
         if target.exists() and not overwrite:
             raise InputError("exists; expected another --out, or --overwrite", file=str(target))
-
-
-def summary(counted: Sequence[Converted]) -> Counter[str]:
-    """How often each thing was found in all tables."""
-    total: Counter[str] = Counter()
-    for made in counted:
-        for entry in made.counted:
-            total[entry.what] += entry.count
-    return total

@@ -17,7 +17,7 @@ from gen.interface.threads import one_thread
 if TYPE_CHECKING:
     import pandas as pd
 
-    from gen.planning.plan import Plan as Found
+    from gen.planning.planned_run import Plan as Found
 
 
 @dataclass(frozen=True, eq=False)

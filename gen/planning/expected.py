@@ -159,9 +159,8 @@ class Expected:
         index
             Shape (T,).
         """
-        found = self._marches[0].predicted(index[None])
-        after = self._information(0, found, self.weight(index.size))[0]
-        made = [np.sqrt(np.maximum(np.diag(np.linalg.inv(one)), 0.0)) for one in (self._priors[0], after)]
+        _, both = self._before_and_after(index)
+        made = [np.sqrt(np.maximum(np.diag(np.linalg.inv(one)), 0.0)) for one in both]
         size = self.remaining.hypotheses[0].shape.size
         return made[0][:size], made[1][:size]
 
@@ -173,12 +172,15 @@ class Expected:
         index
             Shape (T,).
         """
-        found = self._marches[0].predicted(index[None])
-        after = self._information(0, found, self.weight(index.size))[0]
-        slopes = found.slopes[0]
-        variance = [np.einsum("ap,pa->a", slopes, np.linalg.solve(m, slopes.T)) for m in (self._priors[0], after)]
+        slopes, both = self._before_and_after(index)
+        variance = [np.einsum("ap,pa->a", slopes, np.linalg.solve(one, slopes.T)) for one in both]
         before_K, after_K = (1.96 * float(np.sqrt(max(float(v.max()), 0.0))) for v in variance)
         return before_K, after_K
+
+    def _before_and_after(self, index: PwmArray) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
+        """Sensitivities of the first hypothesis along a run, and its information matrices before and after it."""
+        found = self._marches[0].predicted(index[None])
+        return found.slopes[0], (self._priors[0], self._information(0, found, self.weight(index.size))[0])
 
     def hottest(self, index: PwmArray) -> FloatArray:
         """Give the hottest temperature of each of the file's nodes by any hypothesis, shape (K, n), degC.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
-from gen.model.network import AMBIENT
+from gen.model.network_parts import AMBIENT
 from gen.planning.hypotheses import Hypothesis
 
 WIDTH = 1.96

@@ -11,7 +11,7 @@ from gen.coefficients import Coefficients
 from gen.coefficients.alarms import OverTemperature
 from gen.errors import InputError
 from gen.identification.network.bins import FloatArray
-from gen.model.network import PWM
+from gen.model.network_parts import PWM
 from gen.planning.hypotheses import Remaining
 from gen.refinement.network.data import Data
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gen.identification.network.bins import Binned, FloatArray
 from gen.identification.network.inputs import Inputs, Levels
-from gen.model.network import PWM
+from gen.model.network_parts import PWM
 from gen.refinement.network.columns import POWERS
 from gen.refinement.network.data import DEGREE, Data
 

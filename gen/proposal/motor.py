@@ -13,7 +13,7 @@ from gen.coefficients import Coefficients
 from gen.coefficients.names import name_fault
 from gen.errors import InputError
 from gen.model.dynamics import MAX_PWM
-from gen.model.network import PWM
+from gen.model.network_parts import PWM
 from gen.replay import ambient_column, read_for
 from gen.runs import AMBIENT, Run, read_run
 

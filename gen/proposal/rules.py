@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from gen.coefficients import Coefficients
 from gen.coefficients.alarms import MOST_RULES
 from gen.coefficients.names import MAX_LENGTH, name_fault
@@ -17,29 +19,8 @@ _PERSISTENCE_S, _LIMIT_PERSISTENCE_S, _SETTLE_S = 120.0, 5.0, 600.0
 def open_rules(motor: Motor) -> list[RuleDraft]:
     """Rules without their numbers, for `gen thresholds` to fill in from healthy runs."""
     taken: set[str] = set()
-    limits = [
-        drafted(
-            _name(part, "limit", taken),
-            "over_temperature",
-            part,
-            f"{part} too hot, whatever the model says.",
-            persistence_s=_LIMIT_PERSISTENCE_S,
-        )
-        for part in motor.parts
-    ]
-    hot = [
-        drafted(
-            _name(part, "hot", taken),
-            "above_model",
-            part,
-            f"{part} over the healthy range: it heats more, or cools less, than a healthy motor.",
-            speed_percent=_speeds(motor),
-            persistence_s=_PERSISTENCE_S,
-            settle_s=_SETTLE_S,
-        )
-        for part in motor.parts
-    ]
-    return _fitting(hot, limits)
+    limits = [_limit(part, taken) for part in motor.parts]
+    return _fitting([_hot(part, motor, taken) for part in motor.parts], limits)
 
 
 def complete_rules(motor: Motor, coefficients: Coefficients) -> list[RuleDraft]:
@@ -48,12 +29,9 @@ def complete_rules(motor: Motor, coefficients: Coefficients) -> list[RuleDraft]:
     document = coefficients.document
     highest = document.domain.temperature_degC[1]
     limits = [
-        drafted(
-            _name(part, "limit", taken),
-            "over_temperature",
+        _limit(
             part,
-            f"{part} too hot, whatever the model says.",
-            persistence_s=_LIMIT_PERSISTENCE_S,
+            taken,
             limit_degC=highest,
             hysteresis_K=_HYSTERESIS_K,
             note=f"TO BE SET: {highest:g} degC is the highest temperature of $.domain, for which all is proven. A "
@@ -63,14 +41,10 @@ def complete_rules(motor: Motor, coefficients: Coefficients) -> list[RuleDraft]:
     ]
     bands = document.provenance.error if document.provenance is not None else ()
     hot = [
-        drafted(
-            _name(part, "hot", taken),
-            "above_model",
+        _hot(
             part,
-            f"{part} over the healthy range: it heats more, or cools less, than a healthy motor.",
-            speed_percent=_speeds(motor),
-            persistence_s=_PERSISTENCE_S,
-            settle_s=_SETTLE_S,
+            motor,
+            taken,
             beyond="error_band",
             threshold_K=GUESSED_K,
             hysteresis_K=GUESSED_K / 2.0,
@@ -81,6 +55,26 @@ def complete_rules(motor: Motor, coefficients: Coefficients) -> list[RuleDraft]:
         if any(band.component == part for band in bands)
     ]
     return _fitting(hot, limits)
+
+
+def _limit(part: str, taken: set[str], **numbers: Any) -> RuleDraft:  # noqa: ANN401
+    """A part that is too hot for itself."""
+    name, why = _name(part, "limit", taken), f"{part} too hot, whatever the model says."
+    return drafted(name, "over_temperature", part, why, persistence_s=_LIMIT_PERSISTENCE_S, **numbers)
+
+
+def _hot(part: str, motor: Motor, taken: set[str], **numbers: Any) -> RuleDraft:  # noqa: ANN401
+    """A part that is hotter than its model."""
+    return drafted(
+        _name(part, "hot", taken),
+        "above_model",
+        part,
+        f"{part} over the healthy range: it heats more, or cools less, than a healthy motor.",
+        speed_percent=_speeds(motor),
+        persistence_s=_PERSISTENCE_S,
+        settle_s=_SETTLE_S,
+        **numbers,
+    )
 
 
 def _fitting(hot: list[RuleDraft], limits: list[RuleDraft]) -> list[RuleDraft]:

@@ -44,7 +44,7 @@ OTHER_FORMATS = {
     "identification/summary.py": {"components", "value", "model_minus_measured_K"},
     # times and lines as loggers write them, the mapping file of `gen import`, comments of a run file
     "importing/clock.py": {"min"},
-    "importing/importing.py": {"input"},
+    "importing/provenance.py": {"input"},
     "importing/keyed.py": {"value"},
     "importing/mapping.py": {"input"},
     # the manifest of a project

@@ -41,3 +41,16 @@ def same(run: Run, frame: pd.DataFrame, parts: dict[str, str] | None = None) -> 
     for name in frame:
         found = columns[(parts or {}).get(str(name), str(name))]
         np.testing.assert_allclose(found, frame[name].to_numpy(), rtol=0, atol=1e-9, err_msg=str(name))
+
+
+TRUE = truth()
+
+
+def csv(frame: pd.DataFrame = TRUE, **options: object) -> str:
+    return str(frame.to_csv(index=False, lineterminator="\n", **options))  # type: ignore[call-overload]
+
+
+def write(tmp_path: Path, text: str, encoding: str = "utf-8", name: str = "log.csv") -> Path:
+    path = tmp_path / name
+    path.write_bytes(text.encode(encoding))
+    return path

@@ -1,0 +1,111 @@
+"""Serial captures, JSON, Excel, Parquet, MATLAB, packed files."""
+
+from __future__ import annotations
+
+import gzip
+import json
+from pathlib import Path
+
+import numpy as np
+import openpyxl
+import pandas as pd
+import pytest
+from scipy.io import savemat
+
+from gen.errors import InputError
+from gen.runs import read_run
+from tests.importing.logs import TRUE, csv, same, take, taken, write
+
+
+def test_a_serial_capture_with_garbage(tmp_path: Path) -> None:
+    lines = csv().splitlines()
+    lines[30] = lines[30][:9] + "\x02\x7f"
+    lines.insert(50, "rst cause:2, boot mode")
+    data = "\r\n".join(lines).encode().replace(lines[80].encode(), b"\xff\xfe\x80\x00garbage")
+    path = tmp_path / "capture.log"
+    path.write_bytes(data)
+    found = take(path, tmp_path / "runs")
+    run = read_run(found.runs[0])
+    assert run.time_s.size == 118
+    same(run, TRUE[TRUE.time_s.isin(run.time_s)])
+    assert found.counted().loc["line that is no row of 5 columns", "count"] == 3
+    assert found.counted().loc["line that is no row of 5 columns", "first"] == "line 31"
+
+
+def test_lines_that_name_their_numbers(tmp_path: Path) -> None:
+    lines = [f"t:{t:.1f} PWM:{p} T1:{w} T2:{c} amb:{a}" for t, p, w, c, a in TRUE.itertuples(index=False)]
+    lines.insert(0, "Motor test v1.2")
+    lines[40] = "T1:2"
+    found = take(write(tmp_path, "\n".join(lines)), tmp_path / "runs", time="t", units={"t": "s"})
+    names = {"winding_degC": "T1_degC", "casing_degC": "T2_degC"}
+    same(read_run(found.runs[0]), TRUE.drop(index=39), names)
+
+
+def test_a_serial_monitor_s_times(tmp_path: Path) -> None:
+    stamps = pd.Timestamp("2024-12-31 13:45:00.123") + pd.to_timedelta(TRUE.time_s, unit="s")
+    times = stamps.dt.strftime("%H:%M:%S.%f").str[:-3]
+    lines = [f"{s} -> T1: {w} C, pwm: {p}" for s, w, p in zip(times, TRUE.winding_degC, TRUE.pwm, strict=True)]
+    run = taken(write(tmp_path, "\n".join(lines)), tmp_path / "runs")
+    np.testing.assert_allclose(run.time_s - run.time_s[0], TRUE.time_s, atol=1e-9)
+    np.testing.assert_array_equal(run.temps["T1"], TRUE.winding_degC)
+
+
+def test_rows_without_a_header_are_taken_when_they_are_named(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE, header=False))
+    with pytest.raises(InputError, match="column_2"):
+        take(path, tmp_path / "runs")
+    columns = {"column_2": "pwm", "column_3": "winding_degC", "column_4": "casing", "column_5": "ambient_degC"}
+    run = taken(path, tmp_path / "runs", columns=columns, units={"column_4": "degC"})
+    same(run, TRUE)
+
+
+def test_json_lines(tmp_path: Path) -> None:
+    records = TRUE.to_dict("records")
+    nested = [{"time_s": r.pop("time_s"), "pwm": r.pop("pwm"), "temps": r} for r in records]
+    path = write(tmp_path, "\n".join(map(json.dumps, nested)) + '\n{"torn', name="log.jsonl")
+    found = take(path, tmp_path / "runs")
+    names = {"winding_degC": "temps_winding_degC", "casing_degC": "temps_casing_degC"}
+    same(read_run(found.runs[0]), TRUE, names)
+    assert found.counted().loc["line that is no JSON object", "first"] == "line 121"
+
+
+def test_a_json_array(tmp_path: Path) -> None:
+    same(taken(write(tmp_path, str(TRUE.to_json(orient="records")), name="log.json"), tmp_path / "runs"), TRUE)
+
+
+def test_excel(tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    sheet.append(["Bench 3"])
+    sheet.append([])
+    sheet.append(["Time", "PWM", "Winding °C", "Casing °C", "Ambient °C"])
+    begin = pd.Timestamp("2024-05-01 08:00:00")
+    for time, *rest in TRUE.itertuples(index=False):
+        sheet.append([(begin + pd.Timedelta(seconds=time)).to_pydatetime(), *map(float, rest)])
+    book.create_sheet("Notes").append(["nothing here"])
+    book.save(tmp_path / "log.xlsx")
+    found = take(tmp_path / "log.xlsx", tmp_path / "runs")
+    same(read_run(found.runs[0]), TRUE)
+    assert "sheet without a table: Notes" in found.counted().index
+
+
+def test_parquet_with_an_index_of_times(tmp_path: Path) -> None:
+    stamps = pd.DatetimeIndex(pd.Timestamp("2024-05-01", tz="UTC") + pd.to_timedelta(TRUE.time_s, unit="s"), name="ts")
+    TRUE.drop(columns="time_s").set_index(stamps).to_parquet(tmp_path / "log.parquet")
+    same(taken(tmp_path / "log.parquet", tmp_path / "runs"), TRUE)
+
+
+def test_matlab(tmp_path: Path) -> None:
+    columns: dict[str, object] = {str(name): TRUE[name].to_numpy().reshape(-1, 1) for name in TRUE}
+    savemat(tmp_path / "a.mat", columns)
+    same(taken(tmp_path / "a.mat", tmp_path / "a"), TRUE)
+    savemat(tmp_path / "b.mat", {"log": columns, "room": 21.0})
+    same(taken(tmp_path / "b.mat", tmp_path / "b"), TRUE)
+
+
+def test_a_packed_file(tmp_path: Path) -> None:
+    (tmp_path / "log.csv.gz").write_bytes(gzip.compress(csv().encode()))
+    found = take(tmp_path / "log.csv.gz", tmp_path / "runs")
+    assert [path.name for path in found.runs] == ["log.csv"]
+    same(read_run(found.runs[0]), TRUE)

@@ -1,0 +1,158 @@
+"""Times as loggers write them, rows out of order, gaps and clocks that begin anew."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from gen.errors import InputError
+from gen.runs import read_run
+from tests.importing.logs import TRUE, csv, same, take, taken, write
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        "%Y-%m-%dT%H:%M:%S.%f",
+        "%Y-%m-%d %H:%M:%S.%fZ",
+        "%Y-%m-%d %H:%M:%S,%f",
+        "%d.%m.%Y %H:%M:%S.%f",
+        "%m/%d/%Y %I:%M:%S.%f %p",
+        "%d-%b-%Y %H:%M:%S.%f",
+    ],
+)
+def test_timestamps(form: str, tmp_path: Path) -> None:
+    begin = pd.Timestamp("2024-03-27 23:59:30")
+    stamps = [(begin + pd.Timedelta(seconds=s)).strftime(form) for s in TRUE.time_s]
+    run = taken(
+        write(tmp_path, csv(TRUE.assign(time_s=stamps).rename(columns={"time_s": "Timestamp"}))), tmp_path / "r"
+    )
+    same(run, TRUE)
+    assert run.comments["started"] == "2024-03-27T23:59:30.000"
+
+
+def test_timestamps_with_a_zone_that_changes_with_summer_time(tmp_path: Path) -> None:
+    begin = pd.Timestamp("2024-03-31 01:59:30", tz="Europe/Berlin")
+    stamps = [(begin + pd.Timedelta(seconds=s)).isoformat() for s in TRUE.time_s]
+    assert {stamp[-6:] for stamp in stamps} == {"+01:00", "+02:00"}
+    same(taken(write(tmp_path, csv(TRUE.assign(time_s=stamps).rename(columns={"time_s": "ts"}))), tmp_path / "r"), TRUE)
+
+
+@pytest.mark.parametrize(("factor", "name"), [(1, "epoch"), (1000, "timestamp"), (10**6, "time_us")])
+def test_epochs(factor: int, name: str, tmp_path: Path) -> None:
+    ticks = (TRUE.time_s * factor + 1_711_583_970 * factor).to_numpy()
+    frame = TRUE.assign(time_s=ticks.astype(np.int64) if factor > 1 else ticks).rename(columns={"time_s": name})
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "runs"), TRUE)
+
+
+def test_date_and_time_in_two_columns(tmp_path: Path) -> None:
+    stamps = pd.Timestamp("2024-12-31 23:59:40") + pd.to_timedelta(TRUE.time_s, unit="s")
+    frame = TRUE.drop(columns="time_s")
+    frame.insert(0, "Date", stamps.dt.strftime("%d.%m.%Y"))
+    frame.insert(1, "Time", stamps.dt.strftime("%H:%M:%S.%f"))
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "runs"), TRUE)
+
+
+def test_a_time_of_day_that_passes_midnight(tmp_path: Path) -> None:
+    stamps = pd.Timestamp("2024-12-31 23:59:40") + pd.to_timedelta(TRUE.time_s, unit="s")
+    frame = TRUE.assign(time_s=stamps.dt.strftime("%H:%M:%S.%f")).rename(columns={"time_s": "Time"})
+    found = take(write(tmp_path, csv(frame)), tmp_path / "runs")
+    run = read_run(found.runs[0])
+    np.testing.assert_allclose(np.diff(run.time_s), 0.5, atol=1e-6)
+    assert found.counted().loc["midnight passed", "count"] == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "factor"),
+    [
+        ("time_ms", "", 1000),
+        ("millis", "", 1000),
+        ("t [min]", "", 1 / 60),
+        ("Time (h)", "", 1 / 3600),
+        ("time", "ms", 1000),
+    ],
+)
+def test_units_of_time(name: str, unit: str, factor: float, tmp_path: Path) -> None:
+    frame = TRUE.assign(time_s=TRUE.time_s * factor).rename(columns={"time_s": name})
+    options = {"units": {name: unit}} if unit else {}
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "runs", **options), TRUE)
+
+
+def test_milliseconds_without_a_unit_are_told_by_their_steps(tmp_path: Path) -> None:
+    frame = TRUE.assign(time_s=(TRUE.time_s * 1000).astype(int)).rename(columns={"time_s": "time"})
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "runs"), TRUE)
+
+
+def test_duplicated_times_are_left_out_and_counted(tmp_path: Path) -> None:
+    lines = csv().splitlines()
+    lines[10:10] = [lines[9]]
+    found = take(write(tmp_path, "\n".join(lines)), tmp_path / "runs")
+    same(read_run(found.runs[0]), TRUE)
+    row = found.counted().loc["repeated time, the first row taken"]
+    assert (row["count"], row["first"]) == (1, "line 11, column time_s")
+
+
+def test_a_clock_of_whole_seconds_can_be_spread(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE.assign(time_s=np.floor(TRUE.time_s).astype(int))))
+    with pytest.raises(InputError, match=r"60 of 120 rows repeat the time .* --duplicates spread"):
+        take(path, tmp_path / "runs")
+    assert not (tmp_path / "runs").exists()
+    same(taken(path, tmp_path / "runs", duplicates="spread"), TRUE)
+
+
+def test_backward_times_are_left_out_and_counted(tmp_path: Path) -> None:
+    lines = csv().splitlines()
+    late = lines.pop(20)
+    lines.insert(24, late)
+    found = take(write(tmp_path, "\n".join(lines)), tmp_path / "runs")
+    same(read_run(found.runs[0]), TRUE.drop(index=19))
+    assert found.counted().loc["time before that of an earlier row, left out", "first"] == "line 25, column time_s"
+
+
+def test_gaps_are_told_and_split_on_request(tmp_path: Path) -> None:
+    frame = TRUE.assign(time_s=TRUE.time_s + np.where(np.arange(120) >= 70, 500.0, 0.0))
+    path = write(tmp_path, csv(frame))
+    found = take(path, tmp_path / "one")
+    same(read_run(found.runs[0]), frame)
+    assert found.counted().iloc[0]["first"] == "line 72"
+    two = take(path, tmp_path / "two", split=True)
+    assert [path.name for path in two.runs] == ["log_1.csv", "log_2.csv"]
+    same(read_run(two.runs[0]), frame[:70])
+    same(read_run(two.runs[1]), frame[70:])
+    assert len(take(path, tmp_path / "wide", split=True, gap=600.0).runs) == 1
+
+
+def test_a_clock_that_begins_anew_is_refused_or_split(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(pd.concat([TRUE, TRUE])))
+    with pytest.raises(InputError, match=r"line 122: the clock begins anew: 0 s after 59\.5 s; expected --split"):
+        take(path, tmp_path / "runs")
+    found = take(path, tmp_path / "runs", split=True)
+    for run in found.runs:
+        same(read_run(run), TRUE)
+    assert len(found.runs) == 2
+
+
+def test_a_counter_of_32_bits_that_runs_over_goes_on(tmp_path: Path) -> None:
+    ticks = (4_294_937_000 + 500 * np.arange(120)) % 2**32
+    frame = TRUE.assign(time_s=ticks).rename(columns={"time_s": "millis"})
+    found = take(write(tmp_path, csv(frame)), tmp_path / "runs")
+    np.testing.assert_allclose(np.diff(read_run(found.runs[0]).time_s), 0.5, atol=1e-6)
+    assert found.counted().loc["32-bit milliseconds ran over, counted on", "count"] == 1
+
+
+def test_a_time_that_jumps_ahead_once_does_not_end_the_log(tmp_path: Path) -> None:
+    frame = TRUE.copy()
+    frame.loc[50, "time_s"] = 9e6
+    found = take(write(tmp_path, csv(frame)), tmp_path / "runs")
+    same(read_run(found.runs[0]), TRUE.drop(index=50))
+
+
+def test_several_runs_in_one_file_are_parted_by_their_label(tmp_path: Path) -> None:
+    frame = pd.concat([TRUE.assign(run="cold start"), TRUE.assign(run="warm")])
+    found = take(write(tmp_path, csv(frame)), tmp_path / "runs")
+    assert [path.name for path in found.runs] == ["log_cold_start.csv", "log_warm.csv"]
+    for path in found.runs:
+        same(read_run(path), TRUE)

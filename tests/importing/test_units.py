@@ -1,0 +1,168 @@
+"""Units by name and by range, what drives the motor, and values that are none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from gen.errors import InputError
+from gen.runs import read_run
+from tests.importing.logs import TRUE, csv, same, take, taken, write
+
+TEMPERATURES = ["winding_degC", "casing_degC", "ambient_degC"]
+
+
+def fahrenheit(frame: pd.DataFrame, names: list[str]) -> pd.DataFrame:
+    return frame.assign(**{name: np.round(frame[name] * 1.8 + 32, 6) for name in names})
+
+
+def test_fahrenheit_by_the_name(tmp_path: Path) -> None:
+    frame = fahrenheit(TRUE, TEMPERATURES).rename(columns=lambda name: name.replace("degC", "degF"))
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "runs"), TRUE)
+
+
+def test_fahrenheit_under_a_name_of_celsius_is_said_and_can_be_corrected(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(fahrenheit(TRUE, TEMPERATURES)))
+    found = take(path, tmp_path / "runs")
+    for name in TEMPERATURES:
+        assert any(f"--unit {name}=degF" in warning for warning in found.warnings)
+    again = take(path, tmp_path / "again", units=dict.fromkeys(TEMPERATURES, "degF"))
+    same(read_run(again.runs[0]), TRUE)
+    assert again.warnings == []
+
+
+def test_one_sensor_in_fahrenheit_among_others_is_said(tmp_path: Path) -> None:
+    found = take(write(tmp_path, csv(fahrenheit(TRUE, ["winding_degC"]))), tmp_path / "runs")
+    assert [warning for warning in found.warnings if "winding_degC" in warning and "degF" in warning] == found.warnings
+    assert len(found.warnings) == 1
+
+
+def test_a_warm_start_in_celsius_is_not_called_fahrenheit(tmp_path: Path) -> None:
+    frame = TRUE.assign(winding_degC=TRUE.winding_degC + 55, casing_degC=TRUE.casing_degC + 25)
+    assert take(write(tmp_path, csv(frame)), tmp_path / "runs").warnings == []
+
+
+def test_a_sensor_read_at_half_is_said_and_can_be_corrected(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE.assign(casing_degC=TRUE.casing_degC / 2)))
+    found = take(path, tmp_path / "runs")
+    assert len(found.warnings) == 1
+    assert "half" in found.warnings[0]
+    assert "--unit casing_degC=2degC" in found.warnings[0]
+    same(taken(path, tmp_path / "again", units={"casing_degC": "2degC"}), TRUE)
+
+
+def test_kelvin_by_name_and_by_range(tmp_path: Path) -> None:
+    kelvin = TRUE.assign(**{name: np.round(TRUE[name] + 273.15, 6) for name in TEMPERATURES})
+    named = kelvin.rename(columns=lambda name: name.replace("degC", "K"))
+    same(taken(write(tmp_path, csv(named)), tmp_path / "a"), TRUE)
+    bare = kelvin.rename(columns=lambda name: name.replace("_degC", " temp"))
+    same(taken(write(tmp_path, csv(bare)), tmp_path / "b"), TRUE)
+
+
+def test_a_temperature_of_no_unit_that_may_be_fahrenheit_is_refused(tmp_path: Path) -> None:
+    frame = fahrenheit(TRUE, TEMPERATURES).rename(columns=lambda name: name.replace("_degC", " temp"))
+    path = write(tmp_path, csv(frame))
+    with pytest.raises(InputError, match="settle it by --unit 'winding temp=degC' or =degF or =K"):
+        take(path, tmp_path / "runs")
+    assert not (tmp_path / "runs").exists()
+    units = {name.replace("_degC", " temp"): "degF" for name in TEMPERATURES}
+    same(taken(path, tmp_path / "runs", units=units), TRUE)
+
+
+@pytest.mark.parametrize(
+    ("name", "full"), [("pwm_percent", 100), ("PWM (%)", 100), ("Duty [%]", 100), ("duty", 1), ("Tastgrad / %", 100)]
+)
+def test_pwm_in_percent_or_as_a_share(name: str, full: float, tmp_path: Path) -> None:
+    frame = TRUE.assign(pwm=TRUE.pwm / 255 * full).rename(columns={"pwm": name})
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "runs"), TRUE)
+
+
+def test_whole_numbers_up_to_a_hundred_may_be_percent_and_are_refused(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE.assign(pwm=np.where(TRUE.pwm, 80, 0)).rename(columns={"time_s": "t [s]"})))
+    with pytest.raises(InputError, match=r"pwm: .* counts of 255 or percent; settle it by --unit pwm=percent"):
+        take(path, tmp_path / "runs")
+    same(taken(path, tmp_path / "a", units={"pwm": "percent"}), TRUE)
+    same(taken(path, tmp_path / "b", units={"pwm": "counts"}), TRUE.assign(pwm=np.where(TRUE.pwm, 80, 0)))
+
+
+def test_a_run_file_s_own_pwm_up_to_a_hundred_is_said(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE.assign(pwm=np.where(TRUE.pwm, 100, 0))))
+    assert ["--unit pwm=percent" in warning for warning in take(path, tmp_path / "a").warnings] == [True]
+    assert take(path, tmp_path / "b", units={"pwm": "counts"}).warnings == []
+    assert set(taken(path, tmp_path / "c", units={"pwm": "percent"}).pwm.tolist()) == {0, 255}
+
+
+def test_ten_bits_need_a_full_scale(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE.assign(pwm=np.where(TRUE.pwm, 1000, 0))))
+    with pytest.raises(InputError, match="reaches 1000, more than 255 counts; settle it by --full-scale 1023"):
+        take(path, tmp_path / "runs")
+    run = taken(path, tmp_path / "runs", full_scale=1023.0)
+    assert set(run.pwm.tolist()) == {0, round(1000 / 1023 * 255)}
+
+
+def test_a_sign_in_a_column_of_its_own(tmp_path: Path) -> None:
+    true = TRUE.assign(pwm=np.where(np.arange(120) % 40 < 20, -TRUE.pwm, TRUE.pwm))
+    frame = true.assign(pwm=true.pwm.abs(), direction=np.where(true.pwm < 0, -1, 1))
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "runs"), true)
+
+
+@pytest.mark.parametrize("value", [1023.75, -127.0, 2047.75, 32767.0, 65535.0, 999.9])
+def test_overflows_are_left_empty_and_counted(value: float, tmp_path: Path) -> None:
+    frame = TRUE.copy()
+    frame.loc[[5, 6, 40], "casing_degC"] = value
+    found = take(write(tmp_path, csv(frame)), tmp_path / "runs")
+    frame.loc[[5, 6, 40], "casing_degC"] = np.nan
+    same(read_run(found.runs[0]), frame)
+    row = found.counted().iloc[0]
+    assert (row["count"], row["first"]) == (3, "line 7, column casing_degC")
+
+
+def test_a_power_on_value_alone_is_one_and_a_temperature_that_passes_it_is_none(tmp_path: Path) -> None:
+    frame = TRUE.assign(winding_degC=np.round(np.linspace(20, 139, 120), 1))
+    assert (frame.winding_degC == 85.0).any()
+    frame.loc[0, "casing_degC"] = 85.0
+    found = take(write(tmp_path, csv(frame)), tmp_path / "runs")
+    frame.loc[0, "casing_degC"] = np.nan
+    same(read_run(found.runs[0]), frame)
+    assert found.counted()["count"].tolist() == [1]
+
+
+def test_another_input_with_its_full_scale(tmp_path: Path) -> None:
+    frame = TRUE.rename(columns={"pwm": "Power (W)"}).assign(**{"Power (W)": TRUE.pwm / 255 * 500.0})
+    path = write(tmp_path, csv(frame))
+    with pytest.raises(
+        InputError, match=r"no column is a motor's PWM; expected .* --input 'Power \(W\)' --full-scale 500"
+    ):
+        take(path, tmp_path / "runs")
+    with pytest.raises(InputError, match="expected --full-scale"):
+        take(path, tmp_path / "runs", input="Power (W)")
+    with pytest.raises(
+        InputError, match=r"line 2, column Power .*more than the full scale of 300 W|more than its full"
+    ):
+        take(path, tmp_path / "runs", input="Power (W)", full_scale=300.0)
+    run = taken(path, tmp_path / "runs", input="Power (W)", full_scale=500.0)
+    same(run, TRUE)
+    assert run.comments["input"] == "Power (W), 255 = 500 W"
+
+
+def test_the_same_counts_in_all_rows_and_an_interval(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE[["winding_degC", "ambient_degC"]]))
+    run = taken(path, tmp_path / "runs", input="153", time="0.5")
+    same(run, TRUE[["time_s", "winding_degC", "ambient_degC"]])
+    assert set(run.pwm.tolist()) == {153}
+
+
+def test_further_channels_keep_their_names_and_known_units_are_converted(tmp_path: Path) -> None:
+    frame = TRUE.copy()
+    for name, value in (("Motor current (mA)", 1500.0), ("Drehzahl [1/min]", 2400.0), ("Torque (Nm)", 0.5)):
+        frame[name] = value
+    frame["note"] = "x"
+    run = taken(write(tmp_path, csv(frame)), tmp_path / "runs")
+    assert {name: values[0] for name, values in run.extras.items()} == {
+        "current_A": 1.5,
+        "speed_rpm": 2400.0,
+        "Torque_Nm": 0.5,
+    }
