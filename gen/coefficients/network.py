@@ -9,7 +9,8 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from gen.coefficients.base import Celsius, ColumnName, Name, NotNegative, Number, Part, fault, listed
 from gen.coefficients.schedule import Exp1, Exp2, Poly, Tabulated
 from gen.model.laws import Convection, Law, Radiation
-from gen.model.network import AMBIENT, Channel, Curve, Factor, Heat, Network, Node, Path, PowerLaw, Sensor
+from gen.model.network import Network
+from gen.model.network_parts import AMBIENT, Channel, Curve, Factor, Heat, Node, Path, PowerLaw, Sensor
 from gen.model.schedules import Schedule
 
 MOST_NODES = 16

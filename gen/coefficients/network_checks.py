@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from gen.coefficients.checks import FASTEST, HIGHEST, table_warning
 from gen.errors import InputError
 from gen.model.dynamics import ThermalModel
-from gen.model.network import Factor, Network
+from gen.model.network import Network
+from gen.model.network_parts import Factor
 from gen.model.schedules import FloatArray
 
 _ROOM_DEGC = 25.0

@@ -39,7 +39,7 @@ from gen.lowering.sensors import (
     reading_samples,
     sensor_limits,
 )
-from gen.model.network import PWM
+from gen.model.network_parts import PWM
 from gen.reference.effects import effect_fields
 from gen.reference.lanes import state_fields
 from gen.reference.model import AMBIENT_FIELD

@@ -14,7 +14,8 @@ from gen.lowering.program import Program
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import ThermalModel
 from gen.model.laws import Convection, Law
-from gen.model.network import Factor, Network
+from gen.model.network import Network
+from gen.model.network_parts import Factor
 
 _INSIDE_K = 0.004
 """By which ranges are claimed wider than the linear programme has them, at most: its tolerances lie far below."""

@@ -25,7 +25,7 @@ from gen.lowering.program import AnyComponent, Program
 from gen.lowering.recursion.dynamics import domain_rows
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import Component
-from gen.model.network import Node
+from gen.model.network_parts import Node
 from gen.pages.charts import plain, power, scientific
 from gen.pages.environment import page_environment
 from gen.version import __version__

@@ -10,7 +10,7 @@ import numpy as np
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
-from gen.model.network import PWM
+from gen.model.network_parts import PWM
 from gen.runs import AMBIENT, Run, read_run
 from gen.runs.gaps import held_over_gaps
 from gen.runs.run import FloatArray

@@ -17,7 +17,7 @@ from gen.lowering.network.factors import lower_factor
 from gen.lowering.network.lower import lower_network
 from gen.lowering.network.ranges import matrix_row, reachable
 from gen.lowering.network.terms import Terms, terms_of
-from gen.model.network import Channel, Factor
+from gen.model.network_parts import Channel, Factor
 from gen.model.network_solution import NetworkSolution, Steps
 from gen.reference.board import reference_of
 from gen.reference.network import ReferenceNetwork

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gen.lowering.network.factors import WORD_BITS, lower_factor, scaled
 from gen.lowering.network.series import CHOICES, FIRST, WHOLE, Product
 from gen.lowering.network.start import degrees, scale_of
-from gen.model.network import Channel, Factor
+from gen.model.network_parts import Channel, Factor
 
 PRODUCTS = sorted(
     {WHOLE, FIRST, *(p for choice in CHOICES.values() for p in choice)}, key=lambda p: p.name + str(p.cut)

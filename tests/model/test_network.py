@@ -17,7 +17,8 @@ from scipy.interpolate import PchipInterpolator
 from gen.coefficients import parse
 from gen.model import ThermalModel
 from gen.model import network_solution as module
-from gen.model.network import Channel, Curve, Factor, Heat, Network, Node, Path, PowerLaw, Sensor
+from gen.model.network import Network
+from gen.model.network_parts import Channel, Curve, Factor, Heat, Node, Path, PowerLaw, Sensor
 from gen.model.network_solution import NetworkSolution
 from gen.model.schedules import Polynomial
 from tests.examples import ROOT

@@ -30,7 +30,7 @@ from gen.identification.network.forecast import Band, bands
 from gen.identification.network.foresight import Foresight, foresight
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.inputs import held, joined, turning
-from gen.identification.network.laws import CONSTANT, WITHIN, Law
+from gen.identification.network.speed_laws import CONSTANT, WITHIN, Law
 from gen.identification.network.uncertainty import Spread, spread_of
 
 FASTEST = 20.0

@@ -4,7 +4,7 @@ Every logarithm is within a factor of e^2 (standard deviation) of a typical valu
 parts of one motor. Typical are: a capacity of 100 J/K (a few hundred grams of metal); conductances that make the
 capacities settle within the time that the runs show; heats that make the rises that the runs show. Temperatures alone
 do not determine the scale of all capacities, conductances and heats together: it is the prior's. How they go with
-speed, and what they are at rest, stands in `laws`.
+speed, and what they are at rest, stands in `speed_laws`.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ import numpy as np
 
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Inputs
-from gen.identification.network.laws import ALL_AT_REST, CONSTANT, HEAT, OUTSIDE, WITHIN
 from gen.identification.network.rooms import places_of, share_level, unsure_K
 from gen.identification.network.scale import Scale
+from gen.identification.network.speed_laws import ALL_AT_REST, CONSTANT, HEAT, OUTSIDE, WITHIN
 from gen.identification.network.structure import Structure
 
 FACTOR = 2.0

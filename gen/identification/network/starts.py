@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
-from gen.identification.network.laws import HEAT, OUTSIDE
 from gen.identification.network.problem import Problem
 from gen.identification.network.scale import Scale
+from gen.identification.network.speed_laws import HEAT, OUTSIDE
 from gen.identification.network.structure import Structure
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from gen.identification.network.bins import FloatArray, IntArray
 from gen.identification.network.inputs import Inputs, Levels
-from gen.identification.network.laws import CONSTANT, HEAT, OUTSIDE, WITHIN, Law
 from gen.identification.network.physics import Partial, Physical, incidence_of, outer_of
 from gen.identification.network.plausible import off
+from gen.identification.network.speed_laws import CONSTANT, HEAT, OUTSIDE, WITHIN, Law
 
 LARGEST = 60.0
 """Of a logarithm: what a search tries must not overflow."""

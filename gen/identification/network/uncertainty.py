@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import held
-from gen.identification.network.laws import HEAT
 from gen.identification.network.search import Found
+from gen.identification.network.speed_laws import HEAT
 from gen.identification.network.steady import settled
 
 SENSOR_K, FORM = 0.15, 0.01

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gen.lowering.kinds import Integers
 from gen.lowering.network.series import WHOLE
-from gen.model.network import Channel, Factor
+from gen.model.network_parts import Channel, Factor
 
 #: No factor's word reaches this many bits: its products are of a signed with an unsigned 32-bit number.
 WORD_BITS = 30

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from gen.lowering.recursion.dynamics import domain_rows
 from gen.model import ThermalModel
 from gen.model.laws import Law
-from gen.model.network import Factor, Network
+from gen.model.network import Network
+from gen.model.network_parts import Factor
 
 Array = NDArray[np.float64]
 Source = Literal["state", "ambient", "reference"]

@@ -9,16 +9,17 @@ from functools import cached_property
 import numpy as np
 
 from gen.identification.network.bins import FloatArray, IntArray
-from gen.identification.network.forms import HEAT, OUTSIDE, WITHIN, Form
 from gen.identification.network.inputs import Inputs, Levels
 from gen.identification.network.physics import Physical, incidence_of, outer_of
-from gen.model.network import Curve, Factor, Network
-from gen.refinement.network import laws
+from gen.model.network import Network
+from gen.model.network_parts import Curve, Factor
+from gen.refinement.network import excess
 from gen.refinement.network.anchors import USUAL_AMBIENT
 from gen.refinement.network.columns import Columns
 from gen.refinement.network.draft import Draft, Slope
 from gen.refinement.network.effects import Motor, NetworkEffect
 from gen.refinement.network.effects.base import Place
+from gen.refinement.network.forms import HEAT, OUTSIDE, WITHIN, Form
 from gen.refinement.network.writer import NetworkWriter, Scale
 
 CAPACITY, LEVEL, BEND_SHARE, AT_REST, SLOPE_OVER_SPEED, OFFSET_K = 0.15, 0.15, 0.15, 0.05, 0.2, 0.15
@@ -59,7 +60,7 @@ class Anchored:
     @cached_property
     def order(self) -> tuple[int, ...]:
         """The file's nodes, the sensed ones first."""
-        return tuple(laws.sensed_first(self.network))
+        return tuple(excess.sensed_first(self.network))
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -130,7 +131,7 @@ class Anchored:
             typical_W_per_K=float(np.median(conductance[conductance > 0.0])),
             typical_J_per_K=float(np.median(self.network.capacities)),
             usual_degC=self._usual(),
-            radiates=tuple(laws.radiation_of(self.network, node) for node in range(self.base_nodes)),
+            radiates=tuple(excess.radiation_of(self.network, node) for node in range(self.base_nodes)),
         )
 
     def _usual(self) -> tuple[float, ...]:
@@ -143,8 +144,8 @@ class Anchored:
         one = np.ones(1)
         neutral = self.network.neutral()
         zero = {name: np.array([neutral.get(name, 0.0)]) for name in self.columns.channels}
-        excess = [np.zeros(1)] * self.columns.excesses
-        further = np.column_stack(self.columns.of_run(one, zero, excess, later=False))
+        none = [np.zeros(1)] * self.columns.excesses
+        further = np.column_stack(self.columns.of_run(one, zero, none, later=False))
         return Levels(one, np.zeros(1), one, one, further)
 
     # Places in the vector.

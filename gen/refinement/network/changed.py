@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gen.identification.network.forms import spline
+from gen.identification.network.bends import spline
 from gen.refinement.network.data import Data
 from gen.refinement.network.effects import NetworkEffect, ScheduleError
 

@@ -25,7 +25,7 @@ class Columns:
     channels
         Their names, in order.
     excesses
-        How many laws there are, and whose excess each is (`laws.py`).
+        How many laws there are, and whose excess each is (`excess.py`).
     """
 
     channels: tuple[str, ...]

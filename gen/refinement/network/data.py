@@ -13,7 +13,7 @@ from gen.coefficients import Coefficients
 from gen.identification.network.bins import Binned, FloatArray, binned
 from gen.identification.network.inputs import Inputs, inputs_of
 from gen.model.dynamics import MAX_PWM
-from gen.refinement.network import laws
+from gen.refinement.network import excess
 from gen.refinement.network.anchors import anchors, declared_density
 from gen.refinement.network.columns import Columns
 from gen.refinement.network.effects import Offered
@@ -78,22 +78,22 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
     driven = [driven_by(coefficients, run, name, as_declared=as_declared) for name, run in runs]
     assert model.network is not None
     own = [channel.column for channel in model.network.channels]
-    columns = Columns(_channels(runs, driven, own), laws.count(model.network))
+    columns = Columns(_channels(runs, driven, own), excess.count(model.network))
     full_scale = coefficients.document.input.full_scale
     total = sum(float(run.time_s[-1] - run.time_s[0]) for _, run in runs)
     longest = max(BIN_S, 1.5 * total / MOST_BINS)
     made: list[Binned] = []
     for (name, run), inputs in zip(runs, driven, strict=True):
-        excess = laws.excesses(coefficients, run, inputs)
-        further = columns.of_run(run.pwm.astype(np.float64), inputs.channels, excess, later=True)
+        carried = excess.excesses(coefficients, run, inputs)
+        further = columns.of_run(run.pwm.astype(np.float64), inputs.channels, carried, later=True)
         ambient = np.asarray(inputs.ambient, dtype=np.float64)
         made.append(binned(name, run, names, ambient, full_scale, longest, further))
     neutral = model.network.neutral()
     for number, run in enumerate(anchors(coefficients)):
         name = f"the file itself, {number + 1}"
         told = {column: np.full(run.time_s.size, neutral.get(column, 0.0)) for column in columns.channels}
-        excess = laws.excesses(coefficients, run, driven_by(coefficients, run, name, as_declared=as_declared))
-        further = columns.of_run(run.pwm.astype(np.float64), told, excess, later=False)
+        carried = excess.excesses(coefficients, run, driven_by(coefficients, run, name, as_declared=as_declared))
+        further = columns.of_run(run.pwm.astype(np.float64), told, carried, later=False)
         assert run.ambient is not None
         made.append(binned(name, run, names, run.ambient, full_scale, 2.0 * BIN_S, further))
     return Data(inputs_of(made), len(runs), columns, _offered(runs, driven, columns), declared_density(coefficients))

@@ -22,7 +22,7 @@ from gen.coefficients.network import (
 from gen.coefficients.network_curves import points_of, six_digits, tabulated, values_of
 from gen.identification.network.bins import FloatArray
 from gen.model.laws import ZERO_C
-from gen.model.network import AMBIENT, PWM
+from gen.model.network_parts import AMBIENT, PWM
 
 MARGIN = 0.1
 """A channel's range is wider than what was measured by this share of it on both sides."""
@@ -175,6 +175,7 @@ class NetworkWriter:
 
     def radiates(self, name: str, conductance: float, reference: float) -> None:
         """Add a radiation to the ambient, or add to the one that is there, at whose reference it is then."""
+        conductance = min(conductance, self._most(name))
         for number, path in enumerate(self.entry.paths):
             if set(path.between) == {name, AMBIENT} and path.radiation is not None:
                 same = ((path.radiation.reference_degC + ZERO_C) / (reference + ZERO_C)) ** 3

@@ -12,9 +12,9 @@ from gen.identification.data import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.document import network_text, turned_range
 from gen.identification.network.identify import NetworkFound, identify_network
-from gen.identification.network.laws import HEAT, OUTSIDE, WITHIN, Law
 from gen.identification.network.left_out import each_alone, folds_for_nodes, folds_of
 from gen.identification.network.resting import Rested, rested
+from gen.identification.network.speed_laws import HEAT, OUTSIDE, WITHIN, Law
 from gen.identification.network.summary import Summary
 from gen.identification.network.uncertainty import spread_of
 from gen.model.network_solution import NetworkSolution

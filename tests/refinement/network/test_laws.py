@@ -13,8 +13,8 @@ import gen
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import make_data
 from gen.refinement.network.effects.radiation import Radiation
+from gen.refinement.network.excess import REFERENCE
 from gen.refinement.network.fit import Bench
-from gen.refinement.network.laws import REFERENCE
 from tests.refinement.network.motor import NOISE_K, Tree, read, run, tree
 from tests.refinement.network.test_refine_network import error_K, files
 

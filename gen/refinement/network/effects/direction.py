@@ -8,7 +8,7 @@ from gen.coefficients.network import FactorEntry, FactorPoints
 from gen.coefficients.network_curves import six_digits
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
-from gen.model.network import PWM
+from gen.model.network_parts import PWM
 from gen.refinement.network.draft import Draft
 from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered

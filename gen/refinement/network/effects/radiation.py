@@ -11,7 +11,7 @@ from gen.identification.network.inputs import Levels
 from gen.refinement.network.draft import Draft
 from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.laws import REFERENCE
+from gen.refinement.network.excess import REFERENCE
 from gen.refinement.network.writer import NetworkWriter
 
 

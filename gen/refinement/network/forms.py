@@ -1,8 +1,7 @@
 """How far a known curve over speed may be off: by a smooth factor.
 
 The logarithm of the factor is a sum of known functions of the speed w (|PWM| over full scale) times free numbers: its
-level, and what bends it. Bends are a cubic spline through six knots whose values are a Gaussian process, so any smooth
-curve is within reach and none is wilder than the runs ask for.
+level, and what bends it (`gen.identification.network.bends`).
 """
 
 from __future__ import annotations
@@ -10,17 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
+from gen.identification.network.bends import KNOTS, bend_precision, spline
 from gen.identification.network.bins import FloatArray
 
-KNOTS = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 1.0])
-BEND, SMOOTH = 0.8, 0.35
-"""Standard deviation of the logarithm of the bend, and the share of full speed over which it stays alike."""
 SLOW = 0.2
 """Speed to which the conductance at rest is compared."""
-
-_SPLINE = CubicSpline(KNOTS, np.eye(KNOTS.size), bc_type="natural")
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,23 +55,6 @@ class Form:
         return np.column_stack([*first, np.ones_like(w), spline(w)])
 
 
-def spline(speed: FloatArray) -> FloatArray:
-    """Give the cubic splines that are 1 at one knot, shape (L, knots)."""
-    return np.asarray(_SPLINE(np.clip(speed, 0.0, 1.0)), dtype=np.float64)
-
-
-def bend_covariance(deviation: float) -> FloatArray:
-    """Give the covariance of the bends at the knots, shape (knots, knots).
-
-    Parameters
-    ----------
-    deviation
-        Standard deviation at each knot.
-    """
-    gap = (KNOTS[:, None] - KNOTS) / SMOOTH
-    return np.asarray(deviation**2 * (np.exp(-0.5 * gap**2) + 0.01 * np.eye(KNOTS.size)))
-
-
 def _last(size: int, block: FloatArray) -> FloatArray:
     made = np.zeros((size, size))
     made[size - len(block) :, size - len(block) :] = block
@@ -85,7 +62,7 @@ def _last(size: int, block: FloatArray) -> FloatArray:
 
 
 _BENDS = tuple(f"bend at {knot:g}" for knot in KNOTS)
-_PRECISION: FloatArray = np.asarray(np.linalg.inv(bend_covariance(BEND)), dtype=np.float64)
+_PRECISION = bend_precision()
 
 OUTSIDE = Form(
     name="to the ambient",
