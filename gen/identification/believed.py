@@ -76,13 +76,26 @@ def believed(time: FloatArray, values: FloatArray) -> Mask:
     if known.size < 3:
         return kept
     noise = max(NOISE_K, SCATTER * float(np.quantile(step, 0.25)) / QUARTER)
-    if np.all(step <= noise + RATE_K_PER_S * np.diff(at)):
-        return kept
-    own = np.zeros(known.size)
-    own[_longest(at, value, noise)] = 1.0
+    jumps = np.flatnonzero(step > noise + RATE_K_PER_S * np.diff(at))
+    own = np.ones(known.size)
+    for first, last in _about(jumps, known.size):
+        own[first:last] = 0.0
+        own[first + _longest(at[first:last], value[first:last], noise)] = 1.0
     # Where next to nothing agrees the sequence goes through what is wild by chance.
     kept[known] = (own > 0.0) & (uniform_filter1d(own, AROUND, mode="nearest") >= LEAST_SHARE)
     return kept
+
+
+def _about(jumps: NDArray[np.int64], count: int) -> list[tuple[int, int]]:
+    """Stretches about all jumps, with enough on both sides for what is sound to outweigh what is wild."""
+    if not jumps.size:
+        return []
+    parted = np.flatnonzero(np.diff(jumps) > 4 * WINDOW)
+    firsts, lasts = jumps[np.append(0, parted + 1)], jumps[np.append(parted, jumps.size - 1)]
+    return [
+        (max(0, first - 2 * WINDOW), min(count, last + 2 * WINDOW))
+        for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True)
+    ]
 
 
 def _longest(time: FloatArray, value: FloatArray, noise: float) -> NDArray[np.int64]:
