@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal
 
-from gen.coefficients.alarms import AlarmRule, Cusum, Deviation, OverTemperature, window_counts
+from gen.coefficients.alarms import AlarmRule, Cusum, Deviation, MissingHeat, ModelRule, OverTemperature, window_counts
 from gen.coefficients.document import Document
 from gen.coefficients.provenance import ErrorBand
 
-Quantity = Literal["above", "below", "measured"]
-"""Measured minus model, model minus measured, or the measured temperature itself."""
+Quantity = Literal["above", "below", "measured", "heat"]
+"""Measured minus model, model minus measured, the measured temperature itself, or the heat that the model lacks."""
 
 
 def check_alarms(document: Document) -> tuple[str, ...]:
@@ -24,7 +24,7 @@ def check_alarms(document: Document) -> tuple[str, ...]:
     bands = document.provenance.error if document.provenance else ()
     warnings = []
     for index, rule in enumerate(document.alarms):
-        if isinstance(rule, OverTemperature) or rule.beyond == "error_band" or rule.relative_to is not None:
+        if not isinstance(rule, ModelRule) or rule.beyond == "error_band" or rule.relative_to is not None:
             continue
         key, threshold = ("slack_K", rule.slack_K) if isinstance(rule, Cusum) else ("threshold_K", rule.threshold_K)
         declared = {
@@ -77,6 +77,8 @@ def quantity(rule: AlarmRule) -> Quantity:
     """What a rule compares with its threshold."""
     if isinstance(rule, OverTemperature):
         return "measured"
+    if isinstance(rule, MissingHeat):
+        return "heat"
     if isinstance(rule, Cusum):
         return rule.direction
     return "above" if rule.kind == "above_model" else "below"

@@ -88,12 +88,58 @@ class Cusum(ModelRule):
     threshold_K_s: Positive
 
 
+class Unsettled(Part):
+    """How much heat a healthy motor's model may miss after a change of PWM and after a start, and how that fades."""
+
+    per_change_K_per_h: Annotated[NotNegative, Field(description="At once after a change of PWM by full scale.")]
+    at_start_K_per_h: Annotated[
+        NotNegative,
+        Field(description="At once after a start that only measured temperatures are known of (not cold, no copy)."),
+    ]
+    decay_s: Annotated[
+        tuple[Positive, Positive], Field(description="Its time constant at rest and at full scale; rates go straight.")
+    ]
+
+
+class MissingHeat(Rule):
+    """The cumulated sum of the heat that the model lacks since a while ago, over a threshold: a change, wherever it is.
+
+    The heat is the slope of measured minus model, plus its level over the model's slowest time constant.
+    """
+
+    kind: Literal["missing_heat"]
+    weights: Annotated[
+        dict[str, Annotated[float, Field(allow_inf_nan=False)]] | None,
+        Field(
+            min_length=1,
+            description="Weight of each component's missing heat; by itself that of the component alone. A negative "
+            "one counts heat that is taken away.",
+        ),
+    ] = None
+    slack_K_per_h: Annotated[
+        Positive, Field(description="Heat beyond what was usual that is not counted, as a slope of temperature.")
+    ]
+    threshold_K: Annotated[Positive, Field(description="The sum of the counted heat at which the alarm is raised.")]
+    usual_s: Annotated[
+        Positive, Field(description="Time constant with which missing heat becomes usual, and no change any more.")
+    ] = 1800.0
+    unsettled: Unsettled
+
+    @property
+    def weight_of(self) -> dict[str, float]:
+        """Weights by component."""
+        return {self.component: 1.0} if self.weights is None else dict(self.weights)
+
+
+#: Weights of one rule's missing heat, taken together without their signs: the board's sums hold so much.
+MOST_WEIGHT = 4.0
+
 #: The board keeps a bit for each rule.
 MOST_RULES = 16
 #: Longest time that a rule can wait, in samples: the board counts in 16 bits.
 MOST_SAMPLES = 65534
 
-KINDS = ("above_model", "below_model", "over_temperature", "cusum")
+KINDS = ("above_model", "below_model", "over_temperature", "cusum", "missing_heat")
 
 
 def _kind(data: Any) -> str | None:  # noqa: ANN401
@@ -106,7 +152,8 @@ def _kind(data: Any) -> str | None:  # noqa: ANN401
 AlarmRule = Annotated[
     Annotated[Deviation, Tag("tag:deviation")]
     | Annotated[OverTemperature, Tag("tag:over_temperature")]
-    | Annotated[Cusum, Tag("tag:cusum")],
+    | Annotated[Cusum, Tag("tag:cusum")]
+    | Annotated[MissingHeat, Tag("tag:missing_heat")],
     Discriminator(_kind, custom_error_type="alarm", custom_error_message="not an alarm rule"),
 ]
 

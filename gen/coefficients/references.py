@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from gen.coefficients.alarms import MOST_SAMPLES, AlarmRule, OverTemperature, window_counts
+from gen.coefficients.alarms import MOST_SAMPLES, MOST_WEIGHT, AlarmRule, MissingHeat, ModelRule, window_counts
 from gen.coefficients.base import fault, listed, ordered
 from gen.coefficients.provenance import Provenance
 from gen.coefficients.wiring import Wiring
@@ -60,6 +60,7 @@ def check_alarm_references(
         _check_window(alarm, i, full_scale, sample_time_s)
         _check_earlier(alarm, i, [rule.name for rule in alarms[:i]])
         _check_relative(alarm, i, names)
+        _check_weights(alarm, i, names)
 
 
 def _check_thermocouples(wiring: Wiring, names: list[str], ambient: str | None) -> None:
@@ -123,7 +124,7 @@ def _check_earlier(alarm: AlarmRule, i: int, earlier: list[str]) -> None:
 
 
 def _check_relative(alarm: AlarmRule, i: int, names: list[str]) -> None:
-    if isinstance(alarm, OverTemperature) or alarm.relative_to is None:
+    if not isinstance(alarm, ModelRule) or alarm.relative_to is None:
         return
     others = [name for name in names if name != alarm.component]
     if alarm.relative_to not in others:
@@ -133,6 +134,20 @@ def _check_relative(alarm: AlarmRule, i: int, names: list[str]) -> None:
         raise fault(f'found "{alarm.relative_to}", expected {expected}', "alarms", i, "relative_to")
     if alarm.beyond == "error_band":
         raise fault("error bands are of one component each; expected no relative_to beside them", "alarms", i, "beyond")
+
+
+def _check_weights(alarm: AlarmRule, i: int, names: list[str]) -> None:
+    if not isinstance(alarm, MissingHeat) or alarm.weights is None:
+        return
+    for name, weight in alarm.weights.items():
+        _known(name, names, "alarms", i, "weights")
+        if weight == 0.0:
+            raise fault("found 0, expected another number, or no weight", "alarms", i, "weights", name)
+    if alarm.component not in alarm.weights:
+        raise fault(f'expected a weight of "{alarm.component}", the rule\'s component', "alarms", i, "weights")
+    together = sum(abs(weight) for weight in alarm.weights.values())
+    if together > MOST_WEIGHT:
+        raise fault(f"found {together:g} together, expected at most {MOST_WEIGHT:g}", "alarms", i, "weights")
 
 
 def _unique(names: Sequence[str], key: str) -> None:

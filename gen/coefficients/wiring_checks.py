@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gen.coefficients.alarms import OverTemperature
+from gen.coefficients.alarms import AlarmRule, MissingHeat, ModelRule
 from gen.coefficients.document import Document
 
 
@@ -23,9 +23,8 @@ def check_wiring(document: Document) -> tuple[str, ...]:
     measured = {chip.channel for chip in wired}
     warnings = []
     for index, rule in enumerate(document.alarms):
-        other = None if isinstance(rule, OverTemperature) else rule.relative_to
-        for key, part in (("component", rule.component), ("relative_to", other)):
-            if part is not None and part not in measured:
+        for key, part in _parts(rule):
+            if part not in measured:
                 warnings.append(
                     f'$.alarms[{index}].{key}: the rule "{rule.name}" is never raised, because "{part}" has no '
                     "thermocouple in $.wiring.thermocouples"
@@ -35,3 +34,11 @@ def check_wiring(document: Document) -> tuple[str, ...]:
             "$.ambient: no thermocouple measures the ambient, and there is no fixed_degC: the board takes 25 degC"
         )
     return tuple(warnings)
+
+
+def _parts(rule: AlarmRule) -> list[tuple[str, str]]:
+    """The parts without which a rule says nothing, each with the key that names it."""
+    if isinstance(rule, MissingHeat) and rule.weights is not None:
+        return [("weights", name) for name in rule.weights]
+    other = rule.relative_to if isinstance(rule, ModelRule) else None
+    return [("component", rule.component), *([] if other is None else [("relative_to", other)])]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from gen.coefficients import Coefficients
 from gen.coefficients.alarm_checks import declared_deviation_K
-from gen.coefficients.alarms import AlarmRule, Cusum, Deviation, OverTemperature
+from gen.coefficients.alarms import AlarmRule, Cusum, Deviation, MissingHeat, OverTemperature
 from gen.lowering.alarms import LoweredRule, lower_alarms
 
 
@@ -65,6 +65,8 @@ def _condition(rule: AlarmRule) -> str:
 def _compared(rule: AlarmRule) -> str:
     if isinstance(rule, OverTemperature):
         return f"{rule.component} over {rule.limit_degC:g} degC"
+    if isinstance(rule, MissingHeat):
+        return _heat(rule)
     beyond = " beyond the healthy range" if rule.beyond == "error_band" else ""
     if isinstance(rule, Cusum):
         excess = f"{rule.component} {rule.direction} the model by more than {rule.slack_K:g} K{beyond}"
@@ -75,8 +77,18 @@ def _compared(rule: AlarmRule) -> str:
     return f"{rule.component} {more}{side} the model{other} by more than {rule.threshold_K:g} K{beyond}"
 
 
+def _heat(rule: MissingHeat) -> str:
+    weights = rule.weight_of
+    terms = [f"{weight:+g} {name}" for name, weight in weights.items()]
+    of = rule.component if weights == {rule.component: 1.0} else " ".join(terms).removeprefix("+")
+    return (
+        f"heat that the model lacks ({of}), beyond the usual by more than {rule.slack_K_per_h:g} K/h, "
+        f"summed up to {rule.threshold_K:g} K"
+    )
+
+
 def _thresholds(coefficients: Coefficients, rule: AlarmRule, lowered: LoweredRule) -> tuple[str, ...]:
-    if isinstance(rule, OverTemperature):
+    if isinstance(rule, OverTemperature | MissingHeat):
         return ()
     return tuple(
         f"PWM {segment.low}..{segment.high}: {segment.trip_mK / 1000.0:g} K"

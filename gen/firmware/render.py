@@ -19,6 +19,10 @@ _ALARMS = {
     "lib/NAME/src/NAME_alarms.cpp": "lib/model/src/alarms.cpp.j2",
     "lib/NAME/src/NAME_alarms_state.h": "lib/model/src/alarms_state.h.j2",
 }
+_HEAT = {
+    "lib/NAME/src/NAME_heat.h": "lib/model/src/heat.h.j2",
+    "lib/NAME/src/NAME_heat.cpp": "lib/model/src/heat.cpp.j2",
+}
 _BODY: Mapping[Arithmetic, Mapping[str, str]] = {
     "fixed": {"lib/NAME/src/NAME.cpp": "lib/model/src/model_fixed.cpp.j2"},
     "float": {"lib/NAME/src/NAME.cpp": "lib/model/src/model_float.cpp.j2"},
@@ -79,13 +83,19 @@ def library(context: LibraryContext) -> dict[str, str]:
     arithmetic = context.identity["arithmetic"]
     if context.network is not None:
         files = _NETWORK | (_ACCUMULATOR if arithmetic == "float" else {})
-        return render(files, context.of_model()) | render(_ALARMS, context.of_alarms())
+        return render(files, context.of_model()) | _alarms(context)
     schedule = _ONBOARD if context.identity["schedule"] == "onboard" else _TABLE[arithmetic]
     return (
         render(_MODEL, context.of_model())
         | render(_BODY[arithmetic], context.of_model())
-        | render(_ALARMS, context.of_alarms())
+        | _alarms(context)
         | render(_RECURSION[arithmetic], context.of_model())
         | render(schedule, context.of_schedule())
         | (render(_EFFECTS, context.of_effects()) if context.effects is not None else {})
     )
+
+
+def _alarms(context: LibraryContext) -> dict[str, str]:
+    """The rules, and the sums of missing heat where a rule is on them."""
+    files = _ALARMS | (_HEAT if context.alarms["heat_rules"] else {})
+    return render(files, context.of_alarms())

@@ -15,8 +15,17 @@ from scipy.linalg import expm
 
 from gen.coefficients import Coefficients
 from gen.coefficients.alarm_checks import healthy_end_K, quantity
-from gen.coefficients.alarms import MOST_SAMPLES, AlarmRule, Cusum, OverTemperature, window_counts
+from gen.coefficients.alarms import (
+    MOST_SAMPLES,
+    AlarmRule,
+    Cusum,
+    MissingHeat,
+    ModelRule,
+    OverTemperature,
+    window_counts,
+)
 from gen.coefficients.document import Document
+from gen.lowering.heat import LoweredHeat, lower_heat
 from gen.model import Component, ThermalModel
 
 Array = NDArray[np.float64]
@@ -60,7 +69,8 @@ class LoweredRule:
     name, description
         From the coefficient file.
     quantity
-        What is compared: "above" (measured minus model), "below" (model minus measured) or "measured".
+        What is compared: "above" (measured minus model), "below" (model minus measured), "measured", or "heat" (a sum
+        of what the model lacks).
     component
         Index of the component.
     relative_to
@@ -76,6 +86,8 @@ class LoweredRule:
         Whether the motor stops while this alarm is raised.
     sum_limit
         A CUSUM's threshold in thousandths of a kelvin times samples, or None for other rules.
+    heat
+        Of a rule on missing heat, else None.
     """
 
     name: str
@@ -91,6 +103,7 @@ class LoweredRule:
     unless: int | None
     stops: bool
     sum_limit: int | None
+    heat: LoweredHeat | None = None
 
     @property
     def needs_model(self) -> bool:
@@ -112,7 +125,7 @@ def lower_alarms(coefficients: Coefficients) -> tuple[LoweredRule, ...]:
     for rule in document.alarms:
         counts = window_counts(rule, document.input.full_scale)
         wait, other = 0, None
-        if not isinstance(rule, OverTemperature):
+        if isinstance(rule, ModelRule):
             wait, other = start_wait(model, rule.component, counts), rule.relative_to
             if other is not None:
                 wait = max(wait, start_wait(model, other, counts))
@@ -134,6 +147,7 @@ def lower_alarms(coefficients: Coefficients) -> tuple[LoweredRule, ...]:
                 unless=None if rule.unless is None else names.index(rule.unless),
                 stops=rule.stop_motor,
                 sum_limit=sum_limit,
+                heat=lower_heat(document, model, rule) if isinstance(rule, MissingHeat) else None,
             )
         )
     return tuple(rules)
@@ -237,10 +251,12 @@ def _segments(document: Document, rule: AlarmRule) -> tuple[Segment, ...]:
         base, clear = rule.limit_degC, rule.hysteresis_K
     elif isinstance(rule, Cusum):
         base, clear = rule.slack_K, 0.0
+    elif isinstance(rule, MissingHeat):
+        base, clear = rule.threshold_K, 0.0
     else:
         base, clear = rule.threshold_K, rule.hysteresis_K
     extra = dict.fromkeys(counts, 0.0)
-    if not isinstance(rule, OverTemperature) and rule.beyond == "error_band":
+    if isinstance(rule, ModelRule) and rule.beyond == "error_band":
         extra = healthy_end_K(document, rule, counts)
     segments = []
     for value, group in groupby(counts, key=lambda pwm: extra[pwm]):

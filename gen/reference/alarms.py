@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from gen.lowering.alarms import LoweredRule
 from gen.model.dynamics import MAX_PWM
+from gen.reference.heat import ReferenceHeat, fields
 
 Integers = NDArray[np.int64]
 Record = NDArray[np.void]
@@ -39,6 +40,7 @@ class ReferenceAlarms:
         self._settled = np.zeros((len(rules), lanes), dtype=np.int64)
         self._held = np.zeros((len(rules), lanes), dtype=np.int64)
         self._sum = np.zeros((len(rules), lanes), dtype=np.int64)
+        self._heat = ReferenceHeat([rule.heat for rule in rules], trusted)
         self._wait = np.array([np.where(trusted, 0, rule.start_wait) for rule in rules], dtype=np.int64).reshape(
             len(rules), lanes
         )
@@ -50,6 +52,7 @@ class ReferenceAlarms:
             self._wait[number] = record[f"{rule.name}.start_wait"]
             self._held[number] = record[f"{rule.name}.held"]
             self._sum[number] = record[f"{rule.name}.sum"]
+        self._heat.advance(record)
         self.latched, self.active, self.asleep = (
             record[mask].astype(np.int64) for mask in ("latched", "active", "asleep")
         )
@@ -68,6 +71,7 @@ class ReferenceAlarms:
         """Forget the alarms raised in the lanes that are marked, shape (L,)."""
         for values in (self.latched, self.active, *self._held, *self._sum):
             values[lanes] = 0
+        self._heat.reset(lanes)
 
     def step(self, pwm: Integers, measured_mC: Integers, model_mC: Integers, valid: Integers) -> None:
         """Evaluate every rule after a sample.
@@ -82,19 +86,16 @@ class ReferenceAlarms:
             Bit masks of the components whose measurement passed its checks, shape (L,).
         """
         magnitude = np.minimum(np.abs(pwm), MAX_PWM)
+        self._heat.step(pwm, measured_mC - model_mC, valid)
         for number, rule in enumerate(self._rules):
             inside, trip, clear = thresholds(rule, magnitude)
             awake = self._awake(number, rule, inside)
             self._settled[number][~inside] = 0
             asleep = ~inside | ~awake
             seen = ~asleep & (((valid >> rule.component) & 1) == 1)
-            value = measured_mC[rule.component]
-            if rule.needs_model:
-                value = value - model_mC[rule.component]
-                if rule.relative_to is not None:
-                    seen &= ((valid >> rule.relative_to) & 1) == 1
-                    value = value - (measured_mC[rule.relative_to] - model_mC[rule.relative_to])
-                value = value if rule.quantity == "above" else -value
+            if rule.relative_to is not None:
+                seen &= ((valid >> rule.relative_to) & 1) == 1
+            value = compared(rule, measured_mC, model_mC)
             holds = seen & self._holds(number, rule, value, trip, clear, seen)
             released = asleep | (seen & ~holds)
             self._held[number] = np.where(released, 0, np.minimum(self._held[number] + holds, rule.persistence + 1))
@@ -111,6 +112,7 @@ class ReferenceAlarms:
             record[f"{rule.name}.start_wait"] = self._wait[number]
             record[f"{rule.name}.held"] = self._held[number]
             record[f"{rule.name}.sum"] = self._sum[number]
+        self._heat.keep(record)
         record["latched"], record["active"], record["asleep"] = self.latched, self.active, self.asleep
         return record
 
@@ -129,6 +131,9 @@ class ReferenceAlarms:
     def _holds(
         self, number: int, rule: LoweredRule, value: Integers, trip: Integers, clear: Integers, seen: NDArray[np.bool_]
     ) -> NDArray[np.bool_]:
+        if rule.heat is not None:
+            reached: NDArray[np.bool_] = self._heat.sums[number] >= rule.heat.limit
+            return reached
         if rule.sum_limit is None:
             above: NDArray[np.bool_] = value > np.where(self._held[number] > 0, clear, trip)
             return above
@@ -150,7 +155,19 @@ def alarm_record_type(rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
         for rule in rules
         for field, kind in (("settled", "<u2"), ("start_wait", "<u2"), ("held", "<u2"), ("sum", "<i4"))
     ]
-    return np.dtype([*timers, *((mask, "<u2") for mask in ("latched", "active", "asleep"))])
+    masks = [(mask, "<u2") for mask in ("latched", "active", "asleep")]
+    return np.dtype([*timers, *fields([rule.heat for rule in rules]), *masks])
+
+
+def compared(rule: LoweredRule, measured_mC: Integers, model_mC: Integers) -> Integers:
+    """What a rule compares with its threshold, shape (L,): a deviation or the temperature itself."""
+    value: Integers = measured_mC[rule.component]
+    if not rule.needs_model:
+        return value
+    value = measured_mC[rule.component] - model_mC[rule.component]
+    if rule.relative_to is not None:
+        value = value - (measured_mC[rule.relative_to] - model_mC[rule.relative_to])
+    return -value if rule.quantity == "below" else value
 
 
 def thresholds(rule: LoweredRule, magnitude: Integers) -> tuple[NDArray[np.bool_], Integers, Integers]:

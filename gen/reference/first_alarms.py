@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from gen.lowering.alarms import LoweredRule
 from gen.model.dynamics import MAX_PWM
-from gen.reference.alarms import thresholds
+from gen.reference.alarms import compared, thresholds
+from gen.reference.heat_blocks import blocks_of, sums_after
 
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -49,19 +50,20 @@ def first_raised(
         By rule: an index of the samples, None for a rule that is not raised.
     """
     magnitude = np.minimum(np.abs(pwm), MAX_PWM)
-    deviation = measured_mC - model_mC
+    full = _heat_reached(rules, pwm, measured_mC - model_mC, valid, trusted=trusted)
     first: list[int | None] = []
-    for rule in rules:
+    for number, rule in enumerate(rules):
         inside, trip, clear = thresholds(rule, magnitude)
         awake = inside & _awake(rule, inside, 0 if trusted else rule.start_wait, first)
         seen = awake & ((valid >> rule.component & 1) == 1)
-        value = deviation[rule.component] if rule.needs_model else measured_mC[rule.component]
         if rule.relative_to is not None:
             seen &= (valid >> rule.relative_to & 1) == 1
-            value = value - deviation[rule.relative_to]
-        value = -value if rule.quantity == "below" else value
-        holds = _sum_is_full(rule, seen, value - trip) if rule.sum_limit is not None else None
-        if holds is None:
+        value = compared(rule, measured_mC, model_mC)
+        if rule.heat is not None:
+            holds = seen & full[number]
+        elif rule.sum_limit is not None:
+            holds = _sum_is_full(rule, seen, value - trip)
+        else:
             begins, ends = seen & (value > trip), ~awake | (seen & (value <= clear))
             holds = seen & (_latest(begins) > _latest(ends))
         held = np.cumsum(holds)
@@ -70,6 +72,23 @@ def first_raised(
         raised = holds & (held > rule.persistence)
         first.append(int(np.argmax(raised)) if raised.any() else None)
     return first
+
+
+def _heat_reached(
+    rules: Sequence[LoweredRule], pwm: Integers, deviation_mK: Integers, valid: Integers, *, trusted: bool
+) -> Flags:
+    """Where the sum of a rule on missing heat has reached its limit, shape (rules, K); False for other rules."""
+    reached = np.zeros((len(rules), len(pwm)), dtype=np.bool_)
+    lowered = [rule.heat for rule in rules]
+    block = next((rule.block for rule in lowered if rule is not None), 0)
+    if not block or len(pwm) < block:
+        return reached
+    sums = sums_after(lowered, [blocks_of(lowered, pwm, deviation_mK, valid)], np.array([trusted]))
+    for number, rule in enumerate(lowered):
+        if rule is not None:
+            after = np.repeat(sums[number, 0] >= rule.limit, block)[: len(pwm) - block + 1]
+            reached[number, block - 1 : block - 1 + len(after)] = after
+    return reached
 
 
 def _awake(rule: LoweredRule, inside: Flags, wait: int, first: Sequence[int | None]) -> Flags:

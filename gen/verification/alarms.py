@@ -15,10 +15,13 @@ from gen import toolchain
 from gen.avr.compile import build_elf
 from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 from gen.errors import CheckFailed
+from gen.lowering import heat
 from gen.lowering.alarms import LoweredRule
+from gen.lowering.heat import LoweredHeat
 from gen.lowering.program import Program
 from gen.reference.alarms import ReferenceAlarms, alarm_record_type
 from gen.reference.board import reference_of
+from gen.reference.heat import watched
 from gen.templating import environment
 from gen.verification.compare import Mismatch, first_mismatch
 from gen.verification.profiles import Profile
@@ -163,7 +166,41 @@ def _close_to_the_end(
         if rule.sum_limit is not None:
             ends = np.where(random.random(count) < 0.5, 0, rule.sum_limit)
             record[f"{rule.name}.sum"][lanes] = np.abs(ends - random.integers(0, min(40_000, rule.sum_limit), count))
+    _close_in_heat(random, [rule.heat for rule in rules], record, lanes)
     return record
+
+
+def _close_in_heat(
+    random: np.random.Generator, rules: Sequence[LoweredHeat | None], record: Records, lanes: NDArray[np.bool_]
+) -> None:
+    """Blocks about to end, sums about to be full, what is usual and unsettled anywhere up to what the words hold."""
+    count = int(lanes.sum())
+    for row in range(len(watched(rules))):
+        record[f"heat.part{row}.known"][lanes] = random.integers(0, 2, count)
+        mean = heat.PER_mK * heat.MOST_DEVIATION_mK
+        record[f"heat.part{row}.mean"][lanes] = random.integers(-mean, mean + 1, count) // _scales(random, count)
+    for number, rule in enumerate(rules):
+        if rule is None:
+            continue
+        most = heat.MOST_RATE << heat.FINE_BITS
+        words = {
+            "sum": np.clip(rule.limit + random.integers(-2000, 2001, count), 0, 2 * rule.limit),
+            "usual": random.integers(-most, most + 1, count) // _scales(random, count),
+            "unsettled": random.integers(0, heat.MOST_UNSETTLED + 1, count) // _scales(random, count),
+            "pending": random.integers(-heat.MOST_PENDING, heat.MOST_PENDING + 1, count) // _scales(random, count),
+            "learnt": random.integers(heat.PRIOR_BLOCKS, rule.memory + 1, count),
+            "waited": random.integers(0, heat.MOST_WAITED + 1, count),
+        }
+        for field, values in words.items():
+            record[f"heat.{number}.{field}"][lanes] = values
+        record["heat.samples"][lanes] = random.integers(0, rule.block, count)
+        record["heat.pwm"][lanes] = random.integers(-255, 256, count)
+
+
+def _scales(random: np.random.Generator, count: int) -> Integers:
+    """Divisors that spread values over all orders of magnitude."""
+    scales: Integers = 2 ** random.integers(0, 30, count)
+    return scales
 
 
 def _fields(record: np.dtype[np.void]) -> list[tuple[str, str]]:

@@ -1,0 +1,113 @@
+"""Missing heat along whole records: what a block says is taken from all of its samples at once.
+
+:class:`gen.reference.heat.ReferenceHeat` defines the sums sample by sample; day-long records would take it minutes.
+The tests hold both to the same words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering import heat
+from gen.lowering.heat import LoweredHeat
+from gen.model.dynamics import MAX_PWM
+from gen.reference.heat import ReferenceHeat, truncated, watched
+
+Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """What the sums are made of, for one record.
+
+    Attributes
+    ----------
+    magnitude
+        |PWM| at each block's end, shape (B,).
+    changes
+        By how many counts PWM has changed in each, shape (B,); the first from standstill.
+    means
+        Of measured minus model by watched component, shape (watched, B).
+    present
+        Where a component was measured, shape (watched, B).
+    """
+
+    magnitude: Integers
+    changes: Integers
+    means: Integers
+    present: Flags
+
+
+def blocks_of(rules: Sequence[LoweredHeat | None], pwm: Integers, deviation_mK: Integers, valid: Integers) -> Blocks:
+    """Take a record's samples together.
+
+    Parameters
+    ----------
+    rules
+        At least one on missing heat.
+    pwm
+        What acted over each sample, shape (K,).
+    deviation_mK
+        Measured minus model after each sample, shape (components, K).
+    valid
+        Bit masks of the components whose measurement passed its checks, shape (K,).
+    """
+    block = next(rule.block for rule in rules if rule is not None)
+    count = len(pwm) // block
+    held = np.clip(pwm[: count * block], -MAX_PWM, MAX_PWM)
+    changes = np.abs(np.diff(held, prepend=0)).reshape(count, block).sum(axis=1)
+    most = heat.MOST_DEVIATION_mK
+    means, present = [], []
+    for component in watched(rules):
+        seen = (valid[: count * block] >> component & 1 == 1).reshape(count, block)
+        values = np.clip(deviation_mK[component, : count * block], -most, most).reshape(count, block)
+        samples = seen.sum(axis=1)
+        means.append(truncated(np.where(seen, values, 0).sum(axis=1) * heat.PER_mK, np.maximum(samples, 1)))
+        present.append(samples > 0)
+    magnitude = np.abs(held).reshape(count, block)[:, -1]
+    return Blocks(magnitude, changes, np.array(means), np.array(present))
+
+
+def sums_after(rules: Sequence[LoweredHeat | None], records: Sequence[Blocks], trusted: Flags) -> Integers:
+    """Sums of every rule after each block, if nobody resets them.
+
+    Parameters
+    ----------
+    rules
+        Of a model; None for a rule of another kind.
+    records
+        Of L boards.
+    trusted
+        Whether each one's model starts with the right slopes, shape (L,).
+
+    Returns
+    -------
+    NDArray
+        Shape (rules, L, B) with B the blocks of the longest record; a shorter one's last sum stays.
+    """
+    longest = max((len(record.magnitude) for record in records), default=0)
+    reference = ReferenceHeat(rules, trusted)
+    sums = np.zeros((len(rules), len(records), longest), dtype=np.int64)
+    lengths = np.array([len(record.magnitude) for record in records])
+    magnitude, changes = (
+        _padded([getattr(item, key) for item in records], longest) for key in ("magnitude", "changes")
+    )
+    means = np.moveaxis(np.array([_padded(list(item.means), longest) for item in records]), 0, 1)
+    present = np.moveaxis(np.array([_padded(list(item.present), longest) for item in records]), 0, 1)
+    for block in range(longest):
+        reference.change(changes[:, block])
+        reference.end_block(magnitude[:, block], means[..., block], present[..., block] == 1, lengths > block)
+        sums[:, :, block] = reference.sums
+    return sums
+
+
+def _padded(rows: Sequence[NDArray[np.generic]], length: int) -> Integers:
+    padded = np.zeros((len(rows), length), dtype=np.int64)
+    for row, values in zip(padded, rows, strict=True):
+        row[: len(values)] = values
+    return padded
