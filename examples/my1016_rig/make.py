@@ -2,7 +2,9 @@
 
     python examples/my1016_rig/make.py [--folder RUNS] [--out COEFFS] [--network NETWORK]
 
-And network.json of the same runs, with `gen identify --model network`.
+And network.json, with `gen identify --model network`, of the same eight runs and four at changing speeds: a transfer
+function wants speeds that are held, a network takes what there is, and only changes from speed to speed tell it what
+hidden parts keep.
 
 The motor is the simulated one (`gen.rig`) with one set of sensors, each off by up to 1.1 K. Eight runs from cold, three
 hours at a speed and one at rest, identify the model. Forty-four runs of three hours that took no part in it show what
@@ -28,6 +30,7 @@ from gen.rig.signals import sine
 HERE = Path(__file__).parent
 SENSORS = 0
 """Seed of the sensors' offsets: they belong to the motor, and are the same in the table of alarms."""
+CHANGING_IDENTIFIED = 4
 IDENTIFIED = (10, 20, 25, 40, 55, 70, 85, 100)
 CHANGING = 12
 LOAD_NM = 0.02
@@ -54,6 +57,15 @@ def identification_runs(folder: Path) -> list[Path]:
     return [
         record(folder / f"identify_{percent}.csv", cut_off(counts(percent), 10_800.0, 3600.0), 1000 + percent)
         for percent in IDENTIFIED
+    ]
+
+
+def changing_runs(folder: Path) -> list[Path]:
+    """Speeds held for 10 to 45 minutes, for the network."""
+    return [
+        record(folder / f"identify_changing_{number}.csv", random_levels(seed, hold_s=(600.0, 2700.0)), seed)
+        for number in range(CHANGING_IDENTIFIED)
+        for seed in (5000 + number,)
     ]
 
 
@@ -88,9 +100,10 @@ def main() -> None:
         folder = options.folder or Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)
         runs, healthy = identification_runs(folder), healthy_runs(folder)
-        for model, out in (("parts", options.out), ("network", options.network)):
+        all_runs = [*runs, *changing_runs(folder)]
+        for model, taken, out in (("parts", runs, options.out), ("network", all_runs, options.network)):
             identified = folder / f"{model}.json"
-            gen("identify", *runs, "--model", model, "--name", "my1016_rig", "--out", identified)
+            gen("identify", *taken, "--model", model, "--name", "my1016_rig", "--out", identified)
             gen("thresholds", identified, *healthy, "--rules", HERE / "rules.json", "--out", out)
 
 

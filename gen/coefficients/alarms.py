@@ -119,6 +119,13 @@ class MissingHeat(Rule):
     slack_K_per_h: Annotated[
         Positive, Field(description="Heat beyond what was usual that is not counted, as a slope of temperature.")
     ]
+    unknown_K_per_h: Annotated[
+        NotNegative,
+        Field(
+            description="Further slack while nothing is learnt of what is usual, as after a start: what offsets of "
+            "sensors within their tolerance look like."
+        ),
+    ] = 0.0
     threshold_K: Annotated[Positive, Field(description="The sum of the counted heat at which the alarm is raised.")]
     usual_s: Annotated[
         Positive, Field(description="Time constant with which missing heat becomes usual, and no change any more.")

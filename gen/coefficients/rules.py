@@ -7,7 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from pydantic import ValidationError
+
 from gen.coefficients import jsontext
+from gen.coefficients.alarms import MissingHeat, Unsettled
 from gen.coefficients.base import listed
 from gen.errors import InputError
 
@@ -18,8 +21,12 @@ _THRESHOLDS = {
     "below_model": ("threshold_K", "threshold_K_s"),
     "cusum": ("threshold_K", "threshold_K_s"),
     "over_temperature": ("limit_degC",),
+    "missing_heat": ("threshold_K",),
 }
 """By a rule's kind: what says that its author has chosen a threshold. A wrong one is refused with the finished file."""
+
+
+_ANY_UNSETTLED = Unsettled(per_change_K_per_h=0.0, at_start_K_per_h=0.0, decay_s=(1.0, 1.0))
 
 
 @dataclass(frozen=True)
@@ -61,6 +68,25 @@ class RuleDraft:
         chosen = _THRESHOLDS.get(str(self.kind))
         return chosen is not None and not any(key in self.written for key in chosen)
 
+    def says(self, key: str) -> bool:
+        """Whether the rule's author has written so."""
+        return key in self.written
+
+    def as_heat(self) -> MissingHeat:
+        """Read a rule on missing heat; numbers that its author left open are anything.
+
+        Raises
+        ------
+        InputError
+            With what is wrong with the rest.
+        """
+        anything = {"slack_K_per_h": 1.0, "threshold_K": 1.0, "unsettled": _ANY_UNSETTLED.model_dump()}
+        try:
+            return MissingHeat.model_validate(anything | dict(self.written))
+        except ValidationError as error:
+            first = error.errors()[0]
+            raise InputError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+
     def completed(
         self,
         *,
@@ -71,6 +97,9 @@ class RuleDraft:
         threshold_K_s: float | None = None,
         limit_degC: float | None = None,
         hysteresis_K: float | None = None,
+        slack_K_per_h: float | None = None,
+        unknown_K_per_h: float | None = None,
+        unsettled: Unsettled | None = None,
     ) -> RuleDraft:
         """Give the rule with what its author left open; what is written stays, and None adds nothing."""
         found = {
@@ -80,6 +109,9 @@ class RuleDraft:
             "threshold_K_s": threshold_K_s,
             "limit_degC": limit_degC,
             "hysteresis_K": hysteresis_K,
+            "slack_K_per_h": slack_K_per_h,
+            "unknown_K_per_h": unknown_K_per_h,
+            "unsettled": None if unsettled is None else unsettled.model_dump(mode="json"),
             "note": note,
         }
         added = {key: value for key, value in found.items() if value is not None and key not in self.written}

@@ -19,8 +19,17 @@ _PATH = click.Path(path_type=Path)
 @COEFFICIENTS
 @click.argument("runs", metavar="RUN...", nargs=-1, required=True, type=_PATH)
 @click.option("--rules", type=_PATH, required=True, help="JSON: alarms without thresholds, and optionally the wiring.")
+@click.option(
+    "--hours-per-false-alarm",
+    type=click.FloatRange(1.0, 1e6),
+    default=1000.0,
+    show_default=True,
+    help="Of rules on missing heat, each: wanted mean time between two false alarms, h.",
+)
 @click.option("--out", type=_PATH, required=True, help="The coefficient file to write.")
-def thresholds(coefficients: Path, runs: tuple[Path, ...], rules: Path, out: Path) -> None:
+def thresholds(
+    coefficients: Path, runs: tuple[Path, ...], rules: Path, hours_per_false_alarm: float, out: Path
+) -> None:
     """Derive alarm thresholds from runs of the healthy motor that took no part in the identification.
 
     The runs should show all that is normal: cold and warm starts, every speed, changing speed, an ambient that
@@ -56,7 +65,7 @@ def thresholds(coefficients: Path, runs: tuple[Path, ...], rules: Path, out: Pat
     try:
         for number, rule in enumerate(wanted.alarms):
             try:
-                alarms.append(complete(rule, loaded.document, healthy))
+                alarms.append(complete(rule, loaded, healthy, hours_per_false_alarm))
             except InputError as error:
                 raise InputError(error.message, place=f"$.alarms[{number}]") from error
         text = with_rules(coefficients.read_text(encoding="utf-8"), wanted, alarms, bands, source="gen thresholds")

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.drawing.section import Bar, shown
-from gen.drawing.thinning import gaps
-from gen.lowering.alarms import COLD_mK, LoweredRule, lower_alarms
+from gen.lowering.alarms import LoweredRule, lower_alarms
 from gen.model.dynamics import MAX_PWM
 from gen.reference.first_alarms import first_raised
+from gen.reference.sampled import sampled
 from gen.runs import Run
 
 Array = NDArray[np.float64]
@@ -21,8 +21,6 @@ COLUMN = "alarms"
 """The board's: a bit for each rule, set while its alarm is raised."""
 _MOST_BITS = 16
 _MOST_BARS = 500
-_ON_GRID = 1e-6
-"""A row this close to a sample, in samples, counts as on it (decimal times are not exact in binary)."""
 
 
 def recorded(run: Run, events: Sequence[tuple[float, str]], rules: Sequence[str]) -> list[Bar]:
@@ -75,8 +73,7 @@ def spans(present: NDArray[np.bool_], time_s: Array) -> list[tuple[float, float]
 def derived(coefficients: Coefficients, run: Run, model_degC: Mapping[str, Array]) -> list[Bar]:
     """Give the alarms that a coefficient file's rules raise on a run.
 
-    The board's own judgement (:func:`first_raised`) in its samples; between rows what was measured is held, and
-    the model, here the exact solution, runs straight. In a gap nothing is measured.
+    The board's own judgement (:func:`first_raised`) on what it would be given (:func:`sampled`).
 
     Parameters
     ----------
@@ -92,69 +89,17 @@ def derived(coefficients: Coefficients, run: Run, model_degC: Mapping[str, Array
     list of Bar
         From when a rule's alarm is raised to the end, as nobody resets it; in the rules' order.
     """
-    model, rules = coefficients.model, lower_alarms(coefficients)
-    names, step_s = model.component_names, model.sample_time
-    samples = int(np.floor((run.time_s[-1] - run.time_s[0]) / step_s + _ON_GRID))
-    if not rules or samples == 0:
+    rules = lower_alarms(coefficients)
+    given = sampled(coefficients.model, run, model_degC)
+    if not rules or not given.time_s.size:
         return []
-    grid = run.time_s[0] + step_s * np.arange(1, samples + 1)
-    row = np.searchsorted(run.time_s, grid + _ON_GRID * step_s, side="right") - 1
-    acting = np.searchsorted(run.time_s, grid - (1.0 - _ON_GRID) * step_s, side="right") - 1
-    measured, valid = _seen(run, names, row)
-    shown_mC = np.array([np.rint(1000.0 * np.interp(grid, run.time_s, model_degC[name])) for name in names])
-    first = first_raised(
-        rules, run.pwm[acting], measured, shown_mC.astype(np.int64), valid, trusted=_starts_cold(run, names)
-    )
+    first = first_raised(rules, given.pwm, given.measured_mC, given.model_mC, given.valid, trusted=given.trusted)
     end = float(run.time_s[-1])
     return [
-        Bar(shown(rule.name), "derived", float(grid[at]), end)
+        Bar(shown(rule.name), "derived", float(given.time_s[at]), end)
         for rule, at in zip(rules, first, strict=True)
         if at is not None
     ]
-
-
-def _held(values: Array) -> Array:
-    """Each missing sample replaced by the latest before it; NaN before the first."""
-    last = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(values.size), -1))
-    return np.where(last >= 0, values[last], np.nan)
-
-
-def _seen(run: Run, names: Sequence[str], row: NDArray[np.intp]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """What the rules are given at each sample: thousandths of a degree, shape (parts, K), and the bits of the valid."""
-    measured = np.zeros((len(names), row.size), dtype=np.int64)
-    valid = np.zeros(row.size, dtype=np.int64)
-    for i, name in enumerate(names):
-        values = run.temps.get(name)
-        if values is None or not np.isfinite(values).any():
-            continue
-        held = _held(values)[row]
-        there = np.isfinite(held) & ~_in_gap(run.time_s, values)[row]
-        measured[i] = np.rint(1000.0 * np.nan_to_num(held)).astype(np.int64)
-        valid |= there.astype(np.int64) << i
-    return measured, valid
-
-
-def _in_gap(time_s: Array, values: Array) -> NDArray[np.bool_]:
-    """Rows that lie in a gap of a column; a value's own row does not."""
-    known = np.flatnonzero(np.isfinite(values))
-    after = gaps(time_s, values)
-    latest = np.searchsorted(known, np.arange(values.size), side="right") - 1
-    inside: NDArray[np.bool_] = np.where(latest >= 0, after[latest], True) & ~np.isfinite(values)
-    return inside
-
-
-def _starts_cold(run: Run, names: Sequence[str]) -> bool:
-    """Whether every part starts within so much of the measured ambient that its slopes are known, as on the board."""
-    if run.ambient is None or not np.isfinite(run.ambient).any():
-        return False
-    room = run.ambient[np.isfinite(run.ambient)][0]
-    firsts = []
-    for name in names:
-        values = run.temps.get(name)
-        if values is None or not np.isfinite(values).any():
-            return False
-        firsts.append(values[np.isfinite(values)][0])
-    return bool(np.all(np.abs(np.array(firsts) - room) <= COLD_mK / 1000.0))
 
 
 def band(rules: Sequence[LoweredRule], component: int, side: str, pwm: NDArray[np.int64]) -> Array | None:

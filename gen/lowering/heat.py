@@ -39,7 +39,7 @@ RATE_BITS = 16
 WEIGHT_BITS = 8
 FINE_BITS = 8
 """Usual heat and unsettled slack have so many bits more."""
-PRIOR_BLOCKS = 15
+PRIOR_BLOCKS = 4
 """At a start the usual heat is taken for zero with the weight of so many blocks."""
 MOST_UNSETTLED = 2**29
 MOST_CHANGE = 2**19
@@ -84,6 +84,8 @@ class LoweredHeat:
         The components.
     slack
         Heat of a block that is not counted.
+    unknown
+        Further slack while nothing is known of the usual heat; it falls with the blocks that have been learnt.
     change, start
         Unsettled slack after a change of PWM by one count, and after a start, times 2^:data:`FINE_BITS`.
     fading
@@ -99,6 +101,7 @@ class LoweredHeat:
     high: int
     terms: tuple[HeatTerm, ...]
     slack: int
+    unknown: int
     change: int
     start: int
     fading: tuple[int, ...]
@@ -133,6 +136,7 @@ def lower_heat(document: Document, model: ThermalModel, rule: MissingHeat) -> Lo
             for name, weight in rule.weight_of.items()
         ),
         slack=max(1, min(MOST_RATE, round(rule.slack_K_per_h * in_block))),
+        unknown=min(MOST_RATE, round(rule.unknown_K_per_h * in_block)),
         change=min(MOST_CHANGE, round(rule.unsettled.per_change_K_per_h * in_block * fine / model.full_scale)),
         start=min(MOST_UNSETTLED, round(rule.unsettled.at_start_K_per_h * in_block * fine)),
         fading=_lost(1.0 / rest + (1.0 / full - 1.0 / rest) * share, seconds),

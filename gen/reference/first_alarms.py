@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gen.lowering.alarms import LoweredRule
 from gen.model.dynamics import MAX_PWM
 from gen.reference.alarms import compared, thresholds
+from gen.reference.heat import watched
 from gen.reference.heat_blocks import blocks_of, sums_after
 
 Integers = NDArray[np.int64]
@@ -83,7 +84,7 @@ def _heat_reached(
     block = next((rule.block for rule in lowered if rule is not None), 0)
     if not block or len(pwm) < block:
         return reached
-    sums = sums_after(lowered, [blocks_of(lowered, pwm, deviation_mK, valid)], np.array([trusted]))
+    sums = sums_after(lowered, [blocks_of(block, watched(lowered), pwm, deviation_mK, valid)], np.array([trusted]))
     for number, rule in enumerate(lowered):
         if rule is not None:
             after = np.repeat(sums[number, 0] >= rule.limit, block)[: len(pwm) - block + 1]

@@ -142,13 +142,14 @@ class ReferenceHeat:
         blocks = waited + 1
         unsettled >>= heat.FINE_BITS
         usual = self._usual[number]
-        counted = pending - blocks * ((usual >> heat.FINE_BITS) + rule.slack + unsettled)
+        slack = rule.slack + rule.unknown * heat.PRIOR_BLOCKS // self._learnt[number]
+        counted = pending - blocks * ((usual >> heat.FINE_BITS) + slack + unsettled)
         self.sums[number] = np.where(
             complete, np.clip(self.sums[number] + counted, 0, 2 * rule.limit), self.sums[number]
         )
         most = heat.MOST_RATE << heat.FINE_BITS
         rate = np.clip(truncated(pending << heat.FINE_BITS, blocks), -most, most)
-        learns = complete & (2 * unsettled < rule.slack)
+        learns = complete & (2 * unsettled < slack)
         self._usual[number] = np.where(learns, usual + truncated(rate - usual, self._learnt[number]), usual)
         self._learnt[number] = np.where(learns, np.minimum(self._learnt[number] + 1, rule.memory), self._learnt[number])
         waiting = inside & ~complete

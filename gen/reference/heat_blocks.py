@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gen.lowering import heat
 from gen.lowering.heat import LoweredHeat
 from gen.model.dynamics import MAX_PWM
-from gen.reference.heat import ReferenceHeat, truncated, watched
+from gen.reference.heat import ReferenceHeat, truncated
 
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -42,14 +42,21 @@ class Blocks:
     means: Integers
     present: Flags
 
+    def of(self, components: Sequence[int]) -> Blocks:
+        """Some of the components only."""
+        rows = list(components)
+        return Blocks(self.magnitude, self.changes, self.means[rows], self.present[rows])
 
-def blocks_of(rules: Sequence[LoweredHeat | None], pwm: Integers, deviation_mK: Integers, valid: Integers) -> Blocks:
+
+def blocks_of(block: int, components: Sequence[int], pwm: Integers, deviation_mK: Integers, valid: Integers) -> Blocks:
     """Take a record's samples together.
 
     Parameters
     ----------
-    rules
-        At least one on missing heat.
+    block
+        Samples in a block.
+    components
+        Which are watched.
     pwm
         What acted over each sample, shape (K,).
     deviation_mK
@@ -57,13 +64,12 @@ def blocks_of(rules: Sequence[LoweredHeat | None], pwm: Integers, deviation_mK: 
     valid
         Bit masks of the components whose measurement passed its checks, shape (K,).
     """
-    block = next(rule.block for rule in rules if rule is not None)
     count = len(pwm) // block
     held = np.clip(pwm[: count * block], -MAX_PWM, MAX_PWM)
     changes = np.abs(np.diff(held, prepend=0)).reshape(count, block).sum(axis=1)
     most = heat.MOST_DEVIATION_mK
     means, present = [], []
-    for component in watched(rules):
+    for component in components:
         seen = (valid[: count * block] >> component & 1 == 1).reshape(count, block)
         values = np.clip(deviation_mK[component, : count * block], -most, most).reshape(count, block)
         samples = seen.sum(axis=1)

@@ -13,11 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen.coefficients import Coefficients
 from gen.coefficients.document import Document
 from gen.coefficients.provenance import ErrorBand
 from gen.coefficients.rules import RuleDraft
 from gen.errors import InputError
 from gen.thresholds.healthy import MEAN_S, SETTLE_S, HealthyRun, differences
+from gen.thresholds.missing_heat import with_heat
 
 LEAST_MARGIN_K = 0.5
 """Two counts of a MAX6675."""
@@ -141,15 +143,17 @@ def _range(runs: Sequence[HealthyRun], component: str, span: tuple[int, int]) ->
     return min(ends[0] for ends in found), max(ends[1] for ends in found), len(found)
 
 
-def complete(rule: RuleDraft, document: Document, runs: Sequence[HealthyRun]) -> RuleDraft:
+def complete(rule: RuleDraft, coefficients: Coefficients, runs: Sequence[HealthyRun], hours: float) -> RuleDraft:
     """Give a rule with its missing numbers, and a note that says where they come from.
 
     Parameters
     ----------
     rule
         As in the rules file. A rule whose threshold is missing counts from the error band unless it is relative.
-    document, runs
+    coefficients, runs
         The model and its healthy runs.
+    hours
+        Wanted mean time between two false alarms, for rules that hold a rate.
 
     Raises
     ------
@@ -158,6 +162,9 @@ def complete(rule: RuleDraft, document: Document, runs: Sequence[HealthyRun]) ->
     """
     if not rule.lacks_threshold:
         return rule
+    document = coefficients.document
+    if rule.kind == "missing_heat":
+        return with_heat(rule, coefficients, runs, hours)
     if rule.kind == "over_temperature":
         return _with_limit(rule, document, runs)
     bands = [band.pwm for band in _declared(document, rule.component) if band.pwm[1] > 0]

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.lowering.alarms import COLD_mK, start_wait
+from gen.lowering.heat import block_samples
+from gen.reference.heat_blocks import Blocks, blocks_of
+from gen.reference.sampled import sampled
 from gen.reference.simulate import simulate_run
 from gen.runs import Run
 
@@ -37,12 +40,18 @@ class HealthyRun:
         Measured minus model by component, shape (n,); NaN where the rule would sleep or nothing was measured.
     hottest_rise_K
         Highest measured rise over ambient by component.
+    cold
+        Whether every part started at the ambient.
+    blocks
+        Of all components, for rules on missing heat; None for a difference of two.
     """
 
     name: str
     pwm: NDArray[np.int64]
     deviation_K: dict[str, Array]
     hottest_rise_K: dict[str, float]
+    cold: bool = False
+    blocks: Blocks | None = None
 
 
 def compare(coefficients: Coefficients, run: Run, name: str) -> HealthyRun:
@@ -84,7 +93,15 @@ def compare(coefficients: Coefficients, run: Run, name: str) -> HealthyRun:
         difference = np.where(seen, measured - shown[f"{component}_degC"], np.nan)
         deviations[component] = _means(difference, begins)
         hottest[component] = float(np.nanmax(measured - _ambient(coefficients, run), initial=0.0))
-    return HealthyRun(name, magnitude[begins].astype(np.int64), deviations, hottest)
+    given = sampled(model, run, {part: shown[f"{part}_degC"].astype(np.float64) for part in model.component_names})
+    blocks = blocks_of(
+        block_samples(model.sample_time),
+        range(len(model.component_names)),
+        given.pwm,
+        given.measured_mC - given.model_mC,
+        given.valid,
+    )
+    return HealthyRun(name, magnitude[begins].astype(np.int64), deviations, hottest, given.trusted, blocks)
 
 
 def differences(runs: Iterable[HealthyRun], component: str, other: str) -> list[HealthyRun]:

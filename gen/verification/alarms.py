@@ -35,6 +35,8 @@ _CYCLES_PER_RECORD = 400_000
 _RESET_SHARE = 4e-3
 #: A sensor's step, in thousandths of a degree: half of the readings lie on it, so that thresholds are met exactly.
 _COUNT_MC = 250
+#: Samples for which a part is not measured at most; now and then it is whole blocks.
+_GAP, _LONG_GAP = 30, 400
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,7 @@ def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, s
     trusted = np.arange(lanes) == 0
     preset = np.arange(lanes) >= 2
     alarms = ReferenceAlarms(rules, trusted)
-    alarms.advance(_close_to_the_end(random, rules, alarms.record(), preset))
+    alarms.advance(_close_to_the_end(random, rules, alarms.record(), preset, profile.pwm[:, 0]))
     inputs = np.zeros((lanes, length + 1), dtype=input_type(count, rules))
     inputs["op"][:, 0] = BEGIN
     inputs["measured_mC"][:, 0, :] = profile.start_mK[:, None]
@@ -153,7 +155,11 @@ def _keep(
 
 
 def _close_to_the_end(
-    random: np.random.Generator, rules: Sequence[LoweredRule], begun: Records, lanes: NDArray[np.bool_]
+    random: np.random.Generator,
+    rules: Sequence[LoweredRule],
+    begun: Records,
+    lanes: NDArray[np.bool_],
+    pwm: Integers,
 ) -> Records:
     record = begun.copy()
     count = int(lanes.sum())
@@ -166,12 +172,16 @@ def _close_to_the_end(
         if rule.sum_limit is not None:
             ends = np.where(random.random(count) < 0.5, 0, rule.sum_limit)
             record[f"{rule.name}.sum"][lanes] = np.abs(ends - random.integers(0, min(40_000, rule.sum_limit), count))
-    _close_in_heat(random, [rule.heat for rule in rules], record, lanes)
+    _close_in_heat(random, [rule.heat for rule in rules], record, lanes, pwm)
     return record
 
 
 def _close_in_heat(
-    random: np.random.Generator, rules: Sequence[LoweredHeat | None], record: Records, lanes: NDArray[np.bool_]
+    random: np.random.Generator,
+    rules: Sequence[LoweredHeat | None],
+    record: Records,
+    lanes: NDArray[np.bool_],
+    pwm: Integers,
 ) -> None:
     """Blocks about to end, sums about to be full, what is usual and unsettled anywhere up to what the words hold."""
     count = int(lanes.sum())
@@ -183,18 +193,22 @@ def _close_in_heat(
         if rule is None:
             continue
         most = heat.MOST_RATE << heat.FINE_BITS
+        # Close to nothing, or close to the most.
+        ends = random.integers(0, 2, count)
+        spread = random.integers(0, heat.MOST_UNSETTLED, count) // _scales(random, count)
+        forgotten = random.integers(0, rule.memory - heat.PRIOR_BLOCKS + 1, count) // _scales(random, count)
         words = {
             "sum": np.clip(rule.limit + random.integers(-2000, 2001, count), 0, 2 * rule.limit),
             "usual": random.integers(-most, most + 1, count) // _scales(random, count),
-            "unsettled": random.integers(0, heat.MOST_UNSETTLED + 1, count) // _scales(random, count),
+            "unsettled": np.abs(ends * heat.MOST_UNSETTLED - spread),
             "pending": random.integers(-heat.MOST_PENDING, heat.MOST_PENDING + 1, count) // _scales(random, count),
-            "learnt": random.integers(heat.PRIOR_BLOCKS, rule.memory + 1, count),
+            "learnt": rule.memory - forgotten,
             "waited": random.integers(0, heat.MOST_WAITED + 1, count),
         }
         for field, values in words.items():
             record[f"heat.{number}.{field}"][lanes] = values
         record["heat.samples"][lanes] = random.integers(0, rule.block, count)
-        record["heat.pwm"][lanes] = random.integers(-255, 256, count)
+        record["heat.pwm"][lanes] = pwm[lanes]  # or nothing would be settled enough to learn
 
 
 def _scales(random: np.random.Generator, count: int) -> Integers:
@@ -232,8 +246,9 @@ class _Measurements:
         measured = np.where(self._absolute, 0, modelled) + self._offset
         counted = self._left % 2 == 0
         measured = np.where(counted, measured // _COUNT_MC * _COUNT_MC, measured)
+        longest = np.where(self._random.random(self._shape) < 0.05, _LONG_GAP, _GAP)
         self._missing = np.where(
-            self._random.random(self._shape) < 0.01, self._random.integers(1, 30, self._shape), self._missing - 1
+            self._random.random(self._shape) < 0.01, self._random.integers(1, longest), self._missing - 1
         )
         seen = self._missing < 0
         valid = (seen << np.arange(self._shape[0])[:, None]).sum(axis=0)

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from gen.drawing.thinning import gaps, line, lonely, steps
+from gen.drawing.thinning import line, lonely, steps
+from gen.runs.gaps import gaps
 
 Array = NDArray[np.float64]
 DAY_AT_4_HZ = 24 * 3600 * 4

@@ -52,6 +52,7 @@ class HeatRule(TypedDict):
     low: int
     high: int
     slack: int
+    unknown: int
     change: int
     start: int
     fading: Sequence[int]
@@ -153,6 +154,7 @@ def _heat_rules(rules: Sequence[LoweredRule], sums: Sequence[tuple[int, LoweredH
                 "low": found.low,
                 "high": found.high,
                 "slack": found.slack,
+                "unknown": found.unknown,
                 "change": found.change,
                 "start": found.start,
                 "fading": found.fading,

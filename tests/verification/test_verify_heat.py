@@ -1,0 +1,101 @@
+"""The emitted sums of missing heat against their reference, on the host and on the emulated board, faults planted."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from gen.coefficients import parse
+from gen.firmware import render
+from gen.firmware.context import project_context
+from gen.lowering.alarms import LoweredRule, lower_alarms
+from gen.lowering.lower import lower
+from gen.verification.alarms import alarm_profile, campaign, compare_alarms
+from gen.verification.runners import Library, write_library
+from tests.examples import ROOT
+
+NAME, LANES, LENGTH = "two_mass", 40, 1000
+UNSETTLED = {"per_change_K_per_h": 300.0, "at_start_K_per_h": 200.0, "decay_s": [500, 90]}
+RULES: list[dict[str, Any]] = [
+    {
+        "name": "both",
+        "kind": "missing_heat",
+        "component": "housing",
+        "weights": {"housing": 0.6, "winding": -1.4},
+        "slack_K_per_h": 3.0,
+        "unknown_K_per_h": 5.0,
+        "threshold_K": 0.4,
+        "unsettled": UNSETTLED,
+        "persistence_s": 1.0,
+    },
+    {
+        "name": "winding_heat",
+        "kind": "missing_heat",
+        "component": "winding",
+        "speed_percent": [30, 80],
+        "slack_K_per_h": 1.0,
+        "threshold_K": 0.1,
+        "usual_s": 300.0,
+        "unsettled": UNSETTLED,
+        "requires": "both",
+    },
+]
+
+
+def emitted(folder: Path, fault: tuple[str, str] | None = None) -> tuple[Library, tuple[LoweredRule, ...]]:
+    tree = json.loads((ROOT / "examples" / NAME / "coeffs.json").read_text())
+    coefficients = parse(json.dumps({**tree, "alarms": [*RULES, tree["alarms"][0]]}).encode())
+    program = lower(coefficients, "fixed", "table")
+    context = project_context(coefficients, program, "coeffs.json")
+    files = render.library(context)
+    if fault is not None:
+        path = f"lib/{NAME}/src/{NAME}_heat.cpp"
+        assert files[path].count(fault[0]) == 1, "the fault has no place to stand"
+        files[path] = files[path].replace(fault[0], fault[1])
+    return write_library(program, context, files, folder), lower_alarms(coefficients)
+
+
+def test_no_word_differs_on_any_target_and_every_sum_is_full_now_and_then(tmp_path: Path) -> None:
+    library, rules = emitted(tmp_path)
+    expected = campaign(library.program, rules, alarm_profile(library.program, rules, LANES, LENGTH)).expected
+    for number in (0, 1):
+        full = (expected["active"] >> number) & 1
+        assert full.any(), rules[number].name
+        assert not full.all(), rules[number].name
+        assert (expected[f"heat.{number}.waited"] > 0).any()
+    hosts = ("g++ -O2", "clang++ sanitized")
+    for name, given, difference in compare_alarms(library, rules, LANES, LENGTH, hosts, board=True):
+        assert difference is None, f"{name}: {difference}"
+        assert given.expected.size == LANES * LENGTH
+
+
+FAULTS = {
+    "16-bit mean": ("(int64_t)part.sum * PER_mK", "(int64_t)(int16_t)part.sum * PER_mK"),
+    "first block is a rise": ("part.known ? mean - part.mean : 0", "mean - part.mean"),
+    "nothing is lost": ("(moved[term.part] + lost)", "(moved[term.part] + 0 * lost)"),
+    "weights have no sign": ("term.weight * (", "(uint8_t)term.weight * ("),
+    "rounded towards zero": ("return value >> bits;", "return value / ((int64_t)1 << bits);"),
+    "a missing part counts": ("state.parts[term.part].count > 0", "state.parts[0].count > 0"),
+    "the usual is learnt twice": ("sums.usual += (rate", "sums.usual += 2 * (rate"),
+    "learns while unsettled": ("if (2 * unsettled < slack)", "if (true)"),
+    "memory too long": ("sums.learnt < rule.memory", "sums.learnt <= rule.memory"),
+    "unknown stays": ("* (int32_t)PRIOR / (int32_t)sums.learnt", "* (int32_t)PRIOR"),
+    "speeds open at their end": ("magnitude <= rule.high", "magnitude < rule.high"),
+    "pending is dropped": ("        sums.pending = pending;\n", ""),
+    "slowing down is no change": ("state.pwm - now : now - state.pwm", "0 : now - state.pwm"),
+    "sum without an end": ("0, 2 * rule.limit)", "0, INT32_MAX)"),
+    "block too long": ("if (++state.samples < BLOCK)", "if (++state.samples <= BLOCK)"),
+    "reset forgets nothing": ("        rule.sum = 0;\n", "        rule.sum += 0;\n"),
+    "unsettled without an end": ("unsettled > MOST_UNSETTLED ? MOST_UNSETTLED : unsettled", "unsettled"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
+def test_a_planted_fault_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
+    library, rules = emitted(tmp_path, fault)
+    ((_, _, difference),) = compare_alarms(library, rules, LANES, LENGTH, ("g++ -O2",), board=False)
+    assert difference is not None
+    assert difference.differing > 0
