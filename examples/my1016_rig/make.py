@@ -7,10 +7,11 @@ function wants speeds that are held, a network takes what there is, and only cha
 hidden parts keep.
 
 The motor is the simulated one (`gen.rig`) with one set of sensors, each off by up to 1.1 K. Eight runs from cold, three
-hours at a speed and one at rest, identify the model. Forty-four runs of three hours that took no part in it show what
-is healthy: at eight speeds a cold and a warm start (an hour at 60 % before), each alone and with an ambient that swings
+hours at a speed and one at rest, identify the model. Fifty-two runs of three hours that took no part in it show what is
+healthy: at eight speeds a cold and a warm start (an hour at 60 % before), each alone and with an ambient that swings
 by 1 K to either side within two hours and up to 2 % of the rated torque as load; twelve more change speed every 15 to
-45 minutes. The final table (`benchmarks/alarms_table.py`) has other speeds, other noise and other ambients.
+45 minutes; eight have pauses of a minute, or a room that swings by 5 K and jumps by 4 K.
+The final tables (`benchmarks/alarms_table.py`, `benchmarks/alarm_hours.py`) have other speeds, noise and ambients.
 """
 
 from __future__ import annotations
@@ -19,13 +20,15 @@ import argparse
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from gen.rig import Profile, Setup, make_run, sensors, warm_start
 from gen.rig.profiles import counts, cut_off, random_levels, step
-from gen.rig.signals import sine
+from gen.rig.signals import Signal, sine, steps, total
 
 HERE = Path(__file__).parent
 SENSORS = 0
@@ -33,12 +36,22 @@ SENSORS = 0
 CHANGING_IDENTIFIED = 4
 IDENTIFIED = (10, 20, 25, 40, 55, 70, 85, 100)
 CHANGING = 12
+SURROUNDED = 4
+RUN_S, PAUSE_S = 10_800.0, 60.0
 LOAD_NM = 0.02
 SWING_K, PERIOD_S = 1.0, 7200.0
 
 
-def record(path: Path, profile: Profile, seed: int, *, warm: bool = False, moving: bool = False) -> Path:
-    """Make one run file of the healthy motor."""
+def record(
+    path: Path,
+    profile: Profile,
+    seed: int,
+    *,
+    warm: bool = False,
+    moving: bool = False,
+    inputs: Mapping[str, Signal] | None = None,
+) -> Path:
+    """Make one run file of the healthy motor; `inputs` of the bench over time, by their names in its setup."""
     random = np.random.default_rng(seed)
     setup = Setup(
         sensors=sensors(SENSORS),
@@ -48,6 +61,7 @@ def record(path: Path, profile: Profile, seed: int, *, warm: bool = False, movin
         load_Nm=float(random.uniform(0.0, LOAD_NM)) if moving else 0.0,
         channels=("speed_rpm",),
     )
+    setup = replace(setup, **(inputs or {}))  # type: ignore[arg-type]
     make_run(profile, setup).write(path)
     return path
 
@@ -81,6 +95,29 @@ def healthy_runs(folder: Path) -> list[Path]:
     for number in range(CHANGING):
         profile = random_levels(3000 + number, hold_s=(900.0, 2700.0))
         made.append(record(folder / f"healthy_changing_{number}.csv", profile, 3000 + number, moving=number % 2 == 1))
+    return made + surrounded_runs(folder)
+
+
+def surrounded_runs(folder: Path) -> list[Path]:
+    """What else is normal where the motor stands: pauses, and a room whose door opens."""
+    made = []
+    for number in range(SURROUNDED):
+        random = np.random.default_rng(6000 + number)
+        level, at = counts(float(random.uniform(15.0, 100.0))), float(random.uniform(2000.0, 6000.0))
+        on, jump = float(random.uniform(300.0, 900.0)), 4.0 - 8.0 * (number % 2)
+        begins = [k * (on + PAUSE_S) for k in range(int(RUN_S // (on + PAUSE_S)))]
+        starts = tuple(start for begin in begins for start in (begin, begin + on))
+        pauses = Profile(starts, tuple(level * (k % 2 == 0) for k in range(len(starts))), RUN_S)
+        held = step(level, RUN_S)
+        kinds: dict[str, tuple[Profile, dict[str, Signal]]] = {
+            "pauses": (pauses, {}),
+            "room": (
+                held,
+                {"ambient": total(sine(28.0, 2.5, PERIOD_S, at), steps(0.0, [(at, jump)]))},
+            ),
+        }
+        for kind, (profile, inputs) in kinds.items():
+            made.append(record(folder / f"healthy_{kind}_{number}.csv", profile, 6000 + number, inputs=inputs))
     return made
 
 

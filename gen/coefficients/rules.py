@@ -198,11 +198,19 @@ def _checked(tree: object, components: Sequence[str]) -> Rules:
     if not all(isinstance(rule, dict) for rule in tree[_RULES]):
         raise InputError("expected a list of objects", place=f"$.{_RULES}")
     for number, rule in enumerate(tree[_RULES]):
-        for key in ("component", "relative_to"):
-            if (key == "component" or rule.get(key) is not None) and rule.get(key) not in components:
+        for key, name in _named(rule):
+            if name not in components:
                 raise InputError(
                     f"expected the name of a component: {listed(list(components))}",
                     place=f"$.{_RULES}[{number}].{key}",
                 )
     taken_over = {key: tree[key] for key in _TAKEN_OVER if key in tree}
     return Rules(tuple(RuleDraft(rule) for rule in tree[_RULES]), taken_over)
+
+
+def _named(rule: Mapping[str, Any]) -> list[tuple[str, object]]:
+    """The components that a rule names, by the key that names them."""
+    other, weights = rule.get("relative_to"), rule.get("weights")
+    found: list[tuple[str, object]] = [("component", rule.get("component"))]
+    found += [("relative_to", other)] if other is not None else []
+    return found + ([("weights", name) for name in weights] if isinstance(weights, dict) else [])
