@@ -99,7 +99,7 @@ class Judged:
 
 def identified(runs: Sequence[Path], model: str) -> gen.Identification:
     """What the public function makes of run files."""
-    settings: dict[str, Any] = {} if model == "parts" else {"model": model}
+    settings: dict[str, Any] = {"model": model}
     found: gen.Identification = gen.identify(list(runs), name="plant", **settings)
     return found
 

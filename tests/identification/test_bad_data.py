@@ -12,8 +12,9 @@ import pytest
 
 from gen.coefficients import load
 from gen.errors import InputError
-from gen.identification.data import Source, make_data, read_data
+from gen.identification.data import make_data, read_data
 from gen.identification.identify import identify
+from gen.identification.sources import Source
 from gen.runs import Run, write_run
 
 TIME = np.arange(0.0, 7200.0, 4.0)
