@@ -105,7 +105,8 @@ def main() -> None:
         for one in found:
             print(
                 f"{number}/{len(cases)} {one.case} {one.model}: {one.status}, {one.floors:.2f} floors, "
-                f"{one.seconds:.1f} s{', left out: ' + ', '.join(one.left_out) if one.left_out else ''}",
+                f"{one.seconds:.1f} s{', left out: ' + ', '.join(one.left_out) if one.left_out else ''}"
+                f"{'; ' + one.chosen[1] if one.chosen[1] else ''}",
                 file=sys.stderr,
                 flush=True,
             )

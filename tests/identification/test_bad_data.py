@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -151,6 +152,16 @@ def test_without_ambient_a_cold_start_says_it_and_a_warm_one_asks() -> None:
         make_data([Source("run.csv", warm)], None)
     noted = Run(cold.time_s, cold.pwm, cold.temps, comments={"ambient_degC": "29.5"})
     assert make_data([Source("run.csv", noted)], None).ambient_fixed == 29.5
+
+
+def test_a_warm_run_stands_in_the_room_of_the_cold_one() -> None:
+    cold = step()
+    warm = {name: values + 12.0 for name, values in cold.temps.items()}
+    sources = [Source("warm.csv", Run(cold.time_s, cold.pwm, warm)), Source("cold.csv", replace(cold, ambient=None))]
+    data = make_data(sources, None)
+    assert any("warm.csv: no ambient_degC, and a warm start; 30" in warning for warning in data.warnings)
+    first = [float(record.raw_rise[0]) for record in data.records["brush"]]
+    assert first == pytest.approx([12.0, 0.0], abs=0.5)
 
 
 def test_an_unsettled_run_shows_what_it_extrapolates() -> None:
