@@ -85,7 +85,7 @@ def _compared(sources: Sequence[Source], fits: Mapping[Kind, Fit], options: Opti
         untried = sum(len(further.judged) for further in folds[number:])
         if compared is not None and untried and not compared.may_show_parts(untried):
             break
-    return decided(compared, "runs" if len(sources) > 1 else "stretches", untried)
+    return decided(compared, "run" if len(sources) > 1 else "stretch", untried)
 
 
 def _left_out(fit: Fit, fold: Fold, options: Options, progress: Progress) -> Errors | None:

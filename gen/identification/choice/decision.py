@@ -48,7 +48,7 @@ class Decision:
     compared
         On what was left out; None where nothing had to be, or could be, compared.
     left_out
-        What was: ``runs`` or ``stretches``, or nothing.
+        What was: ``run`` or ``stretch``, or nothing.
     refused
         Why the other kind has no model; empty where it has.
     lacks
@@ -104,7 +104,7 @@ def decided(compared: Comparison | None, left_out: str, untried: int) -> Decisio
     compared
         Both kinds; None where nothing could be left out.
     left_out
-        What was: ``runs`` or ``stretches``.
+        What was: ``run`` or ``stretch``.
     untried
         How many more could have been left out, but could not have changed the choice.
     """
@@ -121,11 +121,11 @@ _FOUNDED = "its guarantee is the better founded"
 
 def _said(compared: Comparison, left_out: str, untried: int) -> str:
     count = compared.logs.size
-    said = f"on {count} of {count + untried} {left_out} left out" if untried else f"on {count} {left_out} left out"
-    said += (
-        f" parts err by {compared.error_K[PARTS]:.2f} K, the network by {compared.error_K[NETWORK]:.2f} K "
-        f"({compared.ratio:.2f} times"
-    )
+    whole = count + untried
+    several = {"run": "runs", "stretch": "stretches"}[left_out] if whole > 1 else left_out
+    of = f"{count} of {whole}" if untried else str(count)
+    errors = f"parts err by {compared.error_K[PARTS]:.2f} K, the network by {compared.error_K[NETWORK]:.2f} K"
+    said = f"on {of} {several} left out {errors} ({compared.ratio:.2f} times"
     low, high = compared.interval
     said += f", 95 %: {low:.2f} to {high:.2f})" if count > 1 else ")"
     if low > 1.0:

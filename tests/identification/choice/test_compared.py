@@ -32,7 +32,7 @@ def test_the_interval_is_that_of_students_t(count: int) -> None:
 
 def test_one_run_alone_is_never_sure() -> None:
     assert of([-3.0]).interval == (0.0, math.inf)
-    assert decided(of([-3.0]), "runs", 0).kind == NETWORK
+    assert decided(of([-3.0]), "run", 0).kind == NETWORK
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -74,7 +74,7 @@ def test_runs_and_parts_that_only_one_predicts_do_not_count() -> None:
     ],
 )
 def test_within_chance_the_network_is_taken(logs: list[float], kind: str, said: str) -> None:
-    made = decided(of(logs), "runs", 0)
+    made = decided(of(logs), "run", 0)
     assert made.kind == kind
     assert said in made.why
 
