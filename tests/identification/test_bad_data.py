@@ -104,7 +104,7 @@ def test_a_step_without_change_of_pwm_is_enough(tmp_path: Path) -> None:
     """PWM never changes: one speed, from cold. The file says that it holds there only."""
     path = tmp_path / "run.csv"
     write_run(path, step())
-    done = gen_identify(tmp_path, path)
+    done = gen_identify(tmp_path, path, "--model", "parts")
     assert done.returncode == 0, done.stderr
     loaded = load(tmp_path / "coeffs.json")
     assert loaded.model.validity == (102, 102)
