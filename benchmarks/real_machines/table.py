@@ -67,10 +67,13 @@ def _choices(results: Sequence[Judged]) -> list[str]:
     parts = sum(one.answers[AUTO].names == [PARTS] for one in both)
     only = sum(np.isinf(pair).any() for pair in errors)
     least = sum(p <= SAME * n for p, n in errors), sum(n <= SAME * p for p, n in errors)
+    longer = [one.answers[AUTO].seconds / (one.answers[PARTS].seconds + one.answers[NETWORK].seconds) for one in both]
     return [
         f"the choice took the better of parts and network, or one within {SAME - 1.0:.0%} of it, in {right} of "
         f"{len(both)} cases (parts in {parts}; in {only} there was only one of them); always parts would have been "
-        f"right in {least[0]}, always the network in {least[1]}"
+        f"right in {least[0]}, always the network in {least[1]}",
+        f"the choice took {np.median(longer):.1f} times as long as one fit of both in the median, "
+        f"{max(longer):.1f} at most",
     ]
 
 
