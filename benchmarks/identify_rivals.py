@@ -23,8 +23,9 @@ from scipy.signal import lfilter
 
 from benchmarks.scheduled_plants import AMBIENT, Plant, fresh_profile, random_plant, simulate, step_runs
 from gen.identification.coefficient_file import Settings, coefficient_text
-from gen.identification.data import Source, make_data
+from gen.identification.data import make_data
 from gen.identification.identify import identify
+from gen.identification.sources import Source
 from gen.model import ExactSolution
 from gen.runs import Run
 

@@ -86,7 +86,7 @@ def main() -> None:
         test, out = str(folder / "test.csv"), str(folder / "out.json")
         for command in (
             ["refine", str(COEFFICIENTS), "--fit", *files, "--test", test, "--out", out, "--report", f"{out}.html"],
-            ["identify", *files, "--out", out],
+            ["identify", *files, "--model", "parts", "--out", out],
         ):
             memory, seconds = measured(*command)
             print(f"gen {command[0]:9s} peak {memory:6.0f} MB, {seconds:6.1f} s", flush=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import inspect
 import json
 import os
 import sys
@@ -15,7 +14,6 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import gen
 from benchmarks import network_identification
 from benchmarks.campaign import in_order, json_text
 from benchmarks.network_identification.judge import Judged, judge
@@ -24,7 +22,13 @@ from benchmarks.plants.cases import Case, bench, matrix, write_case
 from benchmarks.plants.profiles import DataKind
 from benchmarks.plants.rooms import RoomKind
 
-MODELS = {"parts": ("parts",), "network": ("network",), "both": ("parts", "network")}
+MODELS = {
+    "parts": ("parts",),
+    "network": ("network",),
+    "both": ("parts", "network"),
+    "auto": ("auto",),
+    "all": ("parts", "network", "auto"),
+}
 
 
 def options_of(arguments: Sequence[str] | None = None) -> argparse.Namespace:
@@ -47,8 +51,6 @@ def options_of(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     options = parser.parse_args(arguments)
     if options.keep and not options.case:
         parser.error("--keep needs --case")
-    if options.model != "parts" and "model" not in inspect.signature(gen.identify).parameters:
-        parser.error("gen.identify knows no model but parts")
     return options
 
 
@@ -103,7 +105,8 @@ def main() -> None:
         for one in found:
             print(
                 f"{number}/{len(cases)} {one.case} {one.model}: {one.status}, {one.floors:.2f} floors, "
-                f"{one.seconds:.1f} s{', left out: ' + ', '.join(one.left_out) if one.left_out else ''}",
+                f"{one.seconds:.1f} s{', left out: ' + ', '.join(one.left_out) if one.left_out else ''}"
+                f"{'; ' + one.chosen[1] if one.chosen[1] else ''}",
                 file=sys.stderr,
                 flush=True,
             )

@@ -67,6 +67,8 @@ class Judged:
         That identification took.
     warnings
         What it said beside the model.
+    chosen
+        Of `auto`: which kind was taken, and why; else nothing.
     """
 
     case: str
@@ -85,6 +87,7 @@ class Judged:
     read_rise: Held = field(default_factory=Held)
     seconds: float = 0.0
     warnings: list[str] = field(default_factory=list)
+    chosen: tuple[str, str] = ("", "")
 
     @property
     def floors(self) -> float:
@@ -99,7 +102,7 @@ class Judged:
 
 def identified(runs: Sequence[Path], model: str) -> gen.Identification:
     """What the public function makes of run files."""
-    settings: dict[str, Any] = {} if model == "parts" else {"model": model}
+    settings: dict[str, Any] = {"model": model}
     found: gen.Identification = gen.identify(list(runs), name="plant", **settings)
     return found
 
@@ -112,6 +115,8 @@ def judge(written: Written, model: str, folder: Path) -> Judged:
     try:
         found = identified(written.fit, model)
         result.seconds = time.perf_counter() - started
+        if found.choice is not None:
+            result.chosen = found.choice.kind, found.choice.why.replace(f"{folder}/", "")
         found.model.save(folder / f"{model}.json")
         result.warnings = [warning.replace(f"{folder}/", "") for warning in found.warnings]
         _predict(found.model, written, result)

@@ -126,7 +126,7 @@ def text(results: Sequence[Judged]) -> str:
             f"{_percent(row.good):>6} | {_percent(row.declared):>8} {_percent(row.true_rise):>6} "
             f"{_percent(row.read_rise):>6} {row.seconds:5.1f}"
         )
-    lines += ["", *more_data(results), *_without(results)]
+    lines += ["", *more_data(results), *choices(results), *_without(results)]
     return "\n".join(lines)
 
 
@@ -154,6 +154,33 @@ def more_data(results: Sequence[Judged]) -> list[str]:
                 f"worse by over {WORSE} floors, or lose a node{seeds}"
             )
     return lines
+
+
+SAME = 1.05
+"""Errors within this factor are the same."""
+
+
+def choices(results: Sequence[Judged]) -> list[str]:
+    """How often `auto` took the kind that errs less on the test runs, and where it did not."""
+    by_case = {(result.model, result.case): result for result in results}
+    kinds = ("parts", "network")
+    right = taken = 0
+    lines = []
+    for result in results:
+        both = [by_case.get((kind, result.case)) for kind in kinds]
+        known = [one for one in both if one is not None and one.status == "ok"]
+        if result.model != "auto" or result.status != "ok" or len(known) < len(kinds):
+            continue
+        best = min(known, key=lambda one: one.floors)
+        taken += 1
+        right += result.floors <= SAME * best.floors
+        if result.floors > SAME * best.floors:
+            lines.append(
+                f"not the better one: {result.case}: {result.floors:.2f} floors, {best.model} {best.floors:.2f}"
+            )
+    if not taken:
+        return []
+    return [f"auto took the better of both kinds, or one within {SAME - 1.0:.0%} of it, in {right} of {taken}", *lines]
 
 
 def _without(results: Sequence[Judged]) -> list[str]:

@@ -12,7 +12,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from benchmarks import real_machines
 from benchmarks.campaign import json_text
-from benchmarks.real_machines.judge import PARTS, REFINED, Judged, judge
+from benchmarks.real_machines.judge import AUTO, PARTS, REFINED, Judged, judge
 from benchmarks.real_machines.logs import cases
 from benchmarks.real_machines.table import text
 
@@ -26,7 +26,7 @@ def main() -> None:
     )
     parser.add_argument("--data", type=Path, required=True, help="the folder with the logs")
     parser.add_argument("--only", default="", help="cases whose name begins with this")
-    parser.add_argument("--models", default=f"{REFINED},{PARTS}", help="beside the network; may be empty")
+    parser.add_argument("--models", default=f"{REFINED},{PARTS},{AUTO}", help="beside the network; may be empty")
     parser.add_argument("--json", type=Path, help="write all answers here, after each case anew")
     options = parser.parse_args()
     results: list[Judged] = []

@@ -8,6 +8,7 @@ import traceback
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from gen.runs import Run, write_run
 
 HELD = "value held"
 REFERENCES = ("one node", "two rates", "hidden node")
-NETWORK, PARTS, REFINED = "network", "parts", "refined"
+NETWORK, PARTS, AUTO, REFINED = "network", "parts", "auto", "refined"
 
 Predict = Callable[[Run, str], FloatArray]
 
@@ -79,7 +80,11 @@ class Judged:
     @property
     def ratio(self) -> float:
         """The network's error over the best reference's; infinite for a refusal, unless holding a value beats all."""
-        own = self.answers[NETWORK].rmse_K
+        return self.over_best(NETWORK)
+
+    def over_best(self, name: str) -> float:
+        """The same of any answer."""
+        own = self.answers[name].rmse_K
         if np.isfinite(own):
             return own / self.best_K
         return 1.0 if self.answers[HELD].rmse_K < self.best_K else float("inf")
@@ -93,7 +98,7 @@ def judge(case: Case, models: Collection[str]) -> Judged:
     case
         The runs.
     models
-        Which of `PARTS` and `REFINED` to make beside the network.
+        Which of `PARTS`, `AUTO` and `REFINED` to make beside the network.
     """
     answers = {HELD: _scored(case, _held)}
     started = time.perf_counter()
@@ -104,9 +109,10 @@ def judge(case: Case, models: Collection[str]) -> Judged:
         answers[name].seconds = seconds / len(REFERENCES)
     with tempfile.TemporaryDirectory(prefix="real-") as folder:
         fit, test = _written(case.fit, Path(folder) / "fit"), _written(case.test, Path(folder) / "test")
-        answers[NETWORK], model = _identified(case, fit, test, "network")
-        if PARTS in models:
-            answers[PARTS], _ = _identified(case, fit, test, "parts")
+        answers[NETWORK], model = _identified(case, fit, test, NETWORK)
+        for kind in (PARTS, AUTO):
+            if kind in models:
+                answers[kind], _ = _identified(case, fit, test, kind)
         if REFINED in models and model is not None:
             answers[REFINED] = _refined(case, model, fit, test)
     return Judged(case.machine, case.what, answers)
@@ -156,10 +162,13 @@ def _identified(
 
 def _identify(case: Case, fit: Sequence[Path], test: Mapping[str, Path], kind: str) -> tuple[Answer, gen.Model]:
     started = time.perf_counter()
-    found = gen.identify(fit, model="network" if kind == "network" else "parts", name="machine")
+    settings: dict[str, Any] = {"model": kind}
+    found: gen.Identification | gen.NetworkIdentification = gen.identify(fit, name="machine", **settings)
     seconds = time.perf_counter() - started
     answer = _predicted(case, found.model, test)
     answer.seconds, answer.said = seconds, found.verdict
+    if found.choice is not None:
+        answer.names, answer.said = [found.choice.kind], found.choice.why
     answer.warnings = [_bare(warning) for warning in found.warnings]
     return answer, found.model
 
@@ -171,6 +180,7 @@ def _refined(case: Case, model: gen.Model, fit: Mapping[str, Path], test: Mappin
         seconds = time.perf_counter() - started
         answer = _predicted(case, found.model, test)
         answer.seconds, answer.said = seconds, found.verdict
+
         answer.names = [str(effect["name"]) for effect in found.details()["effects"]]
         answer.warnings = [_bare(warning) for warning in found.warnings]
         return answer, found.model

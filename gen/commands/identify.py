@@ -38,10 +38,10 @@ _FULL_PWM = 255
 @click.option("--rpm", type=Finite(1e-3), default=2650.0, show_default=True, help="Speed at full scale.")
 @click.option(
     "--model",
-    type=click.Choice(["parts", "network"]),
-    default="parts",
+    type=click.Choice(["auto", "parts", "network"]),
+    default="auto",
     show_default=True,
-    help="A transfer function for each part, or one thermal network for all.",
+    help="A transfer function for each part, one thermal network for all, or whichever errs less on runs left out.",
 )
 @click.option(
     "--max-hidden",
@@ -62,7 +62,7 @@ def identify(
     full_scale: int,
     rpm: float,
     max_order: int,
-    model: Literal["parts", "network"],
+    model: Literal["auto", "parts", "network"],
     max_hidden: int,
 ) -> None:
     """Identify a speed-scheduled model from measured runs and write its coefficient file."""

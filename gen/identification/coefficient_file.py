@@ -45,8 +45,17 @@ class Settings:
     nominal_speed_rpm: float = 2650.0
 
 
-def coefficient_text(data: Data, found: Mapping[str, Identified], settings: Settings) -> tuple[str, Coefficients]:
+def coefficient_text(
+    data: Data, found: Mapping[str, Identified], settings: Settings, note: str = ""
+) -> tuple[str, Coefficients]:
     """Write the coefficient file's text, and read it back with every check.
+
+    Parameters
+    ----------
+    data, found, settings
+        The runs, what was found in them, and what they do not say.
+    note
+        What to say of the method beside it.
 
     Raises
     ------
@@ -58,7 +67,7 @@ def coefficient_text(data: Data, found: Mapping[str, Identified], settings: Sett
     measured = _measured_range(data, found, settings)
     try:
         with building():
-            text = dump(_document(data, found, settings, measured))
+            text = dump(_document(data, found, settings, measured, note))
         return text, parse(text.encode())
     except InputError as error:
         raise CheckFailed(f"the identified model is not one that can be built: {error}") from error
@@ -99,6 +108,11 @@ def usable(data: Data, found: Mapping[str, Identified], settings: Settings) -> t
     return replace(data, warnings=(*data.warnings, *reasons)), kept
 
 
+def said_beside(note: str) -> str:
+    """Give what follows the method, or nothing."""
+    return f". {note}" if note else ""
+
+
 def _measured_range(data: Data, found: Mapping[str, Identified], settings: Settings) -> tuple[int, int]:
     low = min(item.range[0] for item in found.values())
     high = max(item.range[1] for item in found.values())
@@ -109,7 +123,9 @@ def _measured_range(data: Data, found: Mapping[str, Identified], settings: Setti
     return low, high
 
 
-def _document(data: Data, found: Mapping[str, Identified], settings: Settings, measured: tuple[int, int]) -> Document:
+def _document(
+    data: Data, found: Mapping[str, Identified], settings: Settings, measured: tuple[int, int], note: str
+) -> Document:
     still = any(item.standstill for item in found.values())
     # With cooling known, the schedules go on to PWM 0; above the fastest speed a table holds its end by itself.
     written = (0, settings.full_scale) if still else measured
@@ -131,7 +147,8 @@ def _document(data: Data, found: Mapping[str, Identified], settings: Settings, m
         provenance=Provenance(
             source="gen identify",
             method="Output-error fit of transfer functions without zeros at each speed; order by the error on "
-            "held-out data; schedules by leave-one-speed-out error in K; all parameters refined on the runs",
+            "held-out data; schedules by leave-one-speed-out error in K; all parameters refined on the runs"
+            f"{said_beside(note)}",
             data=tuple(source.path.rsplit("/", 1)[-1] for source in data.sources),
             fit={name: _figures(item) for name, item in found.items()},
             error=tuple(band for name, item in found.items() for band in error_bands(name, item)),

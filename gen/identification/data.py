@@ -12,37 +12,21 @@ from numpy.typing import NDArray
 
 from gen.coefficients.names import name_fault
 from gen.errors import InputError
+from gen.identification.ambients import ambients_of
 from gen.identification.believed import believed_run
 from gen.identification.records import Record, condense
+from gen.identification.sources import Source, read_sources
 from gen.identification.structure import FloatArray
-from gen.runs import Run, read_run
 
-MOST_ROWS = 100_000
-"""A run of more than twice as many rows is thinned to about as many: blocks are longer than that in the end."""
 FEWEST = 20
 """Samples that a component needs in a run."""
 MOVES_K = 0.5
 """A component whose temperature, over all runs, moves less than this (or four sensor steps) tells nothing."""
-ALIKE_K = 3.0
-"""Components that begin no further apart than this begin cold."""
 MOST_NODES = 12
 NEAR = 6
 """Speeds closer than this, in counts, are not told apart."""
 HELD = 0.1
 """A speed counts as identified when it is held for this share of the longest hold at any speed."""
-
-
-@dataclass(frozen=True, eq=False)
-class Source:
-    """One run file."""
-
-    path: str
-    run: Run
-
-    @property
-    def name(self) -> str:
-        """Short name of the run."""
-        return Path(self.path).stem
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +69,7 @@ def read_data(paths: Sequence[Path], ambient: float | None) -> Data:
     InputError
         When nothing can be identified from them.
     """
-    sources = [Source(str(path), read_run(path, most_rows=MOST_ROWS)) for path in paths]
-    return make_data(sources, ambient)
+    return make_data(read_sources(paths), ambient)
 
 
 def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
@@ -100,7 +83,7 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
         if len(source.run.time_s) < FEWEST:
             count = len(source.run.time_s)
             raise InputError(f"found {count} row(s), expected at least {FEWEST} to identify from", file=source.path)
-    ambients = [ambient_of(source, ambient, warnings) for source in sources]
+    ambients, _ = ambients_of(sources, ambient, warnings)
     records = _records(sources, names, ambients, warnings)
     warnings += _fahrenheit(records)
     measured = all(s.run.ambient is not None and np.isfinite(s.run.ambient).any() for s in sources)
@@ -161,71 +144,6 @@ def components_of(sources: Sequence[Source]) -> list[str]:
         hint = f"; {others[0]} is not in degC: convert it" if others else ""
         raise InputError(f"missing column <component>_degC; found {found}{hint}", file=sources[0].path)
     return list(names)
-
-
-def ambient_of(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float:
-    """Give the ambient of a run, at every row or one number; parameters as for :func:`said_ambient`.
-
-    Raises
-    ------
-    InputError
-        When nothing says it.
-    """
-    said = said_ambient(source, fixed, warnings)
-    return _from_start(source, warnings) if said is None else said
-
-
-def said_ambient(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float | None:
-    """Give the ambient that was measured, noted or given: at every row, one number, or None.
-
-    Parameters
-    ----------
-    source
-        The run.
-    fixed
-        The ambient in degC where it was not measured, or None.
-    warnings
-        Added to.
-
-    Raises
-    ------
-    InputError
-        When what is noted is no number.
-    """
-    run = source.run
-    if run.ambient is not None and np.isfinite(run.ambient).any():
-        good = np.isfinite(run.ambient)
-        missing = float(np.mean(~good))
-        if missing > 0.05:
-            warnings.append(f"{source.path}: ambient_degC is missing in {missing:.0%} of the rows; it is interpolated")
-        return np.interp(run.time_s, run.time_s[good], run.ambient[good])
-    if fixed is not None:
-        return float(fixed)
-    noted = run.comments.get("ambient_degC")
-    if noted is not None:
-        try:
-            return float(noted)
-        except ValueError:
-            raise InputError(f'found "{noted}", expected a number', file=source.path, place="# ambient_degC") from None
-    return None
-
-
-def first_readings(run: Run) -> list[float]:
-    """The first reading of each component that has one, degC."""
-    return [float(values[np.isfinite(values)][0]) for values in run.temps.values() if np.isfinite(values).any()]
-
-
-def _from_start(source: Source, warnings: list[str]) -> float:
-    """Without any ambient: a cold start says it, when all components start alike."""
-    firsts = first_readings(source.run)
-    if not firsts or max(firsts) - min(firsts) > ALIKE_K:
-        raise InputError(
-            "there is no ambient_degC, and the components do not start alike; give the ambient with --ambient",
-            file=source.path,
-        )
-    level = float(np.median(firsts))
-    warnings.append(f"{source.path}: no ambient_degC; a cold start is assumed, so {level:g} degC, where the run begins")
-    return level
 
 
 def _record(label: str, source: Source, name: str, ambient: FloatArray | float, warnings: list[str]) -> Record | None:

@@ -11,6 +11,7 @@ from jinja2 import Environment
 
 from gen.coefficients import Coefficients
 from gen.identification import figures
+from gen.identification.choice.decision import Decision
 from gen.identification.data import Data
 from gen.identification.identify import Identified
 from gen.identification.summary import summary
@@ -20,7 +21,9 @@ from gen.version import __version__
 _OPTIONS = 8
 
 
-def report_html(data: Data, found: Mapping[str, Identified], coefficients: Coefficients) -> str:
+def report_html(
+    data: Data, found: Mapping[str, Identified], coefficients: Coefficients, choice: Decision | None = None
+) -> str:
     """Write the report.
 
     Parameters
@@ -29,6 +32,8 @@ def report_html(data: Data, found: Mapping[str, Identified], coefficients: Coeff
         The runs and what was identified from them.
     coefficients
         The coefficient file that was made of it.
+    choice
+        Why it is this kind of model, where that was not asked for.
     """
     whole = summary(data, found)
     return (
@@ -38,6 +43,7 @@ def report_html(data: Data, found: Mapping[str, Identified], coefficients: Coeff
             version=__version__,
             coefficients=coefficients,
             whole=whole,
+            choice=choice,
             parts=[_part(item, whole["components"][name]) for name, item in found.items()],
         )
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 from gen.errors import InputError
@@ -17,7 +16,8 @@ from gen.interface.threads import one_thread
 if TYPE_CHECKING:
     import pandas as pd
 
-    from gen.identification.coefficient_file import Settings
+    from gen.identification.choice.decision import Decision
+    from gen.identification.choice.models import NetworkModel, PartsModel
     from gen.identification.data import Data
     from gen.identification.identify import Identified
     from gen.identification.network.identify import NetworkFound
@@ -34,17 +34,20 @@ class Identification(Reported):
         The model, as :func:`gen.load` would give it.
     data, found
         The runs, and what each part was found to be.
+    choice
+        Why it is this kind of model; None where the kind was asked for.
     """
 
     model: Model
     data: Data
     found: Mapping[str, Identified]
+    choice: Decision | None = None
 
     def details(self) -> dict[str, Any]:
         """All that was found as plain numbers and words, as ``gen identify --json`` writes it."""
         from gen.identification.summary import summary, without_nan
 
-        details: dict[str, Any] = without_nan(summary(self.data, self.found))
+        details: dict[str, Any] = without_nan(summary(self.data, self.found) | _choice(self.choice))
         return details
 
     @property
@@ -92,13 +95,13 @@ class Identification(Reported):
         """What the command prints."""
         from gen.identification.summary import text
 
-        return text(self.data, self.found)
+        return _with_choice(text(self.data, self.found), self.choice)
 
     def html(self) -> str:
         """The report as one HTML page."""
         from gen.identification.page import report_html
 
-        return report_html(self.data, self.found, self.model.coefficients)
+        return report_html(self.data, self.found, self.model.coefficients, self.choice)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,10 +114,13 @@ class NetworkIdentification(Reported):
         The model, as :func:`gen.load` would give it.
     result
         The runs, the network and how it was judged.
+    choice
+        Why it is this kind of model; None where the kind was asked for.
     """
 
     model: Model
     result: NetworkFound
+    choice: Decision | None = None
 
     @property
     def _said(self) -> Summary:
@@ -126,7 +132,7 @@ class NetworkIdentification(Reported):
         """All that was found as plain numbers and words, as ``gen identify --json`` writes it."""
         from gen.identification.summary import without_nan
 
-        details: dict[str, Any] = without_nan(self._said.as_json())
+        details: dict[str, Any] = without_nan(self._said.as_json() | _choice(self.choice))
         return details
 
     @property
@@ -183,20 +189,44 @@ class NetworkIdentification(Reported):
 
     def text(self) -> str:
         """What the command prints."""
-        return self._said.text()
+        return _with_choice(self._said.text(), self.choice)
 
     def html(self) -> str:
         """The report as one HTML page."""
         from gen.identification.network.page import network_report
 
-        return network_report(self.result, self.model.coefficients)
+        return network_report(self.result, self.model.coefficients, self.choice)
+
+
+def _choice(choice: Decision | None) -> dict[str, Any]:
+    return {} if choice is None else {"choice": choice.as_json()}
+
+
+def _with_choice(text: str, choice: Decision | None) -> str:
+    return text if choice is None else f"chosen: {choice.why}\n{text}"
 
 
 @overload
 def identify(
     runs: Sequence[RunLike],
     *,
-    model: Literal["parts"] = "parts",
+    model: Literal["auto"] = "auto",
+    name: str = "motor",
+    ambient: float | None = None,
+    sample_time: float = 0.25,
+    full_scale: int = 255,
+    rpm: float = 2650.0,
+    max_order: int = 4,
+    max_hidden: int = 3,
+    progress: Progress = silent,
+) -> Identification | NetworkIdentification: ...
+
+
+@overload
+def identify(
+    runs: Sequence[RunLike],
+    *,
+    model: Literal["parts"],
     name: str = "motor",
     ambient: float | None = None,
     sample_time: float = 0.25,
@@ -228,7 +258,7 @@ def identify(
 def identify(
     runs: Sequence[RunLike],
     *,
-    model: Literal["parts", "network"] = "parts",
+    model: Literal["auto", "parts", "network"] = "auto",
     name: str = "motor",
     ambient: float | None = None,
     sample_time: float = 0.25,
@@ -246,6 +276,7 @@ def identify(
         Run files or frames.
     model
         ``parts``: a transfer function for each part. ``network``: one network of heat capacities for all of them.
+        ``auto``: both are fitted, up to four times each, and the error on what was left out says which is taken.
     name
         The model's name.
     ambient
@@ -266,23 +297,25 @@ def identify(
     Raises
     ------
     InputError
-        If a run is none, or nothing can be identified from the runs.
+        If a run is none, or nothing can be identified from the runs: for ``auto`` by neither kind.
     CheckFailed
-        If what was found is no model that can be built.
+        If what was found is no model that can be built: for ``auto`` of neither kind.
 
     Examples
     --------
     >>> found = gen.identify(["cold_40.csv", "cold_70.csv", "cold_100.csv"])  # doctest: +SKIP
+    >>> found.choice.why  # doctest: +SKIP
     >>> found.summary()  # doctest: +SKIP
     >>> found.model.save("coeffs.json")  # doctest: +SKIP
     """
     from gen.coefficients.names import name_fault
-    from gen.identification.coefficient_file import Settings, coefficient_text, usable
-    from gen.identification.data import read_data
-    from gen.identification.identify import identify as run
+    from gen.identification.choice.choose import choose
+    from gen.identification.choice.models import Options, network_of, parts_of
+    from gen.identification.coefficient_file import Settings
+    from gen.identification.sources import read_sources
 
     several("runs", runs)
-    one_of("model", model, ("parts", "network"))
+    one_of("model", model, ("auto", "parts", "network"))
     if ambient is not None:
         within("ambient", ambient, -273.15, 1000.0)
     within("sample_time", sample_time, 0.001, 3600.0)
@@ -293,26 +326,22 @@ def identify(
     fault = name_fault(name)
     if fault:
         raise InputError(fault, place="name")
-    settings = Settings(name, sample_time, full_scale, rpm)
+    options = Options(Settings(name, sample_time, full_scale, rpm), ambient, max_order, max_hidden)
     with run_files(runs) as paths:
         progress("reading")
+        sources = read_sources(paths)
+        if model == "parts":
+            return _found(parts_of(sources, options, progress))
         if model == "network":
-            return _network(paths, ambient, settings, max_hidden, progress)
-        data = read_data(paths, ambient)
-        found = run(data, progress, max_order, sample_time)
-        data, found = usable(data, found, settings)
-        text, loaded = coefficient_text(data, found, settings)
-    return Identification(Model(loaded, text), data, found)
+            return _found(network_of(sources, options, progress))
+        chosen = choose(sources, options, progress)
+    return _found(chosen.model, chosen.decision)
 
 
-def _network(
-    paths: Sequence[Path], ambient: float | None, settings: Settings, max_hidden: int, progress: Progress
-) -> NetworkIdentification:
-    from gen.identification.network.data import read_network_data
-    from gen.identification.network.document import network_text
-    from gen.identification.network.identify import identify_network
+def _found(fitted: PartsModel | NetworkModel, choice: Decision | None = None) -> Identification | NetworkIdentification:
+    from gen.identification.choice.models import PartsModel
 
-    data = read_network_data(paths, ambient, settings.full_scale)
-    result = identify_network(data, progress, max_hidden)
-    text, loaded = network_text(result, settings)
-    return NetworkIdentification(Model(loaded, text), result)
+    model = Model(fitted.coefficients, fitted.text)
+    if isinstance(fitted, PartsModel):
+        return Identification(model, fitted.data, fitted.found, choice)
+    return NetworkIdentification(model, fitted.result, choice)

@@ -41,6 +41,7 @@ class Found:
     model: Oracle
     table: pd.DataFrame = field(default_factory=pd.DataFrame)
     warnings: tuple[str, ...] = ()
+    choice: None = None
 
     def summary(self) -> pd.DataFrame:
         return self.table

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,9 @@ import pytest
 
 from gen.coefficients import load
 from gen.errors import InputError
-from gen.identification.data import Source, make_data, read_data
+from gen.identification.data import make_data, read_data
 from gen.identification.identify import identify
+from gen.identification.sources import Source
 from gen.runs import Run, write_run
 
 TIME = np.arange(0.0, 7200.0, 4.0)
@@ -102,7 +104,7 @@ def test_a_step_without_change_of_pwm_is_enough(tmp_path: Path) -> None:
     """PWM never changes: one speed, from cold. The file says that it holds there only."""
     path = tmp_path / "run.csv"
     write_run(path, step())
-    done = gen_identify(tmp_path, path)
+    done = gen_identify(tmp_path, path, "--model", "parts")
     assert done.returncode == 0, done.stderr
     loaded = load(tmp_path / "coeffs.json")
     assert loaded.model.validity == (102, 102)
@@ -150,6 +152,16 @@ def test_without_ambient_a_cold_start_says_it_and_a_warm_one_asks() -> None:
         make_data([Source("run.csv", warm)], None)
     noted = Run(cold.time_s, cold.pwm, cold.temps, comments={"ambient_degC": "29.5"})
     assert make_data([Source("run.csv", noted)], None).ambient_fixed == 29.5
+
+
+def test_a_warm_run_stands_in_the_room_of_the_cold_one() -> None:
+    cold = step()
+    warm = {name: values + 12.0 for name, values in cold.temps.items()}
+    sources = [Source("warm.csv", Run(cold.time_s, cold.pwm, warm)), Source("cold.csv", replace(cold, ambient=None))]
+    data = make_data(sources, None)
+    assert any("warm.csv: no ambient_degC, and a warm start; 30" in warning for warning in data.warnings)
+    first = [float(record.raw_rise[0]) for record in data.records["brush"]]
+    assert first == pytest.approx([12.0, 0.0], abs=0.5)
 
 
 def test_an_unsettled_run_shows_what_it_extrapolates() -> None:

@@ -70,7 +70,7 @@ def test_identify_build_verify_without_editing(
     searches: list[tuple[int, int]],
 ) -> None:
     out, report, found = tmp_path / "coeffs.json", tmp_path / "report.html", tmp_path / "found.json"
-    command = ["gen", "identify", *runs, "--out", out, "--report", report, "--json", found]
+    command = ["gen", "identify", *runs, "--model", "parts", "--out", out, "--report", report, "--json", found]
     monkeypatch.setattr(sys, "argv", list(map(str, command)))
     main()
     assert capsys.readouterr().err == ""

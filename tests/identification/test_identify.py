@@ -13,10 +13,11 @@ from benchmarks.scheduled_plants import AMBIENT, Plant, fresh_profile, measured,
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
 from gen.identification.coefficient_file import Settings, coefficient_text, usable
-from gen.identification.data import Source, make_data
+from gen.identification.data import make_data
 from gen.identification.general import guard
 from gen.identification.identify import Identified, identify
 from gen.identification.page import report_html
+from gen.identification.sources import Source
 from gen.identification.summary import summary
 from gen.model import ExactSolution
 from gen.rig import Setup, make_run, sensors

@@ -125,6 +125,6 @@ def test_what_is_written_is_simulated_and_identified(tmp_path: Path) -> None:
     assert set(run.pwm.tolist()) == {204}
     again = simulate(model, found.runs[1])
     np.testing.assert_allclose(again[f"{part}_degC"], run.temps[part], atol=2e-3)
-    done = gen("identify", *found.runs, "--out", tmp_path / "coeffs.json")
+    done = gen("identify", *found.runs, "--model", "parts", "--out", tmp_path / "coeffs.json")
     assert done.returncode == 0, done.stderr
     assert [entry["name"] for entry in json.loads((tmp_path / "coeffs.json").read_text())["components"]] == [part]

@@ -69,7 +69,7 @@ def emulated(coefficients: Path, folder: Path) -> Run:
 def test_an_identified_model_goes_on_to_the_emulated_board(tmp_path: Path) -> None:
     runs = [log(tmp_path / f"cold{pwm}.csv", pwm, pwm) for pwm in (100, 180)]
     healthy = [log(tmp_path / f"healthy{seed}.csv", 140, seed) for seed in (1, 2)]
-    gen("identify", *runs, "--out", tmp_path / "identified.json", "--name", "small")
+    gen("identify", *runs, "--model", "parts", "--out", tmp_path / "identified.json", "--name", "small")
     gen("init", tmp_path / "identified.json", "--out", tmp_path / "motor.json")
     run = emulated(tmp_path / "motor.json", tmp_path)
     assert run.time_s[-1] > 15.0

@@ -62,7 +62,7 @@ def recordings(study: Study) -> list[pd.DataFrame]:
 
 def compare(study: Study, variable: ThermalModel) -> Comparison:
     """Identify on the study's data, and compare with the study's own variable-pole model."""
-    ours = gen.identify(recordings(study), name="my1016", ambient=study.ambient)
+    ours = gen.identify(recordings(study), name="my1016", ambient=study.ambient, model="parts")
     left_out = {}
     for name, item in ours.found.items():
         error = item.general.chosen.left_out

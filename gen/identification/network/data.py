@@ -4,32 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from gen.errors import InputError
-from gen.identification.data import (
-    ALIKE_K,
-    FEWEST,
-    MOST_ROWS,
-    MOVES_K,
-    Source,
-    components_of,
-    first_readings,
-    said_ambient,
-    sound,
-)
+from gen.identification.ambients import ambients_of
+from gen.identification.data import FEWEST, MOVES_K, components_of, sound
 from gen.identification.network.bins import Binned, FloatArray, binned, longest_bin
 from gen.identification.records import resolution
-from gen.runs import read_run
+from gen.identification.sources import Source
 
 COARSE = 4.0
 """The search works on bins longer by this factor."""
-SAME_ROOM_K = 4.0
-"""Rooms of several runs differ by no more than this: what begins warmer does not begin cold."""
-UNKNOWN_K = 5.0
-"""Standard deviation of a room that nothing says about where the coldest run begins, K."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,13 +53,13 @@ class NetworkData:
     ambient_unsure_K: float = 0.0
 
 
-def read_network_data(paths: Sequence[Path], ambient: float | None, full_scale: int) -> NetworkData:
-    """Read run files and condense them.
+def make_network_data(sources: Sequence[Source], ambient: float | None, full_scale: int = 255) -> NetworkData:
+    """Condense runs.
 
     Parameters
     ----------
-    paths
-        The files.
+    sources
+        The runs.
     ambient
         Fixed ambient in degC for runs without a measured one, or None.
     full_scale
@@ -84,17 +70,11 @@ def read_network_data(paths: Sequence[Path], ambient: float | None, full_scale: 
     InputError
         When nothing can be identified from them.
     """
-    sources = [Source(str(path), read_run(path, most_rows=MOST_ROWS)) for path in paths]
-    return make_network_data(sources, ambient, full_scale)
-
-
-def make_network_data(sources: Sequence[Source], ambient: float | None, full_scale: int = 255) -> NetworkData:
-    """Condense runs in memory, as :func:`read_network_data` does."""
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     sources = [sound(source, warnings) for source in sources]
     _check(sources, full_scale)
     names = _reacting(sources, components_of(sources), warnings)
-    ambients, unsure = _ambients(sources, ambient, warnings)
+    ambients, unsure = ambients_of(sources, ambient, warnings, estimated=True)
     stems = [source.name for source in sources]
     labels = stems if len(set(stems)) == len(stems) else [source.path for source in sources]
     longest = longest_bin([source.run for source in sources])
@@ -162,38 +142,3 @@ def _reacting(sources: Sequence[Source], names: Sequence[str], warnings: list[st
         raise InputError(f"nothing can be identified: {'; '.join(reasons)}", file=sources[0].path)
     warnings += reasons
     return kept
-
-
-def _ambients(
-    sources: Sequence[Source], fixed: float | None, warnings: list[str]
-) -> tuple[list[FloatArray | float], float]:
-    """The ambient of each run, and what all of them may be off by together, standard deviation, K.
-
-    Where nothing says it a run that begins like the coldest ones begins in its room; others are taken to stand in the
-    room of those.
-    """
-    said = [said_ambient(source, fixed, warnings) for source in sources]
-    levels = [float(np.mean(level)) for level in said if level is not None]
-    starts = [first_readings(source.run) for source in sources]
-    coldest = min(
-        min(firsts) for firsts, level in zip(starts, said, strict=True) if firsts and (level is None or levels)
-    )
-    usual = float(np.median(levels)) if levels else coldest
-    found: list[FloatArray | float] = []
-    for source, level, firsts in zip(sources, said, starts, strict=True):
-        if level is not None:
-            found.append(level)
-            continue
-        own = float(np.median(firsts)) if firsts else usual
-        alike = bool(firsts) and max(firsts) - min(firsts) <= ALIKE_K
-        if alike and own - usual <= SAME_ROOM_K:
-            warnings.append(
-                f"{source.path}: no ambient_degC; a cold start is assumed, so {own:g} degC, where the run begins"
-            )
-            found.append(own)
-        else:
-            warnings.append(
-                f"{source.path}: no ambient_degC, and a warm start; {usual:g} degC is taken, as in the others"
-            )
-            found.append(usual)
-    return found, 0.0 if levels else UNKNOWN_K

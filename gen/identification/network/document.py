@@ -24,7 +24,7 @@ from gen.coefficients.network_curves import points_of, six_digits, tabulated
 from gen.coefficients.provenance import ErrorBand, Provenance
 from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
-from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings
+from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.forecast import Band, bands
 from gen.identification.network.foresight import Foresight, foresight
@@ -43,8 +43,15 @@ MARGIN, LEAST_RISE_K = 0.5, 40.0
 """Temperatures are declared so much of the largest rise beyond the hottest reading; a rise counts as this at least."""
 
 
-def network_text(result: NetworkFound, settings: Settings) -> tuple[str, Coefficients]:
+def network_text(result: NetworkFound, settings: Settings, note: str = "") -> tuple[str, Coefficients]:
     """Write the coefficient file's text, and read it back with every check.
+
+    Parameters
+    ----------
+    result, settings
+        What was found, and what the runs do not say.
+    note
+        What to say of the method beside it.
 
     Raises
     ------
@@ -53,7 +60,7 @@ def network_text(result: NetworkFound, settings: Settings) -> tuple[str, Coeffic
     """
     try:
         with building():
-            text = dump(_document(result, settings))
+            text = dump(_document(result, settings, note))
         return text, parse(text.encode())
     except InputError as error:
         raise CheckFailed(
@@ -93,7 +100,7 @@ def rest_was_measured(result: NetworkFound) -> bool:
     return rest >= max(60.0, 0.02 * float(inputs.width.sum()))
 
 
-def _document(result: NetworkFound, settings: Settings) -> Document:
+def _document(result: NetworkFound, settings: Settings, note: str) -> Document:
     low, high = measured_range(result)
     top = settings.full_scale
     spread = spread_of(result.found)
@@ -112,7 +119,7 @@ def _document(result: NetworkFound, settings: Settings) -> Document:
         provenance=Provenance(
             source="gen identify --model network",
             method="One network of heat capacities fitted to all runs at once by the error of its simulation, with "
-            "weak physical priors; hidden nodes and paths by the error on runs left out",
+            f"weak physical priors; hidden nodes and paths by the error on runs left out{said_beside(note)}",
             data=tuple(source.path.rsplit("/", 1)[-1] for source in result.data.sources),
             fit=_figures(result),
             error=tuple(_error_bands(result, spread)),

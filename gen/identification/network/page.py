@@ -11,6 +11,7 @@ from jinja2 import Environment
 from markupsafe import Markup
 
 from gen.coefficients import Coefficients
+from gen.identification.choice.decision import Decision
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.identify import NetworkFound, curves
 from gen.identification.network.summary import Summary
@@ -26,7 +27,7 @@ _DETERMINED = 0.5
 _STYLES = 8
 
 
-def network_report(result: NetworkFound, coefficients: Coefficients) -> str:
+def network_report(result: NetworkFound, coefficients: Coefficients, choice: Decision | None = None) -> str:
     """Write the report.
 
     Parameters
@@ -35,6 +36,8 @@ def network_report(result: NetworkFound, coefficients: Coefficients) -> str:
         What was identified.
     coefficients
         The coefficient file that was made of it.
+    choice
+        Why it is this kind of model, where that was not asked for.
     """
     whole = Summary(result).as_json()
     return (
@@ -44,6 +47,7 @@ def network_report(result: NetworkFound, coefficients: Coefficients) -> str:
             version=__version__,
             coefficients=coefficients,
             whole=whole,
+            choice=choice,
             drawings=_drawings(whole),
             runs=[
                 (name, _courses(number, name, time, columns), _residuals(number, name, time, columns))

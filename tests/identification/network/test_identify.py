@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.identification.coefficient_file import Settings
-from gen.identification.data import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.document import network_text
 from gen.identification.network.identify import NetworkFound, identify_network
 from gen.identification.network.summary import Summary
+from gen.identification.sources import Source
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
 from tests.identification.network.plant import EIGHT, ROOM, TWO, Plant, holds

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from gen.identification.coefficient_file import Settings
-from gen.identification.data import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.document import network_text, turned_range
 from gen.identification.network.identify import NetworkFound, identify_network
@@ -17,6 +16,7 @@ from gen.identification.network.resting import Rested, rested
 from gen.identification.network.speed_laws import HEAT, OUTSIDE, WITHIN, Law
 from gen.identification.network.summary import Summary
 from gen.identification.network.uncertainty import spread_of
+from gen.identification.sources import Source
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
 from tests.identification.network.plant import ROOM, TWO, holds

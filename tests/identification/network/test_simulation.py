@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from gen.identification.coefficient_file import Settings
-from gen.identification.data import Source
 from gen.identification.network.bins import binned
 from gen.identification.network.data import make_network_data
 from gen.identification.network.document import network_text
@@ -20,6 +19,7 @@ from gen.identification.network.problem import Problem
 from gen.identification.network.scale import scale_of
 from gen.identification.network.structure import Structure, full
 from gen.identification.network.weights import weights
+from gen.identification.sources import Source
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
 from tests.identification.network.plant import ROOM, TWO, holds

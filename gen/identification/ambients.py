@@ -1,0 +1,129 @@
+"""The ambient of each run: measured, noted or given; else what the runs themselves tell of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gen.errors import InputError
+from gen.identification.sources import Source
+from gen.identification.structure import FloatArray
+from gen.runs import Run
+
+ALIKE_K = 3.0
+"""Components that begin no further apart than this begin cold."""
+SAME_ROOM_K = 4.0
+"""Rooms of several runs differ by no more than this: what begins warmer does not begin cold."""
+UNKNOWN_K = 5.0
+"""Standard deviation of a room that nothing says about where the coldest run begins, K."""
+
+
+def ambients_of(
+    sources: Sequence[Source], fixed: float | None, warnings: list[str], *, estimated: bool = False
+) -> tuple[list[FloatArray | float], float]:
+    """Give the ambient of each run, and what all of them may be off by together.
+
+    Where nothing says it a run that begins like the coldest ones begins in its room; others are taken to stand in the
+    room of those.
+
+    Parameters
+    ----------
+    sources
+        The runs.
+    fixed
+        The ambient in degC where it was not measured, or None.
+    warnings
+        Added to.
+    estimated
+        Whether the model is to find out how far off a guess is: then a guess need not come from a cold start.
+
+    Returns
+    -------
+    ambients
+        By run: at every row, shape (N,), or one number, degC.
+    unsure
+        Standard deviation of what all that nothing says are off by together, K; 0 where one of them is said.
+
+    Raises
+    ------
+    InputError
+        When what is noted is no number; when nothing says it, and no run begins cold.
+    """
+    said = [said_ambient(source, fixed, warnings) for source in sources]
+    levels = [float(np.mean(level)) for level in said if level is not None]
+    starts = [_first_readings(source.run) for source in sources]
+    if not (estimated or levels or any(map(_alike, starts))):
+        raise InputError(
+            "there is no ambient_degC, and the components do not start alike; give the ambient with --ambient",
+            file=sources[0].path,
+        )
+    known = [min(firsts) for firsts, level in zip(starts, said, strict=True) if firsts and (level is None or levels)]
+    usual = float(np.median(levels)) if levels else min(known)
+    found: list[FloatArray | float] = []
+    for source, level, firsts in zip(sources, said, starts, strict=True):
+        if level is not None:
+            found.append(level)
+            continue
+        own = float(np.median(firsts)) if firsts else usual
+        if _alike(firsts) and own - usual <= SAME_ROOM_K:
+            warnings.append(
+                f"{source.path}: no ambient_degC; a cold start is assumed, so {own:g} degC, where the run begins"
+            )
+            found.append(own)
+        else:
+            warnings.append(
+                f"{source.path}: no ambient_degC, and a warm start; {usual:g} degC is taken, as in the others"
+            )
+            found.append(usual)
+    return found, 0.0 if levels else UNKNOWN_K
+
+
+def said_ambient(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float | None:
+    """Give the ambient that was measured, noted or given: at every row, one number, or None.
+
+    Parameters
+    ----------
+    source
+        The run.
+    fixed
+        The ambient in degC where it was not measured, or None.
+    warnings
+        Added to.
+
+    Raises
+    ------
+    InputError
+        When what is noted is no number.
+    """
+    run = source.run
+    if run.ambient is not None and np.isfinite(run.ambient).any():
+        good = np.isfinite(run.ambient)
+        missing = float(np.mean(~good))
+        if missing > 0.05:
+            warnings.append(f"{source.path}: ambient_degC is missing in {missing:.0%} of the rows; it is interpolated")
+        return np.interp(run.time_s, run.time_s[good], run.ambient[good])
+    if fixed is not None:
+        return float(fixed)
+    noted = run.comments.get("ambient_degC")
+    if noted is not None:
+        try:
+            return float(noted)
+        except ValueError:
+            raise InputError(f'found "{noted}", expected a number', file=source.path, place="# ambient_degC") from None
+    return None
+
+
+def first_readings(run: Run) -> list[float]:
+    """The first reading of each component that has one, degC."""
+    return [float(values[np.isfinite(values)][0]) for values in run.temps.values() if np.isfinite(values).any()]
+
+
+def _first_readings(run: Run) -> list[float]:
+    """The first reading of each component that has one, degC."""
+    return [float(values[np.isfinite(values)][0]) for values in run.temps.values() if np.isfinite(values).any()]
+
+
+def _alike(firsts: Sequence[float]) -> bool:
+    """Whether a run that begins with these readings may begin cold."""
+    return bool(firsts) and max(firsts) - min(firsts) <= ALIKE_K

@@ -1,0 +1,118 @@
+"""Fit both kinds, and choose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from gen.errors import CheckFailed, InputError
+from gen.identification.choice.compared import KINDS, Errors, Kind, comparison
+from gen.identification.choice.decision import Decision, Tried, decided, told_without_folds
+from gen.identification.choice.folds import Fold, folds_of
+from gen.identification.choice.left_out import errors
+from gen.identification.choice.models import NetworkModel, Options, PartsModel, Progress, network_of, parts_of
+from gen.identification.sources import Source
+
+Fitted = PartsModel | NetworkModel
+Fit = Callable[[Sequence[Source], Options, Progress], Fitted]
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """The model that was taken, and why.
+
+    Attributes
+    ----------
+    model
+        With the reason in its file's provenance.
+    decision
+        Which kind, by how much.
+    """
+
+    model: Fitted
+    decision: Decision
+
+
+def choose(sources: Sequence[Source], options: Options, progress: Progress) -> Chosen:
+    """Fit parts and network to all runs, and to each fold's; take one.
+
+    Each kind is fitted `MOST_FOLDS` + 1 times at most; once, where one of them refuses or leaves a part out.
+
+    Parameters
+    ----------
+    sources
+        The runs.
+    options
+        What the user sets.
+    progress
+        Told what is being done.
+
+    Raises
+    ------
+    InputError
+        When a run or a setting has a fault, or nothing can be identified by either kind.
+    CheckFailed
+        When neither kind leads to a model that can be built.
+    """
+    fits: dict[Kind, Fit] = {"network": network_of, "parts": parts_of}
+    models: dict[Kind, Fitted] = {}
+    tried: dict[Kind, Tried] = {}
+    refusals: list[InputError | CheckFailed] = []
+    for kind in KINDS:
+        try:
+            models[kind] = fits[kind](sources, options, _told(progress, kind))
+            tried[kind] = Tried(models[kind].coefficients.model.component_names)
+        except (InputError, CheckFailed) as error:
+            tried[kind] = Tried(refused=_said(error))
+            refusals.append(error)
+    if not models:
+        raise _neither(refusals)
+    decision = told_without_folds(tried) or _compared(sources, fits, options, progress)
+    return Chosen(models[decision.kind].noted(decision.note), decision)
+
+
+def _compared(sources: Sequence[Source], fits: Mapping[Kind, Fit], options: Options, progress: Progress) -> Decision:
+    """Decide by left-out error, with no more folds than that takes."""
+    folds = folds_of(sources)
+    found: dict[Kind, list[Errors | None]] = {kind: [] for kind in KINDS}
+    compared, untried = None, 0
+    for number, fold in enumerate(folds, start=1):
+        for kind in KINDS:
+            told = _told(progress, f"{kind}, left out {number} of {len(folds)}")
+            found[kind].append(_left_out(fits[kind], fold, options, told))
+        compared = comparison(found)
+        untried = sum(len(further.judged) for further in folds[number:])
+        if compared is not None and untried and not compared.may_show_parts(untried):
+            break
+    return decided(compared, "run" if len(sources) > 1 else "stretch", untried)
+
+
+def _left_out(fit: Fit, fold: Fold, options: Options, progress: Progress) -> Errors | None:
+    """What a kind errs by on what a fold leaves out; None where too little is left to fit."""
+    try:
+        return errors(fit(fold.fit, options, progress).coefficients, fold)
+    except (InputError, CheckFailed):
+        return None
+
+
+def _told(progress: Progress, what: str) -> Progress:
+    return lambda text: progress(f"{what}: {text}")
+
+
+def _said(error: InputError | CheckFailed) -> str:
+    """What is wrong, with the file's own name: where it stood is nothing for a coefficient file."""
+    if isinstance(error, CheckFailed):
+        return str(error)
+    file = Path(error.file).name if error.file else None
+    return ": ".join(part for part in (file, error.place, error.message) if part)
+
+
+def _neither(refusals: Sequence[InputError | CheckFailed]) -> InputError | CheckFailed:
+    """What both say where both say the same; else both, and of bad input its place."""
+    first, second = refusals
+    if str(first) == str(second):
+        return first
+    if isinstance(first, InputError) and isinstance(second, InputError):
+        return second
+    return CheckFailed(f"neither kind of model can be identified: network: {first}; parts: {second}")

@@ -1,0 +1,115 @@
+"""Either kind of model from runs in memory: the fit, the coefficient file's text, and what is read back of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from gen.coefficients import Coefficients
+from gen.identification.coefficient_file import Settings, coefficient_text, usable
+from gen.identification.data import Data, make_data
+from gen.identification.identify import Identified, identify
+from gen.identification.network.data import make_network_data
+from gen.identification.network.document import network_text
+from gen.identification.network.identify import NetworkFound, identify_network
+from gen.identification.sources import Source
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the user sets.
+
+    Attributes
+    ----------
+    settings
+        Of the board and the motor.
+    ambient
+        In degC, for runs without a measured one, or None.
+    max_order, max_hidden
+        Highest order of a part, most hidden nodes of a network.
+    """
+
+    settings: Settings
+    ambient: float | None = None
+    max_order: int = 4
+    max_hidden: int = 3
+
+
+@dataclass(frozen=True, eq=False)
+class PartsModel:
+    """A transfer function for each part.
+
+    Attributes
+    ----------
+    data, found
+        The runs, and what each part was found to be.
+    settings
+        Of the board and the motor.
+    text, coefficients
+        The coefficient file, and what is read back of it.
+    """
+
+    data: Data
+    found: Mapping[str, Identified]
+    settings: Settings
+    text: str
+    coefficients: Coefficients
+
+    def noted(self, note: str) -> PartsModel:
+        """Give the same with a sentence more in the file's provenance."""
+        text, coefficients = coefficient_text(self.data, self.found, self.settings, note)
+        return replace(self, text=text, coefficients=coefficients)
+
+
+@dataclass(frozen=True, eq=False)
+class NetworkModel:
+    """One network for all parts.
+
+    Attributes
+    ----------
+    result
+        The runs, the network and how it was judged.
+    settings
+        Of the board and the motor.
+    text, coefficients
+        The coefficient file, and what is read back of it.
+    """
+
+    result: NetworkFound
+    settings: Settings
+    text: str
+    coefficients: Coefficients
+
+    def noted(self, note: str) -> NetworkModel:
+        """Give the same with a sentence more in the file's provenance."""
+        text, coefficients = network_text(self.result, self.settings, note)
+        return replace(self, text=text, coefficients=coefficients)
+
+
+def parts_of(sources: Sequence[Source], options: Options, progress: Progress) -> PartsModel:
+    """Identify part by part.
+
+    Raises
+    ------
+    InputError
+        When nothing can be identified from the runs.
+    CheckFailed
+        When what was found is no model that can be built.
+    """
+    settings = options.settings
+    data = make_data(sources, options.ambient)
+    found = identify(data, progress, options.max_order, settings.sample_time_s)
+    data, found = usable(data, found, settings)
+    text, coefficients = coefficient_text(data, found, settings)
+    return PartsModel(data, found, settings, text, coefficients)
+
+
+def network_of(sources: Sequence[Source], options: Options, progress: Progress) -> NetworkModel:
+    """Identify one network; raises as :func:`parts_of` does."""
+    settings = options.settings
+    data = make_network_data(sources, options.ambient, settings.full_scale)
+    result = identify_network(data, progress, options.max_hidden)
+    text, coefficients = network_text(result, settings)
+    return NetworkModel(result, settings, text, coefficients)
