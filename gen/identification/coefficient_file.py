@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients, Document, dump, parse
-from gen.coefficients.document import Accuracy, Ambient, Domain, Input, Validity
+from gen.coefficients.document import Accuracy, Ambient, Domain, Validity
 from gen.coefficients.messages import building
 from gen.coefficients.provenance import ErrorBand, Provenance
 from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.bands import Band
 from gen.identification.data import Data
+from gen.identification.drive import input_entry
 from gen.identification.identify import Identified
 from gen.identification.schedule_entries import component_entry
 from gen.identification.structure import FloatArray
@@ -119,7 +120,7 @@ def _document(data: Data, found: Mapping[str, Identified], settings: Settings, m
         name=settings.name,
         description=f"Identified from {len(data.sources)} run(s): {_speeds_text(found)}.",
         sample_time_s=settings.sample_time_s,
-        input=Input(name="pwm", full_scale=settings.full_scale, nominal_speed_rpm=settings.nominal_speed_rpm),
+        input=input_entry(data.runs, settings.full_scale, settings.nominal_speed_rpm),
         ambient=Ambient(
             fixed_degC=data.ambient_fixed,
             channel="ambient_degC" if data.ambient_measured else None,

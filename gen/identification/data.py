@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gen.coefficients.names import name_fault
 from gen.errors import InputError
 from gen.identification.believed import believed_run
+from gen.identification.drive import common_drive
 from gen.identification.records import Record, condense
 from gen.identification.structure import FloatArray
 from gen.runs import Run, read_run
@@ -69,6 +70,11 @@ class Data:
     ambient_measured: bool
     warnings: tuple[str, ...]
 
+    @property
+    def runs(self) -> list[tuple[str, Run]]:
+        """The runs by path."""
+        return [(source.path, source.run) for source in self.sources]
+
 
 def read_data(paths: Sequence[Path], ambient: float | None) -> Data:
     """Read run files and condense them.
@@ -91,6 +97,7 @@ def read_data(paths: Sequence[Path], ambient: float | None) -> Data:
 
 def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     """Condense runs in memory, as :func:`read_data` does."""
+    common_drive((source.path, source.run) for source in sources)
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     sources = [sound(source, warnings) for source in sources]
     if not any(np.any(source.run.pwm != 0) for source in sources):
@@ -110,9 +117,9 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
 
 def sound(source: Source, warnings: list[str]) -> Source:
     """Give the run without readings that no part can have shown; the warnings say how many."""
-    run, said = believed_run(source.run)
-    warnings += [f"{source.path}: {sentence}" for sentence in said]
-    return replace(source, run=run) if said else source
+    run = believed_run(source.run)
+    warnings += [f"{source.path}: {sentence}" for sentence in run.doubted]
+    return replace(source, run=run)
 
 
 def _records(

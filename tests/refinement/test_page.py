@@ -82,7 +82,7 @@ def six_parts() -> tuple[Coefficients, str]:
 
 
 def test_many_long_runs_of_six_parts_stay_a_small_page(tmp_path: Path) -> None:
-    """3 h at 4 Hz; one sample of the shaft's sensor is 20 K off, and it is seen in its picture."""
+    """3 h at 4 Hz; two seconds in which the shaft warms by 20 K and cools again are seen in its picture."""
     baseline, raw = six_parts()
     random = np.random.default_rng(9)
     time_s = np.arange(0.0, 10_800.0, 0.25)
@@ -94,7 +94,7 @@ def test_many_long_runs_of_six_parts_stay_a_small_page(tmp_path: Path) -> None:
         temps = {n: np.round((r + 30.0 + random.normal(0.0, 0.2, r.size)) * 4.0) / 4.0 for n, r in rises.items()}
         path = tmp_path / f"run{number}.csv"
         if number == 5:
-            temps["shaft"][12_345] = 99.0
+            temps["shaft"][12_341:12_350] += [4.0, 8.0, 12.0, 16.0, 20.0, 16.0, 12.0, 8.0, 4.0]
         write_run(path, Run(time_s, pwm, temps))
         paths.append(path)
     found = refine(baseline, raw, paths[:4], paths[4:])
@@ -106,7 +106,8 @@ def test_many_long_runs_of_six_parts_stay_a_small_page(tmp_path: Path) -> None:
     dots = re.search(r'<path class="measured" d="([^"]*)"', shaft)
     assert dots is not None
     heights = sorted(float(y) for y in re.findall(r"M\S+ (\S+?)h0", dots[1]))
-    assert heights[0] < 35.0 < 50.0 < heights[1]  # the one at the top, far from all others
+    assert heights[0] < 35.0  # at the top
+    assert sum(y < 50.0 for y in heights) <= 3  # far from all others
     first = text[: text.index("<details>")]
     assert first.count("<figure>") == 6  # the first test run; the others are folded
 

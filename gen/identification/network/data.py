@@ -20,9 +20,10 @@ from gen.identification.data import (
     said_ambient,
     sound,
 )
+from gen.identification.drive import common_drive
 from gen.identification.network.bins import Binned, FloatArray, binned, longest_bin
 from gen.identification.records import resolution
-from gen.runs import read_run
+from gen.runs import Run, read_run
 
 COARSE = 4.0
 """The search works on bins longer by this factor."""
@@ -66,6 +67,11 @@ class NetworkData:
     warnings: tuple[str, ...]
     ambient_unsure_K: float = 0.0
 
+    @property
+    def runs(self) -> list[tuple[str, Run]]:
+        """The runs by path."""
+        return [(source.path, source.run) for source in self.sources]
+
 
 def read_network_data(paths: Sequence[Path], ambient: float | None, full_scale: int) -> NetworkData:
     """Read run files and condense them.
@@ -90,6 +96,7 @@ def read_network_data(paths: Sequence[Path], ambient: float | None, full_scale: 
 
 def make_network_data(sources: Sequence[Source], ambient: float | None, full_scale: int = 255) -> NetworkData:
     """Condense runs in memory, as :func:`read_network_data` does."""
+    common_drive((source.path, source.run) for source in sources)
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     sources = [sound(source, warnings) for source in sources]
     _check(sources, full_scale)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients, Document, dump, parse
-from gen.coefficients.document import Accuracy, Ambient, Domain, Input, Validity
+from gen.coefficients.document import Accuracy, Ambient, Domain, Validity
 from gen.coefficients.messages import building
 from gen.coefficients.network import (
     CurveEntry,
@@ -25,6 +25,7 @@ from gen.coefficients.provenance import ErrorBand, Provenance
 from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings
+from gen.identification.drive import input_entry
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.forecast import Band, bands
 from gen.identification.network.foresight import Foresight, foresight
@@ -103,7 +104,7 @@ def _document(result: NetworkFound, settings: Settings) -> Document:
         name=settings.name,
         description=f"One thermal network, identified from {len(result.data.sources)} run(s).",
         sample_time_s=settings.sample_time_s,
-        input=Input(name="pwm", full_scale=top, nominal_speed_rpm=settings.nominal_speed_rpm),
+        input=input_entry(result.data.runs, top, settings.nominal_speed_rpm),
         ambient=_ambient(result),
         validity=Validity(pwm=(low, high), outside="extrapolate"),
         domain=_domain(result, top),
