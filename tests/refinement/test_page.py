@@ -94,7 +94,7 @@ def test_many_long_runs_of_six_parts_stay_a_small_page(tmp_path: Path) -> None:
         temps = {n: np.round((r + 30.0 + random.normal(0.0, 0.2, r.size)) * 4.0) / 4.0 for n, r in rises.items()}
         path = tmp_path / f"run{number}.csv"
         if number == 5:
-            away = 5.0 * np.abs(np.arange(temps["shaft"].size) - 12_345)  # no faster than is believed
+            away = 2.0 * np.abs(np.arange(temps["shaft"].size) - 12_345)  # no faster than is believed
             temps["shaft"] = np.maximum(temps["shaft"], 99.0 - away)
         write_run(path, Run(time_s, pwm, temps))
         paths.append(path)
@@ -108,7 +108,7 @@ def test_many_long_runs_of_six_parts_stay_a_small_page(tmp_path: Path) -> None:
     assert dots is not None
     heights = sorted(float(y) for y in re.findall(r"M\S+ (\S+?)h0", dots[1]))
     assert heights[0] < 35.0  # at the top
-    assert sum(y < 50.0 for y in heights) < 12  # far from all others
+    assert heights[10] > 50.0  # far from all others
     first = text[: text.index("<details>")]
     assert first.count("<figure>") == 6  # the first test run; the others are folded
 
