@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,7 +134,7 @@ def _document(data: Data, found: Mapping[str, Identified], settings: Settings, m
             source="gen identify",
             method="Output-error fit of transfer functions without zeros at each speed; order by the error on "
             "held-out data; schedules by leave-one-speed-out error in K; all parameters refined on the runs",
-            data=tuple(source.path.rsplit("/", 1)[-1] for source in data.sources),
+            data=tuple(Path(source.path).name for source in data.sources),
             fit={name: _figures(item) for name, item in found.items()},
             error=tuple(band for name, item in found.items() for band in error_bands(name, item)),
         ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,7 +115,7 @@ def _document(result: NetworkFound, settings: Settings) -> Document:
             source="gen identify --model network",
             method="One network of heat capacities fitted to all runs at once by the error of its simulation, with "
             "weak physical priors; hidden nodes and paths by the error on runs left out",
-            data=tuple(source.path.rsplit("/", 1)[-1] for source in result.data.sources),
+            data=tuple(Path(source.path).name for source in result.data.sources),
             fit=_figures(result),
             error=tuple(_error_bands(result, spread)),
         ),
