@@ -21,6 +21,8 @@ _MONTH_S = 30 * 86_400.0
 _NAP_S = 0.05
 _FASTEST = 1000.0
 HEALTHY = "none"
+ROOM_K_PER_S = 0.2
+"""A room does not jump, and the board would not believe a sensor of one that does."""
 _MOST_WAITING = 64
 
 
@@ -63,6 +65,8 @@ class EmulatedSource(Source):
         self._asked: queue.Queue[Callable[[], None]] = queue.Queue(_MOST_WAITING)
         self._anchor = (0.0, 0.0)
         self._now_s = 0.0
+        self._stepped_s = 0.0
+        self._room = self._wanted = ambient_degC
         kinds = (HEALTHY, *SENSOR_FAULTS)
         self._controls = {
             control.name: control
@@ -131,8 +135,17 @@ class EmulatedSource(Source):
         self._now_s = session.seconds
         while not self._asked.empty():
             self._asked.get_nowait()()
+        self._warm(session.seconds - self._stepped_s)
+        self._stepped_s = session.seconds
         session.sent.clear()  # the view keeps what came; a month of it twice would be much
         self._wait(session.seconds)
+
+    def _warm(self, seconds: float) -> None:
+        """Let the room go towards what was asked for."""
+        if self._room != self._wanted:
+            most = ROOM_K_PER_S * seconds
+            self._room += min(max(self._wanted - self._room, -most), most)
+            self._plant.set_ambient(self._room)
 
     def _wait(self, seconds: float) -> None:
         """Let no more than the pace's share of simulated time pass; what the emulator cannot follow is not owed."""
@@ -153,7 +166,7 @@ class EmulatedSource(Source):
 
     def _set(self, name: str, value: float | str) -> None:
         if name == "ambient":
-            self._plant.set_ambient(float(value))
+            self._wanted = float(value)
         elif name == "fault":
             self._plant.set_faults("" if value == HEALTHY else str(value))
         else:

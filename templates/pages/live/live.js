@@ -80,7 +80,7 @@ function traces() {
 function draw() {
   if (!dirty || document.hidden || !about) return;
   dirty = false;
-  const style = getComputedStyle(document.body), now = part.last.time_s || 0;
+  const style = getComputedStyle(document.body), times = (part.curves.pwm || [[]])[0], now = times.length ? times[times.length - 1] : 0;
   const axis = {gridcolor: style.getPropertyValue("--rule"), zeroline: false, automargin: true};
   const layout = {
     datarevision: ++drawn, // the curves grow where they are: without it they would be taken for unchanged
@@ -92,7 +92,7 @@ function draw() {
     yaxis3: {title: {text: "rpm"}, overlaying: "y2", side: "right", showgrid: false, zeroline: false, rangemode: "tozero", tickmode: "auto", nticks: 4},
   };
   Plotly.react("plot", traces(), layout, {responsive: true, displaylogo: false});
-  by("plot").dataset.points = String((part.curves.pwm || [[]])[0].length);
+  Object.assign(by("plot").dataset, {points: String(times.length), until: String(now)}); // what was drawn, for who looks at it from outside
 }
 
 function take(told) {
