@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 _PATH = click.Path(path_type=Path)
 _PORT = 8765
+_RUN = ".csv"
+"""No port is called so: a run file that is not there is no port to look for."""
 
 
 @click.command(
@@ -75,7 +77,7 @@ def live(
     if (source is None) == (emulated is None):
         raise click.UsageError("expected a port or a run file, or --emulate COEFFS")
     host, port = _address(listen)
-    run = Path(source) if source is not None and Path(source).is_file() else None
+    run = Path(source) if source is not None and (Path(source).is_file() or source.endswith(_RUN)) else None
     check_outputs((out,), [path for path in (run, emulated, model) if path is not None])
     known = load(path) if (path := emulated or model) is not None else None
     if run is not None:

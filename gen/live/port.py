@@ -10,12 +10,13 @@ import serial
 from gen.errors import InputError
 from gen.live.source import Source
 from gen.live.view import View
-from gen.record.port import ASK_HEADER
+from gen.record.port import ASK_HEADER, reason
 
 _READ_S = 0.1
 _AGAIN_S = 1.0
 _ASK_EVERY_S = 3.0
 _MOST_WAITING = 32
+_LOST = (serial.SerialException, ValueError, OSError)
 
 
 class PortSource(Source):
@@ -24,14 +25,23 @@ class PortSource(Source):
     Parameters
     ----------
     port, baud
-        Which, and its speed in bit/s. It need not be there yet.
+        Which, and its speed in bit/s.
     view
         Where the rows go.
+
+    Raises
+    ------
+    InputError
+        When it cannot be opened; one that goes later is waited for.
     """
 
     def __init__(self, port: str, baud: int, view: View) -> None:
         super().__init__("port", port, view)
         self._baud = baud
+        try:
+            self._first: serial.Serial | None = self._opened()
+        except _LOST as error:
+            raise InputError(f"cannot be opened: {reason(error)}", file=port) from error
         self._waiting: queue.Queue[bytes] = queue.Queue(_MOST_WAITING)
 
     def send(self, data: bytes) -> None:
@@ -48,17 +58,21 @@ class PortSource(Source):
         begin = time.monotonic()
         while not self.stopped.is_set():
             try:
-                with serial.Serial(self.name, self._baud, timeout=_READ_S, write_timeout=1.0) as line:
+                line, self._first = self._first or self._opened(), None
+                with line:
                     self._forget()
                     self.link, self.connected = f"open at {self._baud} bit/s", True
                     self.view.say(f"{self.name}: open")
                     self._listen(line, begin)
-            except (serial.SerialException, ValueError, OSError) as error:
-                if self.connected or self.link == "not started":
-                    self.view.say(f"{self.name}: {_reason(error)}; waiting for it")
-                self.link = f"waiting for the port: {_reason(error)}"
+            except _LOST as error:
+                if self.connected:
+                    self.view.say(f"{self.name}: {reason(error)}; waiting for it")
+                self.link = f"waiting for the port: {reason(error)}"
             self.connected = False
             self.stopped.wait(_AGAIN_S)
+
+    def _opened(self) -> serial.Serial:
+        return serial.Serial(self.name, self._baud, timeout=_READ_S, write_timeout=1.0)
 
     def _listen(self, line: serial.Serial, begin: float) -> None:
         headers, ask_at = self.view.recorder.headers, time.monotonic() + _ASK_EVERY_S
@@ -74,8 +88,3 @@ class PortSource(Source):
         """A command that a lost port did not take is none for the board that comes after it."""
         while not self._waiting.empty():
             self._waiting.get_nowait()
-
-
-def _reason(error: Exception) -> str:
-    number = getattr(error, "strerror", None)
-    return str(number or error).splitlines()[0]

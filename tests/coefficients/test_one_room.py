@@ -54,6 +54,9 @@ OTHER_FORMATS = {
     "certificate/network/document.py": {"components"},
     "firmware/network_certificate.py": {"components", "factors", "paths"},
     # faults, channels and results of `gen emulate`
+    # an HTTP request, a row
+    "live/access.py": {"method"},
+    "live/view.py": {"alarms"},
     "commands/emulate.py": {"alarms", "profile", "ambient", "encoder"},
     "emulate/results.py": {"alarms"},
     # contexts of templates, and lists of names in them

@@ -79,6 +79,8 @@ def test_an_emulated_board_is_recorded_and_ends_when_it_is_killed_politely(tmp_p
     [
         ([], "expected a port or a run file, or --emulate COEFFS"),
         (["run.csv", "--emulate", "x.json"], "expected a port or a run file, or --emulate COEFFS"),
+        (["no-such-port"], "no-such-port: cannot be opened"),
+        (["missing.csv"], "missing.csv: there is no such file; expected a run file"),
         (["head.csv"], "head.csv: line 1: missing column pwm"),
         (["run.csv", "--model", "no.json"], "no.json: "),
         (["--emulate", "no.json"], "no.json: "),

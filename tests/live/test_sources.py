@@ -53,18 +53,17 @@ class Plugged:
 
 def test_a_port_is_opened_anew_when_it_comes_back(tmp_path: Path) -> None:
     link = tmp_path / "board"
+    board = Plugged(link)
     source = PortSource(str(link), 115200, View(Known()))
     source.start()
-    wait_until(lambda: source.link.startswith("waiting for the port"))
-    with pytest.raises(InputError, match="nothing was sent"):
-        source.send(b"90\n")
-    board = Plugged(link)
     try:
         wait_until(lambda: source.connected)
         board.print(HEADER + b"0,5,30,30,0,0,0\n1,5,31,30,0,0,0\n2,5,3")
         wait_until(lambda: source.view.recorder.rows == 2)
         board.pull()
-        wait_until(lambda: not source.connected)
+        wait_until(lambda: source.link.startswith("waiting for the port"))
+        with pytest.raises(InputError, match="nothing was sent"):
+            source.send(b"90\n")
         board = Plugged(link)
         wait_until(lambda: source.connected)
         board.print(b"\n# reset: power\n" + HEADER + b"0,6,32,30,0,0,0\n")
@@ -80,6 +79,12 @@ def test_a_port_is_opened_anew_when_it_comes_back(tmp_path: Path) -> None:
     times = [row[0] for row in source.view.since(0)]
     assert times == sorted(set(times))  # type: ignore[type-var]
     assert not source.connected
+
+
+def test_a_port_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be opened: .*No such file") as caught:
+        PortSource(str(tmp_path / "board"), 115200, View(Known()))
+    assert caught.value.file == str(tmp_path / "board")
 
 
 def test_a_board_that_says_nothing_is_asked_for_its_columns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
