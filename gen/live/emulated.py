@@ -134,7 +134,10 @@ class EmulatedSource(Source):
     def _step(self, session: Session) -> None:
         self._now_s = session.seconds
         while not self._asked.empty():
-            self._asked.get_nowait()()
+            try:
+                self._asked.get_nowait()()
+            except InputError as error:  # what the plant cannot do is said; the motor runs on
+                self.view.say(str(error))
         self._warm(session.seconds - self._stepped_s)
         self._stepped_s = session.seconds
         session.sent.clear()  # the view keeps what came; a month of it twice would be much

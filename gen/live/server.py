@@ -75,7 +75,7 @@ class Live:
         while not self.source.stopped.is_set() and not await gone():
             if view.part != part:
                 part, row = view.part, 0
-            rows = view.since(row)[:_AT_ONCE]
+            rows = view.since(row, _AT_ONCE)
             status = json.dumps(self.status())
             quiet_s += _EVERY_S
             if rows or status != before or quiet_s >= _QUIET_S:

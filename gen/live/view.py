@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import threading
+from array import array
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -83,7 +84,9 @@ class View:
         self.known = known
         self.recorder = Recorder()
         self._lock = threading.Lock()
-        self._rows: list[Row] = []
+        self._values = array("d")  # row by row; of days of rows a list of lists would be ten times as large
+        self._count, self._width = 0, 1
+        self._last: dict[str, float | None] = {}
         self._sensors = ""
         self._parts = 0
         self._read = 0  # comments of the present part that were looked at
@@ -116,10 +119,14 @@ class View:
         with self._lock:
             return self._columns()
 
-    def since(self, row: int) -> list[Row]:
-        """Rows of the present part from this number on; None for what is missing."""
+    def since(self, row: int, most: int | None = None) -> list[Row]:
+        """Rows of the present part from this number on, no more than `most`; None for what is missing."""
         with self._lock:
-            return self._rows[row:]
+            width = self._width
+            end = self._count if most is None else min(self._count, row + most)
+            values = self._values[row * width : end * width]
+        known = [None if math.isnan(value) else value for value in values]
+        return [known[start : start + width] for start in range(0, len(known), width)]
 
     def history(self, most: int) -> dict[str, Any]:
         """Curves of all rows so far.
@@ -136,20 +143,19 @@ class View:
             times, s, and its values.
         """
         with self._lock:
-            part, columns, rows = self._parts, self._columns(), list(self._rows)
-        table = np.array(rows, dtype=np.float64).reshape(len(rows), len(columns) or 1)
+            part, columns, rows = self._parts, self._columns(), self._count
+            table = np.array(self._values, dtype=np.float64).reshape(rows, self._width)
         curves = {}
         for place, name in enumerate(columns):
-            if place and name not in ("flags", "sensors", "alarms") and len(rows):
+            if place and name not in ("flags", "sensors", "alarms") and rows:
                 x, y = line(table[:, 0], table[:, place], most)
                 curves[name] = [x.tolist(), [None if np.isnan(value) else value for value in y.tolist()]]
-        return {"part": part, "next": len(rows), "columns": columns, "curves": curves}
+        return {"part": part, "next": rows, "columns": columns, "curves": curves}
 
     def status(self) -> dict[str, Any]:
         """What holds now: alarms, sensors, counts, the last lines."""
         with self._lock:
-            columns = self._columns()
-            last = dict(zip(columns, self._rows[-1], strict=True)) if self._rows else {}
+            last = self._last
             return {
                 "alarms": self._alarms(last),
                 "flags": int(last.get("flags") or 0),
@@ -168,14 +174,18 @@ class View:
         if not parts:
             return
         if len(parts) != self._parts:
-            self._parts, self._rows, self._read = len(parts), [], 0
+            self._parts, self._read, self._count, self._last = len(parts), 0, 0, {}
+            self._values, self._width = array("d"), len(self._columns())
         part = parts[-1]
         for text in part.comments[self._read :]:
             self._say(_shown(text))
         self._read = len(part.comments)
         names = part.columns
-        for text in part.rows[len(self._rows) :]:
-            self._rows.append(self._row(names, text.split(",")))
+        for text in part.rows[self._count :]:
+            row = self._row(names, text.split(","))
+            self._values.extend(math.nan if value is None else value for value in row)
+            self._last = dict(zip(names, row, strict=False))
+            self._count += 1
 
     def _row(self, names: Sequence[str], fields: Sequence[str]) -> Row:
         row: Row = []

@@ -82,7 +82,7 @@ def test_a_port_is_opened_anew_when_it_comes_back(tmp_path: Path) -> None:
 
 
 def test_a_port_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot be opened: .*No such file") as caught:
+    with pytest.raises(InputError, match=r"cannot be opened: .*No such file") as caught:
         PortSource(str(tmp_path / "board"), 115200, View(Known()))
     assert caught.value.file == str(tmp_path / "board")
 
