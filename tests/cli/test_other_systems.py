@@ -15,9 +15,9 @@ import pytest
 from gen.files import replace_folder
 from gen.toolchain import run as run_tool
 
-# pyserial has a module of its own for each system; gen.record.port needs the one of the system that it is on.
+# asyncio and pyserial have modules of their own for each system, and take those of the one that they are on.
 HIDDEN = """
-import sys
+import asyncio, serial, sys
 GONE = {"pty", "tty", "fcntl", "termios", "resource", "grp", "pwd", "syslog", "readline", "crypt"}
 class Hide:
     def find_spec(self, name, path=None, target=None):
@@ -35,7 +35,7 @@ for name in ("SIGKILL", "SIGALRM", "SIGHUP", "SIGPIPE", "SIGUSR1", "alarm", "set
 IMPORTS = """
 import importlib, pkgutil, gen
 for module in pkgutil.walk_packages(gen.__path__, "gen."):
-    if module.name.rpartition(".")[2] != "__main__" and module.name != "gen.record.port":
+    if module.name.rpartition(".")[2] != "__main__":
         importlib.import_module(module.name)
 """
 COMMANDS = """
