@@ -74,6 +74,7 @@ class EmulatedSource(Source):
                 Control("pace", "times as fast", "number", pace, 0.1, _FASTEST, 0.1),
                 Control("ambient", "ambient, degC", "number", ambient_degC, -40.0, 80.0, 0.5),
                 Control("fault", "fault of the motor", "choice", HEALTHY, options=(HEALTHY, *faults)),
+                Control("own fault", "or, as --fault has it", "text", ""),
                 *(
                     Control(f"sensor {channel}", f"thermocouple of {channel}", "choice", HEALTHY, options=kinds)
                     for channel in channels
@@ -170,6 +171,8 @@ class EmulatedSource(Source):
     def _set(self, name: str, value: float | str) -> None:
         if name == "ambient":
             self._wanted = float(value)
+        elif name == "own fault":
+            self._plant.set_faults(str(value).strip())
         elif name == "fault":
             self._plant.set_faults("" if value == HEALTHY else str(value))
         else:

@@ -167,6 +167,14 @@ def test_a_fault_that_is_switched_on_raises_the_board_s_alarm_and_ends_it(source
     assert any(f"fault of the motor is now {FAULT}" in line for line in source.view.status()["lines"])
 
 
+def test_a_fault_of_any_size_can_be_typed_and_one_that_cannot_be_is_said(source: EmulatedSource) -> None:
+    source.send(b"200\n")
+    source.change("own fault", "heat:rotor=+20%")
+    wait_until(lambda: any('has no part "rotor"' in line for line in source.view.status()["lines"]))
+    source.change("own fault", FAULT)
+    wait_until(lambda: source.view.status()["alarms"] == ["bearing_warm"])
+
+
 def test_a_sensor_that_is_broken_on_the_page_is_not_believed_by_the_board(source: EmulatedSource) -> None:
     source.change("sensor casing", "open")
     wait_until(lambda: {"channel": "casing", "state": "open"} in source.view.status()["sensors"])
