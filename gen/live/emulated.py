@@ -180,3 +180,6 @@ class EmulatedSource(Source):
             faults = () if kind is None else (SensorFault(kind, self._now_s - STEP_S, inf),)
             self._plant.set_sensor_faults(name.removeprefix("sensor "), faults)
         self.view.say(f"{self._now_s:.2f} s since power-on: {self._controls[name].label} is now {value}")
+        if name != "ambient" and value not in (HEALTHY, ""):
+            key = "motor_fault" if name.endswith("fault") else f"{name.replace(' ', '_')}_fault"
+            self.view.note(key, f"{value} from {self._now_s:.0f} s since power-on")

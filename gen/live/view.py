@@ -90,6 +90,7 @@ class View:
         self._sensors = ""
         self._parts = 0
         self._read = 0  # comments of the present part that were looked at
+        self._notes: list[str] = []
         self._lines: deque[str] = deque(maxlen=_KEPT_LINES)
         self._numbered = 0  # lines so far
 
@@ -103,6 +104,13 @@ class View:
         """Add a line of this program's own to those that came."""
         with self._lock:
             self._say(text)
+
+    def note(self, key: str, value: str) -> None:
+        """Write a comment into this part of the run file, and those after it: what nobody could learn from its rows."""
+        with self._lock:
+            self._notes.append(f"# {key}: {value}")
+            if self.recorder.parts:
+                self.recorder.parts[-1].comments.append(self._notes[-1])
 
     def text(self) -> str:
         """The present part as a run file; empty before the first header."""
@@ -174,6 +182,8 @@ class View:
         if not parts:
             return
         if len(parts) != self._parts:
+            for new in parts[self._parts :]:
+                new.comments += self._notes
             self._parts, self._read, self._count, self._last = len(parts), 0, 0, {}
             self._values, self._width = array("d"), len(self._columns())
         part = parts[-1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pty
+import re
 import tty
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,6 +22,7 @@ from gen.live.emulated import EmulatedSource
 from gen.live.port import PortSource
 from gen.live.replay import ReplaySource
 from gen.live.view import Known, View, known_of
+from gen.runs.faults import declared_faults
 from tests.examples import ROOT
 from tests.live.serving import HEADER, wait_until
 
@@ -163,6 +165,11 @@ def test_a_fault_that_is_switched_on_raises_the_board_s_alarm_and_ends_it(source
     assert source.view.status()["alarms"] == []
     source.change("fault", FAULT)
     wait_until(lambda: source.view.status()["alarms"] == ["bearing_warm"])
+    source.change("fault", "none")
+    source.stop()
+    comments = dict(re.findall(r"^# (\w+): (.*)$", source.view.text(), re.MULTILINE))
+    assert declared_faults(comments) == [comments["motor_fault"]]
+    assert comments["motor_fault"].startswith(f"{FAULT} from ")
     assert any("alarm bearing_warm" in line for line in source.view.status()["lines"])
     assert any(f"fault of the motor is now {FAULT}" in line for line in source.view.status()["lines"])
 

@@ -67,6 +67,16 @@ def test_lines_before_the_first_header_are_lost_and_counted() -> None:
     assert view.history(100) == {"part": 0, "next": 0, "columns": [], "curves": {}}
 
 
+def test_a_note_is_in_every_part_from_then_on() -> None:
+    view = View(KNOWN)
+    view.note("motor_fault", "brush")
+    view.feed(HEADER.encode() + b"0,0,30,29,30,0,00,0\ntime_s,pwm,coil_degC\n0,5,31\n", 0.0)
+    view.note("sensor_coil_fault", "open")
+    first, second = (part.comments for part in view.recorder.parts)
+    assert first == ["# motor_fault: brush"]
+    assert second[-2:] == ["# motor_fault: brush", "# sensor_coil_fault: open"]
+
+
 def test_a_number_that_json_has_not_is_none() -> None:
     view = fed("0,0,1e999,29,30,0,00,1e999")
     assert view.since(0)[0][2] is None
