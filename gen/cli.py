@@ -18,6 +18,7 @@ from gen.commands.emulate import emulate
 from gen.commands.identify import identify
 from gen.commands.importing import import_runs
 from gen.commands.init import init
+from gen.commands.live import live
 from gen.commands.log import log
 from gen.commands.plan import plan
 from gen.commands.plot import plot
@@ -45,6 +46,7 @@ for command in (
     simulate,
     emulate,
     log,
+    live,
     import_runs,
     identify,
     init,

@@ -148,7 +148,7 @@ def replace_folder(folder: Path, files: Mapping[str, str], *, force: bool = Fals
         for path, text in files.items():
             target = staging / "new" / path
             target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(text, encoding="utf-8")
+            target.write_text(text, encoding="utf-8", newline="\n")  # as the manifest's hashes are
         if folder.exists():
             folder.rename(staging / "old")
             try:

@@ -122,6 +122,10 @@ def run(command: Sequence[str], *, environment: Mapping[str, str] | None = None)
 
 def _end(process: subprocess.Popen[str]) -> None:
     """Kill a group of processes, and wait until none of them can write any more."""
+    if not hasattr(os, "killpg"):  # Windows has no groups to end: what the driver started is let go
+        process.kill()
+        process.wait()
+        return
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     patience = time.monotonic() + _PATIENCE_S

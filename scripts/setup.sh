@@ -5,6 +5,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 packages=(g++ clang gcc-avr avr-libc binutils-avr simavr libsimavr-dev arduino-core-avr libelf-dev pkg-config python3 python3-venv)
+[ "${1:-}" != test ] || packages+=(chromium) # the page of gen live is tested in a browser
 missing=()
 for package in "${packages[@]}"; do
     status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)

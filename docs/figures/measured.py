@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from benchmarks.identify_measured import CASES, predict
+from benchmarks.real_machines.shipped import CASES, predict
 
 
 def figure() -> Figure:

@@ -31,12 +31,36 @@ SKETCH_FILES |= {"channels", "indicator", "memory", "observer", "output", "selft
 CelsiusRange = tuple[Celsius, Celsius]
 
 
+class StandsFor(Part):
+    """What the PWM counts stand for where the runs were driven by another quantity: current, power, throttle, speed."""
+
+    quantity: Annotated[str, Field(min_length=1, max_length=200, description="Its name, as the log has it.")]
+    unit: Annotated[str, Field(min_length=1, max_length=40, description="Of its values.")]
+    full_scale: Annotated[Positive, Field(description="Its value at the input's full scale, in that unit.")]
+
+    @model_validator(mode="after")
+    def _check(self) -> StandsFor:
+        for key, text in (("quantity", self.quantity), ("unit", self.unit)):
+            if not text.isprintable() or not text.strip():
+                raise fault(f"found {text!r}, expected words on one line", key)
+        return self
+
+
 class Input(Part):
     """The model's input: the PWM command."""
 
     name: ColumnName
     full_scale: Annotated[int, Field(ge=1, le=MAX_PWM, description="The count that is 100 % (8-bit PWM).")]
     nominal_speed_rpm: Annotated[Positive, Field(description="Speed at full scale.")]
+    stands_for: Annotated[
+        StandsFor | None, Field(description="What the counts stand for; left out: they are a motor's PWM.")
+    ] = None
+
+    @property
+    def meaning(self) -> str:
+        """What the counts stand for, in words for those who read what is made of the file; empty: a motor's PWM."""
+        told = self.stands_for
+        return "" if told is None else f"{told.quantity}: {self.full_scale} counts = {told.full_scale:g} {told.unit}"
 
 
 class Ambient(Part):

@@ -17,6 +17,7 @@ from gen.lowering.alarms import LoweredRule, lower_alarms
 from gen.reference.simulate import simulate_run
 from gen.replay import read_for
 from gen.runs import Run, read_run
+from gen.runs.drive import drive_of
 from gen.runs.events import events
 
 Array = NDArray[np.float64]
@@ -52,7 +53,7 @@ def section_of(path: Path, coefficients: Coefficients | None) -> Section:
     panels = [
         _temperature_panel(run, measured, model, places),
         *_residual_panel(run, measured, model, places, rules),
-        Panel("PWM, counts", (Curve("PWM", "held", None, run.pwm.astype(np.float64)),), 1.0),
+        Panel(_input_title(run, coefficients), (Curve("PWM", "held", None, run.pwm.astype(np.float64)),), 1.0),
         *_channel_panels(run),
     ]
     return Section(
@@ -63,6 +64,15 @@ def section_of(path: Path, coefficients: Coefficients | None) -> Section:
         bars=tuple(bars),
         parts=tuple((shown(name), place) for name, place in places.items()),
     )
+
+
+def _input_title(run: Run, coefficients: Coefficients | None) -> str:
+    """What the counts are, and what they stand for where the file or the run says so."""
+    meaning = "" if coefficients is None else coefficients.document.input.meaning
+    drive = drive_of(run.comments)
+    if not meaning and drive is not None and not drive.is_pwm:
+        meaning = drive.text()
+    return f"PWM, counts ({shown(meaning)})" if meaning else "PWM, counts"
 
 
 def _simulated(coefficients: Coefficients, run: Run, file: str) -> dict[str, Array]:

@@ -10,7 +10,7 @@ import numpy as np
 from gen.coefficients import Coefficients
 from gen.emulate.courses import Course, NetworkCourse, PartsCourse, part_names
 from gen.emulate.effects_course import EffectsCourse
-from gen.emulate.model_faults import ModelFault, check_faults
+from gen.emulate.model_faults import ModelFault, check_faults, parse_faults
 from gen.emulate.plant import AMBIENT, FULL_PWM, STEP_S, Ran, Reading
 from gen.errors import InputError
 from gen.model.effects.channel_ranges import channel_ranges
@@ -78,6 +78,7 @@ class ModelPlant:
         seed: int = 0,
     ) -> None:
         self._faults, self._ambient_over_time, self._told = tuple(faults), ambient_degC, dict(told or {})
+        self._model = coefficients.model
         entry = coefficients.document.input
         self._rpm_of_full = entry.nominal_speed_rpm * FULL_PWM / entry.full_scale
         self._neutral = {**(wired or {}), **neutral_of(coefficients)}
@@ -109,6 +110,31 @@ class ModelPlant:
         """Columns that somebody reads and nobody tells, with the values at which they stay."""
         derived = (*self._told, PWM, SPEED)
         return {column: still for column, still in self._neutral.items() if column not in derived}
+
+    @property
+    def typical_faults(self) -> tuple[str, ...]:
+        """See `gen.emulate.plant.Changeable`: each heat half as large again, each path half as good."""
+        network = self._model.network
+        if network is None:
+            return tuple(f"heat:{name}=+50%" for name in self._model.component_names)
+        heated = dict.fromkeys(heat.node for heat in network.heats)
+        paths = dict.fromkeys(f"path:{path.first}-{path.second or AMBIENT}=-50%" for path in network.paths)
+        return (*(f"heat:{name}=+50%" for name in heated), *paths)
+
+    def set_ambient(self, degC: float) -> None:
+        """See `gen.emulate.plant.Changeable.set_ambient`."""
+        self._ambient_over_time = degC
+
+    def set_faults(self, text: str) -> None:
+        """See `gen.emulate.plant.Changeable.set_faults`; a fault with a time of its own waits for it."""
+        faults = parse_faults(text, 0.0, 1.0) if text else ()
+        check_faults(self._model, faults)
+        self._faults = faults
+
+    def set_sensor_faults(self, channel: str, faults: tuple[SensorFault, ...]) -> None:
+        """See `gen.emulate.plant.Changeable.set_sensor_faults`."""
+        sensor = self._sensors[channel]
+        sensor.config = replace(sensor.config, faults=faults)
 
     def step(self, pwm: int, dt_s: float) -> Reading:
         """See `gen.emulate.plant.Plant.step`."""

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from gen.rig import SensorFault
+
 STEP_S = 0.25
 """Time between two steps of the plant, s."""
 
@@ -64,6 +66,39 @@ class Motor(Plant, Protocol):
     @property
     def temperatures(self) -> Mapping[str, float]:
         """True temperatures now, degC, by part, and ``ambient``."""
+        ...
+
+
+class Changeable(Motor, Protocol):
+    """A motor that somebody changes while it runs; what is set holds from the next step on."""
+
+    @property
+    def typical_faults(self) -> tuple[str, ...]:
+        """Faults to try, as :meth:`set_faults` takes them, each of a size that a board should see."""
+        ...
+
+    def set_ambient(self, degC: float) -> None:
+        """Let the room have this temperature, degC."""
+        ...
+
+    def set_faults(self, text: str) -> None:
+        """Give the motor these faults, as the option ``--fault`` has them, and no others; an empty text heals it.
+
+        Raises
+        ------
+        InputError
+            For a fault that this motor cannot have.
+        """
+        ...
+
+    def set_sensor_faults(self, channel: str, faults: tuple[SensorFault, ...]) -> None:
+        """Give a thermocouple these faults and no others; their times are the plant's, which begins at 0 s.
+
+        Raises
+        ------
+        KeyError
+            When it has no such thermocouple.
+        """
         ...
 
 

@@ -4,17 +4,40 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 
 from gen.emulate.plant import AMBIENT, STEP_S, Reading
 from gen.errors import InputError
 from gen.rig import NODES, Encoder, Fault, Motor, MotorConfig, SensorConfig, SensorFault, Thermocouple
+from gen.rig.config import FaultKind
 from gen.rig.signals import Signal, value
 
 _COLUMN = "_degC"
 TOLD = ("airflow_m_s", "voltage_V")
 """What surrounds the motor beside ambient and load, by the columns that hold it."""
+
+
+_FAULTS: tuple[FaultKind, ...] = get_args(FaultKind)
+
+
+def kind_of(text: str) -> FaultKind:
+    """Read a fault of the simulated motor.
+
+    Raises
+    ------
+    InputError
+        When it has no such fault.
+    """
+    kind = next((known for known in _FAULTS if known == text), None)
+    if kind is None:
+        raise InputError(
+            f'found "{text}", expected {" or ".join(_FAULTS)}, which the simulated motor has; heats and paths are a '
+            "coefficient file's (--plant model)",
+            place="--fault",
+        )
+    return kind
 
 
 def has_parts(channels: Iterable[str]) -> bool:
@@ -102,6 +125,26 @@ class RigPlant:
     def temperatures(self) -> dict[str, float]:
         """True temperatures now, degC: the motor's nodes and ``ambient``."""
         return self.motor.temperatures | {AMBIENT: self.motor.ambient_degC}
+
+    @property
+    def typical_faults(self) -> tuple[str, ...]:
+        """See `gen.emulate.plant.Changeable.typical_faults`."""
+        return _FAULTS
+
+    def set_ambient(self, degC: float) -> None:
+        """See `gen.emulate.plant.Changeable.set_ambient`."""
+        self._ambient = degC
+
+    def set_faults(self, text: str) -> None:
+        """See `gen.emulate.plant.Changeable.set_faults`: ``bearing`` or ``brush``, both with a comma between them."""
+        kinds = [kind_of(name.strip()) for name in text.split(",")] if text else []
+        faults = tuple(Fault(kind, self.motor.time_s, 1.0) for kind in kinds)
+        self.motor.config = replace(self.motor.config, faults=faults)
+
+    def set_sensor_faults(self, channel: str, faults: tuple[SensorFault, ...]) -> None:
+        """See `gen.emulate.plant.Changeable.set_sensor_faults`."""
+        sensor = self._sensors[channel]
+        sensor.config = replace(sensor.config, faults=faults)
 
     def step(self, pwm: int, dt_s: float) -> Reading:
         """See `gen.emulate.plant.Plant.step`."""

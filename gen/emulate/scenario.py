@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING
 
 from gen.coefficients import Coefficients, load
 from gen.coefficients.wiring import Wiring
 from gen.emulate.options import parse_sensor_faults, parse_signal, parse_start, parse_told
-from gen.emulate.plant import Motor, Ran
-from gen.emulate.rig import TOLD, RigPlant, has_parts
+from gen.emulate.plant import Changeable, Ran
+from gen.emulate.rig import TOLD, RigPlant, has_parts, kind_of
 from gen.errors import InputError
 from gen.rig import NODES, Fault, MotorConfig, sensors, warm_start
 from gen.rig import Profile as RigProfile
-from gen.rig.config import FaultKind
 from gen.rig.signals import Signal, value
 
 if TYPE_CHECKING:
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from gen.emulate.model_plant import ModelPlant
 
 RIG, MODEL = "rig", "model"
-_RIG_FAULTS: tuple[FaultKind, ...] = get_args(FaultKind)
 
 
 @dataclass(frozen=True)
@@ -74,7 +72,7 @@ class Made:
         What is wrong with the motor and since when, as run files have it; ``none``.
     """
 
-    plant: Motor
+    plant: Changeable
     about: str
     fault: str
 
@@ -124,13 +122,7 @@ def _rig(scenario: Scenario, wiring: Wiring, wired: list[str]) -> Made:
         )
     fault = None
     if scenario.fault is not None:
-        kind = next((known for known in _RIG_FAULTS if known == scenario.fault), None)
-        if kind is None:
-            raise InputError(
-                f'found "{scenario.fault}", expected {" or ".join(_RIG_FAULTS)}, which the simulated motor has; heats '
-                "and paths are a coefficient file's (--plant model)",
-                place="--fault",
-            )
+        kind = kind_of(scenario.fault)
         fault = Fault(kind, scenario.fault_start, scenario.fault_severity)
     motor = MotorConfig(faults=(fault,) if fault is not None else ())
     start = parse_start(scenario.start, NODES)

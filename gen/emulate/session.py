@@ -5,12 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, Protocol
 
 from gen.emulate.board import Board
 from gen.emulate.devices import ResetCause
 from gen.emulate.plant import STEP_S
-from gen.emulate.terminal import PseudoTerminal
 from gen.record import Recorder
 from gen.record.profile import Profile
 
@@ -82,7 +81,7 @@ def run_session(
     *,
     profile: Profile = (),
     events: Iterable[Event] = (),
-    terminal: PseudoTerminal | None = None,
+    terminal: Line | None = None,
     pace: float | None = None,
     progress: Callable[[Session], None] = lambda _: None,
     interrupted: Callable[[], bool] = lambda: False,
@@ -151,6 +150,18 @@ def _sleep_until(end_s: float, interrupted: Callable[[], bool]) -> None:
         time.sleep(min(left_s, _NAP_S))
 
 
+class Line(Protocol):
+    """The other end of the serial line: a pseudo-terminal, or a page."""
+
+    def read(self) -> bytes:
+        """Give what was typed since the last call."""
+        ...
+
+    def write(self, data: bytes, *, given_up: Callable[[], bool]) -> None:
+        """Take what the board sent."""
+        ...
+
+
 class _Runner:
     """The serial line's two ends, and the events."""
 
@@ -159,7 +170,7 @@ class _Runner:
         board: Board,
         session: Session,
         profile: Profile,
-        terminal: PseudoTerminal | None,
+        terminal: Line | None,
         interrupted: Callable[[], bool] = lambda: False,
     ) -> None:
         self._board = board

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import os
-import pty
 import select
 import time
-import tty
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
@@ -36,6 +34,11 @@ class PseudoTerminal:
     """
 
     def __init__(self, link: Path) -> None:
+        try:
+            import pty
+            import tty
+        except ImportError:
+            raise InputError("this system has no pseudo-terminals; expected Linux or macOS", file=str(link)) from None
         self._master, slave = pty.openpty()
         tty.setraw(slave)
         self.name = os.ttyname(slave)

@@ -8,7 +8,9 @@ all. (The board, which does not know what follows, asks for four readings that a
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,32 +36,37 @@ AROUND, LEAST_SHARE = 33, 0.3
 """Of so many readings around one at least this share has to be in the sequence, or it is not believed either."""
 
 
-def believed_run(run: Run) -> tuple[Run, list[str]]:
-    """Take out what the parts cannot have shown; say how much that is.
+def believed_run(run: Run, rates: Mapping[str, float] = MappingProxyType({})) -> Run:
+    """Take out what the parts cannot have shown.
+
+    Parameters
+    ----------
+    run
+        As it was read.
+    rates
+        By part, what its temperature cannot change faster than, K/s; those not named have the board's own limit.
 
     Returns
     -------
-    run
-        The same, readings that are not believed missing.
-    said
-        One sentence for each column that lost any.
+    Run
+        The same, readings that are not believed missing, with a sentence in `doubted` for each column that lost any.
     """
     temps, said = {}, []
     for name, values in run.temps.items():
-        kept = believed(run.time_s, values)
+        rate = rates.get(name, RATE_K_PER_S)
+        kept = believed(run.time_s, values, rate)
         lost = int(np.count_nonzero(np.isfinite(values) & ~kept))
         temps[name] = np.where(kept, values, np.nan) if lost else values
         if lost:
             known = int(np.count_nonzero(np.isfinite(values)))
-            worst = float(np.nanmax(np.abs(values - _between(run.time_s, temps[name]))[np.isfinite(values) & ~kept]))
             said.append(
-                f"{name}_degC: {lost} of {known} readings are not believed, up to {worst:.0f} K off what lies around "
-                f"them: a part does not change faster than {RATE_K_PER_S:g} K/s"
+                f"{name}_degC: {lost} of {known} readings are not believed{_off(run.time_s, values, kept)}: "
+                f"a part does not change faster than {rate:g} K/s"
             )
-    return (replace(run, temps=temps), said) if said else (run, [])
+    return replace(run, temps=temps, doubted=tuple(said)) if said else run
 
 
-def believed(time: FloatArray, values: FloatArray) -> Mask:
+def believed(time: FloatArray, values: FloatArray, rate: float = RATE_K_PER_S) -> Mask:
     """Say which readings are believed, shape (N,); missing ones are not.
 
     Parameters
@@ -68,6 +75,8 @@ def believed(time: FloatArray, values: FloatArray) -> Mask:
         Shape (N,), s, increasing.
     values
         Shape (N,), degC; NaN where missing.
+    rate
+        What a part cannot change faster than, K/s.
     """
     known = np.flatnonzero(np.isfinite(values))
     kept = np.isfinite(values)
@@ -76,11 +85,11 @@ def believed(time: FloatArray, values: FloatArray) -> Mask:
     if known.size < 3:
         return kept
     noise = max(NOISE_K, SCATTER * float(np.quantile(step, 0.25)) / QUARTER)
-    jumps = np.flatnonzero(step > noise + RATE_K_PER_S * np.diff(at))
+    jumps = np.flatnonzero(step > noise + rate * np.diff(at))
     own = np.ones(known.size)
     for first, last in _about(jumps, known.size):
         own[first:last] = 0.0
-        own[first + _longest(at[first:last], value[first:last], noise)] = 1.0
+        own[first + _longest(at[first:last], value[first:last], noise, rate)] = 1.0
     # Where next to nothing agrees the sequence goes through what is wild by chance.
     kept[known] = (own > 0.0) & (uniform_filter1d(own, AROUND, mode="nearest") >= LEAST_SHARE)
     return kept
@@ -98,7 +107,7 @@ def _about(jumps: NDArray[np.int64], count: int) -> list[tuple[int, int]]:
     ]
 
 
-def _longest(time: FloatArray, value: FloatArray, noise: float) -> NDArray[np.int64]:
+def _longest(time: FloatArray, value: FloatArray, noise: float, rate: float) -> NDArray[np.int64]:
     """Places of the longest sequence in which each reading is within reach of the one before."""
     count = value.size
     length, before = np.ones(count, dtype=np.int64), np.full(count, -1, dtype=np.int64)
@@ -107,12 +116,13 @@ def _longest(time: FloatArray, value: FloatArray, noise: float) -> NDArray[np.in
         first = max(0, k - WINDOW)
         if first and (best < 0 or length[first - 1] > length[best]):
             best = first - 1
-        reach = noise + RATE_K_PER_S * (time[k] - time[first:k])
+        reach = noise + rate * (time[k] - time[first:k])
         own = np.where(np.abs(value[k] - value[first:k]) <= reach, length[first:k], 0)
         place = own.size - 1 - int(np.argmax(own[::-1]))  # of equals the latest
         if own[place]:
             length[k], before[k] = own[place] + 1, first + place
-        if best >= 0 and length[best] >= length[k] and _reaches(time, value, best, k, noise):
+        longer = best >= 0 and length[best] >= length[k]
+        if longer and abs(value[k] - value[best]) <= noise + rate * (time[k] - time[best]):
             length[k], before[k] = length[best] + 1, best
     places = [int(np.argmax(length))]
     while before[places[-1]] >= 0:
@@ -120,10 +130,10 @@ def _longest(time: FloatArray, value: FloatArray, noise: float) -> NDArray[np.in
     return np.array(places[::-1], dtype=np.int64)
 
 
-def _reaches(time: FloatArray, value: FloatArray, first: int, second: int, noise: float) -> bool:
-    return bool(abs(value[second] - value[first]) <= noise + RATE_K_PER_S * (time[second] - time[first]))
-
-
-def _between(time: FloatArray, values: FloatArray) -> FloatArray:
-    good = np.isfinite(values)
-    return np.asarray(np.interp(time, time[good], values[good]))
+def _off(time: FloatArray, values: FloatArray, kept: Mask) -> str:
+    """How far what is not believed is from what is, in words; nothing where none is."""
+    if not kept.any():
+        return ""
+    between = np.interp(time, time[kept], values[kept])
+    worst = float(np.max(np.abs(values - between)[np.isfinite(values) & ~kept]))
+    return f", up to {worst:.0f} K off what lies around them"

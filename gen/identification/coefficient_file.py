@@ -6,18 +6,20 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients, Document, dump, parse
-from gen.coefficients.document import Accuracy, Ambient, Domain, Input, Validity
+from gen.coefficients.document import Accuracy, Ambient, Domain, Validity
 from gen.coefficients.messages import building
 from gen.coefficients.provenance import ErrorBand, Provenance
 from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.bands import Band
 from gen.identification.data import Data
+from gen.identification.drive import input_entry
 from gen.identification.identify import Identified
 from gen.identification.schedule_entries import component_entry
 from gen.identification.structure import FloatArray
@@ -135,7 +137,7 @@ def _document(
         name=settings.name,
         description=f"Identified from {len(data.sources)} run(s): {_speeds_text(found)}.",
         sample_time_s=settings.sample_time_s,
-        input=Input(name="pwm", full_scale=settings.full_scale, nominal_speed_rpm=settings.nominal_speed_rpm),
+        input=input_entry(data.runs, settings.full_scale, settings.nominal_speed_rpm),
         ambient=Ambient(
             fixed_degC=data.ambient_fixed,
             channel="ambient_degC" if data.ambient_measured else None,
@@ -149,7 +151,7 @@ def _document(
             method="Output-error fit of transfer functions without zeros at each speed; order by the error on "
             "held-out data; schedules by leave-one-speed-out error in K; all parameters refined on the runs"
             f"{said_beside(note)}",
-            data=tuple(source.path.rsplit("/", 1)[-1] for source in data.sources),
+            data=tuple(Path(source.path).name for source in data.sources),
             fit={name: _figures(item) for name, item in found.items()},
             error=tuple(band for name, item in found.items() for band in error_bands(name, item)),
         ),

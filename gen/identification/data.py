@@ -14,9 +14,11 @@ from gen.coefficients.names import name_fault
 from gen.errors import InputError
 from gen.identification.ambients import ambients_of
 from gen.identification.believed import believed_run
+from gen.identification.drive import common_drive
 from gen.identification.records import Record, condense
 from gen.identification.sources import Source, read_sources
 from gen.identification.structure import FloatArray
+from gen.runs import Run
 
 FEWEST = 20
 """Samples that a component needs in a run."""
@@ -53,6 +55,11 @@ class Data:
     ambient_measured: bool
     warnings: tuple[str, ...]
 
+    @property
+    def runs(self) -> list[tuple[str, Run]]:
+        """The runs by path."""
+        return [(source.path, source.run) for source in self.sources]
+
 
 def read_data(paths: Sequence[Path], ambient: float | None) -> Data:
     """Read run files and condense them.
@@ -74,6 +81,7 @@ def read_data(paths: Sequence[Path], ambient: float | None) -> Data:
 
 def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     """Condense runs in memory, as :func:`read_data` does."""
+    common_drive((source.path, source.run) for source in sources)
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     sources = [sound(source, warnings) for source in sources]
     if not any(np.any(source.run.pwm != 0) for source in sources):
@@ -93,9 +101,9 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
 
 def sound(source: Source, warnings: list[str]) -> Source:
     """Give the run without readings that no part can have shown; the warnings say how many."""
-    run, said = believed_run(source.run)
-    warnings += [f"{source.path}: {sentence}" for sentence in said]
-    return replace(source, run=run) if said else source
+    run = believed_run(source.run)
+    warnings += [f"{source.path}: {sentence}" for sentence in run.doubted]
+    return replace(source, run=run)
 
 
 def _records(

@@ -5,8 +5,9 @@ from __future__ import annotations
 from gen.importing.convert import Converted
 from gen.importing.decide import Decided
 from gen.importing.mapping import Mapping, mapping_text
+from gen.runs.drive import COMMENT, Drive
 
-_OWN = ("imported_from", "mapping", "input", "counted")
+_OWN = ("imported_from", "mapping", COMMENT, "counted")
 
 
 def comments_of(made: Converted, mapping: Mapping) -> dict[str, str]:
@@ -23,10 +24,9 @@ def comments_of(made: Converted, mapping: Mapping) -> dict[str, str]:
     comments["mapping"] = "; ".join(shown)
     drive = mapping.input
     if drive.column:
-        sign = f", sign of {drive.sign}" if drive.sign else ""
-        comments["input"] = f"{drive.column}, 255 = {drive.full_scale:g} {drive.unit}{sign}"
+        comments[COMMENT] = Drive(drive.column, drive.unit, drive.full_scale, drive.sign).text()
     else:
-        comments["input"] = f"{drive.counts} in all rows"
+        comments[COMMENT] = f"{drive.counts} in all rows"
     for number, found in enumerate(made.counted, start=1):
         comments[f"counted_{number}"] = str(found)
     for key, value in table.comments.items():

@@ -82,7 +82,7 @@ def record_port(
     try:
         line = serial.Serial(port, baud, timeout=_READ_S, write_timeout=1.0)
     except (serial.SerialException, ValueError, OSError) as error:
-        raise InputError(f"cannot be opened: {_reason(error)}", file=port) from error
+        raise InputError(f"cannot be opened: {reason(error)}", file=port) from error
     recording = Recording()
     try:
         with line, interruption() as interrupted:
@@ -92,7 +92,7 @@ def record_port(
         if emulated:
             recording.closed = True
         else:
-            recording.lost = _reason(error)
+            recording.lost = reason(error)
     recording.recorder.finish()
     return recording
 
@@ -170,6 +170,7 @@ def _is_pseudo_terminal(port: str) -> bool:
     return str(Path(port).resolve()).startswith(_PSEUDO_TERMINALS)
 
 
-def _reason(error: Exception) -> str:
+def reason(error: Exception) -> str:
+    """Why a port was not opened or is gone, in one line."""
     number = getattr(error, "strerror", None)
     return str(number or error).splitlines()[0]

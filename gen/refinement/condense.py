@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
+from gen.identification.believed import believed_run
 from gen.model.dynamics import PWM_LEVELS, ThermalModel
 from gen.model.exact import ExactSolution
 from gen.model.extended import FINEST_S, ExtendedSolution, own_rate
-from gen.replay import Inputs, ambient_column, check_inputs, inputs_of, read_for
+from gen.replay import Inputs, ambient_column, check_inputs, check_meaning, inputs_of, read_for
 from gen.runs import Run, check_run
 from gen.runs.run import FloatArray, board_columns
 
@@ -85,8 +86,8 @@ class Condensed:
         By component.
     comments
         The run file's.
-    thinned
-        What was left out of a long file, as a sentence; empty for nothing.
+    left_out
+        What was left out of the file, as a sentence; empty for nothing.
     """
 
     name: str
@@ -100,7 +101,7 @@ class Condensed:
     channels: dict[str, FloatArray]
     traces: dict[str, Trace]
     comments: Mapping[str, str]
-    thinned: str = ""
+    left_out: str = ""
 
 
 def condense(coefficients: Coefficients, path: Path) -> Condensed:
@@ -138,6 +139,7 @@ def check_measured(coefficients: Coefficients, path: Path) -> None:
     """
     model = coefficients.model
     found = check_run(path)
+    check_meaning(coefficients, found.comments, str(path))
     _check_measured(model, found.filled, found.rows, str(path))
     ambient = ambient_column(coefficients) in found.filled
     check_inputs(coefficients, found.filled - board_columns(found.filled), ambient, str(path))
@@ -152,7 +154,7 @@ def _check_measured(model: ThermalModel, filled: Collection[str], rows: int, fil
 
 
 def read_measured(coefficients: Coefficients, path: Path) -> Run:
-    """Read a run and keep the components that were measured in it.
+    """Read a run and keep the components that were measured in it, without readings that none can have shown.
 
     Raises
     ------
@@ -160,12 +162,18 @@ def read_measured(coefficients: Coefficients, path: Path) -> Run:
         When the file is not a run, is too short, or holds no temperature of any component.
     """
     model = coefficients.model
-    run = read_for(coefficients, path, most_rows=MOST_ROWS)
+    run = believed_run(read_for(coefficients, path, most_rows=MOST_ROWS), _rates(coefficients))
     measured = {name: values for name, values in run.temps.items() if np.any(np.isfinite(values))}
     _check_measured(model, {f"{name}_degC" for name in measured}, run.time_s.size, str(path))
     own = board_columns([*(f"{name}_degC" for name in run.temps), *run.extras])
     extras = {name: values for name, values in run.extras.items() if name not in own}
     return replace(run, temps=measured, extras=extras)
+
+
+def _rates(coefficients: Coefficients) -> dict[str, float]:
+    """What the file says of each thermocouple's part: it cannot change faster, K/s."""
+    wiring = coefficients.document.wiring
+    return {} if wiring is None else {one.channel: one.max_rate_K_per_s for one in wiring.thermocouples}
 
 
 def free_run(baseline: Coefficients, model: Coefficients, path: Path) -> tuple[Run, dict[str, FloatArray]]:
@@ -252,7 +260,7 @@ def _condensed(coefficients: Coefficients, run: Run, name: str) -> Condensed:
         channels={key: held(values) for key, values in inputs.channels.items()},
         traces=traces,
         comments=run.comments,
-        thinned=run.thinned,
+        left_out=run.left_out,
     )
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from gen.refinement.run_errors import Curve, Score, total
@@ -25,3 +27,9 @@ class Errors:
             run: {name: s.summary() for name, s in scores.items()} for run, scores in {**self.fit, **self.test}.items()
         }
         return made
+
+
+def said_of(paths: Sequence[Path], errors: Errors) -> list[str]:
+    """A sentence for each run of which something was left out: rows of a long one, readings that are not believed."""
+    left_out = {path: errors.curves[str(path)].left_out for path in paths}
+    return [f"{path}: {said}" for path, said in left_out.items() if said]

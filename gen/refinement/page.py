@@ -51,6 +51,7 @@ def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
     pictures, not_drawn = run_pictures(found, short)
     return {
         "name": baseline.name,
+        "input_meaning": baseline.document.input.meaning,
         "verdict": found.verdict,
         "sentence": _SENTENCES[found.verdict].format(left_out=_left_out(found)),
         "judged_on": found.judged_on,

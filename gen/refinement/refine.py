@@ -12,7 +12,7 @@ from gen.refinement.admission import admitted
 from gen.refinement.candidates import Tracing
 from gen.refinement.condense import Condensed, check_apart, check_measured, condense
 from gen.refinement.effect_entries import effect_entries
-from gen.refinement.errors import Errors
+from gen.refinement.errors import Errors, said_of
 from gen.refinement.excitation import Excitation, excitation
 from gen.refinement.leftover import Remains, leftover
 from gen.refinement.offered import each_speed_once
@@ -122,7 +122,7 @@ def refine(
         runs=runs,
         excitation=excitation(baseline, runs),
         remains={name: leftover(tracing, runs, name) for name in tracing.problem.components},
-        warnings=[*warnings, *_thinned(test_paths, before)],
+        warnings=[*warnings, *said_of(test_paths, before)],
     )
 
 
@@ -144,13 +144,7 @@ def _runs_to_fit(
         progress(f"reading {path}")
         read.append(condense(baseline, path))
     runs, warnings = admitted(baseline, read)
-    return runs, warnings + [f"{run.name}: {run.thinned}" for run in read if run.thinned]
-
-
-def _thinned(paths: Sequence[Path], errors: Errors) -> list[str]:
-    """A warning for each long run of which not every row was used."""
-    left_out = {path: errors.curves[str(path)].left_out for path in paths}
-    return [f"{path}: {said}" for path, said in left_out.items() if said]
+    return runs, warnings + [f"{run.name}: {run.left_out}" for run in read if run.left_out]
 
 
 def _errors(

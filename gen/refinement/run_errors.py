@@ -112,7 +112,7 @@ def compared(run: Run, shown: dict[str, FloatArray], most_points: int = 600) -> 
     """
     time_s = run.time_s
     pwm = held(time_s, run.pwm.astype(np.float64)).thinned(most_points)
-    curve = Curve(float(time_s[0]), float(time_s[-1] - time_s[0]), pwm, left_out=run.thinned)
+    curve = Curve(float(time_s[0]), float(time_s[-1] - time_s[0]), pwm, left_out=run.left_out)
     scores = {}
     for name, values in shown.items():
         error = run.temps[name] - values

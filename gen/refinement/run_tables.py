@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from gen.refinement.errors import Errors
 
 
 def short_names(paths: Sequence[str]) -> dict[str, str]:
     """File names where they tell the runs apart, else the paths as they were given."""
-    names = [path.rsplit("/", 1)[-1] for path in paths]
+    names = [Path(path).name for path in paths]
     return dict(zip(paths, names if len(set(names)) == len(names) else paths, strict=True))
 
 

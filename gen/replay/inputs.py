@@ -11,6 +11,7 @@ import numpy as np
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.model.network_parts import PWM
+from gen.replay.meaning import check_meaning
 from gen.runs import AMBIENT, Run, read_run
 from gen.runs.gaps import held_over_gaps
 from gen.runs.run import FloatArray
@@ -58,10 +59,12 @@ def read_for(coefficients: Coefficients, path: Path, *, most_rows: int | None = 
     Raises
     ------
     InputError
-        With file, line and column of the first fault.
+        With file, line and column of the first fault; where the run's input stands for something else than the model's.
     """
     names = coefficients.model.component_names
-    return read_run(path, names, ambient=ambient_column(coefficients), most_rows=most_rows)
+    run = read_run(path, names, ambient=ambient_column(coefficients), most_rows=most_rows)
+    check_meaning(coefficients, run.comments, str(path))
+    return run
 
 
 def inputs_of(coefficients: Coefficients, run: Run, file: str, *, as_declared: bool = True) -> Inputs:

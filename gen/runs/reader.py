@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
 
@@ -35,10 +35,13 @@ class Contents:
         How many there are.
     filled
         Columns with a value in at least one row.
+    comments
+        The comment lines.
     """
 
     rows: int
     filled: frozenset[str]
+    comments: Mapping[str, str] = field(default_factory=dict)
 
 
 def read_run(
@@ -119,7 +122,7 @@ def check_run(path: Path | str, *, require: Collection[str] = ()) -> Contents:
         for values in _checked(stream, head):
             rows += len(values)
             filled.update(head.columns[i] for i in np.flatnonzero(np.isfinite(values).any(axis=0)))
-    return Contents(rows, frozenset(filled))
+    return Contents(rows, frozenset(filled), head.comments)
 
 
 def _read_rows(stream: IO[bytes], head: Head, compact_after: int | None) -> dict[str, FloatArray]:

@@ -41,6 +41,8 @@ class Run:
         The comment lines; a line without a colon has an empty value.
     rows_in_file
         Rows of the file that it was read from, more than N when it was thinned; None for a run from elsewhere.
+    doubted
+        A sentence for each column of which readings were taken out, because no part can have shown them.
     """
 
     time_s: FloatArray
@@ -50,6 +52,7 @@ class Run:
     extras: dict[str, FloatArray] = field(default_factory=dict)
     comments: dict[str, str] = field(default_factory=dict)
     rows_in_file: int | None = None
+    doubted: tuple[str, ...] = ()
 
     def columns(self) -> dict[str, FloatArray | NDArray[np.int64]]:
         """Every column by the name that it has in a run file, in the file's order, shape (N,) each."""
@@ -66,3 +69,8 @@ class Run:
         if self.rows_in_file is None or self.rows_in_file == rows:
             return ""
         return f"{self.rows_in_file} rows, of which {rows} are used: errors are of these"
+
+    @property
+    def left_out(self) -> str:
+        """Say what of its file is not in this run, or nothing."""
+        return "; ".join(filter(None, (self.thinned, *self.doubted)))

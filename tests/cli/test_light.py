@@ -15,7 +15,18 @@ from tests.examples import ROOT
 
 COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"
 RUN = "time_s,pwm,brush_degC\n" + "".join(f"{i},102,{30 + i}\n" for i in range(10))
-SLOW = {"control", "jinja2", "matplotlib", "pandas", "plotly", "scipy", "tsdownsample"}
+SLOW = {
+    "control",
+    "fastapi",
+    "jinja2",
+    "matplotlib",
+    "pandas",
+    "plotly",
+    "scipy",
+    "starlette",
+    "tsdownsample",
+    "uvicorn",
+}
 # Runs commands one after the other in one interpreter; a slow package that one of them loads stays loaded.
 WATCHED = """
 import contextlib, io, json, sys
@@ -92,6 +103,8 @@ def test_a_bad_coefficient_file_is_told_before_anything_slow(folder: Path) -> No
         "thresholds {} run.csv --rules rules.json --out out.json",
         "refine {} --fit run.csv --test other.csv --out out.json",
         "plot run.csv --model {} --out out.html",
+        "live --emulate {}",
+        "live run.csv --model {}",
         "init {} --out out.json",
         "plan {} run.csv --hours 3 --out out.csv",
     )
@@ -108,6 +121,7 @@ def test_a_bad_head_of_a_run_is_told_before_anything_slow(folder: Path) -> None:
         "refine good.json --fit run.csv {} --test other.csv --out out.json",
         "refine good.json --fit run.csv --test other.csv {} --out out.json",
         "plot run.csv {} --model good.json --out out.svg",
+        "live {} --model good.json",
         "init run.csv {} --out out.json",
         "plan good.json run.csv {} --hours 3 --out out.csv",
     )

@@ -45,7 +45,8 @@ OTHER_FORMATS = {
     # times and lines as loggers write them, the mapping file of `gen import`, comments of a run file
     "importing/clock.py": {"min"},
     "importing/provenance.py": {"input"},
-    "importing/keyed.py": {"value"},
+    "importing/keyed.py": {"value", "unit"},
+    "importing/units.py": {"unit"},
     "importing/mapping.py": {"input"},
     # the manifest of a project
     "certificate/claims.py": {"components", "name"},
@@ -53,6 +54,9 @@ OTHER_FORMATS = {
     "certificate/network/document.py": {"components"},
     "firmware/network_certificate.py": {"components", "factors", "paths"},
     # faults, channels and results of `gen emulate`
+    # an HTTP request, a row
+    "live/access.py": {"method"},
+    "live/view.py": {"alarms"},
     "commands/emulate.py": {"alarms", "profile", "ambient", "encoder"},
     "emulate/results.py": {"alarms"},
     # contexts of templates, and lists of names in them

@@ -82,12 +82,14 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
         "f537c879ede233f20f8291be150526a2d52800dfa9ce1f0df3bca059b19f7f3f",
         FROZEN["identified.json"][1],
     ),
+    "missing_heat.json": ("8a79541d1321ba5c0ffca53dca50bce6461397fc02ab89c9f16db440a72773f1", FROZEN["my1016.json"][1]),
     "my1016.json": ("02aca1a40681f8b1200c5c59221d1935af03134e909873686f2855deb247131f", FROZEN["my1016.json"][1]),
     "network_every_key.json": (
         "b95020364bbe50e4faf186d6ee5bbc0286b6ea4d868542058c8090fa9095d5ac",
         {"bearing": 42.8842947737, "casing": 35.9995573126, "cover": 34.1647372114},
     ),
     "observed.json": ("a0a2944e2273b3fd259da2e6b7dbecdc79cf266a2fd12772628574cd6e0ca7c2", FROZEN["observed.json"][1]),
+    "other_input.json": ("2b77de7de5b0fafd0eaf66a144457e8da798b797162eed3525d05dd0b688f3a9", FROZEN["my1016.json"][1]),
     "started.json": ("97708ee09880950acc8e84f5fbdfa7d16c4cf62f18a96b67a4ae9ebca487cf46", {"casing": 37.7854816146}),
 }
 

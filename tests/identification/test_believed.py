@@ -73,13 +73,28 @@ def test_what_was_taken_out_is_said() -> None:
     at, on, true = warm_up(np.random.default_rng(3))
     read = true.copy()
     read[100] += 30.0
-    run, said = believed_run(Run(at, (255 * on).astype(np.int64), {"coil": read, "case": true}))
-    assert said == [
+    run = believed_run(Run(at, (255 * on).astype(np.int64), {"coil": read, "case": true}))
+    assert run.doubted == (
         f"coil_degC: 1 of {at.size} readings are not believed, up to 30 K off what lies around them: "
-        "a part does not change faster than 5 K/s"
-    ]
+        "a part does not change faster than 5 K/s",
+    )
     assert np.isnan(run.temps["coil"][100])
     assert run.temps["case"] is true
+
+
+def test_a_file_may_know_how_fast_a_part_changes() -> None:
+    at = np.arange(200.0)
+    run = Run(at, np.full(200, 255), {"wire": np.where(at < 100.0, 20.0, 60.0)})
+    assert believed_run(run).doubted
+    assert believed_run(run, {"wire": 50.0}) is run
+
+
+def test_a_column_of_which_nothing_is_believed_is_said() -> None:
+    at = np.arange(400.0)
+    wild = np.repeat(np.random.default_rng(5).uniform(-200.0, 4000.0, at.size // 2), 2)
+    run = believed_run(Run(at, np.full(400, 255), {"coil": wild}))
+    assert np.isnan(run.temps["coil"]).all()
+    assert run.doubted == ("coil_degC: 400 of 400 readings are not believed: a part does not change faster than 5 K/s",)
 
 
 def test_a_spike_in_each_fiftieth_reading_is_left_out_and_nothing_else() -> None:
@@ -118,9 +133,9 @@ def test_a_spike_in_a_million_readings_costs_its_surroundings_alone(monkeypatch:
     looked_at: list[int] = []
     real = module._longest
 
-    def counted(time: FloatArray, value: FloatArray, noise: float) -> NDArray[np.int64]:
+    def counted(time: FloatArray, value: FloatArray, noise: float, rate: float) -> NDArray[np.int64]:
         looked_at.append(time.size)
-        return real(time, value, noise)
+        return real(time, value, noise, rate)
 
     monkeypatch.setattr(module, "_longest", counted)
     at = np.asarray(0.25 * np.arange(1_000_000), dtype=np.float64)

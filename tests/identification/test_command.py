@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.identify_measured import predict
+from benchmarks.real_machines.shipped import predict
 from gen.cli import main
 from gen.identification import joint
 from gen.identification.output_error import OutputErrorProblem

@@ -82,7 +82,7 @@ def six_parts() -> tuple[Coefficients, str]:
 
 
 def test_many_long_runs_of_six_parts_stay_a_small_page(tmp_path: Path) -> None:
-    """3 h at 4 Hz; one sample of the shaft's sensor is 20 K off, and it is seen in its picture."""
+    """3 h at 4 Hz; some seconds in which the shaft's sensor goes to 99 degC and back are seen in its picture."""
     baseline, raw = six_parts()
     random = np.random.default_rng(9)
     time_s = np.arange(0.0, 10_800.0, 0.25)
@@ -94,7 +94,8 @@ def test_many_long_runs_of_six_parts_stay_a_small_page(tmp_path: Path) -> None:
         temps = {n: np.round((r + 30.0 + random.normal(0.0, 0.2, r.size)) * 4.0) / 4.0 for n, r in rises.items()}
         path = tmp_path / f"run{number}.csv"
         if number == 5:
-            temps["shaft"][12_345] = 99.0
+            away = 2.0 * np.abs(np.arange(temps["shaft"].size) - 12_345)  # no faster than is believed
+            temps["shaft"] = np.maximum(temps["shaft"], 99.0 - away)
         write_run(path, Run(time_s, pwm, temps))
         paths.append(path)
     found = refine(baseline, raw, paths[:4], paths[4:])
@@ -106,7 +107,8 @@ def test_many_long_runs_of_six_parts_stay_a_small_page(tmp_path: Path) -> None:
     dots = re.search(r'<path class="measured" d="([^"]*)"', shaft)
     assert dots is not None
     heights = sorted(float(y) for y in re.findall(r"M\S+ (\S+?)h0", dots[1]))
-    assert heights[0] < 35.0 < 50.0 < heights[1]  # the one at the top, far from all others
+    assert heights[0] < 35.0  # at the top
+    assert heights[10] > 50.0  # far from all others
     first = text[: text.index("<details>")]
     assert first.count("<figure>") == 6  # the first test run; the others are folded
 

@@ -24,6 +24,7 @@ from tests.thresholds.test_thresholds import BASE, TAU_S
 
 RULE: dict[str, Any] = {"name": "heat", "kind": "missing_heat", "component": "a", "speed_percent": [5, 98]}
 HOURS = 3.0
+_STEP = float(-np.expm1(-1.0 / TAU_S))
 LAG_S, SHARE = 150.0, 0.04
 """A part of the motor that the model has not: it comes later, and is a share of the rise."""
 
@@ -33,11 +34,12 @@ def write_run(path: Path, seed: int, added_K_s: float = 0.0, begins_s: float = 5
     rng = np.random.default_rng(seed)
     time_s = np.arange(0.0, HOURS * 3600.0, 1.0)
     levels = rng.integers(60, 250, 2)
-    pwm = np.where(time_s < 0.4 * time_s[-1], *levels)
-    rises, hidden, rise, late = np.zeros((2, time_s.size)), np.zeros(time_s.size), 0.0, 0.0
+    pwm = np.where(time_s < 0.4 * time_s[-1], levels[0], levels[1])
+    rises, hidden = np.zeros((2, time_s.size)), np.zeros(time_s.size)
+    rise, late = 0.0, 0.0
     for k in range(1, time_s.size):
         added = added_K_s if time_s[k - 1] >= begins_s else 0.0
-        rise += -np.expm1(-1.0 / TAU_S) * (0.2 * pwm[k - 1] + TAU_S * added - rise)
+        rise += _STEP * (0.2 * pwm[k - 1] + TAU_S * added - rise)
         late += (0.2 * SHARE * pwm[k - 1] - late) / LAG_S
         rises[:, k], hidden[k] = rise, late
     wander = 0.15 * np.sin(2.0 * np.pi * (time_s / 7200.0 + rng.uniform()))

@@ -17,6 +17,7 @@ class Identity(TypedDict):
     """Names, origin and the figures of the whole model.
 
     `ambient_mC` is in thousandths of a degree Celsius; `validity` and `domain` are the ends of ranges of |PWM|.
+    `input_meaning` says what the counts stand for, where they are not a motor's PWM, and is empty else.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Identity(TypedDict):
     sample_time: str
     sample_ms: int
     full_scale: int
+    input_meaning: str
     ambient_mC: int
     validity: tuple[int, int]
     domain: tuple[int, int]
@@ -58,6 +60,7 @@ def identity(coefficients: Coefficients, program: Program, source_name: str) -> 
         "sample_time": f"{model.sample_time:g}",
         "sample_ms": round(model.sample_time * 1000.0),
         "full_scale": model.full_scale,
+        "input_meaning": coefficients.document.input.meaning,
         "ambient_mC": round((model.ambient_fixed if model.ambient_fixed is not None else ROOM_degC) * 1000.0),
         "validity": model.validity,
         "domain": model.domain_pwm,

@@ -10,9 +10,11 @@ import numpy as np
 from gen.errors import InputError
 from gen.identification.ambients import ambients_of
 from gen.identification.data import FEWEST, MOVES_K, components_of, sound
+from gen.identification.drive import common_drive
 from gen.identification.network.bins import Binned, FloatArray, binned, longest_bin
 from gen.identification.records import resolution
 from gen.identification.sources import Source
+from gen.runs import Run
 
 COARSE = 4.0
 """The search works on bins longer by this factor."""
@@ -52,6 +54,11 @@ class NetworkData:
     warnings: tuple[str, ...]
     ambient_unsure_K: float = 0.0
 
+    @property
+    def runs(self) -> list[tuple[str, Run]]:
+        """The runs by path."""
+        return [(source.path, source.run) for source in self.sources]
+
 
 def make_network_data(sources: Sequence[Source], ambient: float | None, full_scale: int = 255) -> NetworkData:
     """Condense runs.
@@ -70,6 +77,7 @@ def make_network_data(sources: Sequence[Source], ambient: float | None, full_sca
     InputError
         When nothing can be identified from them.
     """
+    common_drive((source.path, source.run) for source in sources)
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     sources = [sound(source, warnings) for source in sources]
     _check(sources, full_scale)

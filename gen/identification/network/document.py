@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients, Document, dump, parse
-from gen.coefficients.document import Accuracy, Ambient, Domain, Input, Validity
+from gen.coefficients.document import Accuracy, Ambient, Domain, Validity
 from gen.coefficients.messages import building
 from gen.coefficients.network import (
     CurveEntry,
@@ -25,6 +26,7 @@ from gen.coefficients.provenance import ErrorBand, Provenance
 from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
+from gen.identification.drive import input_entry
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.forecast import Band, bands
 from gen.identification.network.foresight import Foresight, foresight
@@ -110,7 +112,7 @@ def _document(result: NetworkFound, settings: Settings, note: str) -> Document:
         name=settings.name,
         description=f"One thermal network, identified from {len(result.data.sources)} run(s).",
         sample_time_s=settings.sample_time_s,
-        input=Input(name="pwm", full_scale=top, nominal_speed_rpm=settings.nominal_speed_rpm),
+        input=input_entry(result.data.runs, top, settings.nominal_speed_rpm),
         ambient=_ambient(result),
         validity=Validity(pwm=(low, high), outside="extrapolate"),
         domain=_domain(result, top),
@@ -120,7 +122,7 @@ def _document(result: NetworkFound, settings: Settings, note: str) -> Document:
             source="gen identify --model network",
             method="One network of heat capacities fitted to all runs at once by the error of its simulation, with "
             f"weak physical priors; hidden nodes and paths by the error on runs left out{said_beside(note)}",
-            data=tuple(source.path.rsplit("/", 1)[-1] for source in result.data.sources),
+            data=tuple(Path(source.path).name for source in result.data.sources),
             fit=_figures(result),
             error=tuple(_error_bands(result, spread)),
         ),

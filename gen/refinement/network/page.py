@@ -44,6 +44,7 @@ def network_refinement_page(found: NetworkRefinement, baseline: Coefficients, re
     environment = page_environment(panels=panels_svg)
     return environment.get_template("network_refinement.html.j2").render(
         name=baseline.name,
+        input_meaning=baseline.document.input.meaning,
         verdict=found.verdict,
         sentence=_SENTENCES[found.verdict],
         judged_on=found.judged_on,

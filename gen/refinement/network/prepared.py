@@ -44,5 +44,6 @@ def prepared(
         progress(f"reading {path}")
         runs.append((str(path), read_measured(coefficients, path)))
     runs, warnings = healthy(runs)
+    warnings += [f"{name}: {run.left_out}" for name, run in runs if run.left_out]
     data = make_data(coefficients, runs)
     return runs, data, Anchored(network, coefficients.document.input.full_scale, data.columns), warnings

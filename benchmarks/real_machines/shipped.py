@@ -1,6 +1,6 @@
-"""Real machines: identify on some runs, predict a run that took no part, free-running from its first sample.
+"""The logs that are in the repository: identify on some runs, predict one that took no part, free-running.
 
-Run:  python -m benchmarks.identify_measured
+Run:  python -m benchmarks.real_machines.shipped
 
 ``python -m docs.figures`` draws the curves.
 """
@@ -23,7 +23,7 @@ from gen.identification.identify import identify
 from gen.reference.simulate import simulate_run
 from gen.runs import read_run
 
-RUNS = Path(__file__).parent.parent / "examples" / "measured"
+RUNS = Path(__file__).parents[2] / "examples" / "measured"
 CASES = {
     "Temperature Control Lab, heater 1": (
         ("tclab/apm_2nd_mimo_heater1.csv", "tclab/apm_energy_mimo_heater1.csv"),

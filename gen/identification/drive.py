@@ -1,0 +1,64 @@
+"""What drove the machine in a set of runs, for the coefficient file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from gen.coefficients.document import Input, StandsFor
+from gen.errors import InputError
+from gen.runs import Run
+from gen.runs.drive import COMMENT, FULL_COUNTS, Drive, drive_of
+
+
+def input_entry(runs: Iterable[tuple[str, Run]], full_scale: int, nominal_speed_rpm: float) -> Input:
+    """The coefficient file's input, with what its counts stand for where the runs say so.
+
+    Parameters
+    ----------
+    runs
+        By path.
+    full_scale, nominal_speed_rpm
+        The count that is 100 %, and the speed there.
+
+    Raises
+    ------
+    InputError
+        As :func:`common_drive`.
+    """
+    drive = common_drive(runs)
+    return Input(
+        name="pwm",
+        full_scale=full_scale,
+        nominal_speed_rpm=nominal_speed_rpm,
+        stands_for=None if drive is None or drive.is_pwm else _stands_for(drive, full_scale),
+    )
+
+
+def common_drive(runs: Iterable[tuple[str, Run]]) -> Drive | None:
+    """What all runs that say what drove them agree on; None where none does.
+
+    Raises
+    ------
+    InputError
+        For a run that says another quantity, or another full scale, than one before it.
+    """
+    first: tuple[str, Drive] | None = None
+    for path, run in runs:
+        found = drive_of(run.comments)
+        if found is None:
+            continue
+        if first is None:
+            first = path, found
+        before, drive = first
+        if (found.unit, found.full_scale) != (drive.unit, drive.full_scale):
+            raise InputError(
+                f"found {found.text()}; expected one input for all runs, and {before} has {drive.text()}",
+                file=path,
+                place=f"comment {COMMENT}",
+            )
+    return None if first is None else first[1]
+
+
+def _stands_for(drive: Drive, full_scale: int) -> StandsFor:
+    value = drive.full_scale * full_scale / FULL_COUNTS
+    return StandsFor(quantity=drive.quantity, unit=drive.unit, full_scale=float(f"{value:.6g}"))

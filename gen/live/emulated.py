@@ -1,0 +1,185 @@
+"""The firmware on the emulated Mega beside a motor that the page can break."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Callable
+from math import inf
+from typing import Any
+
+from gen.emulate.board import Board
+from gen.emulate.plant import STEP_S, Changeable
+from gen.emulate.session import Session, run_session
+from gen.errors import InputError
+from gen.live.source import Control, Source, checked
+from gen.live.view import View
+from gen.record.profile import Profile
+from gen.rig import SENSOR_FAULTS, SensorFault
+
+_MONTH_S = 30 * 86_400.0
+_NAP_S = 0.05
+_FASTEST = 1000.0
+HEALTHY = "none"
+ROOM_K_PER_S = 0.2
+"""A room does not jump, and the board would not believe a sensor of one that does."""
+_MOST_WAITING = 64
+
+
+class EmulatedSource(Source):
+    """An emulated board.
+
+    Parameters
+    ----------
+    name
+        The model's.
+    board, plant
+        The board, not yet started, and the motor that it is wired to.
+    channels
+        Its thermocouples.
+    faults
+        Motor faults to offer.
+    pace
+        Simulated seconds in a second here.
+    profile
+        PWM to command until the page does.
+    view
+        Where the rows go.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        board: Board,
+        plant: Changeable,
+        channels: tuple[str, ...],
+        faults: tuple[str, ...],
+        pace: float,
+        profile: Profile,
+        view: View,
+        ambient_degC: float = 30.0,
+    ) -> None:
+        super().__init__("emulated", name, view)
+        self._board, self._plant, self._profile, self._speed = board, plant, profile, pace
+        self._typed: queue.Queue[bytes] = queue.Queue(_MOST_WAITING)
+        self._asked: queue.Queue[Callable[[], None]] = queue.Queue(_MOST_WAITING)
+        self._anchor = (0.0, 0.0)
+        self._now_s = 0.0
+        self._stepped_s = 0.0
+        self._room = self._wanted = ambient_degC
+        kinds = (HEALTHY, *SENSOR_FAULTS)
+        self._controls = {
+            control.name: control
+            for control in (
+                Control("pace", "times as fast", "number", pace, 0.1, _FASTEST, 0.1),
+                Control("ambient", "ambient, degC", "number", ambient_degC, -40.0, 80.0, 0.5),
+                Control("fault", "fault of the motor", "choice", HEALTHY, options=(HEALTHY, *faults)),
+                Control("own fault", "or, as --fault has it", "text", ""),
+                *(
+                    Control(f"sensor {channel}", f"thermocouple of {channel}", "choice", HEALTHY, options=kinds)
+                    for channel in channels
+                ),
+            )
+        }
+
+    def controls(self) -> list[Control]:
+        """See :meth:`Source.controls`."""
+        return list(self._controls.values())
+
+    def change(self, name: str, value: Any) -> None:  # noqa: ANN401
+        """See :meth:`Source.change`; it holds from the plant's next step on."""
+        if name not in self._controls:
+            super().change(name, value)
+        found = checked(self._controls[name], value)
+        if name == "pace":
+            self._speed = float(found)
+            return
+        self._ask(lambda: self._set(name, found))
+
+    def send(self, data: bytes) -> None:
+        """See :meth:`Source.send`."""
+        if not self.connected:
+            raise InputError("the emulated board has ended: nothing was sent")
+        try:
+            self._typed.put_nowait(data)
+        except queue.Full:
+            raise InputError("the board takes nothing: nothing was sent") from None
+
+    def run(self) -> None:
+        """See :meth:`Source.run`."""
+        self.connected, self.link = True, "running"
+        self._anchor = (time.monotonic(), 0.0)
+        try:
+            run_session(
+                self._board,
+                _MONTH_S,
+                profile=self._profile,
+                terminal=self,
+                progress=self._step,
+                interrupted=self.stopped.is_set,
+            )
+        finally:
+            self._board.close()
+        self.link = "came to its end"
+
+    # ---- the serial line's other end, and the clock: called by the session, in the source's thread ----
+
+    def read(self) -> bytes:
+        """See `gen.emulate.session.Line.read`."""
+        return b"".join(self._typed.get_nowait() for _ in range(self._typed.qsize()))
+
+    def write(self, data: bytes, *, given_up: Callable[[], bool]) -> None:
+        """See `gen.emulate.session.Line.write`."""
+        self.view.feed(data, self._now_s)
+
+    def _step(self, session: Session) -> None:
+        self._now_s = session.seconds
+        while not self._asked.empty():
+            try:
+                self._asked.get_nowait()()
+            except InputError as error:  # what the plant cannot do is said; the motor runs on
+                self.view.say(str(error))
+        self._warm(session.seconds - self._stepped_s)
+        self._stepped_s = session.seconds
+        session.sent.clear()  # the view keeps what came; a month of it twice would be much
+        self._wait(session.seconds)
+
+    def _warm(self, seconds: float) -> None:
+        """Let the room go towards what was asked for."""
+        if self._room != self._wanted:
+            most = ROOM_K_PER_S * seconds
+            self._room += min(max(self._wanted - self._room, -most), most)
+            self._plant.set_ambient(self._room)
+
+    def _wait(self, seconds: float) -> None:
+        """Let no more than the pace's share of simulated time pass; what the emulator cannot follow is not owed."""
+        speed = self._speed
+        while not self.stopped.is_set():
+            begin, at = self._anchor
+            ahead_s = (seconds - at) / speed - (time.monotonic() - begin)
+            if ahead_s <= 0.0 or speed != self._speed:
+                break
+            self.stopped.wait(min(ahead_s, _NAP_S))
+        self._anchor = (time.monotonic(), seconds)
+
+    def _ask(self, action: Callable[[], None]) -> None:
+        try:
+            self._asked.put_nowait(action)
+        except queue.Full:
+            raise InputError("the emulator does not follow: nothing was changed") from None
+
+    def _set(self, name: str, value: float | str) -> None:
+        if name == "ambient":
+            self._wanted = float(value)
+        elif name == "own fault":
+            self._plant.set_faults(str(value).strip())
+        elif name == "fault":
+            self._plant.set_faults("" if value == HEALTHY else str(value))
+        else:
+            kind = next((one for one in SENSOR_FAULTS if one == value), None)
+            faults = () if kind is None else (SensorFault(kind, self._now_s - STEP_S, inf),)
+            self._plant.set_sensor_faults(name.removeprefix("sensor "), faults)
+        self.view.say(f"{self._now_s:.2f} s since power-on: {self._controls[name].label} is now {value}")
+        if name != "ambient" and value not in (HEALTHY, ""):
+            key = "motor_fault" if name.endswith("fault") else f"{name.replace(' ', '_')}_fault"
+            self.view.note(key, f"{value} from {self._now_s:.0f} s since power-on")

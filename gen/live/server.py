@@ -1,0 +1,193 @@
+"""The page's server: one page, its rows as a stream of events, and what the page asks for."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, Awaitable, Callable
+from dataclasses import asdict
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import Body, FastAPI, Header, Request
+from fastapi.responses import JSONResponse, PlainTextResponse, Response, StreamingResponse
+from plotly.offline import get_plotlyjs
+
+from gen.drawing.palette import COLOURS, INK
+from gen.errors import InputError
+from gen.live.access import Access
+from gen.live.commands import Commands, NotArmedError
+from gen.live.source import Source
+from gen.templating import folder
+from gen.version import __version__
+
+_EVERY_S = 0.25
+_AT_ONCE = 5000
+"""Rows of one event: who comes back late gets them in several."""
+_QUIET_S = 2.0
+MOST_POINTS = 4000
+"""Of a curve when the page opens."""
+_KINDS = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=utf-8", "css": "text/css; charset=utf-8"}
+
+
+class Live:
+    """A source, the commands to it, and the clients' stop.
+
+    Parameters
+    ----------
+    source
+        Where rows come from.
+    recorded_to
+        The run file that is being written, or None.
+    """
+
+    def __init__(self, source: Source, recorded_to: Path | None = None) -> None:
+        self.source, self.recorded_to = source, recorded_to
+        self.commands = Commands(source.send)
+
+    def about(self) -> dict[str, Any]:
+        """What does not change while the page is open."""
+        return {
+            "version": __version__,
+            "kind": self.source.kind,
+            "name": self.source.name,
+            "input": self.source.view.known.input,
+            "takes_commands": self.source.takes_commands,
+            "controls": [asdict(control) for control in self.source.controls()],
+            "recorded_to": None if self.recorded_to is None else str(self.recorded_to),
+            "colours": COLOURS,
+            "ink": INK,
+        }
+
+    def status(self) -> dict[str, Any]:
+        """What holds now."""
+        return {
+            **self.source.view.status(),
+            "link": self.source.link,
+            "connected": self.source.connected,
+            "armed_s": round(self.commands.armed_s),
+        }
+
+    async def events(self, part: int, row: int, gone: Callable[[], Awaitable[bool]]) -> AsyncIterator[str]:
+        """What is new, from a row of a part on, until nobody listens any more."""
+        view, before, quiet_s = self.source.view, "", 0.0
+        while not self.source.stopped.is_set() and not await gone():
+            if view.part != part:
+                part, row = view.part, 0
+            rows = view.since(row, _AT_ONCE)
+            status = json.dumps(self.status())
+            quiet_s += _EVERY_S
+            if rows or status != before or quiet_s >= _QUIET_S:
+                row += len(rows)
+                told = {"part": part, "columns": view.columns(), "rows": rows, "status": json.loads(status)}
+                yield f"id: {part}.{row}\ndata: {json.dumps(told, allow_nan=False)}\n\n"
+                before, quiet_s = status, 0.0
+            await asyncio.sleep(_EVERY_S)
+
+
+def make_app(live: Live, token: str, hosts: frozenset[str] | None, port: int) -> FastAPI:
+    """Make the server.
+
+    Parameters
+    ----------
+    live
+        What it shows.
+    token, hosts, port
+        As :class:`gen.live.access.Access` has them.
+    """
+    app = FastAPI(title="gen live", docs_url=None, redoc_url=None, openapi_url=None)
+    app.add_middleware(Access, token=token, hosts=hosts, port=port)
+
+    @app.exception_handler(InputError)
+    def refused(_: Request, error: InputError) -> JSONResponse:
+        return JSONResponse({"error": error.message}, 422)
+
+    @app.exception_handler(NotArmedError)
+    def not_armed(_: Request, __: NotArmedError) -> JSONResponse:
+        return JSONResponse({"error": "not armed: nothing was sent"}, 409)
+
+    _add_files(app)
+    _add_reading(app, live)
+    _add_doing(app, live)
+    return app
+
+
+def _add_files(app: FastAPI) -> None:
+    @app.get("/")
+    def page() -> Response:
+        return _file("live.html")
+
+    @app.get("/live.js")
+    def script() -> Response:
+        return _file("live.js")
+
+    @app.get("/live.css")
+    def style() -> Response:
+        return _file("live.css")
+
+    @app.get("/plotly.js")
+    def library() -> Response:
+        return Response(_plotly(), media_type=_KINDS["js"])
+
+
+def _add_reading(app: FastAPI, live: Live) -> None:
+    view = live.source.view
+
+    @app.get("/about")
+    def about() -> JSONResponse:
+        return JSONResponse(live.about())
+
+    @app.get("/history")
+    def history(most: int = MOST_POINTS) -> JSONResponse:
+        return JSONResponse({**view.history(min(max(most, 64), 50_000)), "status": live.status()})
+
+    @app.get("/run.csv")
+    def run_file() -> Response:
+        headers = {"content-disposition": 'attachment; filename="run.csv"'}
+        return PlainTextResponse(view.text(), media_type="text/csv; charset=utf-8", headers=headers)
+
+    @app.get("/events")
+    async def events(
+        request: Request, part: int = 0, row: int = 0, last_event_id: Annotated[str, Header()] = ""
+    ) -> StreamingResponse:
+        first, dot, second = last_event_id.partition(".")  # a browser that lost the line asks for what came after it
+        if dot and first.isdigit() and second.isdigit():
+            part, row = int(first), int(second)
+        return StreamingResponse(
+            live.events(part, max(row, 0), request.is_disconnected), media_type="text/event-stream"
+        )
+
+
+def _add_doing(app: FastAPI, live: Live) -> None:
+    @app.post("/arm")
+    def arm(armed: Annotated[bool, Body(embed=True)]) -> JSONResponse:
+        if armed and not live.source.takes_commands:
+            raise InputError("a replay takes no commands")
+        live.commands.arm(armed)
+        return JSONResponse(live.status())
+
+    @app.post("/pwm")
+    def pwm(count: Annotated[int, Body(embed=True)]) -> JSONResponse:
+        live.commands.pwm(count)
+        return JSONResponse(live.status())
+
+    @app.post("/line")
+    def line(text: Annotated[str, Body(embed=True)]) -> JSONResponse:
+        live.commands.line(text)
+        return JSONResponse(live.status())
+
+    @app.post("/change")
+    def change(name: Annotated[str, Body()], value: Annotated[float | str, Body()]) -> JSONResponse:
+        live.source.change(name, value)
+        return JSONResponse(live.status())
+
+
+def _file(name: str) -> Response:
+    path = folder("pages") / "live" / name
+    return Response(path.read_bytes(), media_type=_KINDS[name.rpartition(".")[2]])
+
+
+@cache
+def _plotly() -> bytes:
+    return str(get_plotlyjs()).encode()

@@ -1,0 +1,63 @@
+"""What a run's PWM stands for, where another quantity drove the machine: a comment line of an imported run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+
+FULL_COUNTS = 255
+"""Count that an imported run's full scale becomes."""
+COUNTS = "counts"
+"""Unit of an input that is a PWM already."""
+
+COMMENT = "input"
+_FORM = re.compile(rf"(.+), {FULL_COUNTS} = ([0-9][0-9.e+-]*) (.+?)(?:, sign of (.+))?")
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What the column ``pwm`` was made of.
+
+    Parameters
+    ----------
+    quantity
+        The log's column.
+    unit
+        Of its values.
+    full_scale
+        The value that became 255 counts, in that unit.
+    sign
+        The column that gave the direction, or nothing.
+    """
+
+    quantity: str
+    unit: str
+    full_scale: float
+    sign: str = ""
+
+    @property
+    def is_pwm(self) -> bool:
+        """Whether it was the PWM itself, in counts: then there is nothing to tell."""
+        return self.unit == COUNTS
+
+    def text(self) -> str:
+        """The comment's value."""
+        sign = f", sign of {self.sign}" if self.sign else ""
+        return f"{self.quantity}, {FULL_COUNTS} = {self.full_scale:g} {self.unit}{sign}"
+
+
+def drive_of(comments: Mapping[str, str]) -> Drive | None:
+    """What a run file says of its input; None where it says nothing, or what nobody but its author can read."""
+    found = _FORM.fullmatch(comments.get(COMMENT, ""))
+    if found is None:
+        return None
+    quantity, value, unit, sign = found.groups(default="")
+    try:
+        full_scale = float(value)
+    except ValueError:
+        return None
+    if not isfinite(full_scale) or full_scale <= 0.0:
+        return None
+    return Drive(quantity, unit, full_scale, sign)
