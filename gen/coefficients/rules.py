@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from gen.coefficients import jsontext
 from gen.coefficients.alarms import MissingHeat, Unsettled
 from gen.coefficients.base import listed
+from gen.coefficients.messages import described
 from gen.errors import InputError
 
 _RULES = "alarms"
@@ -200,8 +201,9 @@ def _checked(tree: object, components: Sequence[str]) -> Rules:
     for number, rule in enumerate(tree[_RULES]):
         for key, name in _named(rule):
             if name not in components:
+                found = "" if name is None else f"found {described(name)}, "
                 raise InputError(
-                    f"expected the name of a component: {listed(list(components))}",
+                    f"{found}expected the name of a component: {listed(list(components))}",
                     place=f"$.{_RULES}[{number}].{key}",
                 )
     taken_over = {key: tree[key] for key in _TAKEN_OVER if key in tree}

@@ -99,6 +99,6 @@ def test_tables_by_lane_give_what_each_of_them_gives() -> None:
 
 
 def test_a_model_whose_constants_are_tuned_takes_no_longer_for_it() -> None:
-    """The simulated motor has parts of order 2, 1 and 2 to tune: 77 million lines, a change at a time."""
+    """The simulated motor has parts of order 2, 1, 2 and 1 to tune; of three of them it took 77 million lines once."""
     given = example("my1016_rig")
-    assert lines(lambda: lower(given, "fixed", "onboard")) < 2_000_000
+    assert lines(lambda: lower(given, "fixed", "onboard")) < 4_000_000
