@@ -31,8 +31,7 @@ from rich.table import Table
 
 from gen.coefficients import Coefficients, load
 from gen.lowering.alarms import lower_alarms
-from gen.reference.first_alarms import first_raised
-from gen.reference.sampled import sampled
+from gen.reference.run_alarms import raised_s
 from gen.reference.simulate import simulate_run
 from gen.rig import Fault, MotorConfig, Profile, Setup, make_run, sensors, warm_start
 from gen.rig.config import FaultKind
@@ -113,14 +112,9 @@ def judge(campaign: Campaign, name: str, number: int) -> Heard:
     """Run the motor, and the rules on what its sensors read."""
     coefficients, life = _coefficients(campaign.path), _lives(campaign, name)[number]
     run = make_run(life.profile, life.setup).run
-    model = coefficients.model
     shown = simulate_run(coefficients, run, "exact", "auto", life.kind)
-    degrees = {part: shown[f"{part}_degC"].astype(np.float64) for part in model.component_names}
-    given = sampled(model, run, degrees)
-    rules = lower_alarms(coefficients)
-    first = first_raised(rules, given.pwm, given.measured_mC, given.model_mC, given.valid, trusted=given.trusted)
-    heard = {rule.name: float(given.time_s[at]) for rule, at in zip(rules, first, strict=True) if at is not None}
-    return Heard(life.kind, life.fault_s, heard)
+    degrees = {part: shown[f"{part}_degC"].astype(np.float64) for part in coefficients.model.component_names}
+    return Heard(life.kind, life.fault_s, raised_s(coefficients, run, degrees))
 
 
 def _random_speed(rng: np.random.Generator) -> int:

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.drawing.section import Bar, shown
-from gen.lowering.alarms import LoweredRule, lower_alarms
+from gen.lowering.alarms import LoweredRule
 from gen.model.dynamics import MAX_PWM
-from gen.reference.first_alarms import first_raised
-from gen.reference.sampled import sampled
+from gen.reference.run_alarms import raised_s
 from gen.runs import Run
 
 Array = NDArray[np.float64]
@@ -73,8 +72,6 @@ def spans(present: NDArray[np.bool_], time_s: Array) -> list[tuple[float, float]
 def derived(coefficients: Coefficients, run: Run, model_degC: Mapping[str, Array]) -> list[Bar]:
     """Give the alarms that a coefficient file's rules raise on a run.
 
-    The board's own judgement (:func:`first_raised`) on what it would be given (:func:`sampled`).
-
     Parameters
     ----------
     coefficients
@@ -89,17 +86,8 @@ def derived(coefficients: Coefficients, run: Run, model_degC: Mapping[str, Array
     list of Bar
         From when a rule's alarm is raised to the end, as nobody resets it; in the rules' order.
     """
-    rules = lower_alarms(coefficients)
-    given = sampled(coefficients.model, run, model_degC)
-    if not rules or not given.time_s.size:
-        return []
-    first = first_raised(rules, given.pwm, given.measured_mC, given.model_mC, given.valid, trusted=given.trusted)
     end = float(run.time_s[-1])
-    return [
-        Bar(shown(rule.name), "derived", float(given.time_s[at]), end)
-        for rule, at in zip(rules, first, strict=True)
-        if at is not None
-    ]
+    return [Bar(shown(name), "derived", at, end) for name, at in raised_s(coefficients, run, model_degC).items()]
 
 
 def band(rules: Sequence[LoweredRule], component: int, side: str, pwm: NDArray[np.int64]) -> Array | None:

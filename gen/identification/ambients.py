@@ -50,7 +50,7 @@ def ambients_of(
     InputError
         When what is noted is no number; when nothing says it, and no run begins cold.
     """
-    said = [said_ambient(source, fixed, warnings) for source in sources]
+    said = [_said_ambient(source, fixed, warnings) for source in sources]
     levels = [float(np.mean(level)) for level in said if level is not None]
     starts = [_first_readings(source.run) for source in sources]
     if not (estimated or levels or any(map(_alike, starts))):
@@ -79,7 +79,7 @@ def ambients_of(
     return found, 0.0 if levels else UNKNOWN_K
 
 
-def said_ambient(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float | None:
+def _said_ambient(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float | None:
     """Give the ambient that was measured, noted or given: at every row, one number, or None.
 
     Parameters
@@ -112,11 +112,6 @@ def said_ambient(source: Source, fixed: float | None, warnings: list[str]) -> Fl
         except ValueError:
             raise InputError(f'found "{noted}", expected a number', file=source.path, place="# ambient_degC") from None
     return None
-
-
-def first_readings(run: Run) -> list[float]:
-    """The first reading of each component that has one, degC."""
-    return [float(values[np.isfinite(values)][0]) for values in run.temps.values() if np.isfinite(values).any()]
 
 
 def _first_readings(run: Run) -> list[float]:

@@ -101,7 +101,7 @@ def compare(coefficients: Coefficients, run: Run, name: str) -> HealthyRun:
         given.measured_mC - given.model_mC,
         given.valid,
     )
-    return HealthyRun(name, magnitude[begins].astype(np.int64), deviations, hottest, given.trusted, blocks)
+    return HealthyRun(name, magnitude[begins].astype(np.int64), deviations, hottest, cold, blocks)
 
 
 def differences(runs: Iterable[HealthyRun], component: str, other: str) -> list[HealthyRun]:

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from scipy.stats import gumbel_r
 
 from gen.coefficients import Coefficients
-from gen.coefficients.alarms import MissingHeat, Unsettled
+from gen.coefficients.alarms import MissingHeat, Unsettled, window_counts
 from gen.coefficients.rules import RuleDraft
 from gen.errors import InputError
-from gen.lowering.heat import BIN_COUNTS, RATE_BITS, LoweredHeat, PER_mK, lower_heat, slowest_rates
+from gen.lowering.heat import BIN_COUNTS, RATE_BITS, LoweredHeat, PER_mK, block_samples, lower_heat, slowest_rates
 from gen.reference.heat_blocks import Blocks, sums_after
 from gen.thresholds.healthy import HealthyRun
 
@@ -85,7 +85,8 @@ class _Trial:
     @property
     def block_s(self) -> float:
         """Length of a block, s."""
-        return self.lowered(1.0, _GENEROUS).block * self.coefficients.model.sample_time
+        step_s = self.coefficients.model.sample_time
+        return block_samples(step_s) * step_s
 
     @property
     def hours(self) -> float:
@@ -184,7 +185,7 @@ def _slack(trial: _Trial, hours: float) -> float:
 def _unknown(trial: _Trial) -> float:
     """Heat that two sensors' offsets look like: part and ambient each off by their tolerance, times the rate."""
     model = trial.coefficients.model
-    levels = np.arange(trial.lowered(1.0, _GENEROUS).low, model.domain_pwm[1] + 1)
+    levels = np.array(window_counts(trial.rule, model.full_scale), dtype=np.int64)
     rates = {name: float(slowest_rates(model, name, levels).max()) for name in trial.rule.weight_of}
     off = 2.0 * SENSOR_TOLERANCE_K * HOUR_S
     return round(sum(abs(weight) * off * rates[name] for name, weight in trial.rule.weight_of.items()), 2)

@@ -18,7 +18,8 @@ from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.verification import compare
 from gen.verification.accuracy import LENGTH, ErrorCourse, StepErrors, error_course, step_errors
-from gen.verification.alarms import AlarmCampaign, compare_alarms
+from gen.verification.alarm_campaign import AlarmCampaign
+from gen.verification.alarms import compare_alarms
 from gen.verification.compare import Mismatch
 from gen.verification.effect_costs import EffectCost, effect_costs
 from gen.verification.effects import EFFECTS_LENGTH, course_with_effects

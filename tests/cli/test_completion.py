@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -19,10 +18,6 @@ COMP_WORDS=({words}) COMP_CWORD={at}
 _gen_completion gen
 printf '%s\\n' "${{COMPREPLY[@]}}"
 """
-
-pytestmark = pytest.mark.skipif(
-    shutil.which("bash") is None or not GEN.exists(), reason="needs bash and an installed gen"
-)
 
 
 def completed(*words: str) -> list[str]:

@@ -19,13 +19,14 @@ from tests.live.test_sources import FAULT, emulated, quick
 __all__ = ["quick"]  # the fixture
 
 CHROMIUM = shutil.which("chromium")
+"""Debian's, which `scripts/setup.sh test` installs; without it these tests fail."""
 QUIET = ["gpu", "quic", "background-networking", "component-update", "sync"]
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium (scripts/setup.sh test installs it)")
 SLOW_MS = 30_000
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
+    assert CHROMIUM is not None, "needs Debian's chromium: scripts/setup.sh test installs it"
     with sync_playwright() as play:
         options = ["--no-sandbox", "--no-first-run", *(f"--disable-{what}" for what in QUIET)]
         browser = play.chromium.launch(executable_path=CHROMIUM, args=options)

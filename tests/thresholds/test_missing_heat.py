@@ -15,9 +15,7 @@ from gen.cli import cli
 from gen.coefficients import Coefficients, load
 from gen.coefficients.alarms import MissingHeat
 from gen.errors import InputError
-from gen.lowering.alarms import lower_alarms
-from gen.reference.first_alarms import first_raised
-from gen.reference.sampled import sampled
+from gen.reference.run_alarms import raised_s
 from gen.reference.simulate import simulate_run
 from gen.replay import read_for
 from tests.thresholds.test_thresholds import BASE, TAU_S
@@ -62,10 +60,7 @@ def heard_s(coefficients: Coefficients, path: Path) -> float | None:
     run = read_for(coefficients, path)
     shown = simulate_run(coefficients, run, "exact", "auto", path.name)
     model = {name: shown[f"{name}_degC"].astype(np.float64) for name in coefficients.model.component_names}
-    given = sampled(coefficients.model, run, model)
-    rules = lower_alarms(coefficients)
-    (at,) = first_raised(rules, given.pwm, given.measured_mC, given.model_mC, given.valid, trusted=given.trusted)
-    return None if at is None else float(given.time_s[at])
+    return raised_s(coefficients, run, model).get("heat")
 
 
 @pytest.fixture(scope="module")

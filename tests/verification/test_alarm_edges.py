@@ -15,7 +15,8 @@ from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.lower import lower
-from gen.verification.alarms import BEGIN, AlarmCampaign, HostAlarms, _write_harnesses, input_type, output_type
+from gen.verification.alarm_campaign import BEGIN, AlarmCampaign, input_type, output_type
+from gen.verification.alarms import HostAlarms, _write_harnesses
 from gen.verification.runners import write_library
 from tests.examples import ROOT
 

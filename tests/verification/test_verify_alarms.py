@@ -11,7 +11,8 @@ from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.alarms import LoweredRule, lower_alarms
 from gen.lowering.lower import lower
-from gen.verification.alarms import alarm_profile, campaign, compare_alarms
+from gen.verification.alarm_campaign import alarm_profile, campaign
+from gen.verification.alarms import compare_alarms
 from gen.verification.runners import Library, write_library
 from tests.examples import example
 

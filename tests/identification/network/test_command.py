@@ -80,5 +80,5 @@ def test_the_report_is_written_beside_the_file(
 
 
 def test_another_model_is_refused(paths: list[Path]) -> None:
-    with pytest.raises(gen.InputError, match="model: found 'tree', expected 'parts', 'network'"):
+    with pytest.raises(gen.InputError, match="model: found 'tree', expected 'auto', 'parts', 'network'"):
         gen.identify(paths, model="tree")  # type: ignore[call-overload]
