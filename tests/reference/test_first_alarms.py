@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gen.lowering.alarms import LoweredRule, Segment
+from gen.lowering.heat import BINS, HeatTerm, LoweredHeat
 from gen.reference.alarms import ReferenceAlarms
 from gen.reference.first_alarms import first_raised
 
@@ -15,8 +16,27 @@ STEP_mK = 200  # coarse, so that values meet thresholds exactly
 
 
 @st.composite
+def heat(draw: st.DrawFn, component: int, low: int, high: int) -> LoweredHeat:
+    """Blocks of four samples, and limits that some of these deviations reach."""
+    bins = st.lists(st.integers(1, 20_000), min_size=BINS, max_size=BINS).map(tuple)
+    return LoweredHeat(
+        block=4,
+        low=low,
+        high=high,
+        terms=(HeatTerm(component, draw(st.sampled_from([256, -256])), draw(bins)),),
+        slack=draw(st.integers(1, 2000)),
+        unknown=draw(st.integers(0, 2000)),
+        change=draw(st.integers(0, 2000)),
+        start=draw(st.integers(0, 10**6)),
+        fading=draw(bins),
+        memory=draw(st.integers(4, 40)),
+        limit=draw(st.integers(1, 20_000)),
+    )
+
+
+@st.composite
 def rule(draw: st.DrawFn, number: int) -> LoweredRule:
-    quantity = draw(st.sampled_from(["above", "below", "measured"]))
+    quantity = draw(st.sampled_from(["above", "below", "measured", "heat"]))
     trip = STEP_mK * draw(st.integers(0, 7)) + (40_000 if quantity == "measured" else 0)
     clear = trip - STEP_mK * draw(st.integers(0, 4))
     low, high = sorted([draw(st.integers(0, 255)), draw(st.integers(0, 255))])
@@ -25,13 +45,14 @@ def rule(draw: st.DrawFn, number: int) -> LoweredRule:
         segments.append(Segment(high + 1, 255, trip + STEP_mK, clear + STEP_mK))
     earlier = st.none() | st.integers(0, number - 1) if number else st.none()
     component = draw(st.integers(0, PARTS - 1))
-    is_sum = quantity != "measured" and draw(st.booleans())
+    plain = quantity in ("above", "below")
+    is_sum = plain and draw(st.booleans())
     return LoweredRule(
         name=f"rule{number}",
         description="",
         quantity=quantity,
         component=component,
-        relative_to=1 - component if quantity != "measured" and draw(st.booleans()) else None,
+        relative_to=1 - component if plain and draw(st.booleans()) else None,
         segments=tuple(Segment(s.low, s.high, s.trip_mK, s.trip_mK) for s in segments) if is_sum else tuple(segments),
         settle=draw(st.integers(0, 20)),
         start_wait=draw(st.integers(0, 20)),
@@ -40,6 +61,7 @@ def rule(draw: st.DrawFn, number: int) -> LoweredRule:
         unless=draw(earlier),
         stops=False,
         sum_limit=draw(st.integers(1, 10_000)) if is_sum else None,
+        heat=draw(heat(component, low, high)) if quantity == "heat" else None,
     )
 
 
