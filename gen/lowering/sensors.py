@@ -18,6 +18,11 @@ NOISE_COUNTS = 4
 """What two samples of a constant temperature may differ by: 1 K, twice the scatter that users of the chip report."""
 CONFIRMATIONS = 4
 """Consistent samples in a row before a level is believed: at the start, after a fault and after a jump."""
+PLAUSIBLE_SAMPLES = 3
+"""Sound samples in a row that could be one part's before they are plausible. Random words, of which an eighth is sound,
+make two such above a limit once in 6 000 pairs, three once in four million."""
+FASTER = 4
+"""By how much a part that fails may outrun its largest physical change."""
 _JITTER_MS = 5
 """By what two samples may follow one another sooner than planned: steps of millis() and work between them."""
 _STUCK_S = 300.0

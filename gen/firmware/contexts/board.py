@@ -148,6 +148,8 @@ class SensorsContext(TypedDict):
     conversion_ms: int
     conversion_millis: int
     confirmations: int
+    plausible_samples: int
+    faster: int
     noise_counts: int
     highest_count: int
     count_mK: int
