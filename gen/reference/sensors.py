@@ -2,33 +2,20 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
 from itertools import pairwise
 
 from gen.lowering.sensors import (
     CONFIRMATIONS,
     FASTER,
-    HIGHEST_COUNT,
+    LONGEST_SAMPLES,
     NOISE_COUNTS,
     PLAUSIBLE_SAMPLES,
     COUNT_mK,
     SensorLimits,
 )
+from gen.reference.chips import SensorCode, decoded
 
-
-class SensorCode(IntEnum):
-    """What the checks say of a sample; one decimal digit on the serial line."""
-
-    OK = 0
-    OPEN = 1
-    ZEROS = 2
-    ONES = 3
-    RANGE = 4
-    JUMP = 5
-    STUCK = 6
-    EARLY = 7
-    UNCONFIRMED = 8
-    UNREAD = 9
+__all__ = ["SensorCheck", "SensorCode"]
 
 
 class SensorCheck:
@@ -90,7 +77,7 @@ class SensorCheck:
         Parameters
         ----------
         word
-            The 16 bits as the MAX6675 sent them.
+            The bits as the chip sent them, see :func:`gen.reference.chips.decoded`.
         finished
             Whether its conversion had the time that it needs.
         model_mC
@@ -101,16 +88,17 @@ class SensorCheck:
         SensorCode
             `OK` if the sample may be used.
         """
-        self._since = min(self._since + 1, HIGHEST_COUNT)
+        self._since = min(self._since + 1, LONGEST_SAMPLES)
         self.code = self._judge(word, finished, model_mC)
         return self.code
 
     def _judge(self, word: int, finished: bool, model_mC: int) -> SensorCode:
         if not finished:
             return SensorCode.EARLY
-        counts = word >> 3
-        fault = self._fault(word)
-        if fault:
+        fault, counts = decoded(self.limits, word)
+        if fault is SensorCode.ZEROS and self._is_cold():
+            fault, counts = SensorCode.OK, 0
+        if fault is not SensorCode.OK:
             self._run = 0
             self._agreed = 0
             return fault
@@ -171,14 +159,14 @@ class SensorCheck:
         expected_mC = self._believed * COUNT_mK + model_mC - self._then_mC
         return abs(counts * COUNT_mK - expected_mC) > (NOISE_COUNTS + self.limits.step) * COUNT_mK
 
-    def _fault(self, word: int) -> SensorCode:
-        if word & 0xFFFE == 0:
-            return SensorCode.ZEROS
-        if word & 0x8002:
-            return SensorCode.ONES
-        if word & 0x0004:
-            return SensorCode.OPEN
-        return SensorCode.OK
+    def _is_cold(self) -> bool:
+        """Whether zeros go on from a temperature that has just come down to them: a MAX6675 sends nothing below."""
+        return (
+            self.limits.chip == "MAX6675"
+            and self._known
+            and self._believed <= NOISE_COUNTS
+            and self._since <= CONFIRMATIONS
+        )
 
     def _watch_for_change(self, counts: int, model_mC: int) -> None:
         if not self._watching or counts != self._latest[0]:

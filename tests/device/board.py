@@ -8,6 +8,7 @@ from pathlib import Path
 
 from gen.coefficients import Coefficients
 from gen.emulate.devices import DeviceMega
+from gen.emulate.scenario import converters
 
 OPEN, ZEROS, ONES = 0x0004, 0x0000, 0xFFFF
 #: The sketch's flags (`device.h`).
@@ -34,22 +35,23 @@ class Said:
 
 
 class Board(DeviceMega):
-    """A Mega with the MAX6675s of a coefficient file, each at 30 degC until told otherwise."""
+    """A Mega with the sensor chips of a coefficient file, each at 30 degC until told otherwise."""
 
     def __init__(self, elf: Path, cache: Path, coefficients: Coefficients | None) -> None:
         super().__init__(elf, cache)
         wiring = coefficients.document.wiring if coefficients else None
         self.chips = {
-            chip.channel: self.add_max6675(chip.cs, chip.so, chip.sck)
+            chip.channel: self.add_chip(chip.chip, chip.cs, chip.so, chip.sck, chip.sdi)
             for chip in (wiring.thermocouples if wiring else ())
         }
+        self._converters = converters(wiring) if wiring else {}
         for channel in self.chips:
             self.set_celsius(channel, 30.0)
         self._text = ""
         self._columns: list[str] = []
 
     def set_celsius(self, channel: str, celsius: float) -> None:
-        self.chips[channel].set_word(word(celsius))
+        self.chips[channel].set_word(self._converters[channel].word(celsius, 23.0, False))
 
     def send(self, line: str) -> None:
         self.uart.send(line.encode() + b"\n")

@@ -39,7 +39,7 @@ MAIN = """
 #include <stdio.h>
 #include "my1016_sensors.h"
 int main() {
-    unsigned char in[9];
+    unsigned char in[10];
     my1016_sensors_begin();
     while (fread(in, 1, sizeof in, stdin) == sizeof in) {
         if (in[0] == 0xFF) {
@@ -54,11 +54,12 @@ int main() {
             my1016_sensors_accept(in[1]);
             continue;
         }
-        uint32_t model = 0;
+        uint32_t model = 0, word = 0;
         for (int i = 0; i < 4; ++i) {
-            model |= (uint32_t)in[4 + i] << (8 * i);
+            model |= (uint32_t)in[6 + i] << (8 * i);
+            word |= (uint32_t)in[1 + i] << (8 * i);
         }
-        const uint8_t code = my1016_sensors_check(in[0], (uint16_t)(in[1] | in[2] << 8), in[3], (int32_t)model);
+        const uint8_t code = my1016_sensors_check(in[0], word, in[5], (int32_t)model);
         const long value = my1016_sensors_mC(in[0]);
         const int plausible = my1016_sensors_plausible(in[0]);
         const long plausible_mC = my1016_sensors_plausible_mC(in[0]);
@@ -73,10 +74,9 @@ BOARD_MAIN = """
 #include "my1016_sensors.h"
 struct Input {
     uint8_t channel;
-    uint16_t word;
+    uint32_t word;
     uint8_t finished;
     int32_t model_mC;
-    uint8_t pad;
 } gen_input;
 struct Output {
     uint8_t code;
@@ -106,7 +106,7 @@ int main() {
     }
 }
 """
-RECORD = np.dtype([("channel", "u1"), ("word", "<u2"), ("finished", "u1"), ("model_mC", "<i4"), ("pad", "u1")])
+RECORD = np.dtype([("channel", "u1"), ("word", "<u4"), ("finished", "u1"), ("model_mC", "<i4")])
 FORGET, MODEL_SET, ACCEPT = 0xFF, 0xFE, 0xFD
 LIMITS = SensorLimits("brush", lowest=0, highest=1000, step=5, stuck_samples=12, stuck_mK=3000)
 JUDGED = np.dtype([("code", "u1"), ("mC", "<i4"), ("plausible", "u1"), ("plausible_mC", "<i4")])
@@ -141,19 +141,19 @@ class Cpp:
         sources = [str(folder / "main.cpp"), str(folder / "my1016_sensors.cpp"), "-o", str(self._binary)]
         subprocess.run([str(toolchain.program("clang++")), *flags, *sources], check=True)
         self.limits = [
-            SensorLimits(item.channel, item.lowest, item.highest, item.step, chip["stuck_samples"], item.stuck_mK)
+            replace(item, stuck_samples=chip["stuck_samples"])
             for item, chip in zip(sensor_limits(coefficients), device["chips"], strict=True)
         ]
 
     def run(self, steps: Sequence[Step]) -> list[Judged]:
-        records = np.array([(*step, 0) for step in steps], dtype=RECORD)
+        records = np.array(list(steps), dtype=RECORD)
         done = subprocess.run([str(self._binary)], input=records.tobytes(), capture_output=True, check=True)
         numbers = [int(number) for number in done.stdout.split()]
         return list(zip(numbers[::4], numbers[1::4], numbers[2::4], numbers[3::4], strict=True))
 
     def run_on_board(self, steps: Sequence[Step]) -> tuple[list[Judged], int]:
         """The same on the emulated Mega, and the most cycles of a check."""
-        records = np.array([(*step, 0) for step in steps], dtype=RECORD)
+        records = np.array(list(steps), dtype=RECORD)
         (self._folder / "avr.cpp").write_text(BOARD_MAIN)
         sources = [self._folder / "avr.cpp", self._folder / "my1016_sensors.cpp"]
         elf = build_elf(sources, [MAILBOX_FOLDER, self._folder], self._folder / "avr.elf", optimisation="-Os")

@@ -34,6 +34,28 @@ def _soon_stuck(tree: Tree) -> None:
         chip |= {"stuck_s": 20, "stuck_K": 0.1}
 
 
+#: By channel, in the file's order.
+KINDS = {"brush": "MAX31855", "bearing": "MAX31856", "magnet": "MAX31865", "casing": "MAX31865", "ambient": "MAX6675"}
+
+
+def _every_chip(tree: Tree) -> None:
+    """One of each kind, and a PT1000 on three wires; all share their lines."""
+    for chip in tree["wiring"]["thermocouples"]:
+        chip |= {"so": 50, "sck": 52, "chip": KINDS[chip["channel"]]}
+        if chip["chip"] != "MAX6675":
+            chip["min_degC"] = -40.0
+        if chip["chip"] in ("MAX31856", "MAX31865"):
+            chip["sdi"] = 51
+    tree["wiring"]["thermocouples"][3] |= {"rtd_ohm": 1000, "reference_ohm": 4000, "wires": 3}
+    del tree["wiring"]["encoder"]
+
+
+def _other_chips(tree: Tree) -> None:
+    """Each on lines of its own kind alone: without a MAX6675."""
+    for chip in tree["wiring"]["thermocouples"]:
+        chip["chip"] = "MAX31855"
+
+
 def _profile(tree: Tree) -> None:
     steps = [{"duration_s": 1, "pwm": 100}, {"duration_s": 2, "pwm": -50}]
     tree["wiring"]["drive"]["profile"] = {"steps": steps}
@@ -122,6 +144,8 @@ VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "slow": _slow,
     "one_pulse": _one_pulse,
     "voltages": _voltages,
+    "every_chip": _every_chip,
+    "other_chips": _other_chips,
 }
 
 FURTHER: Mapping[str, Callable[[Tree], None]] = {
