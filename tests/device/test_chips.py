@@ -200,6 +200,31 @@ def test_chips_that_changed_places_are_recognised(power_up: Open) -> None:
     assert {row["sensors"][0] + row["sensors"][4] for row in rows} <= {"33", "73"}
 
 
+@pytest.mark.parametrize("name", ["my1016", "every_chip"])
+def test_a_start_in_the_cold_takes_the_ambient_no_warmer_than_the_coldest_part(power_up: Open, name: str) -> None:
+    """The ambient's MAX6675 sends zeros at -5 degC; 30 degC, the file's fixed ambient, would be 27 K off."""
+    board = power_up(name)
+    for channel, celsius in {"brush": 4.0, "bearing": 3.5, "magnet": 3.5, "casing": 3.0, "ambient": -5.0}.items():
+        board.set_celsius(channel, celsius)
+    board.started()
+    row = board.hear(20.0).rows[-1]
+    assert row["ambient_degC"] == ""
+    for part, celsius in {"brush": 4.0, "bearing": 3.5, "magnet": 3.5, "casing": 3.0}.items():
+        assert float(row[f"{part}_model_degC"]) == pytest.approx(celsius, abs=0.6)
+
+
+def test_a_fall_below_zero_goes_on_as_zero_with_a_max6675(power_up: Open) -> None:
+    board = power_up("my1016")
+    for channel in board.chips:
+        board.set_celsius(channel, 2.0)
+    board.started()
+    for quarter in range(8, -20, -1):
+        board.set_celsius("ambient", quarter / 4.0)
+        rows = board.hear(0.6).rows
+    assert [row["ambient_degC"] for row in rows if row["ambient_degC"]] in (["0.00"], [])
+    assert board.hear(3.0).rows[-1]["ambient_degC"] == "0.00"
+
+
 @pytest.mark.parametrize("sample_s", [0.05, 0.1, 0.25])
 def test_faster_chips_are_read_more_often(sample_s: float) -> None:
     assert reading_samples(sample_s, 66) <= reading_samples(sample_s, 220)
