@@ -130,6 +130,12 @@ def _prompt(tree: Tree) -> None:
     tree["alarms"] = [rule]
 
 
+def _limited(tree: Tree) -> None:
+    """One rule that protects: the brush's limit, at once."""
+    rule = {"name": "limit", "kind": "over_temperature", "component": "brush", "limit_degC": 120, "hysteresis_K": 5}
+    tree["alarms"] = [{**rule, "persistence_s": 0, "stop_motor": True}]
+
+
 VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "my1016": _as_it_is,
     "no_wiring": _no_wiring,
@@ -152,6 +158,7 @@ FURTHER: Mapping[str, Callable[[Tree], None]] = {
     "autostart": _autostart,
     "watched_brush": _watched_brush,
     "prompt": _prompt,
+    "limited": _limited,
 }
 """For a test or two of their own; wired as one of the others."""
 
