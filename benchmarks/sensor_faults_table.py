@@ -53,6 +53,7 @@ SENSOR_FAULTS = {
     "spike": SensorFault("spike", START_S, END_S, size_K=20.0, every_s=5.0),
     "jump": SensorFault("jump", START_S, END_S, size_K=20.0),
     "jump that stays": SensorFault("jump", START_S, size_K=20.0),
+    "came off": SensorFault("off", START_S, END_S),
     "noise burst": SensorFault("noise", START_S, END_S, size_K=20.0),
 }
 

@@ -60,7 +60,7 @@ _EXAMPLE = (
     "--sensor-fault",
     metavar="CHANNEL:KIND:START:END[:SIZE_K]",
     multiple=True,
-    help="KIND is open, all_0, all_1, stuck, spike, jump or noise; may be given several times.",
+    help="KIND is open, all_0, all_1, stuck, spike, jump, noise or off; may be given several times.",
 )
 @click.option("--sensor-tolerance", type=Finite(min=0.0), default=1.1, show_default=True, help="Offsets, K.")
 @click.option("--ambient", metavar="DEGC|FILE|TIME:DEGC,...", default="30", show_default=True)

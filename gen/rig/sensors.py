@@ -13,10 +13,11 @@ from gen.rig.chips import OPEN_BIT, Converter
 COUNT_DEGC = 0.25  #: Degrees of one count.
 MAX_COUNTS = 4095  #: 12 bits: 1023.75 degC.
 
-SensorFaultKind = Literal["open", "all_0", "all_1", "stuck", "spike", "jump", "noise"]
+SensorFaultKind = Literal["open", "all_0", "all_1", "stuck", "spike", "jump", "noise", "off"]
 SENSOR_FAULTS: tuple[SensorFaultKind, ...] = get_args(SensorFaultKind)
 
 _BLOCK = 1024
+_BARE_S = 3.0  # time constant of a thermocouple in still air
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,8 @@ class SensorFault:
     kind
         ``open``: the thermocouple's wire is broken; ``all_0``, ``all_1``: the data line is shorted or the converter
         has no supply; ``stuck``: the word stays as it was; ``spike``: one conversion every `every_s` is off by
-        `size_K`; ``jump``: off by `size_K` all the time; ``noise``: Gaussian noise of `size_K` on top.
+        `size_K`; ``jump``: off by `size_K` all the time; ``noise``: Gaussian noise of `size_K` on top;
+        ``off``: it has come off its part and cools to the converter's temperature.
     start_s, end_s
         When it begins and when it is over.
     size_K, every_s
@@ -171,6 +173,9 @@ class Thermocouple:
                 shown += fault.size_K * self._gauss()
             elif fault.kind == "jump":
                 shown += fault.size_K
+            elif fault.kind == "off":
+                left = math.exp(-(time_s - fault.start_s + config.conversion_s) / _BARE_S)
+                shown = config.cold_junction_degC + (shown - config.cold_junction_degC) * left
             else:
                 due = int((time_s - fault.start_s) / fault.every_s)
                 if self._spikes.get(index, -1) < due:
