@@ -94,6 +94,18 @@ def test_two_selected_chips_on_one_line_are_noticed(open_board: OpenBoard) -> No
     assert asked.chips[0].counts.clashes == 1
 
 
+def test_a_max31855_gives_the_upper_half_of_its_word_to_who_reads_16_bits(open_board: OpenBoard) -> None:
+    """60 degC, its own temperature 25 degC: bits 14..3 of the upper half are 30 degC, as people have seen."""
+    mega = open_board("devices.cpp", "CHIPS={29,35,31}", "EDGE=RISING")
+    chip = mega.add_chip("MAX31855", 29, 35, 31)
+    chip.set_word(240 << 18 | 400 << 4)
+    mega.run_until_bytes(b"ready\r\n", SECOND)
+    mega.run_seconds(0.3)
+    mega.uart.send(b"r")
+    word = int(mega.run_until_bytes(b"\n", SECOND).decode().strip(), 16)
+    assert (word >> 3 & 0xFFF) * 0.25 == 30.0
+
+
 @pytest.mark.parametrize("batch_s", [0.0, 0.001, 0.02])
 @pytest.mark.parametrize("edge", ["RISING", "FALLING", "CHANGE"])
 def test_every_pulse_is_counted(open_board: OpenBoard, batch_s: float, edge: str) -> None:
