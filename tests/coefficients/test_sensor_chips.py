@@ -54,4 +54,4 @@ def test_a_platinum_resistors_reference_follows_it() -> None:
     for ohm in (100, 1000):
         wiring = parse(with_brush(chip="MAX31865", sdi=24, rtd_ohm=ohm)).document.wiring
         assert wiring is not None
-        assert wiring.thermocouples[0].resistor_ohm == (ohm, pytest.approx(4.3 * ohm))
+        assert wiring.thermocouples[0].resistor_ohm == pytest.approx((ohm, 4.3 * ohm))
