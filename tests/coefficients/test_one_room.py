@@ -58,7 +58,7 @@ OTHER_FORMATS = {
     "live/access.py": {"method"},
     "live/view.py": {"alarms"},
     "commands/emulate.py": {"alarms", "profile", "ambient", "encoder"},
-    "emulate/results.py": {"alarms"},
+    "emulate/results.py": {"alarms", "protection"},
     # contexts of templates, and lists of names in them
     "firmware/context.py": {"name", "channels"},
     "firmware/contexts/network.py": {"constant", "heats", "note"},

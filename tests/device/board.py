@@ -54,6 +54,11 @@ class Board(DeviceMega):
     def send(self, line: str) -> None:
         self.uart.send(line.encode() + b"\n")
 
+    def drive(self, pwm: int) -> None:
+        """Command a PWM as somebody does who means it."""
+        self.send("arm")
+        self.send(str(pwm))
+
     def hear(self, seconds: float = 0.0) -> Said:
         """Run on, and take apart what was said since the last time; a line under way is kept for the next."""
         self.run_seconds(seconds)

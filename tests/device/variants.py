@@ -12,6 +12,10 @@ from tests.examples import ROOT
 
 Tree = dict[str, Any]
 BASE: Tree = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text())
+#: Most tests are not about protection: no motor turns in them, and thermocouples come and go.
+BASE["protection"] = [{"cause": "stall", "action": "log"}, {"cause": "sensor_lost", "action": "log"}]
+#: A change of sign acts at once: its microseconds are watched.
+BASE["wiring"]["drive"]["reversal_pause_s"] = 0
 CHIPS = [(chip["cs"], chip["so"], chip["sck"]) for chip in BASE["wiring"]["thermocouples"]]
 CHANNELS = [chip["channel"] for chip in BASE["wiring"]["thermocouples"]]
 
@@ -21,8 +25,15 @@ def _as_it_is(tree: Tree) -> None:
 
 
 def _no_wiring(tree: Tree) -> None:
-    del tree["wiring"]
+    del tree["wiring"], tree["protection"]
     tree["alarms"] = []
+
+
+def _protected(tree: Tree) -> None:
+    """What protects by itself, with a relay, a time-out and a ramp."""
+    del tree["protection"]
+    tree["wiring"] |= {"relay_pin": 12, "command_timeout_s": 20}
+    tree["wiring"]["drive"] |= {"ramp_s": 2.0, "reversal_pause_s": 1.0}
 
 
 def _often_copied(tree: Tree) -> None:
@@ -53,6 +64,7 @@ def _directed_low(tree: Tree) -> None:
 
 
 def _observed(tree: Tree) -> None:
+    del tree["protection"]
     del tree["wiring"]["drive"]
     del tree["wiring"]["led_pin"]
     tree["wiring"]["observe"] = {"forward_pin": 4, "reverse_pin": 5}
@@ -70,12 +82,14 @@ def _counted(tree: Tree) -> None:
 
 
 def _ambient_only(tree: Tree) -> None:
+    del tree["protection"]
     tree["wiring"]["thermocouples"] = tree["wiring"]["thermocouples"][4:]
     del tree["wiring"]["encoder"]
 
 
 def _slow(tree: Tree) -> None:
     """A sample time longer than the watchdog's."""
+    del tree["protection"]
     tree["sample_time_s"], tree["accuracy"] = 2.5, {"fixed_limit_K": 1e-3}
     tree["wiring"] = {"button_pin": 22}
 
@@ -122,6 +136,7 @@ VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "slow": _slow,
     "one_pulse": _one_pulse,
     "voltages": _voltages,
+    "protected": _protected,
 }
 
 FURTHER: Mapping[str, Callable[[Tree], None]] = {
