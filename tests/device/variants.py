@@ -52,7 +52,7 @@ def _profile(tree: Tree) -> None:
 
 def _directed(tree: Tree) -> None:
     """One PWM pin, of a timer that stops at PWM 0, and a direction pin."""
-    tree["wiring"]["drive"] = {"pwm_pin": 9, "direction_pin": 7}
+    tree["wiring"]["drive"] = {"pwm_pin": 9, "direction_pin": 7, "reversal_pause_s": 0}
 
 
 def _directed_low(tree: Tree) -> None:
@@ -60,7 +60,7 @@ def _directed_low(tree: Tree) -> None:
     del tree["wiring"]["led_pin"]
     steps = [{"duration_s": 1, "pwm": 100}, {"duration_s": 2, "pwm": -50}]
     drive = {"pwm_pin": 4, "direction_pin": 13, "forward_level": "low", "profile": {"steps": steps}}
-    tree["wiring"]["drive"] = drive
+    tree["wiring"]["drive"] = drive | {"reversal_pause_s": 0}
 
 
 def _observed(tree: Tree) -> None:
