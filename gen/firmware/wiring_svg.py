@@ -53,9 +53,9 @@ def parts(device: DeviceContext) -> list[Part]:
     """
     found = []
     for chip in device["chips"]:
-        signals = [Terminal(key.upper(), chip["lines"][key]["label"]) for key in ("cs", "so", "sck")]
+        signals = [Terminal(key.upper(), pin["label"]) for key, pin in chip["lines"].items()]
         supply = [Terminal("VCC", "5 V"), Terminal("GND", "GND")]
-        found.append(Part(f"MAX6675: {chip['channel']}", (*signals, *supply)))
+        found.append(Part(f"{chip['converter']}: {chip['channel']}", (*signals, *supply)))
     for channel in device["channels"]:
         title = f"{channel['column']}: {'0..5 V' if channel['analog'] else 'contact'}"
         found.append(
