@@ -402,7 +402,7 @@ def _drive(drive: Drive, full_scale: int, sample_ms: int) -> DriveContext:
         "timers": [
             {
                 "number": timer,
-                "runs": TIMER_RUNS[timer],
+                "runs": TIMER_RUNS[drive.frequency_Hz][timer],
                 "lines": [key for key, own in of_timer.items() if own == timer],
             }
             for timer in sorted({*of_timer.values()} - {0})
@@ -415,6 +415,7 @@ def _drive(drive: Drive, full_scale: int, sample_ms: int) -> DriveContext:
             }
             for step in steps
         ],
+        "frequency_Hz": drive.frequency_Hz,
         "pause_samples": _samples(drive.reversal_pause_s, sample_ms),
         "ramp_step": _ramp_step(drive.ramp_s, full_scale, sample_ms),
         "repeat": bool(drive.profile and drive.profile.repeat),

@@ -170,3 +170,8 @@ def test_a_relay_on_the_boot_loaders_pin_is_refused() -> None:
 def test_a_time_out_without_anything_that_is_commanded_is_refused() -> None:
     with pytest.raises(InputError, match="command_timeout_s"):
         parse(text({"wiring": {"drive": None, "command_timeout_s": 5}}))
+
+
+def test_a_pin_of_the_clocks_timer_keeps_its_frequency() -> None:
+    with pytest.raises(InputError, match="stays at 976 Hz"):
+        parse(text({"wiring": {"drive": {"forward_pin": 4, "reverse_pin": 5, "frequency_Hz": 3922}}}))

@@ -213,3 +213,14 @@ def test_only_a_channel_can_be_accepted(power_up: Open, line: str) -> None:
     board = started(power_up)
     board.send(line)
     assert any("rejected lines: 1" in event for event in board.hear(1.0).events)
+
+
+def test_both_directions_have_the_frequency_that_is_asked_for(power_up: Open) -> None:
+    """31.4 kHz: both pins are of one timer, which counts the undivided clock."""
+    board = power_up("fast_pwm")
+    board.started()
+    for command in (128, -128):
+        board.drive(command)
+        board.hear(2.0)
+        assert board.pins.pwm(6, 7) == pytest.approx(command, abs=1)
+        assert board.memory.peek(0xA1, 1)[0] & 7 == 1  # TCCR4B

@@ -377,7 +377,7 @@ def test_the_self_test_knows_the_flash(power_up: Open, tmp_path: Path) -> None:
     board.write("at_start", 0)
     board.send("test")
     findings = [event.split(" ", 1)[1] for event in board.hear(5.0).events]
-    assert f"test flash FAILED {crc}" in findings
+    assert f"test flash FAILED {crc} not sealed" in findings
     assert any(finding.startswith("test ram ok ") for finding in findings)
     assert "test sensors FAILED 00100" in findings
     assert "test FAILED" in findings

@@ -82,6 +82,10 @@ def _directed_low(tree: Tree) -> None:
     tree["wiring"]["drive"] = drive | {"reversal_pause_s": 0}
 
 
+def _fast_pwm(tree: Tree) -> None:
+    tree["wiring"]["drive"] = {"forward_pin": 6, "reverse_pin": 7, "frequency_Hz": 31373}
+
+
 def _observed(tree: Tree) -> None:
     del tree["wiring"]["drive"]
     del tree["wiring"]["led_pin"]
@@ -163,6 +167,7 @@ VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "one_pulse": _one_pulse,
     "voltages": _voltages,
     "protected": _protected,
+    "fast_pwm": _fast_pwm,
     "every_chip": _every_chip,
     "other_chips": _other_chips,
 }

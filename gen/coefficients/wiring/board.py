@@ -9,7 +9,16 @@ from pydantic import Field, model_validator
 
 from gen.coefficients.base import Note, Part, Positive, fault
 from gen.coefficients.wiring.drive import DRIVE_PINS, Drive, Observe
-from gen.coefficients.wiring.pins import BOOT_LED_PIN, COUNTER_TIMER_PINS, PWM_PINS, Pin, Role, check_free, roles
+from gen.coefficients.wiring.pins import (
+    BOOT_LED_PIN,
+    CLOCK_TIMER_PINS,
+    COUNTER_TIMER_PINS,
+    PWM_PINS,
+    Pin,
+    Role,
+    check_free,
+    roles,
+)
 from gen.coefficients.wiring.sensors import ChannelInput, Encoder, Thermocouple
 
 
@@ -88,6 +97,13 @@ def _check_pwm_pins(drive: Drive, encoder: Encoder | None) -> None:
             raise fault(
                 f"pin {BOOT_LED_PIN} is the boot loader's LED: the motor would run at every reset before the "
                 "firmware does; expected another pin",
+                "drive",
+                key,
+            )
+        if pin in CLOCK_TIMER_PINS and drive.frequency_Hz != Drive.model_fields["frequency_Hz"].default:
+            raise fault(
+                f"the PWM of pin {pin} is Timer 0's, which keeps the time: it stays at 976 Hz; expected another pin, "
+                'or no "frequency_Hz"',
                 "drive",
                 key,
             )

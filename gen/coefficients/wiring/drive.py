@@ -66,6 +66,10 @@ class Drive(Part):
     reversal_pause_s: Annotated[
         float, Field(ge=0, le=600, allow_inf_nan=False, description="PWM 0 for so long before the direction changes.")
     ] = 0.5
+    frequency_Hz: Annotated[
+        Literal[490, 3922, 31373],
+        Field(description="Of the PWM, by its timer's prescaler. Pin 4 has 976 Hz whatever is said: the core's clock."),
+    ] = 490
     profile: Profile | None = None
     note: Note | None = None
 

@@ -106,6 +106,7 @@ class DriveContext(TypedDict):
     direction: Pin | None
     forward_high: bool
     timers: list[Timer]
+    frequency_Hz: int
     pause_samples: int
     ramp_step: int
     steps: list[ProfileStep]
