@@ -36,9 +36,13 @@ class Rule(Part):
     unless: Annotated[
         str | None, Field(description="The rule is not evaluated while this earlier rule's alarm is raised.")
     ] = None
-    stop_motor: Annotated[bool, Field(description="The sketch stops the motor while this rule's alarm is raised.")] = (
-        False
-    )
+    stop_motor: Annotated[
+        bool | None,
+        Field(
+            description="The motor stops on this rule's alarm, until a command ends it. Without it an over-temperature "
+            "of a driven motor does, and other rules do not. $.protection can say more."
+        ),
+    ] = None
 
 
 class ModelRule(Rule):

@@ -11,6 +11,8 @@ from gen.coefficients.alarms import MOST_RULES, AlarmRule
 from gen.coefficients.base import Celsius, ColumnName, CountRange, Name, Part, Positive, fault, ordered
 from gen.coefficients.effects import EffectEntry, check_effects
 from gen.coefficients.network import NetworkEntry
+from gen.coefficients.protection import MOST_PROTECTIONS, Protection
+from gen.coefficients.protection_checks import check_protection
 from gen.coefficients.provenance import Provenance
 from gen.coefficients.references import (
     check_alarm_references,
@@ -25,7 +27,7 @@ from gen.coefficients.wiring import Wiring
 from gen.model.dynamics import MAX_PWM
 
 SKETCH_FILES = frozenset(["board", "commands", "config", "console", "crc32", "device", "drive", "encoder"])
-SKETCH_FILES |= {"channels", "indicator", "memory", "observer", "output", "selftest", "thermocouples"}
+SKETCH_FILES |= {"channels", "guard", "indicator", "memory", "observer", "output", "relay", "selftest", "thermocouples"}
 """Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
 
 CelsiusRange = tuple[Celsius, Celsius]
@@ -173,6 +175,13 @@ class Document(Part):
     provenance: Provenance | None = None
     wiring: Wiring | None = None
     alarms: Annotated[tuple[AlarmRule, ...], Field(max_length=MOST_RULES)] = ()
+    protection: Annotated[
+        tuple[Protection, ...],
+        Field(
+            max_length=MOST_PROTECTIONS,
+            description="Causes and actions; those that are not named have defaults where a motor is driven.",
+        ),
+    ] = ()
     effects: Annotated[
         tuple[EffectEntry, ...], Field(max_length=32, description="What `gen refine` found, added to the components.")
     ] = ()
@@ -230,6 +239,7 @@ class Document(Part):
         if self.wiring is not None:
             check_wiring_references(self.wiring, names, self.ambient.channel, full_scale)
         check_alarm_references(self.alarms, names, full_scale, self.sample_time_s)
+        check_protection(self.protection, self.alarms, self.wiring, full_scale, self.sample_time_s)
 
     @property
     def thermocouple_columns(self) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from gen.coefficients.document import Accuracy, Document
 from gen.coefficients.effect_checks import check_runaway
 from gen.coefficients.messages import described, first_fault
 from gen.coefficients.network_checks import check_network
+from gen.coefficients.protecting import protections
 from gen.coefficients.versions import Tree, migrated
 from gen.coefficients.wiring_checks import check_wiring
 from gen.errors import InputError
@@ -113,6 +114,7 @@ def parse(raw: bytes) -> Coefficients:
     checked = check_model(model) if model.network is None else check_network(model)
     warnings = checked + check_alarms(document) + check_wiring(document)
     check_runaway(document, model, effects)
+    protections(document)
     return Coefficients(document, model, warnings, hashlib.sha256(raw).hexdigest(), effects)
 
 

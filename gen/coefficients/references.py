@@ -26,7 +26,7 @@ def check_component_names(names: Sequence[str]) -> None:
 
 def check_network_columns(columns: Sequence[str], names: Sequence[str], ambient: str | None) -> None:
     """Check that what a network's channels read is no column of a run with a meaning of its own, but for PWM."""
-    taken = {"time_s", "flags", "sensors", "alarms", ambient or "ambient_degC"}
+    taken = {"time_s", "flags", "sensors", "alarms", "protection", ambient or "ambient_degC"}
     taken |= {f"{name}{end}" for name in names for end in ("_degC", "_model_degC")}
     for i, column in enumerate(columns):
         if column in taken:

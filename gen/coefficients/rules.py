@@ -16,7 +16,7 @@ from gen.coefficients.messages import described
 from gen.errors import InputError
 
 _RULES = "alarms"
-_TAKEN_OVER = ("name", "description", "wiring")
+_TAKEN_OVER = ("name", "description", "wiring", "protection")
 _THRESHOLDS = {
     "above_model": ("threshold_K", "threshold_K_s"),
     "below_model": ("threshold_K", "threshold_K_s"),
@@ -158,7 +158,7 @@ class Rules:
     alarms
         Its rules.
     taken_over
-        What else it has for the coefficient file, as JSON: name, description, wiring.
+        What else it has for the coefficient file, as JSON: name, description, wiring, protection.
     """
 
     alarms: tuple[RuleDraft, ...]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from gen.coefficients.alarms import AlarmRule, MissingHeat, ModelRule
 from gen.coefficients.document import Document
+from gen.coefficients.protecting import can_stop, watched_channels
 
 
 def check_wiring(document: Document) -> tuple[str, ...]:
@@ -29,11 +30,29 @@ def check_wiring(document: Document) -> tuple[str, ...]:
                     f'$.alarms[{index}].{key}: the rule "{rule.name}" is never raised, because "{part}" has no '
                     "thermocouple in $.wiring.thermocouples"
                 )
+    warnings += _stops(document)
     if "ambient" not in measured and document.ambient.fixed_degC is None:
         warnings.append(
             "$.ambient: no thermocouple measures the ambient, and there is no fixed_degC: the board takes 25 degC"
         )
     return tuple(warnings)
+
+
+def _stops(document: Document) -> list[str]:
+    """Stops that can never act, and a motor that nothing would stop."""
+    if not can_stop(document.wiring):
+        return [
+            f'$.alarms[{index}].stop_motor: the rule "{rule.name}" stops nothing: $.wiring has neither "drive" nor '
+            '"relay_pin"'
+            for index, rule in enumerate(document.alarms)
+            if rule.stop_motor
+        ]
+    if not watched_channels(document):
+        return [
+            "$.alarms: nothing stops this motor when it is too hot: no over_temperature rule that stops it watches a "
+            "part with a thermocouple"
+        ]
+    return []
 
 
 def _parts(rule: AlarmRule) -> list[tuple[str, str]]:

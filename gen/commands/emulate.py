@@ -319,6 +319,7 @@ def _comments(found: dict[str, Any], options: dict[str, Any]) -> list[str]:
 
 
 def _tell(found: dict[str, Any]) -> None:
+    from gen.emulate.results import Acted, Alarm
     from gen.reference.sensors import SensorCode
 
     click.echo(f"  plant: {found['plant']}")
@@ -326,12 +327,17 @@ def _tell(found: dict[str, Any]) -> None:
         f"  {found['seconds']:.0f} s in {found['wall_s']:.1f} s; {found['garbled_lines']} garbled lines, "
         f"{len(found['restarts_s'])} restarts"
     )
-    for alarm in found["alarms"]:
-        led = f", on the LED at {alarm['led_s']:.1f} s" if alarm["led_s"] is not None else ""
-        end = f", ended at {alarm['ended_s']:.1f} s" if alarm["ended_s"] is not None else ""
-        click.echo(f"  alarm {alarm['rule']} at {alarm['raised_s']:.1f} s{led}{end}")
+    for written in found["alarms"]:
+        alarm = Alarm(**written)
+        led = f", on the LED at {alarm.led_s:.1f} s" if alarm.led_s is not None else ""
+        end = f", ended at {alarm.ended_s:.1f} s" if alarm.ended_s is not None else ""
+        click.echo(f"  alarm {alarm.rule} at {alarm.raised_s:.1f} s{led}{end}")
     if not found["alarms"]:
         click.echo("  no alarm")
+    for written in found["acted"]:
+        acted = Acted(**written)
+        end = f", ended at {acted.to_s:.1f} s" if acted.to_s is not None else ""
+        click.echo(f"  protection {acted.cause} at {acted.from_s:.1f} s{end}")
     for item in found["disbelieved"]:
         why = SensorCode(int(item["code"])).name.lower()
         end = f"{item['to_s']:.1f} s" if item["to_s"] is not None else "the end"

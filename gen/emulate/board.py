@@ -79,10 +79,12 @@ class Board:
         return self._led.edges() if self._led is not None else None
 
     def command(self, pwm: int) -> None:
-        """Command a PWM: over the serial line, or, where the firmware only observes, as the other controller."""
+        """Command a PWM: over the serial line, armed first; where the firmware observes, as the other controller."""
         self.commanded = pwm
         if self.wiring.observe is not None:
             self._observe(pwm)
+        elif pwm:
+            self.mega.uart.send(b"arm\n%d\n" % pwm)
         else:
             self.mega.uart.send(b"%d\n" % pwm)
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import os
+import subprocess
+import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +15,9 @@ from gen.coefficients import Coefficients
 from gen.firmware.project import project_files
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
+
+SEAL = "seal.py"
+"""The project's script that writes into a program what it sums up to."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +64,7 @@ def build_firmware(
     library = f"lib/{coefficients.name}/src/"
     wanted = {path: text for path, text in files.items() if path.startswith(("src/", library))}
     core = ArduinoCore(cache, link_time=True)
-    digest = hashlib.sha256(f"{core.folder.name} {OPTIMISATION} link time".encode())
+    digest = hashlib.sha256(f"{files[SEAL]} {core.folder.name} {OPTIMISATION} link time".encode())
     for path, text in sorted(wanted.items()):
         digest.update(f"{path}\0{text}\0".encode())
     elf = cache / f"firmware-{digest.hexdigest()[:16]}.elf"
@@ -71,5 +76,10 @@ def build_firmware(
                 target.parent.mkdir(parents=True, exist_ok=True)
                 target.write_text(text, encoding="utf-8")
             sources = [folder / path for path in wanted if path.endswith(".cpp")]
-            build_elf(sources, [folder / "src", folder / library], elf, core=core, link_time=True)
+            linked = build_elf(
+                sources, [folder / "src", folder / library], folder / "linked.elf", core=core, link_time=True
+            )
+            (folder / SEAL).write_text(files[SEAL], encoding="utf-8")
+            subprocess.run([sys.executable, str(folder / SEAL), str(linked)], check=True, capture_output=True)
+            linked.replace(elf)
     return Firmware(elf, cache)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gen.avr.simulator import EmulatedMega
 from gen.coefficients.document import Document
+from gen.coefficients.protecting import protections
 from gen.emulate.board import Board
 from gen.emulate.led import Seen, read_led
 from gen.emulate.session import Session
@@ -51,6 +52,15 @@ class Disbelief:
 
 
 @dataclass(frozen=True)
+class Acted:
+    """The board's acting on one cause: its name, and the times of the first row with it and without (None: never)."""
+
+    cause: str
+    from_s: float
+    to_s: float | None
+
+
+@dataclass(frozen=True)
 class Results:
     """What a run says; times are the run file's, s.
 
@@ -58,7 +68,7 @@ class Results:
     ----------
     columns
         Every numeric column of the run file, NaN where a field is empty.
-    alarms, disbelieved, led
+    alarms, acted, disbelieved, led
         In order of time.
     flags
         Every bit of the column ``flags`` that was ever set, as one number.
@@ -66,6 +76,7 @@ class Results:
 
     columns: dict[str, Array]
     alarms: list[Alarm]
+    acted: list[Acted]
     disbelieved: list[Disbelief]
     led: list[Seen]
     flags: int
@@ -81,6 +92,7 @@ def results_of(document: Document, board: Board, session: Session) -> Results:
     return Results(
         columns=columns,
         alarms=_alarms([rule.name for rule in document.alarms], columns, led),
+        acted=_acted([entry.label for entry in protections(document)], columns),
         disbelieved=_disbelieved(
             [chip.channel for chip in document.wiring.thermocouples] if document.wiring else [], columns, text
         ),
@@ -109,6 +121,7 @@ def summary(results: Results, board: Board, session: Session, settings: dict[str
         "time_zero_s": session.time_zero_s,
         "restarts_s": session.restarts_s,
         "alarms": [asdict(alarm) for alarm in results.alarms],
+        "acted": [asdict(item) for item in results.acted],
         "disbelieved": [asdict(item) for item in results.disbelieved],
         "led": [asdict(item) for item in results.led],
         "flags": results.flags,
@@ -164,6 +177,18 @@ def _alarms(rules: list[str], columns: dict[str, Array], led: list[Seen]) -> lis
             ]
             alarms.append(Alarm(rule, raised, ended, blinked[0] if blinked else None))
     return sorted(alarms, key=lambda alarm: alarm.raised_s)
+
+
+def _acted(causes: list[str], columns: dict[str, Array]) -> list[Acted]:
+    if "protection" not in columns:
+        return []
+    mask = columns["protection"].astype(np.int64)
+    found = [
+        Acted(cause, start, end)
+        for bit, cause in enumerate(causes)
+        for start, end in _spans((mask >> bit & 1).astype(np.bool_), columns["time_s"])
+    ]
+    return sorted(found, key=lambda item: item.from_s)
 
 
 def _disbelieved(channels: list[str], columns: dict[str, Array], text: dict[str, list[str]]) -> list[Disbelief]:

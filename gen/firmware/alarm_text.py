@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from gen.coefficients import Coefficients
 from gen.coefficients.alarm_checks import declared_deviation_K
 from gen.coefficients.alarms import AlarmRule, Cusum, Deviation, MissingHeat, OverTemperature
+from gen.coefficients.document import Document
+from gen.coefficients.protecting import protections
 from gen.lowering.alarms import LoweredRule, lower_alarms
 
 
@@ -39,14 +41,17 @@ def alarm_texts(coefficients: Coefficients) -> tuple[AlarmText, ...]:
     coefficients
         A checked coefficient file.
     """
-    pairs = zip(coefficients.document.alarms, lower_alarms(coefficients), strict=True)
+    document = coefficients.document
+    pairs = zip(document.alarms, lower_alarms(coefficients), strict=True)
     return tuple(
-        AlarmText(rule.name, rule.description, rule.note, _condition(rule), _thresholds(coefficients, rule, lowered))
+        AlarmText(
+            rule.name, rule.description, rule.note, _condition(document, rule), _thresholds(coefficients, rule, lowered)
+        )
         for rule, lowered in pairs
     )
 
 
-def _condition(rule: AlarmRule) -> str:
+def _condition(document: Document, rule: AlarmRule) -> str:
     low, high = rule.speed_percent
     parts = [f"{_compared(rule)}, at {low:g} to {high:g} % speed"]
     if rule.persistence_s:
@@ -57,7 +62,7 @@ def _condition(rule: AlarmRule) -> str:
         parts.append(f"only while {rule.requires} is raised")
     if rule.unless is not None:
         parts.append(f"not while {rule.unless} is raised")
-    if rule.stop_motor:
+    if any(entry.rule == rule.name and entry.stops for entry in protections(document)):
         parts.append("stops the motor")
     return ", ".join(parts)
 

@@ -11,9 +11,11 @@ from gen.firmware.contexts.effects import EffectsContext, effects_context
 from gen.firmware.contexts.identity import Identity, identity
 from gen.firmware.contexts.model import ModelContext, model_context
 from gen.firmware.contexts.network import NetworkContext, network_context
+from gen.firmware.contexts.protection import ProtectionContext, protection_context
 from gen.firmware.contexts.schedule import ScheduleContext, schedule_context
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.program import Program
+from gen.lowering.protection import lower_protection
 
 #: What one template is told.
 Names = Mapping[str, object]
@@ -29,6 +31,8 @@ class LibraryContext:
         For every template.
     model, schedule, alarms, effects
         For the group of that name; `effects` is None without any, which the model's own templates ask for, too.
+    protection
+        Causes and actions; without entries nothing of it is emitted.
     network
         A network's own; None with transfer functions, whose schedule is then None.
     """
@@ -38,6 +42,7 @@ class LibraryContext:
     schedule: ScheduleContext | None
     alarms: AlarmsContext
     effects: EffectsContext | None
+    protection: ProtectionContext
     network: NetworkContext | None = None
 
     @property
@@ -55,8 +60,13 @@ class LibraryContext:
         return {**self.identity, **(self.schedule or {})}
 
     def of_alarms(self) -> Names:
-        """For the alarm rules."""
-        return {**self.identity, **self.alarms}
+        """For the alarm rules, and for what follows from them."""
+        return {**self.identity, **self.alarms, **self.protection}
+
+    @property
+    def protects(self) -> bool:
+        """Whether the board acts on anything."""
+        return self.protection["protections"] > 0
 
     def of_effects(self) -> Names:
         """For the effects."""
@@ -85,5 +95,6 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         schedule_context(program) if program.network is None else None,
         alarms_context(lower_alarms(coefficients), program.model),
         effects_context(program),
+        protection_context(coefficients.document, lower_protection(coefficients)),
         network_context(program) if program.network is not None else None,
     )

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gen.coefficients import Coefficients
+from gen.coefficients.alarms import MOST_SAMPLES
 from gen.coefficients.wiring import (
     SUPPLY_V,
     ChannelInput,
@@ -39,6 +40,7 @@ from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bi
 from gen.lowering.alarms import COLD_mK
 from gen.lowering.platinum import HIGHEST_COUNTS, LOWEST_COUNTS, SEGMENT_BITS
 from gen.lowering.program import Program
+from gen.lowering.protection import lower_protection
 from gen.lowering.sensors import (
     CONFIRMATIONS,
     FASTER,
@@ -66,8 +68,8 @@ EEPROM_CYCLES = 100_000
 _FIRMWARE_BYTES = 8
 """End of the EEPROM: the firmware's CRC and its complement."""
 _LATCH_SLOTS = 4
-_LATCH_BYTES = 14
-"""A record of the latched alarms: identity 4, number 4, alarms 2, CRC 4."""
+_LATCH_BYTES = 18
+"""A record of what outlives a reset: identity 4, number 4, alarms 2, protection 4, CRC 4."""
 _LATCH_AT = EEPROM_BYTES - _FIRMWARE_BYTES - _LATCH_SLOTS * _LATCH_BYTES
 _RECORD_FIXED = 4 + 4 + 2 + 4
 """Bytes of a copy beside the measured temperatures and the states: identity, number, PWM, CRC."""
@@ -91,6 +93,8 @@ _SCALE_BITS = 15
 """Of the factor that such a sum is multiplied by."""
 _MARGIN = 1.25
 """The encoder's fastest pulse train over the nominal one."""
+_OVERSPEED, _TURNING = 1.2, 0.05
+"""Shares of the nominal speed beyond which a motor is too fast, and beyond which it turns at all."""
 
 
 def sketch_files(device: DeviceContext) -> dict[str, str]:
@@ -107,6 +111,8 @@ def sketch_files(device: DeviceContext) -> dict[str, str]:
         ("thermocouples", device["chips"]),
         ("encoder", device["encoder"]),
         ("observer", device["observe"]),
+        ("relay", device["relay"]),
+        ("guard", device["protects"]),
         ("memory", device["memory"]),
         ("latch", device["latch"]),
         ("indicator", device["led"] is not None or device["button"] is not None),
@@ -133,6 +139,7 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
     sample_ms = round(program.model.sample_time * 1000.0)
     sensors = _sensors(coefficients, wiring.thermocouples, program, sample_ms)
     memory = _memory(wiring, sensors, program, coefficients.sha256, sample_ms)
+    entries = lower_protection(coefficients)
     start_samples = max(2 * CONFIRMATIONS * sensors["read_samples"], math.ceil(_START_MS / sample_ms))
     return {
         **sensors,
@@ -146,14 +153,22 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
         "led": wiring.led_pin,
         "button": wiring.button_pin,
         "encoder": _encoder(wiring.encoder, document.input.nominal_speed_rpm, sample_ms) if wiring.encoder else None,
-        "drive": _drive(wiring.drive, sample_ms) if wiring.drive else None,
+        "drive": _drive(wiring.drive, document.input.full_scale, sample_ms) if wiring.drive else None,
         "observe": _observe(wiring.observe) if wiring.observe else None,
         "memory": memory,
-        "latch": _latch() if memory and document.alarms else None,
+        "latch": _latch() if memory and (document.alarms or any(entry.lasts for entry in entries)) else None,
+        "relay": _pin(wiring.relay_pin, "$.wiring.relay_pin") if wiring.relay_pin is not None else None,
+        "protects": bool(entries),
+        "timeout_samples": _samples(wiring.command_timeout_s or 0.0, sample_ms),
         "idle_timers": _idle_timers(wiring),
         "alarms": [alarm.name for alarm in document.alarms],
         "alarm_texts": alarm_texts(coefficients),
     }
+
+
+def _samples(seconds: float, sample_ms: int) -> int:
+    """So many samples are as long or longer."""
+    return min(MOST_SAMPLES, math.ceil(seconds * 1000.0 / sample_ms - 1e-9))
 
 
 def _sensors(
@@ -234,12 +249,13 @@ def _columns(
     columns += ["flags"]
     columns += ["sensors"] if chips else []
     columns += ["alarms"] if coefficients.document.alarms else []
+    columns += ["protection"] if lower_protection(coefficients) else []
     return columns
 
 
 def _row_bytes(columns: list[str]) -> int:
     """Longest row: each field at its longest (thousandths of 32 bits, 16-bit numbers, 17 digits of sensors), commas."""
-    longest = {"time_s": 14, "pwm": 4, "speed_rpm": 5, "flags": 5, "sensors": 17, "alarms": 5}
+    longest = {"time_s": 14, "pwm": 4, "speed_rpm": 5, "flags": 5, "sensors": 17, "alarms": 5, "protection": 11}
     return sum(longest.get(column, 12) + 1 for column in columns) + 1
 
 
@@ -364,13 +380,15 @@ def _encoder(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> EncoderCon
         "limit": math.ceil(_LATE_SAMPLES * fastest),
         "fastest_rpm": math.ceil(fastest_rpm),
         "shortest_us": sample_ms * 250,
+        "overspeed_rpm": math.ceil(nominal_rpm * _OVERSPEED),
+        "turning_rpm": math.ceil(nominal_rpm * _TURNING),
         "stall_pwm": encoder.stall_pwm,
         "stall_samples": max(1, math.ceil(encoder.stall_s * 1000.0 / sample_ms)),
         "stall_s": f"{encoder.stall_s:g}",
     }
 
 
-def _drive(drive: Drive, sample_ms: int) -> DriveContext:
+def _drive(drive: Drive, full_scale: int, sample_ms: int) -> DriveContext:
     steps = drive.profile.steps if drive.profile else ()
     lines = {key: getattr(drive, f"{key}_pin") for key in ("forward", "reverse", "pwm", "direction")}
     pins = {key: None if pin is None else _pin(pin, f"$.wiring.drive.{key}_pin") for key, pin in lines.items()}
@@ -384,7 +402,7 @@ def _drive(drive: Drive, sample_ms: int) -> DriveContext:
         "timers": [
             {
                 "number": timer,
-                "runs": TIMER_RUNS[timer],
+                "runs": TIMER_RUNS[drive.frequency_Hz][timer],
                 "lines": [key for key, own in of_timer.items() if own == timer],
             }
             for timer in sorted({*of_timer.values()} - {0})
@@ -397,9 +415,18 @@ def _drive(drive: Drive, sample_ms: int) -> DriveContext:
             }
             for step in steps
         ],
+        "frequency_Hz": drive.frequency_Hz,
+        "pause_samples": _samples(drive.reversal_pause_s, sample_ms),
+        "ramp_step": _ramp_step(drive.ramp_s, full_scale, sample_ms),
         "repeat": bool(drive.profile and drive.profile.repeat),
         "autostart": bool(drive.profile and drive.profile.autostart),
     }
+
+
+def _ramp_step(ramp_s: float, full_scale: int, sample_ms: int) -> int:
+    """By how much |PWM| may rise in a sample, in 256ths of a count; 0: by anything."""
+    step = 256.0 * full_scale * sample_ms / 1000.0 / ramp_s if ramp_s else 0.0
+    return 0 if step >= 256.0 * full_scale else math.ceil(step)
 
 
 def _observe(observe: Observe) -> ObserveContext:

@@ -12,13 +12,18 @@ INTERRUPTS = {2: 4, 3: 5, 18: 3, 19: 2, 20: 1, 21: 0}
 #: Timer that makes a pin's PWM. Timer 0 also keeps the core's time.
 PWM_TIMERS = {2: 3, 3: 3, 4: 0, 5: 3, 6: 4, 7: 4, 8: 4, 9: 2, 10: 2, 11: 1, 12: 1, 13: 0, 44: 5, 45: 5, 46: 5}
 
-#: TCCRnB with which the Arduino core lets a PWM timer run (clock / 64, 8-bit phase-correct PWM).
+#: TCCRnB with which a PWM timer makes 8-bit phase-correct PWM of about so many Hz: clock / 64 (as the Arduino core
+#: lets it run), / 8 and / 1, over 510 counts.
 TIMER_RUNS = {
-    1: "_BV(CS11) | _BV(CS10)",
-    2: "_BV(CS22)",
-    3: "_BV(CS31) | _BV(CS30)",
-    4: "_BV(CS41) | _BV(CS40)",
-    5: "_BV(CS51) | _BV(CS50)",
+    490: {
+        1: "_BV(CS11) | _BV(CS10)",
+        2: "_BV(CS22)",
+        3: "_BV(CS31) | _BV(CS30)",
+        4: "_BV(CS41) | _BV(CS40)",
+        5: "_BV(CS51) | _BV(CS50)",
+    },
+    3922: {timer: f"_BV(CS{timer}1)" for timer in range(1, 6)},
+    31373: {timer: f"_BV(CS{timer}0)" for timer in range(1, 6)},
 }
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from gen.coefficients import Coefficients
+from gen.coefficients.protecting import protections
 from gen.errors import InputError
 from gen.firmware import render
 from gen.firmware.certificate import CERTIFICATE, certificate_json
@@ -33,6 +34,7 @@ PROJECT = {
 SKETCH = {
     "platformio.ini": "platformio.ini.j2",
     "README.md": "README.md.j2",
+    "seal.py": "seal.py.j2",
 }
 TESTS = {
     "test/test_model/test_main.cpp": "test/test_model/test_main.cpp.j2",
@@ -114,6 +116,7 @@ def _of_sketch(coefficients: Coefficients, library: LibraryContext, device: Devi
     ambient = coefficients.model.ambient_fixed
     return {
         **library.of_model(),
+        **library.protection,
         "device": {**device, "parts": parts(device)},
         "ambient_given": ambient is not None,
         "ambient": f"{ambient if ambient is not None else ROOM_degC:g}",
@@ -137,6 +140,7 @@ def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, 
         **({"effects": program.effects.describe()} if program.effects is not None else {}),
         "wiring": _plain(coefficients.document.wiring),
         "alarms": [_plain(alarm) for alarm in coefficients.document.alarms],
+        "protection": [_plain(entry) for entry in protections(coefficients.document)],
         "files": {
             path: hashlib.sha256(text.encode()).hexdigest()
             for path, text in sorted(files.items())

@@ -23,6 +23,10 @@ _HEAT = {
     "lib/NAME/src/NAME_heat.h": "lib/model/src/heat.h.j2",
     "lib/NAME/src/NAME_heat.cpp": "lib/model/src/heat.cpp.j2",
 }
+_PROTECTION = {
+    "lib/NAME/src/NAME_protection.h": "lib/model/src/protection.h.j2",
+    "lib/NAME/src/NAME_protection.cpp": "lib/model/src/protection.cpp.j2",
+}
 _BODY: Mapping[Arithmetic, Mapping[str, str]] = {
     "fixed": {"lib/NAME/src/NAME.cpp": "lib/model/src/model_fixed.cpp.j2"},
     "float": {"lib/NAME/src/NAME.cpp": "lib/model/src/model_float.cpp.j2"},
@@ -96,6 +100,7 @@ def library(context: LibraryContext) -> dict[str, str]:
 
 
 def _alarms(context: LibraryContext) -> dict[str, str]:
-    """The rules, and the sums of missing heat where a rule is on them."""
+    """The rules, the sums of missing heat where a rule is on them, and causes and actions where there are any."""
     files = _ALARMS | (_HEAT if context.alarms["heat_rules"] else {})
+    files |= _PROTECTION if context.protects else {}
     return render(files, context.of_alarms())

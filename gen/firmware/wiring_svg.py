@@ -73,6 +73,9 @@ def parts(device: DeviceContext) -> list[Part]:
     if observe:
         pins = {"forward": observe["forward"], "reverse": observe["reverse"]}
         found.append(Part("Other controller: PWM", _inputs(_WAYS, pins)))
+    if device["relay"] is not None:
+        inputs = (Terminal("IN", device["relay"]["label"]), Terminal("VCC", "5 V"), Terminal("GND", "GND"))
+        found.append(Part("Relay of the motor's supply", inputs))
     if device["led"] is not None:
         title = "LED" if device["led"] == 13 else "LED with 330 ohm"
         found.append(

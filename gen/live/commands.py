@@ -12,8 +12,10 @@ ARMED_S = 300.0
 """So long after the last command nothing goes to the board any more, s."""
 FULL_PWM = 255
 _LONGEST = 60
-_WORDS = re.compile(r"\?|reset|test|rows \d{1,5}|profile (?:on|off)|accept(?: \w{1,40})?|-?\d{1,3}", re.ASCII)
-"""What the sketch understands (templates/project/src/commands.cpp.j2)."""
+_WORDS = re.compile(
+    r"(?P<drives>-?\d{1,3}|profile on)|\?|arm|reset|test|rows \d{1,5}|profile off|accept \w{1,40}", re.ASCII
+)
+"""What the sketch understands (templates/project/src/commands.cpp.j2), and of it what has to be armed there, too."""
 
 
 class NotArmedError(Exception):
@@ -69,11 +71,14 @@ class Commands:
             While commands are not let through.
         """
         text = text.strip()
-        if len(text) > _LONGEST or not _WORDS.fullmatch(text):
+        known = _WORDS.fullmatch(text) if len(text) <= _LONGEST else None
+        if known is None:
             raise InputError(
-                f"found {text[:_LONGEST]!r}, expected a PWM, ?, reset, test, rows N, profile on, profile off or accept"
+                f"found {text[:_LONGEST]!r}, expected a PWM, arm, ?, reset, accept CHANNEL, test, rows N, profile on "
+                "or profile off"
             )
         if not self.armed_s:
             raise NotArmedError
         self.arm(True)
-        self._send(text.encode("ascii") + b"\n")
+        armed = b"arm\n" if known["drives"] and text not in ("0", "-0") else b""  # somebody has armed this page for it
+        self._send(armed + text.encode("ascii") + b"\n")

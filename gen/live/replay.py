@@ -101,7 +101,7 @@ def _row(columns: dict[str, Any], place: int, digits: int) -> str:
     fields = []
     for name, values in columns.items():
         value = values[place]
-        whole = name in ("pwm", "flags", "alarms", _CODES)
+        whole = name in ("pwm", "flags", "alarms", "protection", _CODES)
         text = "" if np.isnan(value) else str(int(value)) if whole else f"{value:.9g}"
         fields.append(text.zfill(digits) if name == _CODES else text)
     return ",".join(fields) + "\n"

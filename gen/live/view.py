@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients.document import Document
+from gen.coefficients.protecting import protections
 from gen.drawing.thinning import line
 from gen.record import Recorder
 from gen.reference.sensors import SensorCode
@@ -26,7 +27,6 @@ Row = list[float | None]
 _KEPT_LINES = 60
 _EVENT = re.compile(r"#\s*event:\s*(\S+)\s+(.*)")
 _GARBLED = "# garbled:"
-_RULES_OF_A_BOARD = 16
 _MODEL = "_model_degC"
 
 
@@ -36,8 +36,9 @@ class Known:
 
     Attributes
     ----------
-    rules
-        Names of the alarm rules, in the order of the bits of the column ``alarms``.
+    rules, causes
+        Names of the alarm rules and of what the board acts on, in the order of the bits of the columns ``alarms`` and
+        ``protection``.
     channels
         Thermocouples, in the order of the digits of the column ``sensors``.
     bands
@@ -50,6 +51,7 @@ class Known:
     channels: tuple[str, ...] = ()
     bands: dict[str, tuple[tuple[int, int, float, float], ...]] = field(default_factory=dict)
     input: str = ""
+    causes: tuple[str, ...] = ()
 
 
 def known_of(document: Document) -> Known:
@@ -63,6 +65,7 @@ def known_of(document: Document) -> Known:
         tuple(chip.channel for chip in wired),
         bands,
         document.input.meaning,
+        tuple(entry.label for entry in protections(document)),
     )
 
 
@@ -155,7 +158,7 @@ class View:
             table = np.array(self._values, dtype=np.float64).reshape(rows, self._width)
         curves = {}
         for place, name in enumerate(columns):
-            if place and name not in ("flags", "sensors", "alarms") and rows:
+            if place and name not in ("flags", "sensors", "alarms", "protection") and rows:
                 x, y = line(table[:, 0], table[:, place], most)
                 curves[name] = [x.tolist(), [None if np.isnan(value) else value for value in y.tolist()]]
         return {"part": part, "next": rows, "columns": columns, "curves": curves}
@@ -165,7 +168,8 @@ class View:
         with self._lock:
             last = self._last
             return {
-                "alarms": self._alarms(last),
+                "alarms": _named(last.get("alarms"), self.known.rules, "rule"),
+                "acts": _named(last.get("protection"), self.known.causes, "cause"),
                 "flags": int(last.get("flags") or 0),
                 "sensors": self._believed(),
                 "rows": self.recorder.rows,
@@ -225,13 +229,6 @@ class View:
                 return [model - high, model - low]
         return [None, None]
 
-    def _alarms(self, last: dict[str, float | None]) -> list[str]:
-        bits = int(last.get("alarms") or 0)
-        rules = self.known.rules
-        return [
-            rules[bit] if bit < len(rules) else f"rule {bit + 1}" for bit in range(_RULES_OF_A_BOARD) if bits >> bit & 1
-        ]
-
     def _believed(self) -> list[dict[str, str]]:
         """Each thermocouple with what the board says of its last sample."""
         found = []
@@ -244,6 +241,12 @@ class View:
     def _say(self, text: str) -> None:
         self._lines.append(text)
         self._numbered += 1
+
+
+def _named(mask: float | None, names: Sequence[str], what: str) -> list[str]:
+    """What the bits of a mask stand for."""
+    bits = int(mask or 0) & 0xFFFFFFFF
+    return [names[bit] if bit < len(names) else f"{what} {bit + 1}" for bit in range(32) if bits >> bit & 1]
 
 
 def _shown(text: str) -> str:

@@ -82,8 +82,6 @@ class LoweredRule:
         before the alarm.
     requires, unless
         Index of the rule whose alarm must be raised, and of the one whose alarm must not be, or None.
-    stops
-        Whether the motor stops while this alarm is raised.
     sum_limit
         A CUSUM's threshold in thousandths of a kelvin times samples, or None for other rules.
     heat
@@ -101,7 +99,6 @@ class LoweredRule:
     persistence: int
     requires: int | None
     unless: int | None
-    stops: bool
     sum_limit: int | None
     heat: LoweredHeat | None = None
 
@@ -145,7 +142,6 @@ def lower_alarms(coefficients: Coefficients) -> tuple[LoweredRule, ...]:
                 persistence=_samples(rule.persistence_s, model),
                 requires=None if rule.requires is None else names.index(rule.requires),
                 unless=None if rule.unless is None else names.index(rule.unless),
-                stops=rule.stop_motor,
                 sum_limit=sum_limit,
                 heat=lower_heat(document, model, rule) if isinstance(rule, MissingHeat) else None,
             )

@@ -12,7 +12,7 @@ FloatArray = NDArray[np.float64]
 AMBIENT = "ambient_degC"
 EXPECTS = "expects"
 """Key of the comment in which a planned profile, and a run that followed it, says what it is to decide."""
-_STATUS = {"flags", "sensors", "alarms"}
+_STATUS = {"flags", "sensors", "alarms", "protection"}
 
 
 def board_columns(names: Collection[str]) -> set[str]:

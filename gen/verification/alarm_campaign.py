@@ -50,9 +50,9 @@ def input_type(components: int, rules: Sequence[LoweredRule]) -> np.dtype[np.voi
 
 
 def output_type(program: Program, rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
-    """The harnesses' output record: temperatures, the alarm structure, and whether the motor is to stop."""
+    """The harnesses' output record: temperatures and the alarm structure."""
     temperatures = [(f"{component.name}.mC", "<i4") for component in program.parts]
-    return np.dtype([*temperatures, *_fields(alarm_record_type(rules)), ("stop", "u1")])
+    return np.dtype([*temperatures, *_fields(alarm_record_type(rules))])
 
 
 def alarm_profile(program: Program, rules: Sequence[LoweredRule], lanes: int, length: int, seed: int = 511) -> Profile:
@@ -127,20 +127,16 @@ def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, s
         row["op"] = np.where(resets, RESET_AND_STEP, STEP)
         row["pwm"], row["ambient_mC"], row["measured_mC"] = pwm, ambient, measured.T
         row["valid"], row["plausible"] = valid, plausible
-        _keep(expected[:, step], program, rules, modelled, alarms)
+        _keep(expected[:, step], program, modelled, alarms)
     return AlarmCampaign(inputs, expected)
 
 
-def _keep(
-    row: Records, program: Program, rules: Sequence[LoweredRule], modelled: Integers, alarms: ReferenceAlarms
-) -> None:
+def _keep(row: Records, program: Program, modelled: Integers, alarms: ReferenceAlarms) -> None:
     state = alarms.record()
     for name in state.dtype.names or ():
         row[name] = state[name]
     for component, temperature in zip(program.parts, modelled, strict=True):
         row[f"{component.name}.mC"] = temperature
-    stops = sum(1 << number for number, rule in enumerate(rules) if rule.stops)
-    row["stop"] = (alarms.latched & stops) != 0
 
 
 def _close_to_the_end(

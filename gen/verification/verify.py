@@ -16,10 +16,10 @@ from gen.lowering.alarms import lower_alarms
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
 from gen.lowering.program import Program
+from gen.lowering.protection import lower_protection
 from gen.verification import compare
 from gen.verification.accuracy import LENGTH, ErrorCourse, StepErrors, error_course, step_errors
-from gen.verification.alarm_campaign import AlarmCampaign
-from gen.verification.alarms import compare_alarms
+from gen.verification.alarms import Compared, compare_alarms, compare_protection
 from gen.verification.compare import Mismatch
 from gen.verification.effect_costs import EffectCost, effect_costs
 from gen.verification.effects import EFFECTS_LENGTH, course_with_effects
@@ -185,8 +185,10 @@ def _combination(
     rules = lower_alarms(coefficients)
     hosts = host_builds if target in ("host", "all") else ()
     length = max(300, int(ALARM_LENGTH * scale))
-    for name, given, difference in compare_alarms(library, rules, ALARM_LANES, length, hosts, board=target != "host"):
-        targets.append(_alarm_result(name, given, difference))
+    board_too = target != "host"
+    targets += map(_alarm_result, compare_alarms(library, rules, ALARM_LANES, length, hosts, board=board_too))
+    entries = lower_protection(coefficients)
+    targets += map(_alarm_result, compare_protection(library, entries, ALARM_LANES, length, hosts, board=board_too))
     progress(f"{label}: certificate")
     proven = proof_of(coefficients, program, folder)
     progress(f"{label}: exact solution")
@@ -254,11 +256,12 @@ def _compared(
     )
 
 
-def _alarm_result(name: str, given: AlarmCampaign, difference: Mismatch | None) -> TargetResult:
-    words = given.expected.size * len(given.expected.dtype.names or ())
+def _alarm_result(compared: Compared) -> TargetResult:
+    name, expected, difference = compared
+    words = expected.size * len(expected.dtype.names or ())
     if difference is None:
-        return TargetResult(name, given.expected.size, words, 0)
-    return TargetResult(name, given.expected.size, words, difference.differing, str(difference))
+        return TargetResult(name, expected.size, words, 0)
+    return TargetResult(name, expected.size, words, difference.differing, str(difference))
 
 
 def _verdict(results: list[CombinationResult]) -> str:

@@ -56,9 +56,9 @@ OTHER_FORMATS = {
     # faults, channels and results of `gen emulate`
     # an HTTP request, a row
     "live/access.py": {"method"},
-    "live/view.py": {"alarms"},
+    "live/view.py": {"alarms", "protection"},
     "commands/emulate.py": {"alarms", "profile", "ambient", "encoder"},
-    "emulate/results.py": {"alarms"},
+    "emulate/results.py": {"alarms", "protection"},
     # contexts of templates, and lists of names in them
     "firmware/context.py": {"name", "channels"},
     "firmware/contexts/network.py": {"constant", "heats", "note"},

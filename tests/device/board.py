@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import subprocess
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from gen import toolchain
 from gen.coefficients import Coefficients
 from gen.emulate.devices import DeviceMega
 from gen.emulate.scenario import converters
@@ -15,6 +18,16 @@ OPEN, ZEROS, ONES = 0x0004, 0x0000, 0xFFFF
 LATE, DROPPED, STALL, MEMORY = 0x100, 0x200, 0x400, 0x800
 AMBIENT, STOPPED, NOISY = 0x1000, 0x2000, 0x4000
 TEMPERATURES = {"brush": 61.25, "bearing": 55.5, "magnet": 52.0, "casing": 50.75, "ambient": 24.5}
+
+
+def program_crc(elf: Path, scratch: Path) -> str:
+    """CRC-32 of the flash image of a program without the four bytes that may hold it, as hexadecimal digits."""
+    image = scratch / "image.bin"
+    subprocess.run([str(toolchain.program("avr-objcopy")), "-O", "binary", str(elf), str(image)], check=True)
+    names = subprocess.run([str(toolchain.program("avr-nm")), str(elf)], check=True, capture_output=True, text=True)
+    (seal,) = [int(line.split()[0], 16) for line in names.stdout.splitlines() if line.endswith(" gen_seal")]
+    flash = image.read_bytes()
+    return f"{zlib.crc32(flash[:seal] + flash[seal + 4 :]):08X}"
 
 
 def word(celsius: float) -> int:
@@ -55,6 +68,11 @@ class Board(DeviceMega):
 
     def send(self, line: str) -> None:
         self.uart.send(line.encode() + b"\n")
+
+    def drive(self, pwm: int) -> None:
+        """Command a PWM as somebody does who means it."""
+        self.send("arm")
+        self.send(str(pwm))
 
     def hear(self, seconds: float = 0.0) -> Said:
         """Run on, and take apart what was said since the last time; a line under way is kept for the next."""

@@ -16,13 +16,13 @@ def test_the_sketch_leaves_most_of_the_board_free(power_up: Open) -> None:
     board.encoder.attach(2)
     board.started()
     board.stack.paint()
-    board.send("255")
+    board.drive(255)
     board.hear(1.0)
     awake, began = board.cycle - board.asleep, board.cycle
     for second in range(90):
         board.encoder.send(22_083, 1.0)  # 2650 rpm with 500 pulses
         if second % 20 == 10:
-            board.send(str(255 - second))
+            board.drive(255 - second)
             board.chips["brush"].set_word(OPEN)
         board.hear(1.0)
         board.set_celsius("brush", 30.0)

@@ -31,7 +31,7 @@ def test_a_signed_command_is_a_duty_and_a_level(
     board.started()
     level = forward
     for command in (100, -255, 0, 1, -64, 0, 255):
-        board.send(str(command))
+        board.drive(command)
         assert board.hear(1.3).rows[-1]["pwm"] == str(command)
         level = forward if command > 0 else not forward if command < 0 else level  # at 0 it stays
         # Timer 0 keeps its pin high for OCR + 1 counts of 256.
@@ -49,13 +49,13 @@ def test_the_direction_changes_only_while_the_pwm_is_off(
 ) -> None:
     board = power_up(name)
     board.started()
-    board.send(str(before))
+    board.drive(before)
     board.hear(0.6)
     old_duty, old_level = board.pins.duty(pwm), board.pins.level(direction)
     assert old_level == (forward if before > 0 else not forward)
-    board.send(str(after))
+    board.drive(after)
     for _ in range(3):  # the command is taken at one of the next samples
-        states = seen(board, pwm, direction, "_ZN5drive6updateEb")
+        states = seen(board, pwm, direction, "_ZN5drive6updateEh")
         if states[-1][1] != old_level:
             break
     duties_before = [duty for duty, level in states if level == old_level]
@@ -74,7 +74,7 @@ def test_after_a_reset_the_pwm_is_low_and_the_direction_comes_without_an_edge(
 ) -> None:
     board = power_up(name)
     board.started()
-    board.send("-200")
+    board.drive(-200)
     board.hear(0.6)
     assert board.pins.signed_pwm(pwm, direction, forward_level=forward) == pytest.approx(-200, abs=1)
     board.press_reset()
@@ -95,7 +95,7 @@ def test_after_a_reset_the_pwm_is_low_and_the_direction_comes_without_an_edge(
     board.hear(5.0)
     assert not probe.edges().levels.any()
     assert board.pins.is_output(pwm)
-    board.send("255")
+    board.drive(255)
     board.hear(0.6)
     assert probe.edges().levels.any()
 
@@ -103,7 +103,7 @@ def test_after_a_reset_the_pwm_is_low_and_the_direction_comes_without_an_edge(
 def test_a_hung_board_lets_go_of_the_motor(power_up: Open) -> None:
     board = power_up("directed")
     board.started()
-    board.send("-200")
+    board.drive(-200)
     board.hear(1.0)
     board.write("tick_due", board.read("tick_due") + 1_000_000)  # no sample for 1000 s
     board.hear(2.4)
@@ -114,6 +114,7 @@ def test_a_hung_board_lets_go_of_the_motor(power_up: Open) -> None:
 def test_a_profile_has_both_directions(power_up: Open) -> None:
     board = power_up("directed_low")
     board.started()
+    board.send("arm")
     board.send("profile on")
     acted = []
     for _ in range(20):

@@ -19,9 +19,9 @@ def test_the_two_pins_are_never_on_together(power_up: Open, before: int, after: 
     """Not for a microsecond: a half bridge with both switches closed is a short."""
     board = power_up()
     board.started()
-    board.send(str(before))
+    board.drive(before)
     board.hear(1.0)
-    board.send(str(after))
+    board.drive(after)
     board.run_to("analogWrite", TICK_CYCLES)
     for _ in range(WATCHED_CYCLES // SLICE):
         board.run_cycles(SLICE)
@@ -47,7 +47,7 @@ def test_a_profile_that_repeats_starts_again_with_its_first_step(power_up: Open)
 def test_an_alarm_that_stops_the_motor_ends_its_profile(power_up: Open) -> None:
     board = power_up("autostart", test_alarms=True)
     board.started()
-    board.write("test_alarms", 0x0100)
+    board.write("test_alarms", 0x0010)
     board.hear(1.0)
     rows = board.hear(5.0).rows
     assert {row["pwm"] for row in rows} == {"0"}

@@ -14,7 +14,7 @@ from tests.device.board import MEMORY, Board
 from tests.device.conftest import Open
 from tests.device.variants import variant
 
-RECORD = 14  # identity 4, number 4, alarms 2, CRC 4
+RECORD = 18  # identity 4, number 4, alarms 2, protection 4, CRC 4
 WRITTEN_S = RECORD * 0.25 + 1.0
 
 
@@ -62,10 +62,10 @@ def test_an_alarm_outlives_every_kind_of_reset(power_up: Open, kind: str) -> Non
 
 
 def test_a_motor_that_an_alarm_stopped_stays_stopped(power_up: Open) -> None:
-    board = raised(power_up, 0x0100)  # the stand-in's alarms 8..15 stop the motor
+    board = raised(power_up, 0x0010)  # brush_limit, which stops the motor
     board.press_reset()
     board.started()
-    board.send("200")
+    board.drive(200)
     said = board.hear(3.0)
     assert {row["pwm"] for row in said.rows[-2:]} == {"0"}
     assert int(said.rows[-1]["flags"]) & 0x2000

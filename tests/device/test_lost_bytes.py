@@ -21,7 +21,7 @@ def test_the_rest_of_a_number_whose_digits_were_lost_is_not_obeyed(power_up: Ope
     """The buffer ends with "22"; the third 2 is lost, and the line's end comes when there is room again."""
     board = power_up()
     board.started()
-    board.send("50")
+    board.drive(50)
     board.hear(1.0)
     board.run_seconds(phase * 0.00017)
     board.uart.send(b"\n" * (BUFFER - 2) + b"22" + b"2" * 20, byte_cycles=FAST)
@@ -35,11 +35,11 @@ def test_the_rest_of_a_number_whose_digits_were_lost_is_not_obeyed(power_up: Ope
 def test_a_line_that_was_spoilt_stays_so_until_its_end(power_up: Open, first: str) -> None:
     board = power_up()
     board.started()
-    board.send("50")
+    board.drive(50)
     board.hear(1.0)
     board.uart.send(first.encode())
     board.run_seconds(0.3)
-    board.send("12")
+    board.drive(12)
     assert rejected(board, 2.0) == 1
-    board.send("13")  # and no longer
+    board.drive(13)  # and no longer
     assert board.hear(2.0).rows[-1]["pwm"] == "13"

@@ -36,7 +36,7 @@ def image(power_up: Open, kept: dict[str, bytes], copies: int) -> bytes:
     if key not in kept:
         board = warm(power_up("often_copied"))
         board.started()
-        board.send("180")
+        board.drive(180)
         board.hear(COPIED_S + 60 * (copies - 1))
         assert board.eeprom.counts.refused == 0
         kept[key] = board.eeprom.image
@@ -71,7 +71,7 @@ def test_a_copy_is_sound_and_the_slots_take_turns(power_up: Open, kept: dict[str
 def test_after_a_reset_the_model_goes_on_where_the_copy_was_made(power_up: Open) -> None:
     board = warm(power_up("often_copied"))
     board.started()
-    board.send("255")
+    board.drive(255)
     rows = board.hear(COPIED_S + 60.0).rows
     board.press_reset()
     said = board.started()

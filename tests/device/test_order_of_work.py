@@ -19,7 +19,7 @@ def run(board: Board) -> list[tuple[int, bool]]:
     board.started()
     board.send("rows 1")
     board.hear(1.0)
-    board.send("255")
+    board.drive(255)
     rows = board.hear(20.0).rows
     return [(mK(row, "casing_model_degC") - mK(row, "casing_degC"), row["alarms"] == "1") for row in rows]
 

@@ -33,7 +33,7 @@ NO_COMMANDS = [
 def test_a_line_that_is_no_command_changes_nothing(power_up: Open, line: str) -> None:
     board = power_up()
     board.started()
-    board.send("50")
+    board.drive(50)
     board.hear(1.0)
     board.send(line)
     said = board.hear(2.0)
@@ -59,7 +59,7 @@ def test_status_and_rows_on_request(power_up: Open) -> None:
 def test_a_flood_on_the_serial_line_changes_nothing(power_up: Open) -> None:
     board = warm(power_up())
     board.started()
-    board.send("40")
+    board.drive(40)
     board.hear(1.0)
     letters = bytes(random.Random(3).choices(b"abcdefgh0123456789-\n?!\0\xff", k=60_000))
     lines = [line for line in letters.split(b"\n") if not line.lstrip(b"-").isdigit() and line != b"?"]
@@ -70,7 +70,7 @@ def test_a_flood_on_the_serial_line_changes_nothing(power_up: Open) -> None:
         assert not any(int(row["flags"]) & LATE for row in said.rows)
         assert {row["sensors"] for row in said.rows} == {"00000"}
     assert board.resets == 0
-    board.send("7")
+    board.drive(7)
     assert board.hear(1.0).rows[-1]["pwm"] == "7"
 
 

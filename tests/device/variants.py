@@ -12,6 +12,8 @@ from tests.examples import ROOT
 
 Tree = dict[str, Any]
 BASE: Tree = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text())
+#: A change of sign acts at once: its microseconds are watched.
+BASE["wiring"]["drive"]["reversal_pause_s"] = 0
 CHIPS = [(chip["cs"], chip["so"], chip["sck"]) for chip in BASE["wiring"]["thermocouples"]]
 CHANNELS = [chip["channel"] for chip in BASE["wiring"]["thermocouples"]]
 
@@ -23,6 +25,12 @@ def _as_it_is(tree: Tree) -> None:
 def _no_wiring(tree: Tree) -> None:
     del tree["wiring"]
     tree["alarms"] = []
+
+
+def _protected(tree: Tree) -> None:
+    """What protects by itself, with a relay, a time-out and a ramp."""
+    tree["wiring"] |= {"relay_pin": 12, "command_timeout_s": 20}
+    tree["wiring"]["drive"] |= {"ramp_s": 2.0, "reversal_pause_s": 1.0}
 
 
 def _often_copied(tree: Tree) -> None:
@@ -63,7 +71,7 @@ def _profile(tree: Tree) -> None:
 
 def _directed(tree: Tree) -> None:
     """One PWM pin, of a timer that stops at PWM 0, and a direction pin."""
-    tree["wiring"]["drive"] = {"pwm_pin": 9, "direction_pin": 7}
+    tree["wiring"]["drive"] = {"pwm_pin": 9, "direction_pin": 7, "reversal_pause_s": 0}
 
 
 def _directed_low(tree: Tree) -> None:
@@ -71,7 +79,11 @@ def _directed_low(tree: Tree) -> None:
     del tree["wiring"]["led_pin"]
     steps = [{"duration_s": 1, "pwm": 100}, {"duration_s": 2, "pwm": -50}]
     drive = {"pwm_pin": 4, "direction_pin": 13, "forward_level": "low", "profile": {"steps": steps}}
-    tree["wiring"]["drive"] = drive
+    tree["wiring"]["drive"] = drive | {"reversal_pause_s": 0}
+
+
+def _fast_pwm(tree: Tree) -> None:
+    tree["wiring"]["drive"] = {"forward_pin": 6, "reverse_pin": 7, "frequency_Hz": 31373}
 
 
 def _observed(tree: Tree) -> None:
@@ -136,6 +148,16 @@ def _limited(tree: Tree) -> None:
     tree["alarms"] = [{**rule, "persistence_s": 0, "stop_motor": True}]
 
 
+def _quiet(tree: Tree) -> None:
+    """Most tests are not about protection: no motor turns in them, and thermocouples come and go."""
+    wiring = tree.get("wiring", {})
+    measured = {chip["channel"] for chip in wiring.get("thermocouples", ())}
+    limited = {rule["component"] for rule in tree["alarms"] if rule["kind"] == "over_temperature"}
+    tree["protection"] = [{"cause": "stall", "action": "log"}] if "encoder" in wiring else []
+    if measured & limited:
+        tree["protection"].append({"cause": "sensor_lost", "delay_s": 1000, "action": "log"})
+
+
 VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "my1016": _as_it_is,
     "no_wiring": _no_wiring,
@@ -150,6 +172,8 @@ VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "slow": _slow,
     "one_pulse": _one_pulse,
     "voltages": _voltages,
+    "protected": _protected,
+    "fast_pwm": _fast_pwm,
     "every_chip": _every_chip,
     "other_chips": _other_chips,
 }
@@ -166,4 +190,6 @@ FURTHER: Mapping[str, Callable[[Tree], None]] = {
 def variant(name: str) -> Coefficients:
     tree = copy.deepcopy(BASE)
     {**VARIANTS, **FURTHER}[name](tree)
+    if name != "protected":
+        _quiet(tree)
     return parse(json.dumps(tree).encode())

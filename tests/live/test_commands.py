@@ -37,12 +37,24 @@ def test_nothing_is_sent_before_arming_and_after_it_lapsed() -> None:
     commands.arm(False)
     with pytest.raises(NotArmedError):
         commands.line("?")
-    assert sent == [b"100\n", b"rows 40\n", b"-255\n"]
+    assert sent == [b"arm\n100\n", b"rows 40\n", b"arm\n-255\n"]
 
 
 @pytest.mark.parametrize(
     "text",
-    ["", "format", "reset\nrows 1", "reset\x00", "rows", "rows 1 2", "1e3", "90000", "accept " + "x" * 80, "\u0661"],
+    [
+        "",
+        "format",
+        "reset\nrows 1",
+        "reset\x00",
+        "rows",
+        "rows 1 2",
+        "1e3",
+        "90000",
+        "accept",
+        "accept " + "x" * 80,
+        "\u0661",
+    ],
 )
 def test_other_lines_are_refused(text: str) -> None:
     sent: list[bytes] = []

@@ -23,7 +23,6 @@ RULE = LoweredRule(
     persistence=2,
     requires=None,
     unless=None,
-    stops=False,
     sum_limit=None,
 )
 EAGER = replace(RULE, settle=0, persistence=0)

@@ -59,7 +59,6 @@ def rule(draw: st.DrawFn, number: int) -> LoweredRule:
         persistence=draw(st.integers(0, 10)),
         requires=draw(earlier),
         unless=draw(earlier),
-        stops=False,
         sum_limit=draw(st.integers(1, 10_000)) if is_sum else None,
         heat=draw(heat(component, low, high)) if quantity == "heat" else None,
     )

@@ -15,8 +15,9 @@ from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.lower import lower
-from gen.verification.alarm_campaign import BEGIN, AlarmCampaign, input_type, output_type
-from gen.verification.alarms import HostAlarms, _write_harnesses
+from gen.verification.alarm_campaign import BEGIN, input_type, output_type
+from gen.verification.alarms import ALARMS
+from gen.verification.harness import HostHarness
 from gen.verification.runners import write_library
 from tests.examples import ROOT
 
@@ -44,11 +45,10 @@ class Bench:
         program = lower(coefficients, "fixed", "table")
         context = project_context(coefficients, program, "coeffs.json")
         library = write_library(program, context, render.library(context), folder)
-        _write_harnesses(library)
+        ALARMS.write(library)
         rules = lower_alarms(coefficients)
         self._input = input_type(len(program.components), rules)
-        expected = np.zeros((1, 1), dtype=output_type(program, rules))
-        self._host = HostAlarms(library, "clang++ sanitized", AlarmCampaign(expected, expected))
+        self._host = HostHarness(library, ALARMS, "clang++ sanitized", output_type(program, rules))
 
     def active(self, pwm: list[int], deviation_mK: list[int]) -> tuple[list[int], list[int]]:
         """Masks of the active and the sleeping rules after each sample, the winding so far above its model."""

@@ -44,15 +44,14 @@ def test_the_campaign_takes_every_rule_through_every_state(tmp_path: Path) -> No
             assert not bits.all(), f"{rule.name} always {mask}"
         released = np.diff(((expected["latched"] >> number) & 1).astype(np.int8), axis=1)
         assert (released < 0).any(), f"{rule.name} never reset"
-    assert expected["stop"].any()
 
 
 def test_no_word_differs_on_any_target(tmp_path: Path) -> None:
     library, rules = emitted(tmp_path)
     hosts = ("g++ -O2", "clang++ sanitized")
-    for name, given, difference in compare_alarms(library, rules, LANES, LENGTH, hosts, board=True):
+    for name, expected, difference in compare_alarms(library, rules, LANES, LENGTH, hosts, board=True):
         assert difference is None, f"{name}: {difference}"
-        assert given.expected.size == LANES * LENGTH
+        assert expected.size == LANES * LENGTH
 
 
 FAULTS = {

@@ -68,9 +68,9 @@ def test_no_word_differs_on_any_target_and_every_sum_is_full_now_and_then(tmp_pa
         assert not full.all(), rules[number].name
         assert (expected[f"heat.{number}.waited"] > 0).any()
     hosts = ("g++ -O2", "clang++ sanitized")
-    for name, given, difference in compare_alarms(library, rules, LANES, LENGTH, hosts, board=True):
+    for name, expected, difference in compare_alarms(library, rules, LANES, LENGTH, hosts, board=True):
         assert difference is None, f"{name}: {difference}"
-        assert given.expected.size == LANES * LENGTH
+        assert expected.size == LANES * LENGTH
 
 
 FAULTS = {

@@ -9,7 +9,16 @@ from pydantic import Field, model_validator
 
 from gen.coefficients.base import Note, Part, Positive, fault
 from gen.coefficients.wiring.drive import DRIVE_PINS, Drive, Observe
-from gen.coefficients.wiring.pins import BOOT_LED_PIN, COUNTER_TIMER_PINS, PWM_PINS, Pin, Role, check_free, roles
+from gen.coefficients.wiring.pins import (
+    BOOT_LED_PIN,
+    CLOCK_TIMER_PINS,
+    COUNTER_TIMER_PINS,
+    PWM_PINS,
+    Pin,
+    Role,
+    check_free,
+    roles,
+)
 from gen.coefficients.wiring.sensors import ChannelInput, Encoder, Thermocouple
 
 
@@ -33,6 +42,16 @@ class Wiring(Part):
     row_every_s: Annotated[Positive, Field(le=3600, description="Time between two rows on the serial line.")] = 1.0
     led_pin: Pin | None = None
     button_pin: Annotated[Pin | None, Field(description="To ground; resets latched alarms.")] = None
+    relay_pin: Annotated[
+        Pin | None,
+        Field(
+            description="High while the motor may have its supply: a relay or contactor, with a pull-down at its input."
+        ),
+    ] = None
+    command_timeout_s: Annotated[
+        Positive | None,
+        Field(le=3600, description="A PWM by command ends when no line that is obeyed came for this long."),
+    ] = None
     thermocouples: Annotated[tuple[Thermocouple, ...], Field(max_length=17)] = ()
     encoder: Encoder | None = None
     channels: Annotated[
@@ -49,6 +68,13 @@ class Wiring(Part):
             _check_pwm_pins(self.drive, self.encoder)
         if self.drive and self.observe:
             raise fault('found both "drive" and "observe"; expected one of them: who drives the motor?', "observe")
+        if self.command_timeout_s is not None and self.drive is None:
+            raise fault('found it without "drive"; expected one: nothing else follows commands', "command_timeout_s")
+        if self.relay_pin == BOOT_LED_PIN:
+            raise fault(
+                f"pin {BOOT_LED_PIN} is the boot loader's LED: the relay would close at every reset; expected another",
+                "relay_pin",
+            )
         _check_columns_differ(self.channels)
         check_free(_all_roles(self))
         return self
@@ -58,7 +84,7 @@ class Wiring(Part):
         measured = [f"{chip.channel}_degC" for chip in self.thermocouples if chip.channel in components]
         speed = ["speed_rpm"] if self.encoder else []
         models = [f"{name}_model_degC" for name in components]
-        return {"time_s", "pwm", *measured, *speed, *models, "flags", "sensors", "alarms"}
+        return {"time_s", "pwm", *measured, *speed, *models, "flags", "sensors", "alarms", "protection"}
 
 
 def _check_pwm_pins(drive: Drive, encoder: Encoder | None) -> None:
@@ -71,6 +97,13 @@ def _check_pwm_pins(drive: Drive, encoder: Encoder | None) -> None:
             raise fault(
                 f"pin {BOOT_LED_PIN} is the boot loader's LED: the motor would run at every reset before the "
                 "firmware does; expected another pin",
+                "drive",
+                key,
+            )
+        if pin in CLOCK_TIMER_PINS and drive.frequency_Hz != Drive.model_fields["frequency_Hz"].default:
+            raise fault(
+                f"the PWM of pin {pin} is Timer 0's, which keeps the time: it stays at 976 Hz; expected another pin, "
+                'or no "frequency_Hz"',
                 "drive",
                 key,
             )
@@ -91,7 +124,7 @@ def _check_columns_differ(channels: Sequence[ChannelInput]) -> None:
 
 
 def _all_roles(wiring: Wiring) -> Iterator[Role]:
-    yield from roles(wiring, ("led_pin", "button_pin"))
+    yield from roles(wiring, ("led_pin", "button_pin", "relay_pin"))
     yield from roles(wiring.encoder, ("pin",), "encoder", name="encoder")
     yield from roles(wiring.drive, DRIVE_PINS, "drive")
     yield from roles(wiring.observe, DRIVE_PINS, "observe")

@@ -59,6 +59,17 @@ class Drive(Part):
         Literal["high", "low"] | None,
         Field(description="Level of the direction pin for PWM > 0, beside pwm_pin only. Without it high."),
     ] = None
+    ramp_s: Annotated[
+        float,
+        Field(ge=0, le=600, allow_inf_nan=False, description="Time from 0 to full scale; 0: at once. Down is at once."),
+    ] = 0.0
+    reversal_pause_s: Annotated[
+        float, Field(ge=0, le=600, allow_inf_nan=False, description="PWM 0 for so long before the direction changes.")
+    ] = 0.5
+    frequency_Hz: Annotated[
+        Literal[490, 3922, 31373],
+        Field(description="Of the PWM, by its timer's prescaler. Pin 4 has 976 Hz whatever is said: the core's clock."),
+    ] = 490
     profile: Profile | None = None
     note: Note | None = None
 

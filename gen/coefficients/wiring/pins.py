@@ -15,6 +15,8 @@ PWM_PINS = frozenset([*range(2, 14), 44, 45, 46])
 INTERRUPT_PINS = frozenset([2, 3, 18, 19, 20, 21])
 BOOT_LED_PIN = 13
 """The stock boot loader holds it high for a second or so after every reset."""
+CLOCK_TIMER_PINS = frozenset([4, 13])
+"""Their PWM is Timer 0's, with which the Arduino core keeps the time."""
 COUNTER_PIN = 47
 """The one header pin that clocks a timer which the Arduino core does not need (T5 of Timer 5)."""
 COUNTER_TIMER_PINS = frozenset([44, 45, 46])

@@ -34,10 +34,9 @@ class Rule(TypedDict):
 
 
 class AlarmsContext(HeatContext):
-    """The rules, a mask of those that stop the motor, and what is summed of missing heat."""
+    """The rules, and what is summed of missing heat."""
 
     alarms: list[Rule]
-    alarm_stop_mask: int
 
 
 def alarms_context(rules: Sequence[LoweredRule], model: ThermalModel) -> AlarmsContext:
@@ -75,5 +74,4 @@ def alarms_context(rules: Sequence[LoweredRule], model: ThermalModel) -> AlarmsC
             }
         )
         first += len(rule.segments)
-    mask = sum(1 << number for number, rule in enumerate(rules) if rule.stops)
-    return {"alarms": entries, "alarm_stop_mask": mask, **heat_context(rules, model)}
+    return {"alarms": entries, **heat_context(rules, model)}

@@ -74,6 +74,8 @@ class EncoderContext(Pin):
     limit: int
     fastest_rpm: int
     shortest_us: int
+    overspeed_rpm: int
+    turning_rpm: int
     stall_pwm: int
     stall_samples: int
     stall_s: str
@@ -104,6 +106,9 @@ class DriveContext(TypedDict):
     direction: Pin | None
     forward_high: bool
     timers: list[Timer]
+    frequency_Hz: int
+    pause_samples: int
+    ramp_step: int
     steps: list[ProfileStep]
     repeat: bool
     autostart: bool
@@ -208,6 +213,9 @@ class DeviceContext(SensorsContext, InputsContext, RowsContext):
     observe: ObserveContext | None
     memory: MemoryContext | None
     latch: LatchContext | None
+    relay: Pin | None
+    protects: bool
+    timeout_samples: int
     idle_timers: list[int]
     alarms: list[str]
     alarm_texts: tuple[AlarmText, ...]

@@ -3,7 +3,7 @@
 
 const MOST = 2000; // points of a curve when it is fetched; at three times as many it is fetched anew
 const DRAW_MS = 500;
-const CODES = ["flags", "sensors", "alarms"];
+const CODES = ["flags", "sensors", "alarms", "protection"];
 const part = {number: 0, next: 0, columns: [], curves: {}, last: {}};
 let about = null, stream = null, shownWindow = 0, dirty = false, fetching = false, drawn = 0;
 
@@ -47,7 +47,10 @@ function showStatus(status) {
   put("link", status.link);
   by("dot").className = status.connected ? "dot on" : "dot";
   put("rows", String(status.rows)); put("garbled", String(status.garbled)); put("restarts", String(status.restarts));
-  put("alarms", status.alarms.length ? `Alarm: ${status.alarms.join(", ")}` : "");
+  put("alarms", [
+    status.alarms.length ? `Alarm: ${status.alarms.join(", ")}` : "",
+    status.acts.length ? `The board acts on: ${status.acts.join(", ")}` : "",
+  ].filter(Boolean).join(". "));
   put("lines", [...status.lines].reverse().join("\n"));
   part.sensors = status.sensors;
   const armed = status.armed_s > 0;

@@ -1,0 +1,88 @@
+"""What the templates are told about causes and actions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypedDict
+
+from gen.coefficients.document import Document
+from gen.firmware.protection_text import action_text, cause_text, end_text, protection_text
+from gen.lowering.protection import DEVICE, ENDS, LoweredProtection
+
+_WORDS = {"alarms": "ALARMS", "lost": "LOST", "device": "DEVICE"}
+_ENDS = {"itself": "BY_ITSELF", "command": "BY_COMMAND", "cool": "BY_COMMAND_ONCE_COOL"}
+
+
+class ProtectionEntry(TypedDict):
+    """One cause; `text` is all of it in words, `cause`, `action` and `end` its thirds."""
+
+    label: str
+    word: str
+    mask: int
+    least: int
+    delay: int
+    until: str
+    pwm: int
+    component: int
+    restart_mC: int
+    text: str
+    cause: str
+    action: str
+    end: str
+    note: str
+
+
+class ProtectionContext(TypedDict):
+    """The table; masks of the entries that only a command ends, that open the relay, and of which the LED tells.
+
+    `protection_device` are the causes that the sketch finds, in the order of their bits.
+    """
+
+    protection: list[ProtectionEntry]
+    protections: int
+    protection_device: Sequence[str]
+    protection_lasting: int
+    protection_opening: int
+    protection_showing: int
+
+
+def protection_context(document: Document, entries: Sequence[LoweredProtection]) -> ProtectionContext:
+    """The table as the templates print it.
+
+    Parameters
+    ----------
+    document
+        The coefficient file.
+    entries
+        Its lowered table.
+    """
+    return {
+        "protection": [
+            {
+                "label": entry.label,
+                "word": _WORDS[entry.word],
+                "mask": entry.mask,
+                "least": entry.least,
+                "delay": entry.delay,
+                "until": _ENDS[ENDS[entry.until]],
+                "pwm": entry.pwm,
+                "component": entry.component,
+                "restart_mC": entry.restart_mC,
+                "text": protection_text(document, entry.source),
+                "cause": cause_text(document, entry.source),
+                "action": action_text(entry.source),
+                "end": end_text(document, entry.source),
+                "note": entry.source.note or "",
+            }
+            for entry in entries
+        ],
+        "protections": len(entries),
+        "protection_device": DEVICE,
+        "protection_lasting": _mask([entry.lasts for entry in entries]),
+        "protection_opening": _mask([entry.opens_relay for entry in entries]),
+        "protection_showing": _mask([entry.shows for entry in entries]),
+    }
+
+
+def _mask(chosen: Sequence[bool]) -> int:
+    return sum(1 << number for number, choice in enumerate(chosen) if choice)

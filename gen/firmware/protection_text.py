@@ -1,0 +1,66 @@
+"""Causes and actions in words, for the header, the README and the report of an emitted project."""
+
+from __future__ import annotations
+
+from gen.coefficients.document import Document
+from gen.coefficients.protecting import watched_channels
+from gen.coefficients.protection import Action, Cause, Protection
+
+_CAUSES: dict[Cause, str] = {
+    "ambient_lost": "the ambient's thermocouple is not believed",
+    "stall": "PWM, and the motor does not turn",
+    "overspeed": "more than 120 % of the nominal speed",
+    "turning_without_command": "the motor turns at PWM 0",
+    "late_loop": "samples are taken late",
+    "command_timeout": "no command for the time in $.wiring.command_timeout_s",
+    "flash_check": "the program in flash is not what was built",
+    "ram_check": "a cell of the RAM does not hold what is written to it",
+    "eeprom_check": "a copy in EEPROM could not be written",
+}
+_ACTIONS: dict[Action, str] = {
+    "log": "an event",
+    "led": "an event and the LED",
+    "derate": "PWM limited",
+    "stop": "the motor stops",
+    "open_relay": "the motor stops and the relay opens",
+}
+
+
+def cause_text(document: Document, entry: Protection) -> str:
+    """What an entry waits for, its delay included."""
+    for_long = f" for {entry.delay_s:g} s" if entry.delay_s else ""
+    return f"{_cause(document, entry)}{for_long}"
+
+
+def action_text(entry: Protection) -> str:
+    """What the board does meanwhile."""
+    limited = f" to {entry.derate_pwm}" if entry.derate_pwm is not None else ""
+    return f"{_ACTIONS[entry.action]}{limited}"
+
+
+def end_text(document: Document, entry: Protection) -> str:
+    """How it ends."""
+    if entry.until == "itself":
+        return "by itself"
+    if entry.until == "command":
+        return "by command"
+    part = entry.component
+    if part is None:
+        part = next(rule.component for rule in document.alarms if rule.name == entry.rule)
+    return f"by command, once {part} is below {entry.restart_below_degC:g} degC"
+
+
+def protection_text(document: Document, entry: Protection) -> str:
+    """All of it on one line."""
+    return f"{cause_text(document, entry)}: {action_text(entry)}; ends {end_text(document, entry)}"
+
+
+def _cause(document: Document, entry: Protection) -> str:
+    if entry.cause == "alarm":
+        return f"alarm {entry.rule}"
+    if entry.cause == "sensor_lost":
+        channels = [entry.channel] if entry.channel is not None else watched_channels(document)
+        return f"no believed sample of {' or '.join(map(str, channels))}"
+    if entry.cause == "too_few_sensors":
+        return f"fewer than {entry.least} parts with a believed sample"
+    return _CAUSES[entry.cause]

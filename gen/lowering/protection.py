@@ -1,0 +1,134 @@
+"""Causes and actions as the board has them: masks, samples and thousandths of a degree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+from typing import Final, Literal
+
+from gen.coefficients import Coefficients
+from gen.coefficients.alarms import MOST_SAMPLES
+from gen.coefficients.document import Document
+from gen.coefficients.protecting import protections, watched_channels
+from gen.coefficients.protection import Protection
+
+Word = Literal["alarms", "lost", "device"]
+"""The word of a sample that says whether a cause is there: latched rules, sensors not believed, the sketch's own."""
+
+DEVICE: Final = (
+    "stall",
+    "overspeed",
+    "turning_without_command",
+    "late_loop",
+    "command_timeout",
+    "flash_check",
+    "ram_check",
+    "eeprom_check",
+)
+"""Causes that the sketch finds by itself; bit b of the word `device` is the b-th."""
+ACTIONS: Final = ("log", "led", "derate", "stop", "open_relay")
+"""In the order of what they do; the board has their places."""
+ENDS: Final = ("itself", "command", "cool")
+
+
+@dataclass(frozen=True)
+class LoweredProtection:
+    """One cause and its action.
+
+    Attributes
+    ----------
+    label
+        What the serial line calls it.
+    word, mask, least
+        The cause is there while at least `least` of the bits of `mask` are set in that word of the sample.
+    delay
+        Samples that it must have held before the action begins.
+    action, until
+        Places in :data:`ACTIONS` and :data:`ENDS`.
+    pwm
+        The largest |PWM| while it acts, in counts: the full scale where it limits nothing, 0 of one that stops.
+    component, restart_mC
+        Of one that waits for cooling: the part's index and the temperature below which it has cooled down, in
+        thousandths of a degree Celsius; else 0.
+    source
+        The entry itself.
+    """
+
+    label: str
+    word: Word
+    mask: int
+    least: int
+    delay: int
+    action: int
+    until: int
+    pwm: int
+    component: int
+    restart_mC: int
+    source: Protection
+
+    @property
+    def opens_relay(self) -> bool:
+        """Whether the relay opens while it acts."""
+        return ACTIONS[self.action] == "open_relay"
+
+    @property
+    def shows(self) -> bool:
+        """Whether the LED tells of it."""
+        return ACTIONS[self.action] != "log"
+
+    @property
+    def lasts(self) -> bool:
+        """Whether it outlives a reset of the board, since only a command ends it."""
+        return ENDS[self.until] != "itself"
+
+
+def lower_protection(coefficients: Coefficients) -> tuple[LoweredProtection, ...]:
+    """Lower the table of a coefficient file, defaults included, in its order.
+
+    Parameters
+    ----------
+    coefficients
+        A checked coefficient file.
+    """
+    document = coefficients.document
+    return tuple(_lowered(document, entry) for entry in protections(document))
+
+
+def _lowered(document: Document, entry: Protection) -> LoweredProtection:
+    word, mask, least = _condition(document, entry)
+    part = entry.component
+    if part is None and entry.rule is not None:
+        part = next(rule.component for rule in document.alarms if rule.name == entry.rule)
+    pwm = entry.derate_pwm if entry.derate_pwm is not None else document.input.full_scale
+    cools = entry.until == "cool"
+    assert not cools or part is not None
+    return LoweredProtection(
+        label=entry.label,
+        word=word,
+        mask=mask,
+        least=least,
+        delay=min(MOST_SAMPLES, ceil(entry.delay_s / document.sample_time_s - 1e-9)),
+        action=ACTIONS.index(entry.action),
+        until=ENDS.index(entry.until),
+        pwm=0 if entry.stops else pwm,
+        component=document.component_names.index(part) if cools and part is not None else 0,
+        restart_mC=round(entry.restart_below_degC * 1000.0) if entry.restart_below_degC is not None else 0,
+        source=entry,
+    )
+
+
+def _condition(document: Document, entry: Protection) -> tuple[Word, int, int]:
+    """The word, the bits in it, and how many of them make the cause."""
+    channels = [chip.channel for chip in document.wiring.thermocouples] if document.wiring is not None else []
+    if entry.cause == "alarm":
+        return "alarms", 1 << [rule.name for rule in document.alarms].index(str(entry.rule)), 1
+    if entry.cause == "sensor_lost":
+        lost = [entry.channel] if entry.channel is not None else watched_channels(document)
+        return "lost", sum(1 << channels.index(name) for name in lost), 1
+    if entry.cause == "ambient_lost":
+        return "lost", 1 << channels.index("ambient"), 1
+    if entry.cause == "too_few_sensors":
+        parts = [number for number, name in enumerate(channels) if name != "ambient"]
+        assert entry.least is not None
+        return "lost", sum(1 << number for number in parts), len(parts) - entry.least + 1
+    return "device", 1 << DEVICE.index(entry.cause), 1

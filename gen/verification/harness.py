@@ -1,0 +1,124 @@
+"""Harnesses that read records and answer each with one: compiled for this computer, or on the emulated Mega."""
+
+from __future__ import annotations
+
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen import toolchain
+from gen.avr.compile import build_elf
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.errors import CheckFailed
+from gen.templating import environment
+from gen.verification.runners import HOST_BUILDS, WARNINGS, Library
+
+Records = NDArray[np.void]
+_CYCLES_PER_RECORD = 400_000
+
+
+@dataclass(frozen=True)
+class Harness:
+    """One pair of harnesses.
+
+    Attributes
+    ----------
+    stem
+        Of its templates: `stem`.h, `stem`_host.cpp, `stem`_avr.cpp.
+    what
+        What is compared, for people.
+    """
+
+    stem: str
+    what: str
+
+    def write(self, library: Library) -> None:
+        """Write its files beside the library's."""
+        for end in (".h", "_host.cpp", "_avr.cpp"):
+            template = environment("harness").get_template(f"{self.stem}{end}.j2")
+            (library.folder / f"{self.stem}{end}").write_text(template.render(library.context.of_alarms()))
+
+
+class HostHarness:
+    """One compiler's build.
+
+    Parameters
+    ----------
+    library, harness
+        What is run; the harness's files are written already.
+    name
+        One of :data:`gen.verification.runners.HOST_BUILDS`.
+    kind
+        What it answers with.
+
+    Raises
+    ------
+    CheckFailed
+        If it does not compile.
+    """
+
+    def __init__(self, library: Library, harness: Harness, name: str, kind: np.dtype[np.void]) -> None:
+        compiler, flags = HOST_BUILDS[name]
+        self.name = f"{name}, {harness.what}"
+        self._type = kind
+        self._binary = library.folder / (f"{harness.stem}-" + "".join(c if c.isalnum() else "-" for c in name))
+        command = [str(toolchain.program(compiler)), "-std=gnu++11", "-ffp-contract=off", *WARNINGS, *flags]
+        command += [f"-I{library.include}", f"-I{library.folder}", str(library.folder / f"{harness.stem}_host.cpp")]
+        command += [*map(str, library.sources), "-o", str(self._binary)]
+        # An interrupted compiler's files go with the folder.
+        done = toolchain.run(command, environment={"TMPDIR": str(library.folder)})
+        if done.returncode:
+            raise CheckFailed(f"{name} does not compile the emitted library:\n{done.stderr[-4000:]}")
+
+    def run(self, inputs: Records) -> Records:
+        """The records after every input but each lane's first, shape (L, N) of (L, N + 1).
+
+        Raises
+        ------
+        CheckFailed
+            If it crashes.
+        """
+        done = subprocess.run([str(self._binary)], input=inputs.tobytes(), capture_output=True, check=False)
+        if done.returncode:
+            raise CheckFailed(f"{self.name}: {done.stderr.decode(errors='replace')[-4000:]}")
+        return np.frombuffer(done.stdout, dtype=self._type).reshape(inputs.shape)[:, 1:]
+
+
+class AvrHarness:
+    """The same on the emulated Mega, see :class:`HostHarness`.
+
+    Parameters
+    ----------
+    library, harness, kind
+        As there.
+    cache
+        The folder that keeps the emulator's compiled half.
+    """
+
+    def __init__(self, library: Library, harness: Harness, cache: Path, kind: np.dtype[np.void]) -> None:
+        self.name = f"ATmega2560 (simavr), {harness.what}"
+        self._type, self._cache = kind, cache
+        self._elf = build_elf(
+            [library.folder / f"{harness.stem}_avr.cpp", *library.sources],
+            [MAILBOX_FOLDER, library.include, library.folder],
+            library.folder / f"{harness.stem}.elf",
+            link_time=True,
+        )
+
+    def run(self, inputs: Records) -> Records:
+        """The records after every input but each lane's first, shape (L, N) of (L, N + 1)."""
+        flat = inputs.reshape(-1)
+        with EmulatedMega(self._elf, self._cache) as mega:
+            output, _ = mega.run_records(
+                flat,
+                mega.memory.address("gen_input"),
+                inputs.dtype.itemsize,
+                mega.memory.address("gen_output"),
+                self._type.itemsize,
+                len(flat),
+                len(flat) * _CYCLES_PER_RECORD,
+            )
+        return np.ascontiguousarray(output).view(self._type).reshape(inputs.shape)[:, 1:]

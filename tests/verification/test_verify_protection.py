@@ -1,0 +1,112 @@
+"""Causes and actions: emitted C++ and reference agree on every target, and no planted fault passes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gen.coefficients import parse
+from gen.firmware import render
+from gen.firmware.context import project_context
+from gen.lowering.lower import lower
+from gen.lowering.protection import LoweredProtection, lower_protection
+from gen.verification.alarms import compare_protection
+from gen.verification.protection_campaign import protection_campaign
+from gen.verification.runners import Library, write_library
+from tests.examples import ROOT
+
+LANES, LENGTH = 12, 400
+LIMITS: list[dict[str, Any]] = [
+    {"name": f"{part}_limit", "kind": "over_temperature", "component": part, "limit_degC": limit}
+    for part, limit in (("brush", 120.0), ("casing", 90.0))
+]
+TABLE: list[dict[str, Any]] = [
+    {"cause": "alarm", "rule": "casing_limit", "action": "derate", "derate_pwm": 90},
+    {"cause": "alarm", "rule": "casing_limit", "name": "casing_too_long", "action": "stop", "delay_s": 3.0},
+    {"cause": "too_few_sensors", "least": 3, "action": "open_relay", "until": "command", "delay_s": 0.5},
+    {"cause": "sensor_lost", "channel": "bearing", "action": "led"},
+    {"cause": "late_loop", "action": "log", "delay_s": 1.0},
+    {
+        "cause": "eeprom_check",
+        "action": "stop",
+        "until": "cool",
+        "component": "bearing",
+        "restart_below_degC": 40.0,
+    },
+]
+
+
+def emitted(folder: Path, fault: tuple[str, str] | None = None) -> tuple[Library, tuple[LoweredProtection, ...]]:
+    tree = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
+    tree["wiring"] |= {"relay_pin": 30, "command_timeout_s": 5.0}
+    coefficients = parse(json.dumps({**tree, "alarms": LIMITS, "protection": TABLE}).encode())
+    program = lower(coefficients, "fixed", "table")
+    context = project_context(coefficients, program, "coeffs.json")
+    files = render.library(context)
+    if fault is not None:
+        path = "lib/my1016/src/my1016_protection.cpp"
+        assert files[path].count(fault[0]) == 1, "the fault has no place to stand"
+        files[path] = files[path].replace(*fault)
+    return write_library(program, context, files, folder), lower_protection(coefficients)
+
+
+def test_every_entry_begins_ends_and_is_waited_for(tmp_path: Path) -> None:
+    library, entries = emitted(tmp_path)
+    expected = protection_campaign(library.program, entries, LANES, LENGTH).expected
+    for number, entry in enumerate(entries):
+        acting = (expected["protection.acting"] >> number & 1).astype(np.int8)
+        holding = (expected["protection.holding"] >> number & 1).astype(np.int8)
+        assert (np.diff(acting, axis=1) > 0).any(), f"{entry.label} never begins"
+        assert (np.diff(acting, axis=1) < 0).any(), f"{entry.label} never ends"
+        assert (acting > holding).any() == entry.lasts, f"{entry.label}: only a command ends what lasts"
+        if entry.delay:
+            assert (holding > acting).any(), f"{entry.label} does not wait"
+    assert set(np.unique(expected["most_pwm"])) == {0, 90, 255}
+    assert set(np.unique(expected["opens_relay"])) == {0, 1}
+
+
+def test_no_word_differs_on_any_target(tmp_path: Path) -> None:
+    library, entries = emitted(tmp_path)
+    compared = list(compare_protection(library, entries, LANES, LENGTH, ("g++ -O2", "clang++ sanitized"), board=True))
+    assert len(compared) == 3
+    for name, expected, difference in compared:
+        assert difference is None, f"{name}: {difference}"
+        assert expected.size == LANES * LENGTH
+
+
+FAULTS = {
+    "early by a sample": ("if (state->held[number] > entry.delay)", "if (state->held[number] >= entry.delay)"),
+    "waits too long": ("if (state->held[number] <= entry.delay)", "if (state->held[number] < entry.delay)"),
+    "a gap does not matter": ("            state->held[number] = 0;\n", ""),
+    "any bit is enough": ("return set >= entry.least;", "return set > 0;"),
+    "other causes count": ("for (bits &= entry.mask; bits;", "for (; bits;"),
+    "16-bit sensors": ("entry.word == LOST ? conditions->lost", "entry.word == LOST ? conditions->lost & 0x3"),
+    "ends unasked": ("if (!my1016_protection_state.asked)", "if (false)"),
+    "asked once for ever": ("    state->asked = 0;\n", ""),
+    "ends hot": ("entry.until == BY_COMMAND ||", "true ||"),
+    "cool at the limit": (
+        "sample->measured_mC[entry.component] < entry",
+        "sample->measured_mC[entry.component] <= entry",
+    ),
+    "cool unseen": ("((sample->valid >> entry.component) & 1u)", "true"),
+    "ends while its cause holds": (
+        "        state->holding |= bit;\n",
+        "        state->holding |= bit;\n        if (state->asked) { state->acting &= ~bit; }\n",
+    ),
+    "everything outlives a reset": ("_state.acting |= acting & LASTING;", "_state.acting |= acting;"),
+    "the last limit counts": ("most = pwm < most ? pwm : most;", "most = pwm;"),
+    "the LED tells of all": ("& SHOWING) != 0", ") != 0"),
+    "every stop opens the relay": ("& OPENING) != 0", ") != 0"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
+def test_a_planted_fault_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
+    library, entries = emitted(tmp_path, fault)
+    ((_, _, difference),) = compare_protection(library, entries, LANES, LENGTH, ("g++ -O2",), board=False)
+    assert difference is not None
+    assert difference.differing > 0
