@@ -83,7 +83,7 @@ def test_commands_go_to_the_board_only_while_armed(client: TestClient, source: F
     assert client.post("/line", json={"text": "rows 4"}, headers=OWN).status_code == 200
     assert client.post("/arm", json={"armed": False}, headers=OWN).json()["armed_s"] == 0
     assert client.post("/line", json={"text": "reset"}, headers=OWN).status_code == 409
-    assert source.told.sent == [b"90\n", b"rows 4\n"]
+    assert source.told.sent == [b"arm\n90\n", b"rows 4\n"]
 
 
 @pytest.mark.parametrize(

@@ -65,12 +65,12 @@ def test_a_port_is_opened_anew_when_it_comes_back(tmp_path: Path) -> None:
         board.pull()
         wait_until(lambda: source.link.startswith("waiting for the port"))
         with pytest.raises(InputError, match="nothing was sent"):
-            source.send(b"90\n")
+            source.send(b"arm\n90\n")
         board = Plugged(link)
         wait_until(lambda: source.connected)
         board.print(b"\n# reset: power\n" + HEADER + b"0,6,32,30,0,0,0\n")
         wait_until(lambda: source.view.recorder.rows == 3)
-        source.send(b"90\n")
+        source.send(b"arm\n90\n")
         came = bytearray()
         wait_until(lambda: came.extend(board.told()) or b"90\n" in came)  # type: ignore[func-returns-value]
     finally:
@@ -152,7 +152,7 @@ def column(source: EmulatedSource, name: str) -> list[float | None]:
 
 def test_a_command_reaches_the_emulated_firmware(source: EmulatedSource) -> None:
     assert set(column(source, "pwm")) == {0.0}
-    source.send(b"90\n")
+    source.send(b"arm\n90\n")
     wait_until(lambda: column(source, "pwm")[-1] == 90.0)
     speed = [value for value in column(source, "speed_rpm") if value is not None]
     wait_until(lambda: (column(source, "speed_rpm")[-1] or 0.0) > 500.0)
@@ -160,7 +160,7 @@ def test_a_command_reaches_the_emulated_firmware(source: EmulatedSource) -> None
 
 
 def test_a_fault_that_is_switched_on_raises_the_board_s_alarm_and_ends_it(source: EmulatedSource) -> None:
-    source.send(b"200\n")
+    source.send(b"arm\n200\n")
     wait_until(lambda: source.view.recorder.rows > 60)
     assert source.view.status()["alarms"] == []
     source.change("fault", FAULT)
@@ -175,7 +175,7 @@ def test_a_fault_that_is_switched_on_raises_the_board_s_alarm_and_ends_it(source
 
 
 def test_a_fault_of_any_size_can_be_typed_and_one_that_cannot_be_is_said(source: EmulatedSource) -> None:
-    source.send(b"200\n")
+    source.send(b"arm\n200\n")
     source.change("own fault", "heat:rotor=+20%")
     wait_until(lambda: any('has no part "rotor"' in line for line in source.view.status()["lines"]))
     source.change("own fault", FAULT)
@@ -211,7 +211,7 @@ def replayed(path: Path, model: Coefficients | None = None) -> View:
     wait_until(lambda: source.link == "came to its end")
     source.stop()
     with pytest.raises(InputError):
-        source.send(b"90\n")
+        source.send(b"arm\n90\n")
     return view
 
 
