@@ -17,7 +17,7 @@ from gen.errors import CheckFailed
 SHIM_FOLDER = Path(__file__).with_name("shim")
 """The folder of the C sources."""
 
-_ABI = 3
+_ABI = 4
 
 _handle = _buffer = ctypes.c_void_p
 _bytes = ctypes.c_char_p
@@ -61,9 +61,18 @@ _SIGNATURES: dict[str, tuple[object, list[object]]] = {
     "gen_mega_probe_length": (_size, [_handle, _u32]),
     "gen_mega_probe_copy": (None, [_handle, _u32, _size, _size, _buffer, _buffer]),
     # max6675.c
-    "gen_mega_chip_add": (_int, [_handle, _char, _u8, _char, _u8, _char, _u8, _u64]),
-    "gen_mega_chip_word": (_int, [_handle, _u32, _u16]),
+    "gen_mega_chip_add": (_int, [_handle, _char, _u8, _char, _u8, _char, _u8, _u64, _u8]),
+    "gen_mega_chip_word": (_int, [_handle, _u32, _u32]),
     "gen_mega_chip_counts": (_int, [_handle, _u32, _to_u32, _to_u32, _to_u32]),
+    # registers.c
+    "gen_mega_register_chip_add": (
+        _int,
+        [_handle, _char, _u8, _char, _u8, _char, _u8, _char, _u8, _u64, _u8, _u8, _u8],
+    ),
+    "gen_mega_register_chip_data": (_int, [_handle, _u32, _u32, _int]),
+    "gen_mega_register_chip_counts": (_int, [_handle, _u32, _to_u32, _to_u32]),
+    "gen_mega_register_chip_forget": (_int, [_handle, _u32]),
+    "gen_mega_register_chip_register": (_int, [_handle, _u32, _u8]),
     # encoder.c, wave.c
     "gen_mega_encoder_attach": (_int, [_handle, _char, _u8, _u64]),
     "gen_mega_encoder_pulses": (_int, [_handle, _u32, _u64]),

@@ -10,6 +10,7 @@ from gen.emulate.devices import DeviceMega
 from gen.emulate.levels import Edges
 from gen.emulate.max6675 import Max6675
 from gen.emulate.plant import FULL_PWM, STEP_S, Plant, Reading
+from gen.emulate.registers import RegisterChip
 
 EncoderMode = Literal["true", "batched"]
 
@@ -40,8 +41,9 @@ class Board:
         self.mega = DeviceMega(elf, cache)
         self.wiring = wiring
         self._plant = plant
-        self.thermocouples: dict[str, Max6675] = {
-            chip.channel: self.mega.add_max6675(chip.cs, chip.so, chip.sck) for chip in wiring.thermocouples
+        self.thermocouples: dict[str, Max6675 | RegisterChip] = {
+            chip.channel: self.mega.add_chip(chip.chip, chip.cs, chip.so, chip.sck, chip.sdi)
+            for chip in wiring.thermocouples
         }
         if wiring.encoder is not None:
             self.mega.encoder.attach(wiring.encoder.pin, batch_s=BATCH_S if encoder == "batched" else 0.0)

@@ -7,10 +7,15 @@ from enum import IntFlag
 from pathlib import Path
 
 from gen.avr.simulator import FREQUENCY_HZ, EmulatedMega
+from gen.coefficients.wiring import ChipName
 from gen.emulate.eeprom import Eeprom
 from gen.emulate.levels import Pins
 from gen.emulate.max6675 import CONVERSION_S, Max6675
 from gen.emulate.pulses import EncoderPulses
+from gen.emulate.registers import RegisterChip
+
+MAX31855_S = 0.1
+"""Longest conversion of a MAX31855 by its data sheet, s."""
 
 
 class ResetCause(IntFlag):
@@ -49,6 +54,15 @@ class DeviceMega(EmulatedMega):
     def add_max6675(self, cs: int, so: int, sck: int, *, conversion_s: float = CONVERSION_S) -> Max6675:
         """Connect a MAX6675 to three pins; raises as `Max6675`."""
         return Max6675(self._handle, cs, so, sck, conversion_s=conversion_s)
+
+    def add_chip(self, chip: ChipName, cs: int, so: int, sck: int, sdi: int | None = None) -> Max6675 | RegisterChip:
+        """Connect a converter of any kind, `sdi` where it has one; raises as `Max6675`."""
+        if chip == "MAX6675":
+            return self.add_max6675(cs, so, sck)
+        if chip == "MAX31855":
+            return Max6675(self._handle, cs, so, sck, conversion_s=MAX31855_S, bits=32)
+        assert sdi is not None
+        return RegisterChip(self._handle, chip, cs, so, sck, sdi)
 
     def cut_power(self, off_s: float, *, cause: ResetCause = ResetCause.POWER_ON, seed: int = 1) -> None:
         """Take the power away for a time, and give it back.

@@ -1,4 +1,4 @@
-"""The MAX6675s on the Mega's pins."""
+"""The MAX6675s and MAX31855s on the Mega's pins."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class ChipCounts:
 
 
 class Max6675:
-    """One converter; SO and SCK may be shared with others.
+    """One converter that is only read; SO and SCK may be shared with others.
 
     Parameters
     ----------
@@ -43,6 +43,8 @@ class Max6675:
         The pins.
     conversion_s
         How long a conversion takes, s.
+    bits
+        Of its word: 16, or a MAX31855's 32.
 
     Raises
     ------
@@ -50,18 +52,21 @@ class Max6675:
         When the Mega has no such pin, or the emulator no converter left.
     """
 
-    def __init__(self, handle: Handle, cs: int, so: int, sck: int, *, conversion_s: float = CONVERSION_S) -> None:
+    def __init__(
+        self, handle: Handle, cs: int, so: int, sck: int, *, conversion_s: float = CONVERSION_S, bits: int = 16
+    ) -> None:
         lines = [port_pin(pin) for pin in (cs, so, sck)]
         places = [part for line in lines for part in (line.port.encode(), line.bit)]
         self._handle = handle
-        self._number = int(handle.call("chip_add", *places, round(conversion_s * FREQUENCY_HZ)))
+        self._bits = bits
+        self._number = int(handle.call("chip_add", *places, round(conversion_s * FREQUENCY_HZ), bits))
         if self._number < 0:
             raise ValueError("the emulator has no MAX6675 left")
 
     def set_word(self, word: int) -> None:
-        """Let conversions give a 16-bit word from now on."""
-        if not 0 <= word <= 0xFFFF:
-            raise ValueError(f"word {word}: expected 0..65535")
+        """Let conversions give a word from now on."""
+        if not 0 <= word < 1 << self._bits:
+            raise ValueError(f"word {word}: expected 0..{(1 << self._bits) - 1}")
         self._handle.call("chip_word", self._number, word)
 
     @property

@@ -16,6 +16,7 @@ from gen.errors import InputError
 from gen.model.effects.channel_ranges import channel_ranges
 from gen.model.network_parts import PWM
 from gen.rig import Encoder, SensorConfig, SensorFault, Thermocouple
+from gen.rig.chips import Converter
 from gen.rig.signals import Signal, value
 
 _COLUMN = "_degC"
@@ -41,6 +42,8 @@ class ModelPlant:
         By channel; what is missing is a sensor without offset, noise or lag.
     sensor_faults
         By channel.
+    converters
+        By channel; what is missing is a MAX6675.
     start
         True temperatures at the start by part, degC, or what the motor has run before; what is not named is at ambient,
         a network's hidden nodes between their neighbours.
@@ -70,6 +73,7 @@ class ModelPlant:
         faults: Sequence[ModelFault] = (),
         sensors: Mapping[str, SensorConfig] | None = None,
         sensor_faults: Mapping[str, tuple[SensorFault, ...]] | None = None,
+        converters: Mapping[str, Converter] | None = None,
         start: Mapping[str, float] | Ran | None = None,
         ambient_degC: Signal = 30.0,
         told: Mapping[str, Signal] | None = None,
@@ -95,7 +99,12 @@ class ModelPlant:
         plain = SensorConfig(noise_K=0.0, lag_s=0.0)
         self._sensors = {
             name: Thermocouple(
-                replace((sensors or {}).get(name, plain), faults=(sensor_faults or {}).get(name, ())), own
+                replace(
+                    (sensors or {}).get(name, plain),
+                    faults=(sensor_faults or {}).get(name, ()),
+                    converter=(converters or {}).get(name, Converter()),
+                ),
+                own,
             )
             for name, own in zip(named, seeds, strict=True)
         }

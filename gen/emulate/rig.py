@@ -11,6 +11,7 @@ import numpy as np
 from gen.emulate.plant import AMBIENT, STEP_S, Reading
 from gen.errors import InputError
 from gen.rig import NODES, Encoder, Fault, Motor, MotorConfig, SensorConfig, SensorFault, Thermocouple
+from gen.rig.chips import Converter
 from gen.rig.config import FaultKind
 from gen.rig.signals import Signal, value
 
@@ -62,6 +63,8 @@ class RigPlant:
         By channel; what is missing is the plain sensor.
     sensor_faults
         By channel.
+    converters
+        By channel; what is missing is a MAX6675.
     start_degC
         True temperatures at the start by node; the rest start at ambient.
     ambient_degC, load_Nm, airflow_m_s, voltage_V
@@ -84,6 +87,7 @@ class RigPlant:
         motor: MotorConfig | None = None,
         sensors: Mapping[str, SensorConfig] | None = None,
         sensor_faults: Mapping[str, tuple[SensorFault, ...]] | None = None,
+        converters: Mapping[str, Converter] | None = None,
         start_degC: Mapping[str, float] | None = None,
         ambient_degC: Signal = 30.0,
         load_Nm: Signal = 0.0,
@@ -115,6 +119,7 @@ class RigPlant:
                 replace(
                     (sensors or {}).get(name.removesuffix(_COLUMN), SensorConfig()),
                     faults=(sensor_faults or {}).get(name, ()),
+                    converter=(converters or {}).get(name, Converter()),
                 ),
                 own,
             )

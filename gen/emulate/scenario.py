@@ -15,6 +15,7 @@ from gen.emulate.rig import TOLD, RigPlant, has_parts, kind_of
 from gen.errors import InputError
 from gen.rig import NODES, Fault, MotorConfig, sensors, warm_start
 from gen.rig import Profile as RigProfile
+from gen.rig.chips import Converter
 from gen.rig.signals import Signal, value
 
 if TYPE_CHECKING:
@@ -133,6 +134,7 @@ def _rig(scenario: Scenario, wiring: Wiring, wired: list[str]) -> Made:
         motor=motor,
         sensors=sensors(scenario.seed, tolerance_K=scenario.sensor_tolerance),
         sensor_faults=parse_sensor_faults(scenario.sensor_faults, wired),
+        converters=converters(wiring),
         start_degC=start,
         ambient_degC=ambient,
         load_Nm=parse_signal(scenario.load, "--load", column="load_Nm", straight=False),
@@ -165,6 +167,7 @@ def _model(scenario: Scenario, wiring: Wiring, wired: list[str], board: Coeffici
         faults=faults,
         sensors=sensors(scenario.seed, tolerance_K=scenario.sensor_tolerance, lag_s=0.0, names=wired),
         sensor_faults=parse_sensor_faults(scenario.sensor_faults, wired),
+        converters=converters(wiring),
         start=parse_start(scenario.start, part_names(motor.model)),
         ambient_degC=ambient,
         told=told,
@@ -186,6 +189,14 @@ def _about(plant: ModelPlant, motor: Coefficients) -> str:
 def _surroundings(scenario: Scenario) -> tuple[Signal, Mapping[str, Signal]]:
     ambient = parse_signal(scenario.ambient, "--ambient", column="ambient_degC", straight=True)
     return ambient, parse_told(scenario.channels)
+
+
+def converters(wiring: Wiring) -> dict[str, Converter]:
+    """Give the chip of each channel, as the simulated sensors have it."""
+    return {
+        chip.channel: Converter(chip.chip, *chip.resistor_ohm, three_wires=chip.wires == 3)
+        for chip in wiring.thermocouples
+    }
 
 
 def _pulses(wiring: Wiring) -> int:

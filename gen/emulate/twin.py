@@ -19,13 +19,13 @@ from gen.lowering.effects.program import Channel
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
 from gen.lowering.program import Program
+from gen.lowering.sensors import COUNT_mK, SensorLimits, sensor_limits
 from gen.reference.alarms import ReferenceAlarms
 from gen.reference.board import reference_of
+from gen.reference.chips import decoded
 from gen.rig import Profile
 
 Integers = NDArray[np.int64]
-
-_COUNT_MC = 250
 
 
 def alarm_times(
@@ -75,9 +75,10 @@ def alarm_times(
     bare = {name for reading in readings for name in (*names, AMBIENT) if name not in reading.words}
     if bare:
         raise ValueError(f"no thermocouple on {', '.join(sorted(bare))}, and the twin takes every sample as believed")
-    measured, ambient = _read([reading.words for reading in readings], names)
+    limits = {item.channel: item for item in sensor_limits(coefficients)}
+    measured, ambient = _read(readings, names, limits)
     starts = {name: (measured[i] - ambient).tolist() for i, name in enumerate(names)}
-    model = reference_of(program, starts, _told(program, ambient, readings))
+    model = reference_of(program, starts, _told(program, ambient, readings, limits))
     cold = np.all(np.abs(measured - ambient) <= COLD_mK, axis=0)
     alarms = ReferenceAlarms(rules, cold)
     first = np.full((len(plants), len(rules)), np.nan)
@@ -85,8 +86,8 @@ def alarm_times(
     for sample in range(1, round(duration_s / step_s) + 1):
         command = np.array([profile.at((sample - 1) * step_s) for profile in profiles], dtype=np.int64)
         readings = [plant.step(int(value), step_s) for plant, value in zip(plants, command, strict=True)]
-        measured, ambient = _read([reading.words for reading in readings], names)
-        told = _told(program, ambient, readings)
+        measured, ambient = _read(readings, names, limits)
+        told = _told(program, ambient, readings, limits)
         if told is not None:
             model.set_channels(told)
         model.step(command)
@@ -97,22 +98,30 @@ def alarm_times(
     return first
 
 
-def _read(words: Sequence[Mapping[str, int]], names: Sequence[str]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _read(
+    readings: Sequence[Reading], names: Sequence[str], limits: Mapping[str, SensorLimits]
+) -> tuple[Integers, Integers]:
     """Temperatures in thousandths of a degree, shape (components, L), and ambient's, shape (L,)."""
-    table = np.array([[reading[name] for reading in words] for name in (*names, AMBIENT)], dtype=np.int64)
-    degrees = (table >> 3) * _COUNT_MC
+    table = [[_measured(reading, limits[name]) for reading in readings] for name in (*names, AMBIENT)]
+    degrees = np.array(table, dtype=np.int64)
     return degrees[:-1], degrees[-1]
 
 
-def _told(program: Program, ambient: Integers, readings: Sequence[Reading]) -> Integers | None:
+def _measured(reading: Reading, limits: SensorLimits) -> int:
+    return decoded(limits, reading.words[limits.channel])[1] * COUNT_mK
+
+
+def _told(
+    program: Program, ambient: Integers, readings: Sequence[Reading], limits: Mapping[str, SensorLimits]
+) -> Integers | None:
     """What the board is told, in thousandths, shape (channels, runs); what the plant lacks stays neutral."""
     if not program.channels:
         return None
-    others = [[_value(reading, channel) for reading in readings] for channel in program.channels[1:]]
+    others = [[_value(reading, channel, limits) for reading in readings] for channel in program.channels[1:]]
     return np.array([ambient.tolist(), *others], dtype=np.int64)
 
 
-def _value(reading: Reading, channel: Channel) -> int:
-    if channel.column in reading.words:
-        return (reading.words[channel.column] >> 3) * _COUNT_MC
+def _value(reading: Reading, channel: Channel, limits: Mapping[str, SensorLimits]) -> int:
+    if channel.column in limits and channel.column in reading.words:
+        return _measured(reading, limits[channel.column])
     return round(reading.channels.get(channel.column, channel.neutral / 1000.0) * 1000.0)

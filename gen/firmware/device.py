@@ -10,7 +10,16 @@ import numpy as np
 
 from gen.coefficients import Coefficients
 from gen.coefficients.alarms import MOST_SAMPLES
-from gen.coefficients.wiring import SUPPLY_V, ChannelInput, Drive, Encoder, Observe, Thermocouple, Wiring
+from gen.coefficients.wiring import (
+    SUPPLY_V,
+    ChannelInput,
+    CHIP_RANGES_degC,
+    Drive,
+    Encoder,
+    Observe,
+    Thermocouple,
+    Wiring,
+)
 from gen.firmware.alarm_text import alarm_texts
 from gen.firmware.contexts.board import (
     DeviceContext,
@@ -29,15 +38,18 @@ from gen.firmware.contexts.board import (
 from gen.firmware.contexts.channels import channel_names
 from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, TIMER_RUNS, label, port_bit
 from gen.lowering.alarms import COLD_mK
+from gen.lowering.platinum import HIGHEST_COUNTS, LOWEST_COUNTS, SEGMENT_BITS
 from gen.lowering.program import Program
 from gen.lowering.protection import lower_protection
 from gen.lowering.sensors import (
     CONFIRMATIONS,
-    CONVERSION_MS,
-    HIGHEST_COUNT,
+    FASTER,
+    LONGEST_SAMPLES,
     NOISE_COUNTS,
+    PLAUSIBLE_SAMPLES,
     COUNT_mK,
     SensorLimits,
+    conversion_ms,
     reading_samples,
     sensor_limits,
 )
@@ -164,7 +176,9 @@ def _sensors(
 ) -> SensorsContext:
     chips = _chips(coefficients, wired, program)
     names = coefficients.document.component_names
-    read_samples = reading_samples(program.model.sample_time)
+    longest_ms = conversion_ms(wired)
+    read_samples = reading_samples(program.model.sample_time, longest_ms)
+    tables = _platinum_tables(coefficients)
     return {
         "chips": chips,
         "measured": [chip for chip in chips if chip["channel"] in names],
@@ -172,11 +186,17 @@ def _sensors(
         "ambient_chip": next((chip for chip in chips if chip["channel"] == "ambient"), None),
         "read_samples": read_samples,
         "reading_ms": read_samples * sample_ms,
-        "conversion_ms": CONVERSION_MS,
-        "conversion_millis": CONVERSION_MS + _MILLIS_STEP,
+        "conversion_ms": longest_ms,
+        "conversion_millis": longest_ms + _MILLIS_STEP,
         "confirmations": CONFIRMATIONS,
+        "plausible_samples": PLAUSIBLE_SAMPLES,
+        "faster": FASTER,
         "noise_counts": NOISE_COUNTS,
-        "highest_count": HIGHEST_COUNT,
+        "longest_samples": LONGEST_SAMPLES,
+        "kinds": [kind for kind in CHIP_RANGES_degC if kind in {chip["converter"] for chip in chips}],
+        "platinum_tables": tables,
+        "platinum_bits": SEGMENT_BITS,
+        "platinum_range": (LOWEST_COUNTS, HIGHEST_COUNTS),
         "count_mK": COUNT_mK,
     }
 
@@ -247,6 +267,8 @@ def _pin(pin: int, path: str) -> Pin:
 def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program) -> list[ThermocoupleContext]:
     names = coefficients.document.component_names
     told = _told(program)
+    tables = _platinum_tables(coefficients)
+    read_samples = reading_samples(program.model.sample_time, conversion_ms(wired))
     chips: list[ThermocoupleContext] = []
     for number, (chip, limits) in enumerate(zip(wired, sensor_limits(coefficients), strict=True)):
         path = f"$.wiring.thermocouples[{number}]"
@@ -257,7 +279,15 @@ def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...], program:
                 "component": names.index(chip.channel) if chip.channel in names else None,
                 "column": chip.channel in coefficients.document.thermocouple_columns,
                 "told": told.get(chip.channel),
-                "lines": {key: _pin(getattr(chip, key), f"{path}.{key}") for key in ("cs", "so", "sck")},
+                "lines": {
+                    key: _pin(pin, f"{path}.{key}")
+                    for key in ("cs", "so", "sck", "sdi")
+                    if (pin := getattr(chip, key)) is not None
+                },
+                "converter": chip.chip,
+                "platinum": tables.index(limits.platinum) if limits.platinum else 0,
+                "configuration": f"0x{limits.configuration:02X}",
+                "resistors": "PT{:g} and {:g} ohm".format(*chip.resistor_ohm) if limits.platinum else "",
                 "lowest": limits.lowest,
                 "highest": limits.highest,
                 "lowest_degC": f"{limits.lowest * COUNT_mK / 1000:g}",
@@ -266,16 +296,21 @@ def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...], program:
                 "max_rate": f"{chip.max_rate_K_per_s:g}",
                 "stuck_samples": limits.stuck_samples,
                 "stuck_mK": limits.stuck_mK,
-                "stuck_text": _stuck_text(limits, coefficients.model.sample_time),
+                "stuck_text": _stuck_text(limits, coefficients.model.sample_time * read_samples),
             }
         )
     return chips
 
 
-def _stuck_text(limits: SensorLimits, sample_time: float) -> str:
+def _platinum_tables(coefficients: Coefficients) -> list[tuple[int, ...]]:
+    """Each pair of resistors has one."""
+    return list(dict.fromkeys(item.platinum for item in sensor_limits(coefficients) if item.platinum))
+
+
+def _stuck_text(limits: SensorLimits, interval_s: float) -> str:
     if not limits.stuck_samples:
         return "not checked for being stuck"
-    after = f"stuck after {limits.stuck_samples * reading_samples(sample_time) * sample_time:g} s"
+    after = f"stuck after {limits.stuck_samples * interval_s:g} s"
     return after + (f" in which the model moved by {limits.stuck_mK / 1000:g} K" if limits.stuck_mK else "")
 
 

@@ -53,9 +53,9 @@ def parts(device: DeviceContext) -> list[Part]:
     """
     found = []
     for chip in device["chips"]:
-        signals = [Terminal(key.upper(), chip["lines"][key]["label"]) for key in ("cs", "so", "sck")]
+        signals = [Terminal(key.upper(), pin["label"]) for key, pin in chip["lines"].items()]
         supply = [Terminal("VCC", "5 V"), Terminal("GND", "GND")]
-        found.append(Part(f"MAX6675: {chip['channel']}", (*signals, *supply)))
+        found.append(Part(f"{chip['converter']}: {chip['channel']}", (*signals, *supply)))
     for channel in device["channels"]:
         title = f"{channel['column']}: {'0..5 V' if channel['analog'] else 'contact'}"
         found.append(
@@ -74,8 +74,8 @@ def parts(device: DeviceContext) -> list[Part]:
         pins = {"forward": observe["forward"], "reverse": observe["reverse"]}
         found.append(Part("Other controller: PWM", _inputs(_WAYS, pins)))
     if device["relay"] is not None:
-        supply = (Terminal("VCC", "5 V"), Terminal("GND", "GND"))
-        found.append(Part("Relay of the motor's supply", (Terminal("IN", device["relay"]["label"]), *supply)))
+        inputs = (Terminal("IN", device["relay"]["label"]), Terminal("VCC", "5 V"), Terminal("GND", "GND"))
+        found.append(Part("Relay of the motor's supply", inputs))
     if device["led"] is not None:
         title = "LED" if device["led"] == 13 else "LED with 330 ohm"
         found.append(

@@ -74,8 +74,8 @@ class Commands:
         known = _WORDS.fullmatch(text) if len(text) <= _LONGEST else None
         if known is None:
             raise InputError(
-                f"found {text[:_LONGEST]!r}, expected a PWM, arm, ?, reset, accept CHANNEL, test, rows N, profile on or "
-                "profile off"
+                f"found {text[:_LONGEST]!r}, expected a PWM, arm, ?, reset, accept CHANNEL, test, rows N, profile on "
+                "or profile off"
             )
         if not self.armed_s:
             raise NotArmedError

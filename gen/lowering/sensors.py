@@ -1,25 +1,36 @@
-"""The limits of the sensor checks as the board holds them: counts of the MAX6675 and samples."""
+"""The limits of the sensor checks as the board holds them: counts of a quarter of a degree, and samples."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gen.coefficients import Coefficients, Document
-from gen.coefficients.wiring import Thermocouple
+from gen.coefficients.wiring import CHIP_RANGES_degC, Thermocouple
+from gen.lowering.platinum import counts_at
 
 COUNT_K = 0.25
-"""What one count of a MAX6675 is, in K."""
+"""What one count is, in K: a MAX6675's and a MAX31855's own; finer words are rounded to it."""
 COUNT_mK = 250
-HIGHEST_COUNT = 4095
-CONVERSION_MS = 220
-"""Longest conversion of a MAX6675 (data sheet); it starts anew with every reading."""
+LONGEST_SAMPLES = 9000
+"""Samples after which every count of any chip is within reach of every other."""
+CONVERSION_MS = {"MAX6675": 220, "MAX31855": 100, "MAX31856": 185, "MAX31865": 66}
+"""Longest conversion by chip (data sheets, at 50 Hz); a MAX6675's starts anew with every reading."""
 NOISE_COUNTS = 4
 """What two samples of a constant temperature may differ by: 1 K, twice the scatter that users of the chip report."""
 CONFIRMATIONS = 4
 """Consistent samples in a row before a level is believed: at the start, after a fault and after a jump."""
+PLAUSIBLE_SAMPLES = 3
+"""Sound samples in a row that could be one part's before they are plausible. Random words, of which an eighth is sound,
+make two such above a limit once in 6 000 pairs, three once in four million."""
+FASTER = 4
+"""By how much a part that fails may outrun its largest physical change."""
 _JITTER_MS = 5
 """By what two samples may follow one another sooner than planned: steps of millis() and work between them."""
+_LARGEST_STEP = 4095
+_OTHER_WIRES, _THREE_WIRES = 0xC1, 0xD1
+"""The first register of a MAX31865: bias on, converting again and again, 50 Hz filtered."""
 _STUCK_S = 300.0
 _STUCK_K = 3.0
 _HOTTER_K = 100.0
@@ -35,13 +46,19 @@ class SensorLimits:
     channel
         A component's name, "ambient", or an extra column.
     lowest, highest
-        The physical range in counts of 0.25 degC, both inclusive.
+        The believed range in counts of 0.25 degC, both inclusive.
     step
         Largest physical change between two readings, in counts, without noise.
     stuck_samples
         Readings of the same count that make a stuck sensor; 0: never.
     stuck_mK
         How far the model must have moved meanwhile, in mK; 0: time alone decides.
+    chip
+        Whose words they are.
+    platinum
+        Of a MAX31865: counts at ratios of its resistors, see :func:`gen.lowering.platinum.counts_at`.
+    configuration
+        Of a MAX31865: what its first register holds when it works.
     """
 
     channel: str
@@ -50,17 +67,27 @@ class SensorLimits:
     step: int
     stuck_samples: int
     stuck_mK: int
+    chip: str = "MAX6675"
+    platinum: tuple[int, ...] = ()
+    configuration: int = 0
 
 
-def reading_samples(sample_time: float) -> int:
+def conversion_ms(wired: Sequence[Thermocouple]) -> int:
+    """Give the longest conversion of the chips that are wired, ms: all are read together."""
+    return max((CONVERSION_MS[item.chip] for item in wired), default=CONVERSION_MS["MAX6675"])
+
+
+def reading_samples(sample_time: float, longest_ms: int = CONVERSION_MS["MAX6675"]) -> int:
     """Samples from one reading of the thermocouples to the next, so that a conversion is finished.
 
     Parameters
     ----------
     sample_time
         The model's, in s.
+    longest_ms
+        What a conversion takes at most.
     """
-    return math.ceil((CONVERSION_MS + _JITTER_MS) / round(sample_time * 1000.0))
+    return math.ceil((longest_ms + _JITTER_MS) / round(sample_time * 1000.0))
 
 
 def sensor_limits(coefficients: Coefficients) -> tuple[SensorLimits, ...]:
@@ -77,18 +104,19 @@ def _limits(document: Document, wired: Thermocouple) -> SensorLimits:
     lowest = wired.min_degC if wired.min_degC is not None else domain[0] - (_AMBIENT_MARGIN_K if ambient else 0.0)
     above = _AMBIENT_MARGIN_K if ambient else _HOTTER_K
     highest = wired.max_degC if wired.max_degC is not None else domain[1] + above
-    interval_s = reading_samples(document.sample_time_s) * document.sample_time_s
+    everything = document.wiring.thermocouples if document.wiring else ()
+    interval_s = reading_samples(document.sample_time_s, conversion_ms(everything)) * document.sample_time_s
+    ends = CHIP_RANGES_degC[wired.chip]
     stuck_s = wired.stuck_s if wired.stuck_s is not None else (_STUCK_S if modelled else 0.0)
     stuck_K = wired.stuck_K if wired.stuck_K is not None else (_STUCK_K if modelled else 0.0)
     return SensorLimits(
         channel=wired.channel,
-        lowest=_counts(math.ceil(lowest / COUNT_K)),
-        highest=_counts(math.floor(highest / COUNT_K)),
-        step=max(1, min(HIGHEST_COUNT, math.ceil(wired.max_rate_K_per_s * interval_s / COUNT_K))),
+        lowest=math.ceil(min(max(lowest, ends[0]), ends[1]) / COUNT_K),
+        highest=math.floor(min(max(highest, ends[0]), ends[1]) / COUNT_K),
+        step=max(1, min(_LARGEST_STEP, math.ceil(wired.max_rate_K_per_s * interval_s / COUNT_K))),
         stuck_samples=max(1, round(stuck_s / interval_s)) if stuck_s else 0,
         stuck_mK=round(stuck_K * 1000.0),
+        chip=wired.chip,
+        platinum=counts_at(*wired.resistor_ohm) if wired.chip == "MAX31865" else (),
+        configuration=(_THREE_WIRES if wired.wires == 3 else _OTHER_WIRES) if wired.chip == "MAX31865" else 0,
     )
-
-
-def _counts(value: int) -> int:
-    return min(max(value, 0), HIGHEST_COUNT)

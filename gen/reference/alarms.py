@@ -73,7 +73,14 @@ class ReferenceAlarms:
             values[lanes] = 0
         self._heat.reset(lanes)
 
-    def step(self, pwm: Integers, measured_mC: Integers, model_mC: Integers, valid: Integers) -> None:
+    def step(
+        self,
+        pwm: Integers,
+        measured_mC: Integers,
+        model_mC: Integers,
+        valid: Integers,
+        plausible: Integers | None = None,
+    ) -> None:
         """Evaluate every rule after a sample.
 
         Parameters
@@ -84,7 +91,11 @@ class ReferenceAlarms:
             Measured and modelled temperatures, shape (components, L), in thousandths of a degree Celsius.
         valid
             Bit masks of the components whose measurement passed its checks, shape (L,).
+        plausible
+            Bit masks of those whose measurement may be the truth, believed or not, shape (L,): limits of a temperature
+            heed them too. None: what is valid.
         """
+        heeded = valid if plausible is None else valid | plausible
         magnitude = np.minimum(np.abs(pwm), MAX_PWM)
         self._heat.step(pwm, measured_mC - model_mC, valid)
         for number, rule in enumerate(self._rules):
@@ -92,7 +103,7 @@ class ReferenceAlarms:
             awake = self._awake(number, rule, inside)
             self._settled[number][~inside] = 0
             asleep = ~inside | ~awake
-            seen = ~asleep & (((valid >> rule.component) & 1) == 1)
+            seen = ~asleep & ((((valid if rule.needs_model else heeded) >> rule.component) & 1) == 1)
             if rule.relative_to is not None:
                 seen &= ((valid >> rule.relative_to) & 1) == 1
             value = compared(rule, measured_mC, model_mC)

@@ -41,7 +41,8 @@ def first_raised(
     measured_mC, model_mC
         Measured and modelled temperatures after each sample, shape (components, K), in thousandths of a degree Celsius.
     valid
-        Bit masks of the components whose measurement passed its checks, shape (K,).
+        Bit masks of the components whose measurement passed its checks, shape (K,). A run file holds no others: what
+        a board took as plausible only is missing.
     trusted
         Whether the model starts with the right slopes.
 

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
+from itertools import pairwise
 
-from gen.lowering.sensors import CONFIRMATIONS, HIGHEST_COUNT, NOISE_COUNTS, COUNT_mK, SensorLimits
+from gen.lowering.sensors import (
+    CONFIRMATIONS,
+    FASTER,
+    LONGEST_SAMPLES,
+    NOISE_COUNTS,
+    PLAUSIBLE_SAMPLES,
+    COUNT_mK,
+    SensorLimits,
+)
+from gen.reference.chips import SensorCode, decoded
 
-
-class SensorCode(IntEnum):
-    """What the checks say of a sample; one decimal digit on the serial line."""
-
-    OK = 0
-    OPEN = 1
-    ZEROS = 2
-    ONES = 3
-    RANGE = 4
-    JUMP = 5
-    STUCK = 6
-    EARLY = 7
-    UNCONFIRMED = 8
-    UNREAD = 9
+__all__ = ["SensorCheck", "SensorCode"]
 
 
 class SensorCheck:
@@ -40,7 +36,8 @@ class SensorCheck:
         self._then_mC: int | None = None  # the model's temperature at the last believed one; None: set anew since
         self._displaced = False  # it jumped farther than physics allows, and has not come back
         self._run = 0  # consistent samples in a row, up to CONFIRMATIONS
-        self._previous: int | None = None
+        self._agreed = 0  # samples in a row that could be a failing part's, up to CONFIRMATIONS
+        self._latest = [0] * CONFIRMATIONS  # samples with a sound word, the last one first
         self._watching = False  # the next three are about the present model and count
         self._unchanged = 0
         self._moved = False
@@ -50,6 +47,17 @@ class SensorCheck:
     def temperature_mC(self) -> int:
         """The last believed sample in thousandths of a degree Celsius; 0 before the first."""
         return self._believed * COUNT_mK
+
+    @property
+    def plausible(self) -> bool:
+        """Whether the last sample may be the truth, believed or not: what a limit that protects has to heed."""
+        read = self.code not in {SensorCode.EARLY, SensorCode.STUCK}
+        return read and self._agreed >= PLAUSIBLE_SAMPLES
+
+    @property
+    def plausible_mC(self) -> int:
+        """The last sample with a sound word in thousandths of a degree Celsius; 0 before the first."""
+        return self._latest[0] * COUNT_mK
 
     def model_set(self) -> None:
         """The model was started anew: what it moved before says nothing about a sensor."""
@@ -69,7 +77,7 @@ class SensorCheck:
         Parameters
         ----------
         word
-            The 16 bits as the MAX6675 sent them.
+            The bits as the chip sent them, see :func:`gen.reference.chips.decoded`.
         finished
             Whether its conversion had the time that it needs.
         model_mC
@@ -80,28 +88,35 @@ class SensorCheck:
         SensorCode
             `OK` if the sample may be used.
         """
-        self._since = min(self._since + 1, HIGHEST_COUNT)
+        self._since = min(self._since + 1, LONGEST_SAMPLES)
         self.code = self._judge(word, finished, model_mC)
         return self.code
 
     def _judge(self, word: int, finished: bool, model_mC: int) -> SensorCode:
         if not finished:
             return SensorCode.EARLY
-        counts = word >> 3
-        fault = self._fault(word, counts)
-        if fault:
+        fault, counts = decoded(self.limits, word)
+        if fault is SensorCode.ZEROS and self._is_cold():
+            fault, counts = SensorCode.OK, 0
+        if fault is not SensorCode.OK:
             self._run = 0
+            self._agreed = 0
             return fault
+        if not self.limits.lowest <= counts <= self.limits.highest:
+            self._keep(counts)
+            self._run = 0
+            return SensorCode.RANGE
         self._watch_for_change(counts, model_mC)
-        consistent = self._previous is not None and abs(counts - self._previous) <= NOISE_COUNTS + self.limits.step
+        consistent = abs(counts - self._latest[0]) <= NOISE_COUNTS + self.limits.step
         jumped = self._run > 0 and not consistent
         self._run = min(self._run + 1, CONFIRMATIONS) if self._run and consistent else 1
-        self._previous = counts
+        self._keep(counts)
         if self._stuck():
             return SensorCode.STUCK
         if self._is_displaced(counts, model_mC) or jumped:
-            return SensorCode.JUMP
-        if self._run < CONFIRMATIONS:
+            if not self._rises():
+                return SensorCode.JUMP
+        elif self._run < CONFIRMATIONS:
             return SensorCode.UNCONFIRMED
         self._believed = counts
         self._known = True
@@ -109,6 +124,24 @@ class SensorCheck:
         self._displaced = False
         self._since = 0
         return SensorCode.OK
+
+    def _keep(self, counts: int) -> None:
+        """Keep a sound sample, and count those in a row that could be one part's, be it one that fails."""
+        agrees = self._agreed > 0 and abs(counts - self._latest[0]) <= NOISE_COUNTS + FASTER * self.limits.step
+        self._agreed = min(self._agreed + 1, CONFIRMATIONS) if agrees else 1
+        self._latest = [counts, *self._latest[:-1]]
+
+    def _rises(self) -> bool:
+        """Whether a part that fails outruns its largest physical change.
+
+        The samples since the last believed one rise together, none by more than half of it all. A step is no such rise,
+        and a fall neither: a sensor that comes off falls.
+        """
+        if self._agreed < CONFIRMATIONS or self._since >= CONFIRMATIONS:
+            return False
+        largest = max(later - earlier for later, earlier in pairwise(self._latest))
+        whole = self._latest[0] - self._latest[-1]
+        return whole > NOISE_COUNTS and 2 * largest <= whole + NOISE_COUNTS
 
     def _is_displaced(self, counts: int, model_mC: int) -> bool:
         """Whether the sample cannot be the part's temperature, by the last believed one.
@@ -126,19 +159,17 @@ class SensorCheck:
         expected_mC = self._believed * COUNT_mK + model_mC - self._then_mC
         return abs(counts * COUNT_mK - expected_mC) > (NOISE_COUNTS + self.limits.step) * COUNT_mK
 
-    def _fault(self, word: int, counts: int) -> SensorCode:
-        if word & 0xFFFE == 0:
-            return SensorCode.ZEROS
-        if word & 0x8002:
-            return SensorCode.ONES
-        if word & 0x0004:
-            return SensorCode.OPEN
-        if not self.limits.lowest <= counts <= self.limits.highest:
-            return SensorCode.RANGE
-        return SensorCode.OK
+    def _is_cold(self) -> bool:
+        """Whether zeros go on from a temperature that has just come down to them: a MAX6675 sends nothing below."""
+        return (
+            self.limits.chip == "MAX6675"
+            and self._known
+            and self._believed <= NOISE_COUNTS
+            and self._since <= CONFIRMATIONS
+        )
 
     def _watch_for_change(self, counts: int, model_mC: int) -> None:
-        if not self._watching or counts != self._previous:
+        if not self._watching or counts != self._latest[0]:
             self._watching = True
             self._unchanged = 0
             self._moved = False

@@ -1,21 +1,17 @@
-"""Type K thermocouples through MAX6675 converters, as the board reads them, with their errors and faults.
-
-The converter's word has 16 bits (MAX6675 data sheet, table 2): bit 15 is 0, bits 14..3 are the temperature in quarters
-of a degree, bit 2 tells an open thermocouple, bit 1 (device identity) is 0 and bit 0 leaves the line floating, read 0.
-"""
+"""Type K thermocouples through MAX6675 converters, or others, as the board reads them; errors and faults."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import numpy as np
 
+from gen.rig.chips import OPEN_BIT, Converter
+
 COUNT_DEGC = 0.25  #: Degrees of one count.
 MAX_COUNTS = 4095  #: 12 bits: 1023.75 degC.
-OPEN_BIT = 0x0004
-ALL_ONES = 0xFFFF
 
 SensorFaultKind = Literal["open", "all_0", "all_1", "stuck", "spike", "jump", "noise"]
 SENSOR_FAULTS: tuple[SensorFaultKind, ...] = get_args(SensorFaultKind)
@@ -74,6 +70,8 @@ class SensorConfig:
         A read sooner than this after the last breaks the running conversion off and gives the old word again.
     faults
         What goes wrong, and when.
+    converter
+        The chip.
     """
 
     offset_K: float = 0.0
@@ -84,6 +82,7 @@ class SensorConfig:
     cold_junction_degC: float = 25.0
     conversion_s: float = 0.22
     faults: tuple[SensorFault, ...] = ()
+    converter: Converter = field(default_factory=Converter)
 
     def __post_init__(self) -> None:
         if not self.lag_s >= 0.0 or not self.noise_K >= 0.0 or not self.gain > 0.0:
@@ -124,7 +123,7 @@ class Thermocouple:
         Returns
         -------
         int
-            The 16 bits that the board shifts in.
+            The bits that the board shifts in.
 
         Raises
         ------
@@ -165,7 +164,7 @@ class Thermocouple:
             if fault.kind == "all_0":
                 forced = 0
             elif fault.kind == "all_1":
-                forced = ALL_ONES
+                forced = config.converter.all_ones
             elif fault.kind == "open":
                 is_open = True
             elif fault.kind == "noise":
@@ -179,8 +178,7 @@ class Thermocouple:
                     shown += fault.size_K
         if forced is not None:
             return forced
-        counts = min(max(math.floor(shown / COUNT_DEGC + 0.5), 0), MAX_COUNTS)
-        return counts << 3 | (OPEN_BIT if is_open else 0)
+        return config.converter.word(shown, config.cold_junction_degC, is_open)
 
     def _gauss(self) -> float:
         if not self._noise:

@@ -45,7 +45,7 @@ class AlarmCampaign:
 
 def input_type(components: int, rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
     """The harnesses' input record; the alarm structure at its end is what a lane begins with."""
-    sample = [("measured_mC", "<i4", (components,)), ("ambient_mC", "<i4"), ("valid", "<u2")]
+    sample = [("measured_mC", "<i4", (components,)), ("ambient_mC", "<i4"), ("valid", "<u2"), ("plausible", "<u2")]
     return np.dtype([("op", "u1"), ("pwm", "<i2"), *sample, *_fields(alarm_record_type(rules))])
 
 
@@ -120,12 +120,13 @@ def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, s
         if step % 50 == 0:
             ambient = np.asarray(random.integers(-10_000, 50_000, lanes), dtype=np.int64)
         modelled = model.rises_mK + ambient
-        measured, valid = source.next(modelled)
+        measured, valid, plausible = source.next(modelled)
         alarms.reset(resets)
-        alarms.step(pwm, measured, modelled, valid)
+        alarms.step(pwm, measured, modelled, valid, plausible)
         row = inputs[:, step + 1]
         row["op"] = np.where(resets, RESET_AND_STEP, STEP)
-        row["pwm"], row["ambient_mC"], row["valid"], row["measured_mC"] = pwm, ambient, valid, measured.T
+        row["pwm"], row["ambient_mC"], row["measured_mC"] = pwm, ambient, measured.T
+        row["valid"], row["plausible"] = valid, plausible
         _keep(expected[:, step], program, modelled, alarms)
     return AlarmCampaign(inputs, expected)
 
@@ -205,6 +206,12 @@ def _fields(record: np.dtype[np.void]) -> list[tuple[str, str]]:
     return [(name, kind.str) for name, (kind, *_) in (record.fields or {}).items()]
 
 
+def _mask(parts: NDArray[np.bool_]) -> Integers:
+    """A bit for each component, shape (components, L), as one mask for each lane."""
+    mask: Integers = (parts << np.arange(len(parts))[:, None]).sum(axis=0)
+    return mask
+
+
 class _Measurements:
     """Deviations from the model that dwell at, just beside and far from the thresholds."""
 
@@ -222,8 +229,8 @@ class _Measurements:
         self._left = np.zeros(self._shape, dtype=np.int64)
         self._missing = np.zeros(self._shape, dtype=np.int64)
 
-    def next(self, modelled: Integers) -> tuple[Integers, Integers]:
-        """Measured temperatures, shape (components, L), and the mask of the valid ones, shape (L,)."""
+    def next(self, modelled: Integers) -> tuple[Integers, Integers, Integers]:
+        """Measured temperatures, shape (components, L); masks of the valid and of the plausible ones, shape (L,)."""
         self._left -= 1
         for component, lane in np.argwhere(self._left < 0):
             self._choose(component, lane)
@@ -235,9 +242,12 @@ class _Measurements:
             self._random.random(self._shape) < 0.01, self._random.integers(1, longest), self._missing - 1
         )
         seen = self._missing < 0
-        valid = (seen << np.arange(self._shape[0])[:, None]).sum(axis=0)
-        # What failed its checks may be anything.
-        return np.where(seen, measured, self._random.integers(-(10**6), 10**6, self._shape)), valid
+        may_be = ~seen & (self._missing % 3 > 0)  # two in three of those that are not believed
+        measured = measured + may_be * self._random.integers(-1500, 1501, self._shape)
+        anything = self._random.integers(-(10**6), 10**6, self._shape)
+        # What failed its checks may be anything; a mask of the plausible ones may leave out those that are valid.
+        plausible = may_be | (seen & (self._left % 4 == 0))
+        return np.where(seen | may_be, measured, anything), _mask(seen), _mask(plausible)
 
     def _choose(self, component: int, lane: int) -> None:
         random = self._random

@@ -32,7 +32,7 @@ class ProtectionCampaign:
 def input_type(components: int, entries: Sequence[LoweredProtection]) -> np.dtype[np.void]:
     """The harnesses' input record; the structure at its end is what a lane begins with."""
     words = [("lost", "<u4"), ("alarms", "<u2"), ("device", "<u2")]
-    sample = [("measured_mC", "<i4", (components,)), ("ambient_mC", "<i4"), ("valid", "<u2")]
+    sample = [("measured_mC", "<i4", (components,)), ("ambient_mC", "<i4"), ("valid", "<u2"), ("plausible", "<u2")]
     return np.dtype([("op", "u1"), *words, *sample, *protection_fields(entries)])
 
 

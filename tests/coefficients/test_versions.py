@@ -91,6 +91,7 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
     "observed.json": ("a0a2944e2273b3fd259da2e6b7dbecdc79cf266a2fd12772628574cd6e0ca7c2", FROZEN["observed.json"][1]),
     "other_input.json": ("2b77de7de5b0fafd0eaf66a144457e8da798b797162eed3525d05dd0b688f3a9", FROZEN["my1016.json"][1]),
     "protected.json": ("0bb86d5e886bc3dd887ca43231ce91765ebdd238eb82e05b3ecb35cbfe6c0f8b", FROZEN["my1016.json"][1]),
+    "sensor_chips.json": ("bc2af1065eb6971b1fe9d72b0a30dddbfd935a7bf7d5701791b58aecc4d6d216", FROZEN["my1016.json"][1]),
     "started.json": ("97708ee09880950acc8e84f5fbdfa7d16c4cf62f18a96b67a4ae9ebca487cf46", {"casing": 37.7854816146}),
 }
 

@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
+import subprocess
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from gen import toolchain
 from gen.coefficients import Coefficients
 from gen.emulate.devices import DeviceMega
+from gen.emulate.scenario import converters
 
 OPEN, ZEROS, ONES = 0x0004, 0x0000, 0xFFFF
 #: The sketch's flags (`device.h`).
 LATE, DROPPED, STALL, MEMORY = 0x100, 0x200, 0x400, 0x800
 AMBIENT, STOPPED, NOISY = 0x1000, 0x2000, 0x4000
 TEMPERATURES = {"brush": 61.25, "bearing": 55.5, "magnet": 52.0, "casing": 50.75, "ambient": 24.5}
+
+
+def program_crc(elf: Path, scratch: Path) -> str:
+    """CRC-32 of the flash image of a program without the four bytes that may hold it, as hexadecimal digits."""
+    image = scratch / "image.bin"
+    subprocess.run([str(toolchain.program("avr-objcopy")), "-O", "binary", str(elf), str(image)], check=True)
+    names = subprocess.run([str(toolchain.program("avr-nm")), str(elf)], check=True, capture_output=True, text=True)
+    (seal,) = [int(line.split()[0], 16) for line in names.stdout.splitlines() if line.endswith(" gen_seal")]
+    flash = image.read_bytes()
+    return f"{zlib.crc32(flash[:seal] + flash[seal + 4 :]):08X}"
 
 
 def word(celsius: float) -> int:
@@ -34,22 +48,23 @@ class Said:
 
 
 class Board(DeviceMega):
-    """A Mega with the MAX6675s of a coefficient file, each at 30 degC until told otherwise."""
+    """A Mega with the sensor chips of a coefficient file, each at 30 degC until told otherwise."""
 
     def __init__(self, elf: Path, cache: Path, coefficients: Coefficients | None) -> None:
         super().__init__(elf, cache)
         wiring = coefficients.document.wiring if coefficients else None
         self.chips = {
-            chip.channel: self.add_max6675(chip.cs, chip.so, chip.sck)
+            chip.channel: self.add_chip(chip.chip, chip.cs, chip.so, chip.sck, chip.sdi)
             for chip in (wiring.thermocouples if wiring else ())
         }
+        self._converters = converters(wiring) if wiring else {}
         for channel in self.chips:
             self.set_celsius(channel, 30.0)
         self._text = ""
         self._columns: list[str] = []
 
     def set_celsius(self, channel: str, celsius: float) -> None:
-        self.chips[channel].set_word(word(celsius))
+        self.chips[channel].set_word(self._converters[channel].word(celsius, 23.0, False))
 
     def send(self, line: str) -> None:
         self.uart.send(line.encode() + b"\n")

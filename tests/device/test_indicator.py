@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.device.board import OPEN, TEMPERATURES, Board, warm
+from tests.device.board import OPEN, Board
 from tests.device.conftest import Open
 
 LED, BUTTON = 13, 22
@@ -134,16 +134,3 @@ def test_a_button_that_is_held_through_a_reset_acknowledges_nothing(power_up: Op
     board.started()
     board.hear(1.0)
     assert board.read("test_alarms") == 0b10
-
-
-def test_the_button_confirms_a_sensor_s_new_level_as_reset_does(power_up: Open) -> None:
-    board = warm(power_up())
-    board.started()
-    board.hear(2.0)
-    board.set_celsius("casing", 20.0 + TEMPERATURES["casing"])
-    assert board.hear(10.0).rows[-1]["sensors"] == "00050"
-    board.pins.drive(BUTTON, False)
-    board.hear(0.5)
-    board.pins.drive(BUTTON, None)
-    row = board.hear(3.0).rows[-1]
-    assert (row["casing_degC"], row["sensors"]) == ("70.75", "00000")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from gen.coefficients import parse
-from tests.device.test_sensors import Cpp, Step, by_reference, word
+from tests.device.test_sensors import Cpp, Judged, Step, by_reference, word
 from tests.device.variants import BASE
 
 OK, RANGE, JUMP, UNCONFIRMED = 0, 4, 5, 8
@@ -30,8 +30,8 @@ def samples(*counts: int) -> list[Step]:
     return [(BRUSH, word(item), True, 0) for item in counts]
 
 
-def codes(found: list[tuple[int, int]]) -> list[int]:
-    return [code for code, _ in found]
+def codes(found: list[Judged]) -> list[int]:
+    return [code for code, *_ in found]
 
 
 def test_both_ends_of_the_range_are_in_it(cpp: Cpp) -> None:

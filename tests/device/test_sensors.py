@@ -6,7 +6,7 @@ import json
 import subprocess
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +22,15 @@ from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.firmware.device import device_context
 from gen.lowering.lower import lower
-from gen.lowering.sensors import CONFIRMATIONS, NOISE_COUNTS, SensorLimits, reading_samples, sensor_limits
+from gen.lowering.sensors import (
+    CONFIRMATIONS,
+    FASTER,
+    NOISE_COUNTS,
+    PLAUSIBLE_SAMPLES,
+    SensorLimits,
+    reading_samples,
+    sensor_limits,
+)
 from gen.reference.sensors import SensorCheck, SensorCode
 from tests.device.variants import variant
 from tests.examples import example
@@ -31,7 +39,7 @@ MAIN = """
 #include <stdio.h>
 #include "my1016_sensors.h"
 int main() {
-    unsigned char in[9];
+    unsigned char in[10];
     my1016_sensors_begin();
     while (fread(in, 1, sizeof in, stdin) == sizeof in) {
         if (in[0] == 0xFF) {
@@ -43,16 +51,19 @@ int main() {
             continue;
         }
         if (in[0] == 0xFD) {
-            my1016_sensors_accept();
+            my1016_sensors_accept(in[1]);
             continue;
         }
-        uint32_t model = 0;
+        uint32_t model = 0, word = 0;
         for (int i = 0; i < 4; ++i) {
-            model |= (uint32_t)in[4 + i] << (8 * i);
+            model |= (uint32_t)in[6 + i] << (8 * i);
+            word |= (uint32_t)in[1 + i] << (8 * i);
         }
-        const uint8_t code = my1016_sensors_check(in[0], (uint16_t)(in[1] | in[2] << 8), in[3], (int32_t)model);
+        const uint8_t code = my1016_sensors_check(in[0], word, in[5], (int32_t)model);
         const long value = my1016_sensors_mC(in[0]);
-        printf("%d %ld\\n", code == my1016_sensors_code(in[0]) ? code : -1, value);
+        const int plausible = my1016_sensors_plausible(in[0]);
+        const long plausible_mC = my1016_sensors_plausible_mC(in[0]);
+        printf("%d %ld %d %ld\\n", code == my1016_sensors_code(in[0]) ? code : -1, value, plausible, plausible_mC);
     }
     return 0;
 }
@@ -63,14 +74,15 @@ BOARD_MAIN = """
 #include "my1016_sensors.h"
 struct Input {
     uint8_t channel;
-    uint16_t word;
+    uint32_t word;
     uint8_t finished;
     int32_t model_mC;
-    uint8_t pad;
 } gen_input;
 struct Output {
     uint8_t code;
     int32_t value;
+    uint8_t plausible;
+    int32_t plausible_mC;
 } gen_output;
 int main() {
     cli();
@@ -82,20 +94,24 @@ int main() {
         } else if (gen_input.channel == 0xFE) {
             my1016_sensors_model_set();
         } else if (gen_input.channel == 0xFD) {
-            my1016_sensors_accept();
+            my1016_sensors_accept((uint8_t)gen_input.word);
         } else {
             const Input &in = gen_input;
             gen_output.code = my1016_sensors_check(in.channel, in.word, in.finished, in.model_mC);
             gen_output.value = my1016_sensors_mC(in.channel);
+            gen_output.plausible = my1016_sensors_plausible(in.channel);
+            gen_output.plausible_mC = my1016_sensors_plausible_mC(in.channel);
         }
         GEN_MAILBOX_DONE();
     }
 }
 """
-RECORD = np.dtype([("channel", "u1"), ("word", "<u2"), ("finished", "u1"), ("model_mC", "<i4"), ("pad", "u1")])
+RECORD = np.dtype([("channel", "u1"), ("word", "<u4"), ("finished", "u1"), ("model_mC", "<i4")])
 FORGET, MODEL_SET, ACCEPT = 0xFF, 0xFE, 0xFD
 LIMITS = SensorLimits("brush", lowest=0, highest=1000, step=5, stuck_samples=12, stuck_mK=3000)
+JUDGED = np.dtype([("code", "u1"), ("mC", "<i4"), ("plausible", "u1"), ("plausible_mC", "<i4")])
 Step = tuple[int, int, bool, int]
+Judged = tuple[int, int, int, int]
 
 
 def word(counts: int) -> int:
@@ -125,30 +141,30 @@ class Cpp:
         sources = [str(folder / "main.cpp"), str(folder / "my1016_sensors.cpp"), "-o", str(self._binary)]
         subprocess.run([str(toolchain.program("clang++")), *flags, *sources], check=True)
         self.limits = [
-            SensorLimits(item.channel, item.lowest, item.highest, item.step, chip["stuck_samples"], item.stuck_mK)
+            replace(item, stuck_samples=chip["stuck_samples"])
             for item, chip in zip(sensor_limits(coefficients), device["chips"], strict=True)
         ]
 
-    def run(self, steps: Sequence[Step]) -> list[tuple[int, int]]:
-        records = np.array([(*step, 0) for step in steps], dtype=RECORD)
+    def run(self, steps: Sequence[Step]) -> list[Judged]:
+        records = np.array(list(steps), dtype=RECORD)
         done = subprocess.run([str(self._binary)], input=records.tobytes(), capture_output=True, check=True)
         numbers = [int(number) for number in done.stdout.split()]
-        return list(zip(numbers[::2], numbers[1::2], strict=True))
+        return list(zip(numbers[::4], numbers[1::4], numbers[2::4], numbers[3::4], strict=True))
 
-    def run_on_board(self, steps: Sequence[Step]) -> tuple[list[tuple[int, int]], int]:
+    def run_on_board(self, steps: Sequence[Step]) -> tuple[list[Judged], int]:
         """The same on the emulated Mega, and the most cycles of a check."""
-        records = np.array([(*step, 0) for step in steps], dtype=RECORD)
+        records = np.array(list(steps), dtype=RECORD)
         (self._folder / "avr.cpp").write_text(BOARD_MAIN)
         sources = [self._folder / "avr.cpp", self._folder / "my1016_sensors.cpp"]
         elf = build_elf(sources, [MAILBOX_FOLDER, self._folder], self._folder / "avr.elf", optimisation="-Os")
         with EmulatedMega(elf, self._folder) as mega:
             places = [mega.memory.address(name) for name in ("gen_input", "gen_output")]
             output, cycles = mega.run_records(
-                records, places[0], RECORD.itemsize, places[1], 5, len(records), len(records) * 20_000
+                records, places[0], RECORD.itemsize, places[1], JUDGED.itemsize, len(records), len(records) * 20_000
             )
         judged = records["channel"] < ACCEPT
-        codes, values = output[:, 0], np.ascontiguousarray(output[:, 1:]).view("<i4")[:, 0]
-        return list(zip(codes[judged].tolist(), values[judged].tolist(), strict=True)), int(cycles[judged].max())
+        found = np.ascontiguousarray(output).view(JUDGED)[:, 0]
+        return [tuple(row) for row in found[judged].tolist()], int(cycles[judged].max())
 
 
 @pytest.fixture(scope="module")
@@ -156,7 +172,7 @@ def cpp(tmp_path_factory: pytest.TempPathFactory) -> Cpp:
     return Cpp(tmp_path_factory.mktemp("sensors"))
 
 
-def by_reference(limits: Sequence[SensorLimits], steps: Sequence[Step]) -> list[tuple[int, int]]:
+def by_reference(limits: Sequence[SensorLimits], steps: Sequence[Step]) -> list[Judged]:
     checks = [SensorCheck(item) for item in limits]
     found = []
     for channel, given_word, finished, model_mC in steps:
@@ -166,11 +182,11 @@ def by_reference(limits: Sequence[SensorLimits], steps: Sequence[Step]) -> list[
             for check in checks:
                 check.model_set()
         elif channel == ACCEPT:
-            for check in checks:
-                check.accept()
+            checks[given_word].accept()
         else:
-            code = checks[channel].check(given_word, finished, model_mC)
-            found.append((int(code), checks[channel].temperature_mC))
+            check = checks[channel]
+            code = check.check(given_word, finished, model_mC)
+            found.append((int(code), check.temperature_mC, int(check.plausible), check.plausible_mC))
     return found
 
 
@@ -183,7 +199,13 @@ def random_steps(seed: int, count: int) -> list[Step]:
         kind = generator.integers(0, 40)
         length = int(generator.integers(1, 25))
         if kind == 0:
-            steps.append((int(generator.choice([FORGET, MODEL_SET, ACCEPT, ACCEPT])), 0, False, 0))
+            other = int(generator.integers(1, 5)) if generator.random() < 0.2 else 0
+            steps.append((int(generator.choice([FORGET, MODEL_SET, ACCEPT, ACCEPT])), other, False, 0))
+        elif kind == 1:  # as fast as a locked motor, or nearly
+            rate = int(generator.integers(4, 30))
+            for _ in range(length % 12):
+                level = int(np.clip(level + rate + generator.integers(-2, 3), 0, 1200))
+                steps.append((0, word(level), True, model))
         elif kind < 10:
             steps += [
                 (0, int(w), True, model) for w in generator.choice([0, 1, 4, 0xFFFF, 0x8000, 2, 0x7FFF], length % 4)
@@ -208,7 +230,16 @@ def test_the_boards_checks_equal_the_reference(cpp: Cpp, seed: int) -> None:
     steps = random_steps(seed, 20_000)
     found = cpp.run(steps)
     assert found == by_reference(cpp.limits, steps)
-    assert {code for code, _ in found} == set(range(9))
+    assert {code for code, *_ in found} == set(range(9))
+    assert {(code, plausible) for code, _, plausible, _ in found} >= {
+        (4, 0),
+        (4, 1),
+        (5, 0),
+        (5, 1),
+        (8, 0),
+        (8, 1),
+        (0, 1),
+    }
 
 
 def test_the_emulated_boards_checks_equal_the_reference(cpp: Cpp) -> None:
@@ -241,7 +272,10 @@ def believed(at: int) -> SensorCheck:
 
 @given(st.lists(st.integers(1, 0xFFFF), min_size=1, max_size=60), st.integers(100, 900))
 def test_no_sample_is_believed_that_physics_could_not_reach(given_words: list[int], start: int) -> None:
-    """Whatever comes: between two believed samples the rate is kept, and each agrees with the three before it."""
+    """Whatever comes: between two believed samples the rate is kept, and each agrees with the three before it.
+
+    Or all four belong to one rise that a failing part could make, and that does not stop.
+    """
     check = believed(start)
     last, since = start, 0
     run: list[int] = [start] * CONFIRMATIONS
@@ -251,9 +285,13 @@ def test_no_sample_is_believed_that_physics_could_not_reach(given_words: list[in
         run.append(given_word >> 3)
         if code is SensorCode.OK:
             counts = given_word >> 3
-            assert abs(counts - last) <= NOISE_COUNTS + LIMITS.step * since
-            tail = run[-CONFIRMATIONS:]
-            assert all(abs(a - b) <= NOISE_COUNTS + LIMITS.step for a, b in pairwise(tail))
+            steps = [after - before for before, after in pairwise(run[-CONFIRMATIONS:])]
+            if max(map(abs, [counts - last, *steps])) > NOISE_COUNTS + LIMITS.step:
+                assert last in run[-CONFIRMATIONS:]
+                assert 2 * max(steps) <= sum(steps) + NOISE_COUNTS
+                assert max(map(abs, steps)) <= NOISE_COUNTS + FASTER * LIMITS.step
+            else:
+                assert abs(counts - last) <= NOISE_COUNTS + LIMITS.step * since
             assert not given_word & 0x8006
             assert LIMITS.lowest <= counts <= LIMITS.highest
             last, since = counts, 0
@@ -299,6 +337,58 @@ def test_a_sensor_that_comes_back_is_believed_where_the_model_went_meanwhile(mov
         check.check(word(600), True, item)
     back = 400 + round(4 * moved_K)
     assert [int(check.check(word(back), True, model[-1])) for _ in range(6)][-2:] == [0, 0]
+
+
+@pytest.mark.parametrize("rate_K_per_s", [6.0, 8.0, 12.0, 20.0])
+def test_a_locked_motors_rise_is_believed_on_its_way_and_plausible_all_along(rate_K_per_s: float) -> None:
+    """With the scatter that users of the chip report; the model, which knows of no lock, stays where it is."""
+    noise = np.random.default_rng(3)
+    counts = [240 + round(rate_K_per_s * k + noise.normal(0.0, 0.8)) for k in range(36)]
+    check = believed(240)
+    found = [(int(check.check(word(item), True, 60_000)), check.plausible, check.plausible_mC) for item in counts]
+    assert all(plausible and value == 250 * item for (_, plausible, value), item in zip(found, counts, strict=True))
+    refused = [len(list(same)) for jump, same in groupby(found, key=lambda item: item[0] == 5) if jump]
+    assert max(refused, default=0) < CONFIRMATIONS
+    assert {code for code, *_ in found[-5:]} == {0}
+
+
+@pytest.mark.parametrize("rate_K_per_s", [8.0, 12.0, 20.0])
+def test_a_sensor_that_comes_off_is_not_believed_and_says_no_harm(rate_K_per_s: float) -> None:
+    """It cools towards the room at its own rate, faster than a motor ever does."""
+    check = believed(400)
+    found = codes(check, [round(max(128, 400 - rate_K_per_s * 1.5 * k)) for k in range(1, 400)])
+    assert set(found[:20]) == {5} or found[0] == 0
+    assert check.temperature_mC >= 95_000
+    check.accept()
+    assert codes(check, [128] * CONFIRMATIONS)[-1] == 0
+
+
+def test_above_the_range_a_sample_is_not_believed_but_plausible_from_the_third_on() -> None:
+    """A brush at 260 degC at the start, where nothing above 250 degC is believed, has to stop the motor."""
+    check = SensorCheck(LIMITS)
+    found = [(int(check.check(word(1040), True, 0)), check.plausible) for _ in range(6)]
+    assert found == [(4, False), (4, False), (4, True), (4, True), (4, True), (4, True)]
+    assert check.plausible_mC == 260_000
+
+
+@given(st.integers(0, 4095), st.integers(1, PLAUSIBLE_SAMPLES - 1))
+def test_a_short_spike_is_not_plausible(level: int, length: int) -> None:
+    check = believed(400)
+    for given_word in [level] * length:
+        check.check(word(given_word), True, 0)
+        if abs(level - 400) > NOISE_COUNTS + FASTER * LIMITS.step:
+            assert not check.plausible
+
+
+def test_what_says_nothing_is_not_plausible() -> None:
+    check = believed(400)
+    for given_word, finished in ((0x0004, True), (0, True), (0xFFFF, True), (word(400), False)):
+        check.check(given_word, finished, 0)
+        assert not check.plausible
+    check = believed(400)
+    frozen = [int(check.check(word(400), True, 1000 * k)) for k in range(20)]
+    assert frozen[-1] == 6
+    assert not check.plausible
 
 
 def test_after_an_open_wire_the_level_may_be_another() -> None:

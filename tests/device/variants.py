@@ -12,8 +12,6 @@ from tests.examples import ROOT
 
 Tree = dict[str, Any]
 BASE: Tree = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text())
-#: Most tests are not about protection: no motor turns in them, and thermocouples come and go.
-BASE["protection"] = [{"cause": "stall", "action": "log"}, {"cause": "sensor_lost", "action": "log"}]
 #: A change of sign acts at once: its microseconds are watched.
 BASE["wiring"]["drive"]["reversal_pause_s"] = 0
 CHIPS = [(chip["cs"], chip["so"], chip["sck"]) for chip in BASE["wiring"]["thermocouples"]]
@@ -25,13 +23,12 @@ def _as_it_is(tree: Tree) -> None:
 
 
 def _no_wiring(tree: Tree) -> None:
-    del tree["wiring"], tree["protection"]
+    del tree["wiring"]
     tree["alarms"] = []
 
 
 def _protected(tree: Tree) -> None:
     """What protects by itself, with a relay, a time-out and a ramp."""
-    del tree["protection"]
     tree["wiring"] |= {"relay_pin": 12, "command_timeout_s": 20}
     tree["wiring"]["drive"] |= {"ramp_s": 2.0, "reversal_pause_s": 1.0}
 
@@ -45,6 +42,28 @@ def _soon_stuck(tree: Tree) -> None:
         chip |= {"stuck_s": 20, "stuck_K": 0.1}
 
 
+#: By channel, in the file's order.
+KINDS = {"brush": "MAX31855", "bearing": "MAX31856", "magnet": "MAX31865", "casing": "MAX31865", "ambient": "MAX6675"}
+
+
+def _every_chip(tree: Tree) -> None:
+    """One of each kind, and a PT1000 on three wires; all share their lines."""
+    for chip in tree["wiring"]["thermocouples"]:
+        chip |= {"so": 50, "sck": 52, "chip": KINDS[chip["channel"]]}
+        if chip["chip"] != "MAX6675":
+            chip["min_degC"] = -40.0
+        if chip["chip"] in ("MAX31856", "MAX31865"):
+            chip["sdi"] = 51
+    tree["wiring"]["thermocouples"][3] |= {"rtd_ohm": 1000, "reference_ohm": 4000, "wires": 3}
+    del tree["wiring"]["encoder"]
+
+
+def _other_chips(tree: Tree) -> None:
+    """Each on lines of its own kind alone: without a MAX6675."""
+    for chip in tree["wiring"]["thermocouples"]:
+        chip["chip"] = "MAX31855"
+
+
 def _profile(tree: Tree) -> None:
     steps = [{"duration_s": 1, "pwm": 100}, {"duration_s": 2, "pwm": -50}]
     tree["wiring"]["drive"]["profile"] = {"steps": steps}
@@ -52,7 +71,7 @@ def _profile(tree: Tree) -> None:
 
 def _directed(tree: Tree) -> None:
     """One PWM pin, of a timer that stops at PWM 0, and a direction pin."""
-    tree["wiring"]["drive"] = {"pwm_pin": 9, "direction_pin": 7}
+    tree["wiring"]["drive"] = {"pwm_pin": 9, "direction_pin": 7, "reversal_pause_s": 0}
 
 
 def _directed_low(tree: Tree) -> None:
@@ -60,11 +79,10 @@ def _directed_low(tree: Tree) -> None:
     del tree["wiring"]["led_pin"]
     steps = [{"duration_s": 1, "pwm": 100}, {"duration_s": 2, "pwm": -50}]
     drive = {"pwm_pin": 4, "direction_pin": 13, "forward_level": "low", "profile": {"steps": steps}}
-    tree["wiring"]["drive"] = drive
+    tree["wiring"]["drive"] = drive | {"reversal_pause_s": 0}
 
 
 def _observed(tree: Tree) -> None:
-    del tree["protection"]
     del tree["wiring"]["drive"]
     del tree["wiring"]["led_pin"]
     tree["wiring"]["observe"] = {"forward_pin": 4, "reverse_pin": 5}
@@ -82,14 +100,12 @@ def _counted(tree: Tree) -> None:
 
 
 def _ambient_only(tree: Tree) -> None:
-    del tree["protection"]
     tree["wiring"]["thermocouples"] = tree["wiring"]["thermocouples"][4:]
     del tree["wiring"]["encoder"]
 
 
 def _slow(tree: Tree) -> None:
     """A sample time longer than the watchdog's."""
-    del tree["protection"]
     tree["sample_time_s"], tree["accuracy"] = 2.5, {"fixed_limit_K": 1e-3}
     tree["wiring"] = {"button_pin": 22}
 
@@ -122,6 +138,16 @@ def _prompt(tree: Tree) -> None:
     tree["alarms"] = [rule]
 
 
+def _quiet(tree: Tree) -> None:
+    """Most tests are not about protection: no motor turns in them, and thermocouples come and go."""
+    wiring = tree.get("wiring", {})
+    measured = {chip["channel"] for chip in wiring.get("thermocouples", ())}
+    limited = {rule["component"] for rule in tree["alarms"] if rule["kind"] == "over_temperature"}
+    tree["protection"] = [{"cause": "stall", "action": "log"}] if "encoder" in wiring else []
+    if measured & limited:
+        tree["protection"].append({"cause": "sensor_lost", "delay_s": 1000, "action": "log"})
+
+
 VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "my1016": _as_it_is,
     "no_wiring": _no_wiring,
@@ -137,6 +163,8 @@ VARIANTS: Mapping[str, Callable[[Tree], None]] = {
     "one_pulse": _one_pulse,
     "voltages": _voltages,
     "protected": _protected,
+    "every_chip": _every_chip,
+    "other_chips": _other_chips,
 }
 
 FURTHER: Mapping[str, Callable[[Tree], None]] = {
@@ -150,4 +178,6 @@ FURTHER: Mapping[str, Callable[[Tree], None]] = {
 def variant(name: str) -> Coefficients:
     tree = copy.deepcopy(BASE)
     {**VARIANTS, **FURTHER}[name](tree)
+    if name != "protected":
+        _quiet(tree)
     return parse(json.dumps(tree).encode())

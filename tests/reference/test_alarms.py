@@ -35,9 +35,11 @@ class Bench:
     def __init__(self, *rules: LoweredRule, trusted: bool = True) -> None:
         self.alarms = ReferenceAlarms(rules, np.array([trusted]))
 
-    def step(self, deviation_mK: int, pwm: int = 100, *, valid: bool = True) -> tuple[int, int, int]:
+    def step(
+        self, deviation_mK: int, pwm: int = 100, *, valid: bool = True, plausible: bool = False
+    ) -> tuple[int, int, int]:
         one = np.array([pwm]), np.array([[MODEL + deviation_mK]]), np.array([[MODEL]]), np.array([int(valid)])
-        self.alarms.step(*one)
+        self.alarms.step(*one, np.array([int(plausible)]))
         return int(self.alarms.latched[0]), int(self.alarms.active[0]), int(self.alarms.asleep[0])
 
     def run(self, deviations: list[int], pwm: int = 100) -> list[int]:
@@ -46,6 +48,15 @@ class Bench:
 
 def test_a_condition_must_exceed_its_threshold_and_then_ends_at_the_clear_level() -> None:
     assert Bench(EAGER).run([5000, 5001, 4001, 4000, 4001, 5000, 5001]) == [0, 1, 1, 0, 0, 0, 1]
+
+
+def test_a_limit_of_a_temperature_heeds_what_is_plausible_and_rules_on_the_model_do_not() -> None:
+    limit = replace(EAGER, quantity="measured", segments=(Segment(0, 255, 120_000, 118_000),))
+    bench = Bench(limit, EAGER)
+    assert bench.step(85_000, valid=False) == (0, 0, 0)
+    assert bench.step(85_000, valid=False, plausible=True) == (0b01, 0b01, 0)
+    assert bench.step(0, valid=False, plausible=True) == (0b01, 0, 0)
+    assert bench.step(85_000, valid=True) == (0b11, 0b11, 0)
 
 
 def test_a_rule_settles_then_persists_then_latches() -> None:

@@ -55,6 +55,7 @@ struct gen_mega {
 	struct uart *uart;
 	struct records *records;
 	struct chips *chips;
+	struct register_chips *register_chips;
 	struct counter *counter;
 	struct encoder *encoder;
 	struct waves *waves;

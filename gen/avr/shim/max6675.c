@@ -1,5 +1,6 @@
-/* MAX6675 thermocouple converters on bit-banged pins (Maxim, MAX6675 data sheet, "Serial Interface").
+/* MAX6675 and MAX31855 thermocouple converters on bit-banged pins (Maxim, data sheets, "Serial Interface").
  *
+ * A MAX6675's word has 16 bits, a MAX31855's 32; clocked on, both give zeros here (the data sheets say nothing of it).
  * While CS is high the chip converts again and again; a conversion takes 0.17 s, at most 0.22 s. A falling CS stops the
  * conversion under way and puts bit 15 of the last finished one on SO; every falling SCK puts out the next bit. With CS
  * high SO floats, so that several chips can share SO and SCK. A read that comes before a conversion has finished gives
@@ -17,9 +18,10 @@ struct chip {
 	struct gen_mega *mega;
 	struct pin cs, so, sck;
 	int selected, clock;
-	uint16_t now, before;       /* what a conversion gives at present, and what it gave before the last change */
-	uint16_t held;              /* the last finished conversion */
-	uint16_t shifting;          /* what is left to clock out, most significant bit first */
+	uint32_t now, before;       /* what a conversion gives at present, and what it gave before the last change */
+	uint32_t held;              /* the last finished conversion */
+	uint8_t unused;             /* bits of the shift register that its word does not fill: 16 of a MAX6675 */
+	uint32_t shifting;          /* what is left to clock out, most significant bit first */
 	avr_cycle_count_t changed, high_since, conversion;
 	uint32_t reads, early, clashes;
 };
@@ -36,7 +38,7 @@ static int same(struct pin a, struct pin b)
 
 static void put_out(struct chip *chip)
 {
-	mega_drive(chip->mega, chip->so, chip->shifting >> 15);
+	mega_drive(chip->mega, chip->so, chip->shifting >> 31);
 }
 
 static void select_chip(struct chip *chip)
@@ -54,7 +56,7 @@ static void select_chip(struct chip *chip)
 		if (mega->chips->chip[i].selected && same(mega->chips->chip[i].so, chip->so))
 			chip->clashes++;
 	chip->selected = 1;
-	chip->shifting = chip->held;
+	chip->shifting = chip->held << chip->unused;
 	put_out(chip);
 }
 
@@ -90,7 +92,7 @@ static void sck_changed(avr_irq_t *irq, uint32_t value, void *parameter)
 	int high = (value & 0xff) != 0, fell = chip->clock && !high;
 	chip->clock = high;
 	if (fell && chip->selected) {
-		chip->shifting = (uint16_t)(chip->shifting << 1);
+		chip->shifting <<= 1;
 		put_out(chip);
 	}
 }
@@ -133,21 +135,21 @@ static void close_chips(struct gen_mega *mega)
 const struct part mega_chips_part = {.attach = attach, .reset = reset, .restored = restored, .close = close_chips};
 
 int gen_mega_chip_add(struct gen_mega *mega, char cs_port, uint8_t cs_bit, char so_port, uint8_t so_bit,
-		      char sck_port, uint8_t sck_bit, uint64_t conversion)
+		      char sck_port, uint8_t sck_bit, uint64_t conversion, uint8_t bits)
 {
 	struct pin cs = {cs_port, cs_bit}, so = {so_port, so_bit}, sck = {sck_port, sck_bit};
-	if (mega->chips->count == CHIPS || !conversion || !mega_pin(mega, cs) || !mega_pin(mega, so) ||
+	if (mega->chips->count == CHIPS || !conversion || !bits || bits > 32 || !mega_pin(mega, cs) || !mega_pin(mega, so) ||
 	    !mega_pin(mega, sck))
 		return -1;
 	struct chip *chip = &mega->chips->chip[mega->chips->count];
 	*chip = (struct chip){.mega = mega, .cs = cs, .so = so, .sck = sck, .conversion = conversion,
-			      .high_since = mega->avr->cycle};
+			      .unused = (uint8_t)(32 - bits), .high_since = mega->avr->cycle};
 	avr_irq_register_notify(mega_pin(mega, cs), cs_changed, chip);
 	avr_irq_register_notify(mega_pin(mega, sck), sck_changed, chip);
 	return mega->chips->count++;
 }
 
-int gen_mega_chip_word(struct gen_mega *mega, uint32_t number, uint16_t word)
+int gen_mega_chip_word(struct gen_mega *mega, uint32_t number, uint32_t word)
 {
 	if (number >= (uint32_t)mega->chips->count)
 		return -1;

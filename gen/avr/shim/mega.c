@@ -5,6 +5,7 @@
 #include "encoder.h"
 #include "mailbox.h"
 #include "max6675.h"
+#include "registers.h"
 #include "pins.h"
 #include "run.h"
 #include "uart.h"
@@ -25,7 +26,7 @@
 
 /* In the order in which they are asked. */
 static const struct part *const parts[] = {
-	&mega_pins_part,    &mega_uart_part,    &mega_mailbox_part, &mega_chips_part, &mega_counter_part,
+	&mega_pins_part,    &mega_uart_part,    &mega_mailbox_part, &mega_chips_part, &mega_register_chips_part, &mega_counter_part,
 	&mega_encoder_part, &mega_waves_part,   &mega_eeprom_part,  NULL,
 };
 

@@ -10,6 +10,7 @@
  *   uart.c     UART0's outer side
  *   mailbox.c  records in and out of a harness (see ../mailbox.h)
  *   max6675.c  thermocouple converters on bit-banged pins
+ *   registers.c  converters with registers, which the firmware writes too
  *   counter.c  Timer 5 counting pulses
  *   encoder.c  an encoder's pulses
  *   wave.c     PWM signals from another controller
@@ -24,7 +25,7 @@
 
 #include "core.h"
 
-#define GEN_MEGA_ABI 3
+#define GEN_MEGA_ABI 4
 
 uint32_t gen_mega_abi(void);
 

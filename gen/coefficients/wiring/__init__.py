@@ -2,11 +2,22 @@
 
 from gen.coefficients.wiring.board import Memory, Wiring
 from gen.coefficients.wiring.drive import Drive, Observe, Profile, ProfileStep
-from gen.coefficients.wiring.sensors import SUPPLY_V, ChannelInput, Encoder, Thermocouple
+from gen.coefficients.wiring.sensors import (
+    REGISTER_CHIPS,
+    SUPPLY_V,
+    ChannelInput,
+    CHIP_RANGES_degC,
+    ChipName,
+    Encoder,
+    Thermocouple,
+)
 
 __all__ = [
+    "REGISTER_CHIPS",
     "SUPPLY_V",
+    "CHIP_RANGES_degC",
     "ChannelInput",
+    "ChipName",
     "Drive",
     "Encoder",
     "Memory",

@@ -19,7 +19,7 @@ COUNTER_PIN = 47
 """The one header pin that clocks a timer which the Arduino core does not need (T5 of Timer 5)."""
 COUNTER_TIMER_PINS = frozenset([44, 45, 46])
 
-_SHARED = frozenset(["so", "sck"])
+_SHARED = frozenset(["so", "sck", "sdi"])
 """Roles that several thermocouple amplifiers may share: only the selected one drives or reads its line."""
 _SERIAL = {0: "rx", 1: "tx"}
 

@@ -10,8 +10,17 @@ from gen.coefficients.base import Celsius, Note, NotNegative, Part, Positive, fa
 from gen.coefficients.wiring.pins import COUNTER_PIN, INTERRUPT_PINS, Pin
 from gen.model.dynamics import MAX_PWM
 
-MAX6675_HIGHEST = 1023.75
-"""What the largest count of a MAX6675 means, in degC."""
+ChipName = Literal["MAX6675", "MAX31855", "MAX31856", "MAX31865"]
+"""What turns a sensor's voltage or resistance into a word."""
+CHIP_RANGES_degC: dict[str, tuple[float, float]] = {
+    "MAX6675": (0.0, 1023.75),
+    "MAX31855": (-270.0, 1372.0),
+    "MAX31856": (-210.0, 1372.0),
+    "MAX31865": (-200.0, 850.0),
+}
+"""What the words of a chip can mean with a thermocouple of type K, or a platinum resistor."""
+REGISTER_CHIPS = frozenset(["MAX31856", "MAX31865"])
+"""Those that have to be told what to do, over a line of their own."""
 SUPPLY_V = 5.0
 """What the converter compares voltages with."""
 MOST_VALUE = 1e5
@@ -21,7 +30,7 @@ LEAST_PER_V = 1e-3
 
 
 class Thermocouple(Part):
-    """One MAX6675 on bit-banged SPI, and what is plausible from it; a sample beyond that is not used."""
+    """One converter chip on bit-banged SPI, and what is plausible from it; a sample beyond that is not used."""
 
     channel: Annotated[
         str,
@@ -33,6 +42,24 @@ class Thermocouple(Part):
     cs: Pin
     so: Pin
     sck: Pin
+    chip: Annotated[
+        ChipName,
+        Field(
+            description="MAX6675 (from 0 degC on) or MAX31855: thermocouple of type K. MAX31856: the same, with "
+            "registers. MAX31865: platinum resistor."
+        ),
+    ] = "MAX6675"
+    sdi: Annotated[
+        Pin | None, Field(description="Data to the chip, of a MAX31856 or MAX31865; like so and sck it may be shared.")
+    ] = None
+    rtd_ohm: Annotated[
+        Literal[100, 1000] | None, Field(description="Of a MAX31865: PT100 or PT1000; without it 100.")
+    ] = None
+    reference_ohm: Annotated[
+        float | None,
+        Field(ge=100, le=100_000, description="Of a MAX31865: its reference resistor; without it 4.3 times rtd_ohm."),
+    ] = None
+    wires: Annotated[Literal[2, 3, 4] | None, Field(description="Of a MAX31865: to the resistor; without it 4.")] = None
     min_degC: Annotated[
         Celsius | None,
         Field(description="Lowest plausible temperature; without it the domain's lowest (ambient: 10 K less)."),
@@ -40,7 +67,6 @@ class Thermocouple(Part):
     max_degC: Annotated[
         Celsius | None,
         Field(
-            le=MAX6675_HIGHEST,
             description="Highest plausible temperature; without it 100 K over the domain's highest, so that an "
             "over-temperature is still seen (ambient: 10 K over).",
         ),
@@ -67,9 +93,26 @@ class Thermocouple(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Thermocouple:
+        lowest, highest = CHIP_RANGES_degC[self.chip]
+        if self.max_degC is not None and not lowest < self.max_degC <= highest:
+            raise fault(
+                f"found {self.max_degC:g}, expected at most {highest:g}, which is where a {self.chip} ends", "max_degC"
+            )
+        if (self.sdi is None) == (self.chip in REGISTER_CHIPS):
+            needs = "expected the pin of its SDI" if self.sdi is None else "which has no such line; expected none"
+            raise fault(f"the chip is a {self.chip}: {needs}", "sdi")
+        for key in ("rtd_ohm", "reference_ohm", "wires"):
+            if getattr(self, key) is not None and self.chip != "MAX31865":
+                raise fault(f"the chip is a {self.chip}; only a MAX31865 measures a resistor", key)
         if self.min_degC is not None and self.max_degC is not None and self.min_degC >= self.max_degC:
             raise fault(f"found {self.max_degC:g}, expected more than min_degC, which is {self.min_degC:g}", "max_degC")
         return self
+
+    @property
+    def resistor_ohm(self) -> tuple[float, float]:
+        """Of a MAX31865: the platinum resistor at 0 degC, and the reference, ohm."""
+        platinum = float(self.rtd_ohm or 100)
+        return platinum, 4.3 * platinum if self.reference_ohm is None else self.reference_ohm
 
 
 class Encoder(Part):

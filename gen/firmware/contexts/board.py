@@ -18,7 +18,10 @@ class Pin(TypedDict):
 
 
 class ThermocoupleContext(TypedDict):
-    """A MAX6675; limits are in counts of 0.25 degC, `component` is None for a channel that no component has."""
+    """A sensor with its chip; limits are in counts of 0.25 degC, `component` is None where none has the channel.
+
+    `platinum` is the number of its table, `configuration` what its first register holds (a MAX31865's).
+    """
 
     number: int
     channel: str
@@ -26,6 +29,10 @@ class ThermocoupleContext(TypedDict):
     column: bool
     told: str | None
     lines: dict[str, Pin]
+    converter: str
+    platinum: int
+    configuration: str
+    resistors: str
     lowest: int
     highest: int
     lowest_degC: str
@@ -140,7 +147,8 @@ class SensorsContext(TypedDict):
     """The thermocouples, and the checks of their samples.
 
     `measured` are those at a component, `column_chips` those whose temperature is a column of its own, `ambient_chip`
-    the one of the surroundings.
+    the one of the surroundings. `kinds` are the chips that there are, `platinum_tables` counts at every 1024th code of
+    a MAX31865, `platinum_range` where they end.
     """
 
     chips: list[ThermocoupleContext]
@@ -152,8 +160,14 @@ class SensorsContext(TypedDict):
     conversion_ms: int
     conversion_millis: int
     confirmations: int
+    plausible_samples: int
+    faster: int
     noise_counts: int
-    highest_count: int
+    longest_samples: int
+    kinds: list[str]
+    platinum_tables: list[tuple[int, ...]]
+    platinum_bits: int
+    platinum_range: tuple[int, int]
     count_mK: int
 
 

@@ -1,0 +1,215 @@
+"""The emitted sketch on the emulated Mega: what moves the motor, what stops it, and what lets it run again."""
+
+from __future__ import annotations
+
+import binascii
+from itertools import pairwise
+
+import pytest
+
+from tests.device.board import OPEN, STOPPED, Board
+from tests.device.conftest import Open
+
+FORWARD, REVERSE, RELAY = 4, 5, 12
+
+
+def pwm(board: Board) -> int:
+    return round(board.pins.pwm(FORWARD, REVERSE))
+
+
+def turning(board: Board, seconds: float) -> list[str]:
+    """Let it run with an encoder that turns, so that it is no stall; what was said."""
+    events = []
+    for _ in range(round(seconds)):
+        board.encoder.send(5000, 1.0)
+        events += board.hear(1.0).events
+    return events
+
+
+def started(power_up: Open) -> Board:
+    board = power_up("protected")
+    board.encoder.attach(2)
+    board.started()
+    return board
+
+
+def running(power_up: Open) -> Board:
+    board = started(power_up)
+    board.drive(200)
+    turning(board, 4)
+    assert pwm(board) == 200
+    assert board.pins.level(RELAY)
+    return board
+
+
+def checked(line: str) -> str:
+    return f"{line}*{binascii.crc_hqx(line.encode(), 0):04X}"
+
+
+def test_nothing_moves_before_it_is_armed(power_up: Open) -> None:
+    board = started(power_up)
+    board.send("200")
+    assert any(event.endswith("not armed") for event in turning(board, 2))
+    assert pwm(board) == 0
+    board.drive(200)
+    turning(board, 4)
+    assert pwm(board) == 200
+
+
+def test_a_line_that_is_no_command_disarms_and_stops_nothing(power_up: Open) -> None:
+    board = running(power_up)
+    board.send("2o0")
+    board.send("255")
+    events = turning(board, 2)
+    assert any("rejected lines: 1" in event for event in events)
+    assert any(event.endswith("not armed") for event in events)
+    assert pwm(board) == 200
+    board.send("0")  # what stops needs nothing
+    turning(board, 1)
+    assert pwm(board) == 0
+
+
+def test_after_one_checksum_every_line_needs_one(power_up: Open) -> None:
+    board = started(power_up)
+    for line in (checked("arm"), checked("100")):
+        board.send(line)
+    turning(board, 3)
+    assert pwm(board) == pytest.approx(100, abs=1)
+    board.send("0")
+    board.send(checked("arm")[:-1] + "0" if not checked("arm").endswith("0") else checked("arm")[:-1] + "1")
+    assert any("rejected lines: 2" in event for event in turning(board, 2))
+    assert pwm(board) == pytest.approx(100, abs=1)
+    board.send(checked("0"))
+    turning(board, 1)
+    assert pwm(board) == 0
+
+
+def test_a_silent_line_stops_the_motor_and_any_command_keeps_it(power_up: Open) -> None:
+    board = running(power_up)
+    for _ in range(3):
+        turning(board, 15)
+        board.send("?")
+    assert pwm(board) == 200
+    events = turning(board, 23)
+    assert any("protection command_timeout begins" in event for event in events)
+    assert pwm(board) == 0
+    board.send("200")  # and it has to be armed again
+    turning(board, 2)
+    assert pwm(board) == 0
+
+
+def test_a_locked_rotor_stops_the_motor_until_somebody_resets_it(power_up: Open) -> None:
+    board = running(power_up)
+    said = board.hear(4.0)  # no pulse
+    assert any("protection stall begins" in event for event in said.events)
+    assert pwm(board) == 0
+    assert int(said.rows[-1]["flags"]) & STOPPED
+    board.drive(200)
+    assert any("not armed: the motor is stopped" in event for event in board.hear(1.0).events)
+    assert pwm(board) == 0
+    board.send("reset")
+    assert any("protection stall ends" in event for event in board.hear(1.0).events)
+    board.drive(200)
+    turning(board, 4)
+    assert pwm(board) == 200
+
+
+def test_a_motor_is_not_driven_blind(power_up: Open) -> None:
+    board = running(power_up)
+    board.chips["bearing"].set_word(OPEN)
+    turning(board, 8)
+    assert pwm(board) == 200
+    assert any("protection sensor_lost begins" in event for event in turning(board, 4))
+    assert pwm(board) == 0
+    board.set_celsius("bearing", 30.0)
+    assert any("protection sensor_lost ends" in event for event in turning(board, 3))
+    assert pwm(board) == 0, "it does not start by itself"
+
+
+def test_a_hot_motor_runs_again_only_once_it_is_cool_whatever_is_sent_or_reset(power_up: Open) -> None:
+    board = started(power_up)
+    for celsius in range(30, 126, 1):  # at 4 K/s, which is believed
+        board.set_celsius("brush", float(celsius))
+        board.run_seconds(0.25)
+    board.drive(200)
+    events = turning(board, 8)
+    assert any("protection brush_limit begins" in event for event in events)
+    assert not board.pins.level(RELAY)
+    for _ in range(3):
+        board.send("reset")
+        board.drive(200)
+        turning(board, 2)
+        assert pwm(board) == 0
+        assert not board.pins.level(RELAY)
+    turning(board, 6)  # 18 bytes of EEPROM
+    board.press_reset()
+    board.started()
+    board.send("reset")
+    board.drive(200)
+    turning(board, 2)
+    assert pwm(board) == 0
+    for celsius in range(125, 104, -1):
+        board.set_celsius("brush", float(celsius))
+        board.run_seconds(0.25)
+    board.hear(2.0)
+    assert not board.pins.level(RELAY), "it does not close unasked"
+    board.send("reset")
+    board.hear(1.0)
+    assert board.pins.level(RELAY)
+    board.drive(200)
+    turning(board, 4)
+    assert pwm(board) == 200
+
+
+def test_pwm_rises_by_its_ramp_falls_at_once_and_waits_before_it_turns_round(power_up: Open) -> None:
+    board = started(power_up)
+    board.drive(255)
+    seen = []
+    for _ in range(12):
+        board.encoder.send(1000, 0.25)
+        board.hear(0.25)
+        seen.append(pwm(board))
+    assert seen == sorted(seen)
+    assert max(b - a for a, b in pairwise(seen)) <= 33  # 255 in 2 s: 31.9 in a sample
+    assert seen[-1] == 255
+    board.drive(-255)
+    seen = []
+    for _ in range(16):
+        board.encoder.send(1000, 0.25)
+        board.hear(0.25)
+        seen.append(pwm(board))
+    still = [i for i, value in enumerate(seen) if value == 0]
+    assert len(still) >= 3  # a second
+    assert seen[-1] == -255
+    board.send("0")
+    board.hear(0.5)
+    assert pwm(board) == 0
+
+
+def test_the_relay_is_open_until_the_model_has_started(power_up: Open) -> None:
+    board = power_up("protected")
+    while not board.hear(0.1).rows:
+        assert not board.pins.level(RELAY)
+    board.hear(0.5)
+    assert board.pins.level(RELAY)
+
+
+def test_a_button_resets_as_the_command_does_and_believes_no_sensor(power_up: Open) -> None:
+    board = running(power_up)
+    board.set_celsius("casing", 60.0)  # it jumped
+    turning(board, 12)
+    assert pwm(board) == 0
+    for level in (False, None):
+        board.pins.drive(22, level)
+        board.hear(0.5)
+    said = board.hear(3.0)
+    assert said.rows[-1]["sensors"][3] != "0"
+    board.send("accept casing")
+    assert board.hear(3.0).rows[-1]["sensors"][3] == "0"
+
+
+@pytest.mark.parametrize("line", ["accept", "accept ", "accept nobody", "accept brus", "accept brushes"])
+def test_only_a_channel_can_be_accepted(power_up: Open, line: str) -> None:
+    board = started(power_up)
+    board.send(line)
+    assert any("rejected lines: 1" in event for event in board.hear(1.0).events)
