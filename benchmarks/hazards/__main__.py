@@ -50,12 +50,17 @@ def main() -> int:
     with Console(stderr=True).status("") as status:
         for line in lines(wanted, counts, options.jobs):
             done.append(line)
+            if options.json is not None:
+                write(done, options.json)
             status.update(f"{len(done)} of {len(wanted)}: {line.name}")
     Console(width=400).print(table(done))
     print_summary(done)
-    if options.json is not None:
-        options.json.write_text(json.dumps([finite(asdict(line)) for line in done], indent=1) + "\n", encoding="utf-8")
     return 0 if all(line.passes for line in done if line.faults == 1) else 1
+
+
+def write(done: list[Line], path: Path) -> None:
+    """Write what there is so far."""
+    path.write_text(json.dumps([finite(asdict(line)) for line in done], indent=1) + "\n", encoding="utf-8")
 
 
 def chosen(only: list[str] | None, parser: argparse.ArgumentParser) -> list[str]:

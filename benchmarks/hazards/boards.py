@@ -16,6 +16,8 @@ from gen.emulate.firmware import Firmware, build_firmware, cache_folder
 from gen.lowering.protection import ACTIONS, lower_protection
 
 ROOT = Path(__file__).parents[2]
+PULSES = 20
+"""The encoder's, in a revolution."""
 SEEN_S = 1.0
 """What a board may need, beyond a cause's delay, to see it and to act."""
 
@@ -65,6 +67,7 @@ def variant(kind: Kind) -> Variant:
     """Build a board's firmware, unless that was done before."""
     tree: dict[str, Any] = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
     wiring = tree["wiring"]
+    wiring["encoder"]["pulses_per_revolution"] = PULSES  # each costs the emulator an interrupt
     if kind == "observing":
         del wiring["drive"]
         wiring |= {"observe": {"forward_pin": 4, "reverse_pin": 5}, "relay_pin": 12}

@@ -25,6 +25,8 @@ class Hazard:
         Which board it happens to.
     faults
         How many there are at once; the goal is about one.
+    others
+        Thermocouples that have a MAX31855 in place of a MAX6675.
     """
 
     name: str
@@ -32,15 +34,18 @@ class Hazard:
     script: Script
     board: Kind = "relay"
     faults: int = 1
+    others: tuple[str, ...] = ()
 
 
 HAZARDS: dict[str, Hazard] = {}
 
 
-def add(name: str, cause: str, script: Script, *, board: Kind = "relay", faults: int = 1) -> None:
+def add(
+    name: str, cause: str, script: Script, *, board: Kind = "relay", faults: int = 1, others: tuple[str, ...] = ()
+) -> None:
     """Enter a hazard."""
     assert name not in HAZARDS, name
-    HAZARDS[name] = Hazard(name, cause, script, board, faults)
+    HAZARDS[name] = Hazard(name, cause, script, board, faults, others)
 
 
 def hazard(name: str, cause: str, *, board: Kind = "relay", faults: int = 1) -> Callable[[Script], Script]:

@@ -8,8 +8,8 @@ from typing import Literal
 
 from gen.emulate.plant import AMBIENT, FULL_PWM, Reading, word_of
 
-FREE_RPM, PULSES, SPIN_S = 2650.0, 500, 0.2
-"""Speed at PWM 255, pulses in a revolution, the rotor's time constant in s."""
+FREE_RPM, SPIN_S = 2650.0, 0.2
+"""Speed at PWM 255, the rotor's time constant in s."""
 COOLING_S = 3000.0
 OFF_K = 5.0
 """A thermocouple that is farther from its part than this tells nothing of it."""
@@ -36,6 +36,8 @@ class HazardPlant:
     ----------
     temperatures, heating, limits
         By part: true degC, K/s at full current, degC; parts without a limit have none.
+    pulses
+        Of the encoder, in a revolution.
     locked_heating
         The same as `heating` for a rotor that does not turn.
     lies
@@ -51,6 +53,7 @@ class HazardPlant:
     temperatures: dict[str, float]
     limits: Mapping[str, float]
     heating: dict[str, float]
+    pulses: int
     locked_heating: float = 8.0
     room_degC: float = 25.0
     lies: dict[str, Lie] = field(default_factory=dict)
@@ -87,9 +90,7 @@ class HazardPlant:
     def blind(self) -> bool:
         """Whether a thermocouple that a limit watches tells nothing of its part: by the words that it gave last."""
         return any(
-            word & 0x8006 != 0 or word & 0xFFFE == 0 or abs((word >> 3) / 4.0 - self.temperatures[part]) > OFF_K
-            for part, word in self._words.items()
-            if part in self.limits
+            tells_nothing(word, self.temperatures[part]) for part, word in self._words.items() if part in self.limits
         )
 
     def _truth(self) -> dict[str, float]:
@@ -97,11 +98,17 @@ class HazardPlant:
 
     def _word(self, channel: str, degC: float) -> int:
         lie = self.lies.get(channel)
-        return word_of(degC) if lie is None else lie(degC, self.time_s) & 0xFFFF
+        return word_of(degC) if lie is None else lie(degC, self.time_s)
 
     def _pulses(self, dt_s: float) -> int:
         if self.encoder != "good":
             return 0 if self.encoder == "broken" else round(30_000 * dt_s)
         before = int(self._turned)
-        self._turned += abs(self.speed_rpm) / 60.0 * PULSES * dt_s
+        self._turned += abs(self.speed_rpm) / 60.0 * self.pulses * dt_s
         return int(self._turned) - before
+
+
+def tells_nothing(word: int, degC: float) -> bool:
+    """Whether a MAX6675's word is none, or is not about a part at this temperature; of 32 bits it is the first half."""
+    own = word >> 16 if word > 0xFFFF else word
+    return own & 0x8006 != 0 or own & 0xFFFE == 0 or abs((own >> 3) / 4.0 - degC) > OFF_K

@@ -41,7 +41,7 @@ def names() -> list[str]:
 def run_hazard(name: str) -> Outcome:
     """Let a hazard happen."""
     hazard = HAZARDS[name]
-    with Scene(variant(hazard.board)) as scene:
+    with Scene(variant(hazard.board), others=hazard.others) as scene:
         hazard.script(scene)
         return scene.outcome()
 

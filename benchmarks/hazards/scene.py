@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
-from benchmarks.hazards.boards import Variant
+from benchmarks.hazards.boards import PULSES, Variant
 from benchmarks.hazards.plant import HazardPlant, Moment
 from gen.avr.simulator import EmulationFailed
+from gen.coefficients.wiring import Wiring
 from gen.emulate.board import Board
 from gen.emulate.plant import STEP_S
 
@@ -65,6 +67,8 @@ class Scene:
         Another firmware than the variant's own.
     eeprom
         What the EEPROM holds at the start.
+    others
+        Thermocouples that have a MAX31855, whatever the file says.
 
     Attributes
     ----------
@@ -76,11 +80,13 @@ class Scene:
         Whether a computer at the line's other end asks for the status every 5 s, as one that drives a motor does.
     """
 
-    def __init__(self, variant: Variant, *, elf: Path | None = None, eeprom: bytes | None = None) -> None:
+    def __init__(
+        self, variant: Variant, *, elf: Path | None = None, eeprom: bytes | None = None, others: Sequence[str] = ()
+    ) -> None:
         self.variant = variant
-        self.plant = HazardPlant(dict(HOT), variant.limits, dict(WARMING))
+        self.plant = HazardPlant(dict(HOT), variant.limits, dict(WARMING), PULSES)
         firmware = replace(variant.firmware, elf=elf or variant.firmware.elf)
-        self.board = Board(firmware.elf, firmware.cache, variant.wiring, self.plant, encoder="batched")
+        self.board = Board(firmware.elf, firmware.cache, _fitted(variant.wiring, others), self.plant, encoder="batched")
         if eeprom is not None:
             self.board.mega.eeprom.image = eeprom
         pin, pins = variant.wiring.relay_pin, self.board.mega.pins
@@ -204,6 +210,15 @@ def longest(moments: list[Moment]) -> float:
         blind = blind + STEP_S * moment.driven if moment.blind else 0.0
         most = max(most, blind)
     return most
+
+
+def _fitted(wiring: Wiring, others: Sequence[str]) -> Wiring:
+    """What is really on the board."""
+    chips = tuple(
+        chip.model_copy(update={"chip": "MAX31855"}) if chip.channel in others else chip
+        for chip in wiring.thermocouples
+    )
+    return wiring.model_copy(update={"thermocouples": chips})
 
 
 def _names(said: bytes) -> list[str]:

@@ -41,8 +41,8 @@ def fallen_off(room_degC: float = 25.0) -> Lie:
 
 
 def half(degC: float, _: float) -> int:
-    """A MAX31855: its quarter of a degree is one bit lower than a MAX6675's, which halves it."""
-    return (round(degC * 4.0) & 0x3FFF) << 2
+    """A MAX31855 at 25 degC: read as a MAX6675 it is half of what it measures."""
+    return (round(degC * 4.0) & 0x3FFF) << 18 | 25 * 16 << 4
 
 
 def shifted(degC: float, _: float) -> int:
@@ -105,7 +105,6 @@ _WORDS: dict[str, tuple[str, Lie]] = {
     "zeros": ("data line at ground", zeros),
     "ones": ("data line at the supply", ones),
     "room": ("thermocouple fell off, reads the room", fallen_off()),
-    "half": ("MAX31855 in place of a MAX6675", half),
     "shifted": ("words shifted by a clock edge", shifted),
 }
 for _name, (_cause, _lie) in _WORDS.items():
@@ -113,6 +112,8 @@ for _name, (_cause, _lie) in _WORDS.items():
     add(f"{_name}-running", f"brush: {_cause}, while running", _while_running(["brush"], _lie))
     add(f"{_name}-all-start", f"all parts: {_cause}, from the start", _at_start(PARTS, _lie))
     add(f"{_name}-all-running", f"all parts: {_cause}, while running", _while_running(PARTS, _lie))
+add("max31855", "brush: MAX31855 in place of a MAX6675", _at_start(["brush"], half), others=("brush",))
+add("max31855-all", "all parts: MAX31855 in place of a MAX6675", _at_start(PARTS, half), others=PARTS)
 add("open-two", "brush and casing: open", _while_running(["brush", "casing"], open_wire), faults=2)
 add("loose", "brush: loose contact, open every other second", _while_running(["brush"], loose))
 add("bit", "brush: the bit of 32 degC always 0", _while_running(["brush"], stuck_bit))
