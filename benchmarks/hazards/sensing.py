@@ -130,7 +130,9 @@ add("ambient-hot", "ambient: reads 45 degC for ever", _while_running([AMBIENT], 
 @hazard("frozen", "brush: the same word for ever; it warms 0.5 K/s")
 def _frozen(scene: Scene) -> None:
     scene.start()
-    _while_running(["brush"], now("brush", scene))(scene)
+    scene.plant.lies["brush"] = now("brush", scene)
+    scene.begins()
+    scene.wait(RUN_S)
 
 
 @hazard("frozen-all", "all parts: the same words for ever; they warm 0.4 to 0.5 K/s")
@@ -154,13 +156,17 @@ def _frozen_slow(scene: Scene) -> None:
 @hazard("drift", "brush: drifts down as fast as the part warms, 0.5 K/s")
 def _drift(scene: Scene) -> None:
     scene.start()
-    _while_running(["brush"], drifting(scene, 0.5))(scene)
+    scene.plant.lies["brush"] = drifting(scene, 0.5)
+    scene.begins()
+    scene.wait(RUN_S)
 
 
 @hazard("drift-slow", "brush: drifts down 0.05 K/s")
 def _drift_slow(scene: Scene) -> None:
     scene.start()
-    _while_running(["brush"], drifting(scene, 0.05))(scene)
+    scene.plant.lies["brush"] = drifting(scene, 0.05)
+    scene.begins()
+    scene.wait(RUN_S)
 
 
 @hazard("swapped", "brush and bearing exchanged")
