@@ -156,7 +156,8 @@ class Scene:
         """Address of a variable by the name that it has in the source."""
         mangled = f"{len(name)}{name}"
         memory = self.board.mega.memory
-        names = [n for n in memory.symbols if n == name or n.endswith((mangled, f"{mangled}E"))]
+        plain = {n: n.split(".")[0] for n in memory.symbols}  # the linker may have put its own ending behind a name
+        names = [n for n, named in plain.items() if named == name or named.endswith((mangled, f"{mangled}E"))]
         assert len(names) == 1, names
         return memory.address(names[0])
 
