@@ -4,7 +4,7 @@
     python -m benchmarks.hazards --nuisance HOURS
 
 The firmware of examples/my1016/coeffs.json, with a relay and a time-out for commands, drives a small motor of its own
-(`plant.py`): each part is first order, hot at the start, and some hundred times as fast as the real one, so that its
+(`plant.py`): each part is first order, hot at the start, and far faster than the real one, so that its
 limits are a minute away. What counts is that motor's truth, not what the board believes:
 
 beyond: how far the hottest part was above its own limit, in K, while current flowed, and at all.

@@ -143,7 +143,7 @@ def _frozen_all(scene: Scene) -> None:
     scene.wait(RUN_S)
 
 
-@hazard("frozen-slow", "brush: the same word for ever; it warms 0.06 K/s from 110 degC, as the real one at most")
+@hazard("frozen-slow", "brush: the same word for ever; it warms 0.06 K/s from 110 degC")
 def _frozen_slow(scene: Scene) -> None:
     scene.plant.temperatures["brush"] = 110.0
     scene.plant.heating |= {"brush": 0.2, "bearing": 0.11, "magnet": 0.11, "casing": 0.11}
