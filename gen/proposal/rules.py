@@ -13,7 +13,7 @@ from gen.proposal.motor import Motor
 GUESSED_K = 3.0
 """Beyond the declared error band, until healthy runs tell more: six times the least margin of `gen thresholds`."""
 _HYSTERESIS_K = 5.0
-_PERSISTENCE_S, _LIMIT_PERSISTENCE_S, _SETTLE_S = 120.0, 5.0, 600.0
+_PERSISTENCE_S, _LIMIT_PERSISTENCE_S, _SETTLE_S = 120.0, 1.0, 600.0
 
 
 def open_rules(motor: Motor) -> list[RuleDraft]:

@@ -69,7 +69,9 @@ class ReferenceAlarms:
 
     def reset(self, lanes: NDArray[np.bool_]) -> None:
         """Forget the alarms raised in the lanes that are marked, shape (L,)."""
-        for values in (self.latched, self.active, *self._held, *self._sum):
+        # A limit's persistence goes on: else resets in time would keep its alarm away for ever.
+        held = [self._held[number] for number, rule in enumerate(self._rules) if rule.quantity != "measured"]
+        for values in (self.latched, self.active, *held, *self._sum):
             values[lanes] = 0
         self._heat.reset(lanes)
 

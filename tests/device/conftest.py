@@ -24,6 +24,7 @@ extern "C" uint16_t my1016_alarms(void) { return test_alarms; }
 extern "C" uint16_t my1016_alarms_active(void) { return test_alarms; }
 extern "C" uint16_t my1016_alarms_asleep(void) { return 0; }
 extern "C" void my1016_alarms_reset(void) { test_alarms = 0; }
+extern "C" uint8_t my1016_alarms_over_limit(void) { return 0; }
 extern "C" const char *my1016_alarm_name(uint8_t) { return test_name; }
 """
 

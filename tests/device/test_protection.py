@@ -77,7 +77,8 @@ def test_after_one_checksum_every_line_needs_one(power_up: Open) -> None:
     assert pwm(board) == pytest.approx(100, abs=1)
     board.send("0")
     board.send(checked("arm")[:-1] + "0" if not checked("arm").endswith("0") else checked("arm")[:-1] + "1")
-    assert any("rejected lines: 2" in event for event in turning(board, 2))
+    rejected = [int(event.split("rejected lines: ")[1]) for event in turning(board, 2) if "rejected lines" in event]
+    assert sum(rejected) == 2
     assert pwm(board) == pytest.approx(100, abs=1)
     board.send(checked("0"))
     turning(board, 1)
@@ -159,6 +160,25 @@ def test_a_hot_motor_runs_again_only_once_it_is_cool_whatever_is_sent_or_reset(p
     board.drive(200)
     turning(board, 4)
     assert pwm(board) == 200
+
+
+def test_resets_in_time_do_not_keep_a_limit_away_and_nothing_hot_is_armed(power_up: Open) -> None:
+    board = started(power_up)
+    board.drive(200)
+    turning(board, 2)
+    for celsius in range(30, 123, 1):
+        board.set_celsius("brush", float(celsius))
+        board.encoder.send(1250, 0.25)
+        board.run_seconds(0.25)
+    for _ in range(4):
+        board.send("reset")
+        board.encoder.send(2500, 0.5)
+        board.hear(0.5)  # less than its persistence
+    assert pwm(board) == 0
+    board.send("reset")
+    board.send("arm")
+    events = board.hear(1.0).events
+    assert any("not armed" in event for event in events)
 
 
 def test_pwm_rises_by_its_ramp_falls_at_once_and_waits_before_it_turns_round(power_up: Open) -> None:

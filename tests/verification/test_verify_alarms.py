@@ -74,6 +74,7 @@ FAULTS = {
     ),
     "other part not subtracted": ("if (rule.relative_to != NONE) {\n", "if (false) {\n"),
     "excluding alarm ignored": ("(rule.unless == NONE ||", "(true ||"),
+    "reset begins a limit's persistence anew": ("quantity) != MEASURED) {", "quantity) != 255) {"),
     "reset keeps the sum": ("timers[rule].sum = 0", "timers[rule].sum += 0"),
     "range open at its end": ("pwm <= segment->high", "pwm < segment->high"),
     "required alarm ignored": ("return !slept && (rule.requires == NONE ||", "return !slept && (true ||"),
