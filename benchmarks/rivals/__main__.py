@@ -7,6 +7,10 @@ a step to 60 %, a staircase of ten minutes a level and a toggling every two seco
 eighteen minutes); cycles are the worst of these runs; flash and RAM the model's alone, compiled with PlatformIO's
 flags; bit for bit: every word of the board's equals its reference's, which for a rival is its own C++ compiled by g++.
 
+`alarms`: ways to hear of a fault of the simulated motor, on the runs of `benchmarks.alarm_hours`. All get their
+thresholds from the healthy runs that `examples/my1016_rig` has its own from; the rivals' are 1.2 times the worst that
+they show. An alarm in a healthy run, or before its fault, is a false one.
+
 A rival whose library is not installed (`pip install '.[rivals]'` installs all) has a row that says so, and the exit
 status is 1.
 """
@@ -27,6 +31,8 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.campaign import json_text
+from benchmarks.rivals.alarms.judge import judged
+from benchmarks.rivals.alarms.table import alarm_table
 from benchmarks.rivals.code.measure import rows as code_rows
 from benchmarks.rivals.code.profiles import LENGTH
 from benchmarks.rivals.code.table import code_table
@@ -43,7 +49,12 @@ def _code(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequen
     return [code_table(rows)], rows
 
 
-PARTS: dict[str, Part] = {"code": _code}
+def _alarms(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequence[Any]]:
+    found = judged(quick, tell)
+    return [alarm_table(found)], found
+
+
+PARTS: dict[str, Part] = {"code": _code, "alarms": _alarms}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

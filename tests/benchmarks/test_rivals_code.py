@@ -80,8 +80,8 @@ def test_integers_and_products_agree_with_the_host_and_exponentials_do_not() -> 
 def test_difference_equations_are_those_of_scipy(pwm: int) -> None:
     for component in model().components:
         a, b = tables.difference_equation(model(), component.name, pwm)
-        gain = [float(component.effective_gain([pwm])[0])]
-        poles = [float(value) for value in component.denominator([pwm])[0]]
+        gain = np.array([float(component.effective_gain([pwm])[0])])
+        poles = np.array([float(value) for value in component.denominator([pwm])[0]])
         numerator, denominator, _ = cont2discrete((gain, poles), dt=model().sample_time, method="zoh")
         assert a == pytest.approx(denominator[1:], rel=1e-12)
         # Numerators of a cascade near 1 are differences of nearly equal numbers: their response is compared.
