@@ -11,6 +11,11 @@ flags; bit for bit: every word of the board's equals its reference's, which for 
 thresholds from the healthy runs that `examples/my1016_rig` has its own from; the rivals' are 1.2 times the worst that
 they show. An alarm in a healthy run, or before its fault, is a false one.
 
+`cost`: what the emitted fixed-point model costs as it grows. Build (lowering, proof, text) and verify (compiling,
+running and comparing here and on the emulated Mega, over the same samples) are processor time as multiples of the
+first row's. The largest models follow from the straight line through a series' two largest, beside the MY1016's
+sketch, within 4 000 000 cycles a tick; for the Uno they say what fits by size, not that there is a sketch for it.
+
 A rival whose library is not installed (`pip install '.[rivals]'` installs all) has a row that says so, and the exit
 status is 1.
 """
@@ -36,6 +41,8 @@ from benchmarks.rivals.alarms.table import alarm_table
 from benchmarks.rivals.code.measure import rows as code_rows
 from benchmarks.rivals.code.profiles import LENGTH
 from benchmarks.rivals.code.table import code_table
+from benchmarks.rivals.growth.measure import grown
+from benchmarks.rivals.growth.table import boards_table, growth_table
 from gen.coefficients import load
 
 ROOT = Path(__file__).parents[2]
@@ -54,7 +61,12 @@ def _alarms(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequ
     return [alarm_table(found)], found
 
 
-PARTS: dict[str, Part] = {"code": _code, "alarms": _alarms}
+def _cost(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequence[Any]]:
+    found = grown(quick, tell)
+    return [growth_table(found), boards_table(found)], found
+
+
+PARTS: dict[str, Part] = {"code": _code, "alarms": _alarms, "cost": _cost}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
