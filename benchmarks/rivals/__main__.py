@@ -7,6 +7,10 @@ a step to 60 %, a staircase of ten minutes a level and a toggling every two seco
 eighteen minutes); cycles are the worst of these runs; flash and RAM the model's alone, compiled with PlatformIO's
 flags; bit for bit: every word of the board's equals its reference's, which for a rival is its own C++ compiled by g++.
 
+`loop`: identification of random plants from steps at five speeds, judged by a free run over a fresh profile; and one
+planted effect a trial, traced by `gen refine` and by general tools that get the residual and a library of the same
+terms. Times are processor time as multiples of this tool's.
+
 `alarms`: ways to hear of a fault of the simulated motor, on the runs of `benchmarks.alarm_hours`. All get their
 thresholds from the healthy runs that `examples/my1016_rig` has its own from; the rivals' are 1.2 times the worst that
 they show. An alarm in a healthy run, or before its fault, is a false one.
@@ -43,6 +47,9 @@ from benchmarks.rivals.code.profiles import LENGTH
 from benchmarks.rivals.code.table import code_table
 from benchmarks.rivals.growth.measure import grown
 from benchmarks.rivals.growth.table import boards_table, growth_table
+from benchmarks.rivals.loop.identification import identified
+from benchmarks.rivals.loop.table import identified_table, traced_table
+from benchmarks.rivals.loop.tracing import KINDS, traced
 from gen.coefficients import load
 
 ROOT = Path(__file__).parents[2]
@@ -66,7 +73,13 @@ def _cost(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequen
     return [growth_table(found), boards_table(found)], found
 
 
-PARTS: dict[str, Part] = {"code": _code, "alarms": _alarms, "cost": _cost}
+def _loop(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequence[Any]]:
+    models = identified(1 if quick else 3, tell)
+    effects = traced(KINDS[: 1 if quick else 3], tell)
+    return [identified_table(models), traced_table(effects)], [*models, *effects]
+
+
+PARTS: dict[str, Part] = {"code": _code, "loop": _loop, "alarms": _alarms, "cost": _cost}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
