@@ -20,6 +20,8 @@ running and comparing here and on the emulated Mega, over the same samples) are 
 first row's. The largest models follow from the straight line through a series' two largest, beside the MY1016's
 sketch, within 4 000 000 cycles a tick; for the Uno they say what fits by size, not that there is a sketch for it.
 
+`host`: what a sample takes in the simulators, and what the commands take to start, as multiples.
+
 A rival whose library is not installed (`pip install '.[rivals]'` installs all) has a row that says so, and the exit
 status is 1.
 """
@@ -47,6 +49,7 @@ from benchmarks.rivals.code.profiles import LENGTH
 from benchmarks.rivals.code.table import code_table
 from benchmarks.rivals.growth.measure import grown
 from benchmarks.rivals.growth.table import boards_table, growth_table
+from benchmarks.rivals.host import host, rates_table, starts_table
 from benchmarks.rivals.loop.identification import identified
 from benchmarks.rivals.loop.table import identified_table, traced_table
 from benchmarks.rivals.loop.tracing import KINDS, traced
@@ -79,7 +82,12 @@ def _loop(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequen
     return [identified_table(models), traced_table(effects)], [*models, *effects]
 
 
-PARTS: dict[str, Part] = {"code": _code, "loop": _loop, "alarms": _alarms, "cost": _cost}
+def _host(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequence[Any]]:
+    simulators, commands = host(quick, tell)
+    return [rates_table(simulators), starts_table(commands)], [*simulators, *commands]
+
+
+PARTS: dict[str, Part] = {"code": _code, "loop": _loop, "alarms": _alarms, "cost": _cost, "host": _host}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
