@@ -17,7 +17,7 @@ they show. An alarm in a healthy run, or before its fault, is a false one.
 
 `cost`: what the emitted fixed-point model costs as it grows. Build (lowering, proof, text) and verify (compiling,
 running and comparing here and on the emulated Mega, over the same samples) are processor time as multiples of the
-first row's. The largest models follow from the straight line through a series' two largest, beside the MY1016's
+first row's verify. The largest models follow from the straight line through a series' two largest, beside the MY1016's
 sketch, within 4 000 000 cycles a tick; for the Uno they say what fits by size, not that there is a sketch for it.
 
 `host`: what a sample takes in the simulators, and what the commands take to start, as multiples.
