@@ -1,0 +1,115 @@
+"""Build, run and time models of every size."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.rivals.growth.models import components, network
+from gen.coefficients import Coefficients
+from gen.emulate.firmware import cache_folder
+from gen.errors import CheckFailed
+from gen.firmware import render
+from gen.firmware.context import project_context
+from gen.lowering.kinds import ScheduleKind
+from gen.lowering.lower import lower
+from gen.verification.compare import first_mismatch, reference_run
+from gen.verification.profiles import campaign, with_channels
+from gen.verification.runners import AvrRunner, HostRunner, write_library
+
+LANES, LENGTH = 4, 300
+SERIES: tuple[tuple[str, ScheduleKind, tuple[int, ...], Callable[[int], Coefficients]], ...] = (
+    ("components of order 1, table", "table", (1, 2, 4, 8, 15, 16), lambda size: components(size, 1)),
+    ("components of order 1, on board", "onboard", (1, 4, 16), lambda size: components(size, 1)),
+    ("components of order 3, on board", "onboard", (1, 4), lambda size: components(size, 3)),
+    ("order of one component, table", "table", (1, 2, 3, 4), lambda size: components(1, size)),
+    ("nodes of a network, table", "table", (2, 4, 8, 12), network),
+    ("effects on two components of order 2, table", "table", (0, 1, 2, 3, 4), lambda size: components(2, 2, size)),
+)
+"""Kind of growth, schedule, sizes, and what makes a model of one."""
+
+
+@dataclass(frozen=True)
+class Grown:
+    """What a model of one size costs.
+
+    Attributes
+    ----------
+    series, size
+        Of which kind, and how large.
+    cycles_held, cycles_change
+        Most cycles of a step, and of one with a change of PWM.
+    flash_bytes, ram_bytes
+        Of the model alone.
+    build_s, verify_s
+        Processor time, s: lowering with its proof and all text; compiling, running and comparing for this computer and
+        the emulated Mega, over the same samples for all sizes.
+    equal
+        Whether every word was its reference's.
+    refused
+        Why there is no such model on the board.
+    """
+
+    series: str
+    size: int
+    cycles_held: int = 0
+    cycles_change: int = 0
+    flash_bytes: int = 0
+    ram_bytes: int = 0
+    build_s: float = 0.0
+    verify_s: float = 0.0
+    equal: bool = False
+    refused: str | None = None
+
+
+def grown(quick: bool, tell: Callable[[str], None]) -> list[Grown]:
+    """Measure every size in fixed point; `quick`: the first two of each series, and the last."""
+    tell("what is made once")
+    measured("", 1, components(1, 1), "table")  # templates and libraries are loaded, and take no part in the first row
+    found = []
+    for series, schedule, sizes, make in SERIES:
+        for size in (*sizes[:2], *sizes[2:][-1:]) if quick else sizes:
+            tell(f"{series}: {size}")
+            found.append(measured(series, size, make(size), schedule))
+    return found
+
+
+def measured(series: str, size: int, coefficients: Coefficients, schedule: ScheduleKind) -> Grown:
+    """Build a model, run it, and compare every word; a refusal is told as it stands."""
+    begun = processor_s()
+    try:
+        program = lower(coefficients, "fixed", schedule)
+        context = project_context(coefficients, program, coefficients.name)
+        files = render.library(context)
+        built = processor_s()
+        profile = with_channels(campaign(program.model, LANES, LENGTH), program.channels)
+        expected = reference_run(program, profile)
+        with tempfile.TemporaryDirectory(prefix="grown-") as folder:
+            library = write_library(program, context, files, Path(folder))
+            host = HostRunner(library, "g++ -O2").run(profile)
+            runner = AvrRunner(library, cache_folder())
+            board = runner.run(profile)
+            cost = runner.cost(profile)
+    except CheckFailed as error:
+        return Grown(series, size, refused=str(error).splitlines()[0])
+    equal = first_mismatch(expected, host) is None and first_mismatch(expected, board) is None
+    return Grown(
+        series,
+        size,
+        cost.cycles_constant,
+        cost.cycles_change,
+        cost.flash_bytes,
+        cost.ram_bytes,
+        built - begun,
+        processor_s() - built,
+        equal,
+    )
+
+
+def processor_s() -> float:
+    """Processor time of this process and of those that it started and that have ended, s."""
+    spent = os.times()
+    return spent.user + spent.system + spent.children_user + spent.children_system
