@@ -116,6 +116,20 @@ uint16_t untouched_ram() {
     return (uint16_t)(byte - &__heap_start);
 }
 
+bool ram_holds(uint16_t address) {
+    volatile uint8_t *const byte = reinterpret_cast<volatile uint8_t *>(address);
+    const uint8_t interrupts = SREG;
+    noInterrupts();  // nobody may see what stands there meanwhile
+    const uint8_t kept = *byte;
+    *byte = 0x55;
+    const bool one = *byte == 0x55;
+    *byte = 0xAA;
+    const bool other = *byte == 0xAA;
+    *byte = kept;
+    SREG = interrupts;
+    return one && other;
+}
+
 uint32_t flash_bytes() { return pgm_get_far_address(__data_load_end); }
 
 uint8_t flash_byte(uint32_t address) { return pgm_read_byte_far(address); }

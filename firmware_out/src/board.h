@@ -21,6 +21,9 @@ uint16_t sleep_share();
 // Bytes of RAM that nothing has touched since begin(). Takes some 30 000 cycles.
 uint16_t untouched_ram();
 
+// Writes two patterns to a byte of RAM, reads them, and puts back what was there: some 30 cycles without interrupts.
+bool ram_holds(uint16_t address);
+
 // Bytes of program and constants in flash, and one of them.
 uint32_t flash_bytes();
 uint8_t flash_byte(uint32_t address);

@@ -9,6 +9,13 @@ namespace commands {
 // Takes what has arrived, and obeys what is complete.
 void receive();
 
+// What the command `reset` does, and the button: the alarms end, and what protects ends as far as it may.
+void reset();
+
+// Once a sample. How many of them have passed since a line was obeyed.
+void sample();
+uint16_t samples_silent();
+
 // Lines that were no command since the last take_rejected().
 uint16_t rejected();
 uint16_t take_rejected();

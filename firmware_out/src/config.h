@@ -9,26 +9,29 @@ namespace config {
 
 const uint32_t SERIAL_BAUD = 115200;      // $.wiring.serial_baud
 const uint16_t ROW_SAMPLES = 4;           // $.wiring.row_every_s: samples between two rows
-const uint16_t ROW_BYTES = 174;           // no row is longer
+const uint16_t ROW_BYTES = 186;           // no row is longer
 const uint16_t OUTPUT_BYTES = 512;        // what may wait for the serial line: a power of two, a row and two other lines or more
 const int16_t FULL_SCALE = 255;           // $.input.full_scale: |PWM| of 100 %
 const int32_t AMBIENT_MC = 30000;         // $.ambient.fixed_degC, thousandths; used until it is measured
 const uint16_t LATE_MS = 10;              // a tick that starts later than this counts as late
 const uint16_t STACK_RESERVE = 512;       // bytes of RAM that must never have been touched, see the self test
 const uint8_t READ_SAMPLES = 1;           // samples from one reading of the thermocouples to the next ..
-const uint16_t CONVERSION_MS = 222;       // .. because a MAX6675 needs 220 ms for a conversion, and millis() may be 2 ms ahead
+const uint16_t CONVERSION_MS = 222;       // .. because a chip needs 220 ms for a conversion, and millis() may be 2 ms ahead
 const int32_t COLD_MK = 2000;             // within so much of ambient at the start, a part is cold
 const uint16_t START_SAMPLES = 20;        // so long the model's start waits for the thermocouples
+const uint16_t PAUSE_SAMPLES = 2;          // $.wiring.drive.reversal_pause_s
+const uint16_t OVERSPEED_RPM = 3180;        // 120 % of $.input.nominal_speed_rpm
+const uint16_t TURNING_RPM = 133;          // 5 % of it: the motor turns
 const int16_t STALL_PWM = 51;             // $.wiring.encoder.stall_pwm: from here on the motor must turn ..
 const uint16_t STALL_SAMPLES = 8;          // .. or it is a stall after $.wiring.encoder.stall_s
 const uint32_t COPY_SAMPLES = 2400;        // $.wiring.memory.interval_s: samples between two copies in EEPROM
 const uint16_t COPY_TOLERANCE = 8;         // $.wiring.memory.tolerance_K in counts of 0.25 K
-const uint32_t COPY_IDENTITY = 0x18348CF2UL;  // CRC-32 of the coefficients' hash, the arithmetic and gen's version
+const uint32_t COPY_IDENTITY = 0xA0970887UL;  // CRC-32 of the coefficients' hash, the arithmetic and gen's version
 const uint16_t COPY_BYTES = 64;
-const uint16_t COPY_SLOTS = 63;
-const uint16_t LATCH_AT = 4032;           // EEPROM address of the latched alarms
+const uint16_t COPY_SLOTS = 62;
+const uint16_t LATCH_AT = 4016;           // EEPROM address of the latched alarms
 const uint8_t LATCH_SLOTS = 4;
-const uint8_t LATCH_BYTES = 14;
+const uint8_t LATCH_BYTES = 18;
 const uint16_t FIRMWARE_AT = 4088;        // EEPROM address of the firmware's CRC
 
 }  // namespace config

@@ -1,6 +1,7 @@
 #include "console.h"
 
 #include <string.h>
+#include <my1016_protection.h>
 #include <my1016_sensors.h>
 
 #include "board.h"
@@ -22,7 +23,8 @@ const uint8_t NOTHING = 0xFF;
 const char columns[] PROGMEM =
     "time_s,pwm,brush_degC,bearing_degC,magnet_degC,"
     "casing_degC,ambient_degC,speed_rpm,brush_model_degC,bearing_model_degC,"
-    "magnet_model_degC,casing_model_degC,flags,sensors,alarms";
+    "magnet_model_degC,casing_model_degC,flags,sensors,alarms,"
+    "protection";
 
 uint8_t header_line;            // next line of the header ..
 const char *column = columns;  // .. and place in its last one
@@ -38,10 +40,12 @@ struct Said {
     int16_t pwm;
     uint16_t flags;
     uint16_t alarms;
+    uint32_t protection;
     uint8_t codes[MY1016_SENSORS];
 };
 Said said;
 uint16_t announced;  // alarms
+uint32_t announced_protection;
 
 void put_time() {
     output::put_number((int32_t)now.seconds);
@@ -62,7 +66,7 @@ bool write_header() {
             output::put(F("# tool: gen 0.1.0, arithmetic fixed, schedule table"));
             break;
         case 2:
-            output::put(F("# coefficients_sha256: 9ef57c76389da99307b100ae5e00bf54ac82196c1fdc36e8b43851183adf39a8"));
+            output::put(F("# coefficients_sha256: d0791f289638c968625012057424b2e7e70d2c8598a40de2a259f5bc8b0291d5"));
             break;
         case 3:
             output::put(F("# firmware: crc32 "));
@@ -109,6 +113,9 @@ bool write_status() {
             put_codes();
             output::put(F(" alarms "));
             output::put_number(my1016_alarms());
+            output::put(F(" protection "));
+            output::put_number((int32_t)my1016_protection());
+            output::put(drive::armed() ? F(" armed") : F(" not armed"));
             break;
         case 1:
             output::put(F(" late "));
@@ -121,7 +128,7 @@ bool write_status() {
             output::put_number(board::sleep_share());
             break;
         case 2:
-            output::put(F(" commands: -255..255 (PWM), ?, reset, test, rows N"));
+            output::put(F(" commands: -255..255 (PWM), arm, ?, reset, accept CHANNEL, test, rows N"));
             break;
         default:
             output::put(F(" reset "));
@@ -142,6 +149,22 @@ void announce() {
             announced |= (uint16_t)(1u << rule);
             begin_event(F("alarm "));
             output::put_name(my1016_alarm_name(rule));
+            output::end_line();
+            return;
+        }
+    }
+}
+
+// One event for an entry that has begun to act, or ended, since the last one.
+void announce_protection() {
+    const uint32_t changed = my1016_protection() ^ announced_protection;
+    for (uint8_t entry = 0; entry < MY1016_PROTECTIONS; ++entry) {
+        const uint32_t bit = (uint32_t)1 << entry;
+        if (changed & bit) {
+            announced_protection ^= bit;
+            begin_event(F("protection "));
+            output::put_name(my1016_protection_name(entry));
+            output::put(announced_protection & bit ? F(" begins") : F(" ends"));
             output::end_line();
             return;
         }
@@ -186,6 +209,9 @@ bool work() {
         return true;
     }
     announce();
+    if (output::takes_line()) {
+        announce_protection();
+    }
     if (commands::rejected() && output::takes_line()) {
         begin_event(F("rejected lines: "));
         output::put_number(commands::take_rejected());
@@ -199,6 +225,7 @@ void sample() {
     saying.pwm = drive::pwm();
     saying.flags = now.flags;
     saying.alarms = my1016_alarms();
+    saying.protection = my1016_protection();
     for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
         saying.codes[channel] = my1016_sensors_code(channel);
     }
@@ -253,6 +280,8 @@ void sample() {
     put_codes();
     output::put(',');
     output::put_number(saying.alarms);
+    output::put(',');
+    output::put_number((int32_t)saying.protection);
     output::end_line();
 }
 

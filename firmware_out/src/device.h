@@ -13,7 +13,7 @@ constexpr uint16_t DROPPED = 0x0200;  // rows were dropped since the last one: t
 constexpr uint16_t STALL = 0x0400;    // PWM, and no pulse of the encoder for too long
 constexpr uint16_t MEMORY = 0x0800;   // the last copy in EEPROM could not be written
 constexpr uint16_t AMBIENT = 0x1000;  // no believed sample of the ambient temperature now: the last one goes on
-constexpr uint16_t STOPPED = 0x2000;  // an alarm has stopped the motor
+constexpr uint16_t STOPPED = 0x2000;  // the motor has to stand
 constexpr uint16_t NOISY = 0x4000;    // more pulses of the encoder than the motor can give: no speed now
 constexpr uint16_t CHANNEL = 0x8000;  // a channel is out of its range now: the last believed value goes on
 

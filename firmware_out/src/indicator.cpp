@@ -8,6 +8,7 @@ namespace {
 
 uint16_t latched;
 bool faulty;
+bool protects;
 
 const uint8_t LED = 13;  // $.wiring.led_pin
 
@@ -16,6 +17,7 @@ const uint8_t BLINK = 8, DARK = 8;    // of an alarm's number
 const uint8_t PAUSE = 48;             // after it; filled with flicker while a sensor is faulty
 const uint8_t FLICKER = 2;            // on and off
 const uint8_t BEAT = 2, PERIOD = 64;  // healthy: a short flash every two seconds
+const uint8_t HELD = 32;              // the board acts on something: on and off for a second each
 
 uint8_t shown;   // the rule whose number is being blinked, 1..; 0: none
 uint8_t blinks;  // still to come
@@ -42,7 +44,7 @@ bool lit() {
             blinks = shown;
             at = 0;
         }
-        return faulty ? flicker() : at % PERIOD < BEAT;
+        return protects ? at % PERIOD < HELD : faulty ? flicker() : at % PERIOD < BEAT;
     }
     if (blinks > 0) {
         if (at >= BLINK + DARK) {
@@ -70,9 +72,10 @@ void begin() {
     pinMode(BUTTON, INPUT_PULLUP);
 }
 
-void show(uint16_t alarms, bool sensor_fault) {
+void show(uint16_t alarms, bool sensor_fault, bool protection) {
     latched = alarms;
     faulty = sensor_fault;
+    protects = protection;
 }
 
 bool update() {

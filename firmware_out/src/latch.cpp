@@ -14,6 +14,7 @@ struct Record {
     uint32_t identity;
     uint32_t number;  // one more with every record: the highest is the newest
     uint16_t alarms;
+    uint32_t protection;
     uint32_t crc;  // of all before it
 };
 static_assert(sizeof(Record) == config::LATCH_BYTES, "slots were counted for another size");
@@ -22,6 +23,7 @@ Record record;  // the newest, or the one being written
 uint8_t slot;   // its place
 uint8_t left;   // bytes of it still to write
 bool checking;  // it is written and is to be read again
+bool again;     // .. and then to be written a second time: a bit that turns in one leaves the other
 bool failure;
 
 uint16_t address(uint8_t of_slot) { return (uint16_t)(config::LATCH_AT + of_slot * sizeof(Record)); }
@@ -40,13 +42,20 @@ bool fetch(uint8_t of_slot, Record *to) {
     return to->identity == config::COPY_IDENTITY && to->number != 0 && to->crc == crc_of(*to);
 }
 
-void make(uint16_t alarms) {
+void into_next_slot() {
     slot = (uint8_t)(slot + 1 == config::LATCH_SLOTS ? 0 : slot + 1);
+    left = sizeof record;
+    checking = true;
+}
+
+void make(uint16_t alarms, uint32_t protection) {
     record.identity = config::COPY_IDENTITY;
     ++record.number;
     record.alarms = alarms;
+    record.protection = protection;
     record.crc = crc_of(record);
-    left = sizeof record;
+    again = true;
+    into_next_slot();
 }
 
 // At most one byte is written; those that are right already cost nothing.
@@ -65,7 +74,7 @@ void write_on() {
 
 }  // namespace
 
-uint16_t begin() {
+void begin() {
     record = Record();
     Record found;
     for (uint8_t i = 0; i < config::LATCH_SLOTS; ++i) {
@@ -74,28 +83,36 @@ uint16_t begin() {
             slot = i;
         }
     }
-    return record.alarms;
 }
 
-void update(uint16_t alarms) {
-    if (!eeprom_is_ready()) {
+uint16_t alarms() { return record.alarms; }
+
+uint32_t protection() { return record.protection; }
+
+void update(uint16_t alarms, uint32_t protection) {
+    if (left > 0 || !eeprom_is_ready()) {
         return;
     }
-    if (left > 0) {
-        write_on();
-        checking = true;
-    } else if (checking) {
+    if (checking) {
         Record found;
         checking = false;
         failure = !fetch(slot, &found) || found.number != record.number;
         if (failure) {
-            make(alarms);  // in the next slot
+            make(alarms, protection);
+        } else if (again) {
+            again = false;
+            into_next_slot();
         }
-    } else if (alarms != record.alarms) {
-        make(alarms);
-        write_on();
-        checking = true;
+    } else if (alarms != record.alarms || protection != record.protection) {
+        make(alarms, protection);
     }
+}
+
+bool work() {
+    if (left > 0 && eeprom_is_ready()) {
+        write_on();
+    }
+    return left > 0;
 }
 
 bool failed() { return failure; }

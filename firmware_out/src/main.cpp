@@ -7,6 +7,7 @@
 #include <avr/wdt.h>
 #include <my1016.h>
 #include <my1016_alarms.h>
+#include <my1016_protection.h>
 #include <my1016_sensors.h>
 
 #include "board.h"
@@ -16,6 +17,7 @@
 #include "device.h"
 #include "drive.h"
 #include "encoder.h"
+#include "guard.h"
 #include "indicator.h"
 #include "latch.h"
 #include "memory.h"
@@ -49,21 +51,36 @@ static void read_thermocouples(uint32_t time) {
         read_at = time;
     }
     now.sample.valid = 0;
+    now.sample.plausible = 0;
     const int32_t told_mC = now.sample.ambient_mC;  // rises are over this one until another one is told
     now.flags |= device::AMBIENT;
     for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
         const uint8_t component = pgm_read_byte(&component_of[channel]);
-        const uint16_t word = finished ? thermocouples::read(channel) : 0;
+        const uint32_t word = finished ? thermocouples::read(channel) : 0;
         const int32_t model_mC = component < MY1016_COMPONENTS ? my1016_temperature_mC(component, told_mC) : 0;
-        if (my1016_sensors_check(channel, word, finished, model_mC) != MY1016_SAMPLE_OK) {
+        const uint8_t code = my1016_sensors_check(channel, word, finished, model_mC);
+        if (component < MY1016_COMPONENTS && my1016_sensors_plausible(channel)) {
+            now.sample.plausible = (uint16_t)(now.sample.plausible | 1u << component);
+            now.sample.measured_mC[component] = my1016_sensors_plausible_mC(channel);
+        }
+        if (code != MY1016_SAMPLE_OK) {
             continue;
         }
         if (component < MY1016_COMPONENTS) {
             now.sample.valid = (uint16_t)(now.sample.valid | 1u << component);
-            now.sample.measured_mC[component] = my1016_sensors_mC(channel);
         } else {
             now.sample.ambient_mC = my1016_sensors_mC(channel);
             now.flags &= (uint16_t)~device::AMBIENT;
+        }
+    }
+}
+
+// Before the first believed ambient it is taken no warmer than the coldest part: at rest no part is colder than the room. In
+// the cold a MAX6675 sends zeros, and the model would begin as far off as the room is from the fixed ambient.
+static void bound_ambient() {
+    for (uint8_t component = 0; component < MY1016_COMPONENTS; ++component) {
+        if ((now.sample.valid & (1u << component)) && now.sample.measured_mC[component] < now.sample.ambient_mC) {
+            now.sample.ambient_mC = now.sample.measured_mC[component];
         }
     }
 }
@@ -107,7 +124,7 @@ static void start() {
     const uint16_t kept = my1016_alarms();  // from before the reset
     my1016_alarms_begin(resumed || is_cold());
     my1016_alarms_restore(kept);
-    if (kept) {
+    if (kept || my1016_protection()) {
         console::event(F("alarms kept from before the reset"));
     }
     console::event(resumed ? F("start from memory") : now.sample.valid ? F("start from measured") : F("start from ambient"));
@@ -139,6 +156,9 @@ static void tick(uint32_t time) {
     tick_due += MY1016_SAMPLE_MS;
 
     read_thermocouples(time);
+    if (!now.started && (now.flags & device::AMBIENT)) {
+        bound_ambient();
+    }
     tell();
     encoder::sample(drive::pwm());
     now.rpm = encoder::rpm();
@@ -157,11 +177,13 @@ static void tick(uint32_t time) {
         start();
     }
 
-    const bool stop = my1016_alarms_stop();
-    drive::update(stop);
+    commands::sample();
+    selftest::sample();
+    const uint8_t most = guard::sample();
+    drive::update(most);
     now.flags |= my1016_flags();
-    now.flags |= stop ? device::STOPPED : 0;
-    latch::update(my1016_alarms());  // before the copies: it matters more
+    now.flags |= most == 0 ? device::STOPPED : 0;
+    latch::update(my1016_alarms(), my1016_protection_lasting());  // before the copies: it matters more
     now.flags |= latch::failed() ? device::MEMORY : 0;
     memory::update();
     now.flags |= memory::failed() ? device::MEMORY : 0;
@@ -173,10 +195,9 @@ static void tick(uint32_t time) {
 }
 
 static void indicate() {
-    indicator::show(my1016_alarms(), !every_sample_is_valid());
+    indicator::show(my1016_alarms(), !every_sample_is_valid(), my1016_protection_shows());
     if (indicator::update()) {
-        my1016_alarms_reset();
-        my1016_sensors_accept();
+        commands::reset();
         console::event(F("alarms reset by the button"));
     }
 }
@@ -190,6 +211,7 @@ void setup() {
     console::begin();
     my1016_begin();
     my1016_alarms_begin(0);
+    my1016_protection_begin();
     now.sample.ambient_mC = config::AMBIENT_MC;
     drive::begin();
     thermocouples::begin();
@@ -197,9 +219,11 @@ void setup() {
     samples_to_start = config::START_SAMPLES;
     encoder::begin();
     indicator::begin();
-    selftest::begin(selftest::flash_crc());
+    selftest::begin();
     memory::begin(selftest::crc());
-    my1016_alarms_restore(latch::begin());
+    latch::begin();
+    my1016_alarms_restore(latch::alarms());
+    my1016_protection_restore(latch::protection());
     const uint32_t time = millis();
     tick_due = time + MY1016_SAMPLE_MS;
     read_at = time;
@@ -218,12 +242,13 @@ void loop() {
         indicate();
     }
     commands::receive();
+    const bool keeping = latch::work();
     const bool writing = console::work();
     const bool sent = output::drain();
     if (!selftest::work()) {
         uint32_t until = is_due(tick_due, indicator_due) ? tick_due : indicator_due;
-        if (writing || !sent) {
-            until = millis() + 2;  // the UART sends 23 bytes meanwhile at 115200 baud
+        if (writing || !sent || keeping) {
+            until = millis() + 2;  // the UART sends 23 bytes meanwhile at 115200 baud, the EEPROM needs 3.4 ms for one
         }
         board::doze(until);
     }

@@ -14,13 +14,13 @@ namespace memory {
 
 namespace {
 
-const uint16_t UNMEASURED = 0xFFFF;
+const uint16_t UNMEASURED = 0x8000;  // no chip gives so many counts below 0
 
 struct Copy {
     uint32_t identity;
     uint32_t number;  // one more with every copy: the highest is the newest
     int16_t pwm;      // of the sample before
-    uint16_t measured[MY1016_SENSORS];  // believed samples in counts of 0.25 degC, or UNMEASURED
+    uint16_t measured[MY1016_SENSORS];  // believed samples in counts of 0.25 degC (int16_t), or UNMEASURED
     my1016_State state;
     uint32_t crc;  // of all before it
 };
@@ -144,7 +144,7 @@ bool resume() {
         if (copy.measured[channel] == UNMEASURED || my1016_sensors_code(channel) != MY1016_SAMPLE_OK) {
             continue;
         }
-        const int16_t change = (int16_t)(my1016_sensors_mC(channel) / 250 - copy.measured[channel]);
+        const int16_t change = (int16_t)(my1016_sensors_mC(channel) / 250 - (int16_t)copy.measured[channel]);
         if (change > (int16_t)config::COPY_TOLERANCE || change < -(int16_t)config::COPY_TOLERANCE) {
             return false;
         }

@@ -1,9 +1,9 @@
 // Copies of the model's states in EEPROM, so that the model goes on after a reset.
 //
-// Each copy goes to the next of 63 slots in turn, a byte at a time: a power cut in mid-write leaves the one before it. A copy
+// Each copy goes to the next of 62 slots in turn, a byte at a time: a power cut in mid-write leaves the one before it. A copy
 // counts only with the right identity (coefficients, arithmetic, version) and CRC, and is used only if the measured
 // temperatures are where they were when it was made. With a copy every 600 s, a byte of EEPROM sees its 100 000 erase and
-// write cycles in 120 years.
+// write cycles in 118 years.
 #ifndef MEMORY_H
 #define MEMORY_H
 
@@ -26,7 +26,7 @@ bool failed();
 // True if the firmware's CRC is another than at the last start (or the EEPROM knew none).
 bool firmware_is_new();
 
-// For the self test: true if a slot (0..62) holds a valid copy; some 9 000 cycles.
+// For the self test: true if a slot (0..61) holds a valid copy; some 9 000 cycles.
 bool valid(uint16_t slot);
 
 }  // namespace memory

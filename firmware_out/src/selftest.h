@@ -6,13 +6,21 @@
 
 namespace selftest {
 
-// CRC-32 of the program in flash; 0.4 s for 30 KB. For setup() only: it feeds the watchdog.
-uint32_t flash_crc();
+// Sums up the program in flash, 0.4 s for 30 KB, and compares it with what was built. For setup() only: it feeds the watchdog.
+void begin();
 
-// Keeps flash_crc() as what later tests compare with.
-void begin(uint32_t crc);
+// CRC-32 of the program as it was then, without the seal.
 uint32_t crc();
 
+// Whether seal.py has written what the program should sum up to. Without it later tests compare with the start.
+bool is_sealed();
+
+// Once a sample: a few bytes of flash and RAM, round and round, whatever else is tested. What was found stays found.
+void sample();
+bool flash_is_damaged();
+bool ram_is_damaged();
+
+// The test that somebody asks for.
 void start();
 
 // One slice, a few milliseconds. False if no test runs.

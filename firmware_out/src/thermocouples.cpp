@@ -1,6 +1,7 @@
 #include "thermocouples.h"
 
 #include <Arduino.h>
+#include <util/delay.h>
 #include <my1016_sensors.h>
 
 namespace thermocouples {
@@ -18,16 +19,20 @@ struct Chip {
     Line cs, so, sck;
 };
 
+// A clock of 1 us high and 1 us low, and as long from CS to the first bit: a metre of wire has some 100 pF, and with that a
+// line of the board or of a chip has long settled. The chips ask for 100 ns.
+const double HALF_US = 1.0;
+
 const Chip chips[MY1016_SENSORS] PROGMEM = {
-    // brush, $.wiring.thermocouples[0]: CS 29, SO 35, SCK 31
+    // brush, $.wiring.thermocouples[0]: CS 29, SO 35, SCK 31; MAX6675
     {{(uint16_t)&PORTA, _BV(7)}, {(uint16_t)&PINC, _BV(2)}, {(uint16_t)&PORTC, _BV(6)}},
-    // bearing, $.wiring.thermocouples[1]: CS 33, SO 35, SCK 31
+    // bearing, $.wiring.thermocouples[1]: CS 33, SO 35, SCK 31; MAX6675
     {{(uint16_t)&PORTC, _BV(4)}, {(uint16_t)&PINC, _BV(2)}, {(uint16_t)&PORTC, _BV(6)}},
-    // magnet, $.wiring.thermocouples[2]: CS 39, SO 45, SCK 41
+    // magnet, $.wiring.thermocouples[2]: CS 39, SO 45, SCK 41; MAX6675
     {{(uint16_t)&PORTG, _BV(2)}, {(uint16_t)&PINL, _BV(4)}, {(uint16_t)&PORTG, _BV(0)}},
-    // casing, $.wiring.thermocouples[3]: CS 43, SO 45, SCK 41
+    // casing, $.wiring.thermocouples[3]: CS 43, SO 45, SCK 41; MAX6675
     {{(uint16_t)&PORTL, _BV(6)}, {(uint16_t)&PINL, _BV(4)}, {(uint16_t)&PORTG, _BV(0)}},
-    // ambient, $.wiring.thermocouples[4]: CS 49, SO 47, SCK 51
+    // ambient, $.wiring.thermocouples[4]: CS 49, SO 47, SCK 51; MAX6675
     {{(uint16_t)&PORTL, _BV(0)}, {(uint16_t)&PINL, _BV(2)}, {(uint16_t)&PORTB, _BV(2)}},
 };
 
@@ -42,6 +47,49 @@ Chip fetched(uint8_t number) {
 // PINx, DDRx and PORTx of a port follow one another.
 void make_output(const Line &line) { *at(line.address - 1) |= line.mask; }
 
+// Selects a chip for as long as it lives, and clocks bits in and out.
+class Selected {
+  public:
+    explicit Selected(const Chip &chip) : chip_(chip) {
+        *at(chip_.cs.address) &= (uint8_t)~chip_.cs.mask;
+    }
+    ~Selected() {
+        _delay_us(HALF_US);
+        *at(chip_.cs.address) |= chip_.cs.mask;
+    }
+    Selected(const Selected &) = delete;
+    Selected &operator=(const Selected &) = delete;
+
+    // Of a chip that is only read: each bit is there after CS or the clock fell.
+    uint16_t read() {
+        uint16_t word = 0;
+        for (uint8_t bit = 0; bit < 16; ++bit) {
+            _delay_us(HALF_US);
+            word = (uint16_t)(word << 1 | level());
+            clock(true);
+            _delay_us(HALF_US);
+            clock(false);
+        }
+        return word;
+    }
+
+  private:
+    uint8_t level() const { return (*at(chip_.so.address) & chip_.so.mask) != 0; }
+    void clock(bool high) const {
+        volatile uint8_t *const sck = at(chip_.sck.address);
+        *sck = (uint8_t)(high ? *sck | chip_.sck.mask : *sck & (uint8_t)~chip_.sck.mask);
+    }
+
+    const Chip &chip_;
+};
+
+// Its word, and above it what comes when it is clocked on: by that a MAX31855 is known, which sends its own temperature there.
+uint32_t read_max6675(const Chip &chip) {
+    Selected selected(chip);
+    const uint16_t word = selected.read();
+    return (uint32_t)selected.read() << 16 | word;
+}
+
 }  // namespace
 
 void begin() {
@@ -55,26 +103,9 @@ void begin() {
     }
 }
 
-// Each bit is valid 100 ns after CS or the clock fell, and the clock has to stay high and low for 100 ns: 2 cycles each.
-uint16_t read(uint8_t number) {
+uint32_t read(uint8_t number) {
     const Chip chip = fetched(number);
-    volatile uint8_t *const cs = at(chip.cs.address);
-    volatile uint8_t *const sck = at(chip.sck.address);
-    volatile uint8_t *const so = at(chip.so.address);
-    *cs &= (uint8_t)~chip.cs.mask;
-    const uint8_t low = *sck;
-    const uint8_t high = low | chip.sck.mask;
-    uint16_t word = 0;
-    for (uint8_t bit = 0; bit < 16; ++bit) {
-        word = (uint16_t)(word << 1);
-        if (*so & chip.so.mask) {
-            word |= 1;
-        }
-        *sck = high;
-        *sck = low;
-    }
-    *cs |= chip.cs.mask;
-    return word;
+    return read_max6675(chip);
 }
 
 }  // namespace thermocouples

@@ -1,4 +1,4 @@
-// The MAX6675s: one word of each, as it comes.
+// The sensors' chips: the bits of each, as they come.
 #ifndef THERMOCOUPLES_H
 #define THERMOCOUPLES_H
 
@@ -8,8 +8,8 @@ namespace thermocouples {
 
 void begin();
 
-// Reads a chip's 16 bits, in the order of the coefficient file. A new conversion begins at the end of the reading.
-uint16_t read(uint8_t chip);
+// Reads a chip, in the order of the coefficient file. Where reading stops a conversion, a new one begins at its end.
+uint32_t read(uint8_t chip);
 
 }  // namespace thermocouples
 

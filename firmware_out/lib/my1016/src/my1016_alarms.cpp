@@ -40,6 +40,14 @@ static const Segment SEGMENTS[] PROGMEM = {
     {176, 181, 0L, -1000L},
     // brush_fault: $.alarms[3], |PWM| from .speed_percent, then .threshold_K, .hysteresis_K
     {176, 181, 0L, -1000L},
+    // brush_limit: $.alarms[4], |PWM| from .speed_percent, then .limit_degC, .hysteresis_K
+    {0, 255, 120000L, 115000L},
+    // bearing_limit: $.alarms[5], |PWM| from .speed_percent, then .limit_degC, .hysteresis_K
+    {0, 255, 110000L, 105000L},
+    // magnet_limit: $.alarms[6], |PWM| from .speed_percent, then .limit_degC, .hysteresis_K
+    {0, 255, 110000L, 105000L},
+    // casing_limit: $.alarms[7], |PWM| from .speed_percent, then .limit_degC, .hysteresis_K
+    {0, 255, 110000L, 105000L},
 };
 
 static const Rule RULES[MY1016_ALARMS] PROGMEM = {
@@ -51,6 +59,14 @@ static const Rule RULES[MY1016_ALARMS] PROGMEM = {
     {ABOVE_MODEL, MY1016_BRUSH, NONE, 2, 1, 0, NONE, 2400u, 31080u, 240u, 0L},
     // brush_fault: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
     {BELOW_MODEL, MY1016_BRUSH, NONE, 3, 1, 0, NONE, 2400u, 31080u, 240u, 0L},
+    // brush_limit: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
+    {MEASURED, MY1016_BRUSH, NONE, 4, 1, NONE, NONE, 0u, 0u, 4u, 0L},
+    // bearing_limit: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
+    {MEASURED, MY1016_BEARING, NONE, 5, 1, NONE, NONE, 0u, 0u, 4u, 0L},
+    // magnet_limit: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
+    {MEASURED, MY1016_MAGNET, NONE, 6, 1, NONE, NONE, 0u, 0u, 4u, 0L},
+    // casing_limit: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
+    {MEASURED, MY1016_CASING, NONE, 7, 1, NONE, NONE, 0u, 0u, 4u, 0L},
 };
 
 // |PWM|; what does not fit a byte is in no segment but the last.
@@ -88,7 +104,13 @@ static int32_t compared(const Rule &rule, const my1016_Sample *sample) {
 
 static bool raised(uint8_t rule) { return (my1016_alarm_state.latched >> rule) & 1u; }
 
-static bool is_measured(uint8_t component, const my1016_Sample *sample) { return (sample->valid >> component) & 1u; }
+// A limit of a temperature protects at once, also while a sample is not believed yet: what may be the truth counts.
+static bool is_measured(const Rule &rule, const my1016_Sample *sample) {
+    if (rule.quantity == MEASURED) {
+        return ((sample->valid | sample->plausible) >> rule.component) & 1u;
+    }
+    return ((sample->valid >> rule.component) & 1u) && (rule.relative_to == NONE || ((sample->valid >> rule.relative_to) & 1u));
+}
 
 // Whether the condition holds, given whether it held at the last sample.
 static bool holds(const Rule &rule, const Segment &segment, my1016_AlarmTimers *timers, int32_t value) {
@@ -132,7 +154,7 @@ static void evaluate(uint8_t number, int16_t pwm, const my1016_Sample *sample) {
         return;
     }
     my1016_alarm_state.asleep &= (uint16_t)~bit;
-    if (!is_measured(rule.component, sample) || (rule.relative_to != NONE && !is_measured(rule.relative_to, sample))) {
+    if (!is_measured(rule, sample)) {
         return;
     }
     if (!holds(rule, segment, timers, compared(rule, sample))) {
@@ -151,14 +173,14 @@ static void evaluate(uint8_t number, int16_t pwm, const my1016_Sample *sample) {
 
 extern "C" void my1016_alarms_begin(uint8_t trusted) {
     my1016_alarm_state = my1016_AlarmState();
-    my1016_alarm_state.asleep = (uint16_t)(15u);
+    my1016_alarm_state.asleep = (uint16_t)(255u);
     for (uint8_t rule = 0; rule < MY1016_ALARMS; ++rule) {
         my1016_alarm_state.timers[rule].start_wait = trusted ? 0 : pgm_read_word(&RULES[rule].start_wait);
     }
 }
 
 extern "C" void my1016_alarms_restore(uint16_t latched) {
-    my1016_alarm_state.latched |= (uint16_t)(latched & 15u);
+    my1016_alarm_state.latched |= (uint16_t)(latched & 255u);
 }
 
 extern "C" void my1016_alarms_step(int16_t pwm, const my1016_Sample *sample) {
@@ -170,16 +192,32 @@ extern "C" void my1016_alarms_step(int16_t pwm, const my1016_Sample *sample) {
 extern "C" void my1016_alarms_reset(void) {
     my1016_alarm_state.latched = 0;
     for (uint8_t rule = 0; rule < MY1016_ALARMS; ++rule) {
-        my1016_alarm_state.timers[rule].held = 0;
+        // A limit's persistence goes on: else resets in time would keep its alarm away for ever.
+        if (pgm_read_byte(&RULES[rule].quantity) != MEASURED) {
+            my1016_alarm_state.timers[rule].held = 0;
+        }
         my1016_alarm_state.timers[rule].sum = 0;
     }
     my1016_alarm_state.active = 0;
+}
+
+extern "C" uint8_t my1016_alarms_over_limit(void) {
+    for (uint8_t rule = 0; rule < MY1016_ALARMS; ++rule) {
+        if (pgm_read_byte(&RULES[rule].quantity) == MEASURED && my1016_alarm_state.timers[rule].held > 0) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
 static const char name_fault[] PROGMEM = "fault";
 static const char name_fault_at_rated_speed[] PROGMEM = "fault_at_rated_speed";
 static const char name_bearing_fault[] PROGMEM = "bearing_fault";
 static const char name_brush_fault[] PROGMEM = "brush_fault";
+static const char name_brush_limit[] PROGMEM = "brush_limit";
+static const char name_bearing_limit[] PROGMEM = "bearing_limit";
+static const char name_magnet_limit[] PROGMEM = "magnet_limit";
+static const char name_casing_limit[] PROGMEM = "casing_limit";
 
 extern "C" const char *my1016_alarm_name(uint8_t rule) {
     switch (rule) {
@@ -189,6 +227,14 @@ extern "C" const char *my1016_alarm_name(uint8_t rule) {
             return name_bearing_fault;
         case MY1016_ALARM_BRUSH_FAULT:
             return name_brush_fault;
+        case MY1016_ALARM_BRUSH_LIMIT:
+            return name_brush_limit;
+        case MY1016_ALARM_BEARING_LIMIT:
+            return name_bearing_limit;
+        case MY1016_ALARM_MAGNET_LIMIT:
+            return name_magnet_limit;
+        case MY1016_ALARM_CASING_LIMIT:
+            return name_casing_limit;
         default:
             return name_fault;
     }
@@ -199,5 +245,3 @@ extern "C" uint16_t my1016_alarms(void) { return my1016_alarm_state.latched; }
 extern "C" uint16_t my1016_alarms_active(void) { return my1016_alarm_state.active; }
 
 extern "C" uint16_t my1016_alarms_asleep(void) { return my1016_alarm_state.asleep; }
-
-extern "C" uint8_t my1016_alarms_stop(void) { return (my1016_alarm_state.latched & 0u) != 0; }

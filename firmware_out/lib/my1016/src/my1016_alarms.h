@@ -18,7 +18,11 @@ enum {
     MY1016_ALARM_FAULT_AT_RATED_SPEED = 1,  // Brush over the model at rated speed.
     MY1016_ALARM_BEARING_FAULT = 2,  // Which fault: at 70 % the brush is above the model, so it is the bearing.
     MY1016_ALARM_BRUSH_FAULT = 3,  // Which fault: at 70 % the brush is below the model, so it is the brush.
-    MY1016_ALARMS = 4
+    MY1016_ALARM_BRUSH_LIMIT = 4,  // Brush too hot: the motor stops.
+    MY1016_ALARM_BEARING_LIMIT = 5,  // Bearing too hot: the motor stops.
+    MY1016_ALARM_MAGNET_LIMIT = 6,  // Magnet too hot: the motor stops.
+    MY1016_ALARM_CASING_LIMIT = 7,  // Casing too hot: the motor stops.
+    MY1016_ALARMS = 8
 };
 
 // What was measured at the end of a sample, in thousandths of a degree Celsius.
@@ -26,6 +30,8 @@ typedef struct {
     int32_t measured_mC[MY1016_COMPONENTS];
     int32_t ambient_mC;  // what the model's rise is added to
     uint16_t valid;      // bit i: component i has a sample that passed its checks
+    uint16_t plausible;  // bit i: its sample may be the truth, believed or not; limits of a temperature heed it. All bits of `valid`
+                         // belong here too: my1016_alarms_step() takes them so
 } my1016_Sample;
 
 // Clears every alarm and timer. `trusted`: the model's state is right in its slopes too (a cold motor, or a checked
@@ -35,7 +41,8 @@ void my1016_alarms_begin(uint8_t trusted);
 // Raises alarms that were latched before a reset of the board, a mask as from my1016_alarms(); bits without a rule are ignored.
 void my1016_alarms_restore(uint16_t latched);
 
-// Evaluates every rule after a sample during which `pwm` acted. A component without a valid sample leaves its rules as they are.
+// Evaluates every rule after a sample during which `pwm` acted. A component without a valid sample (for a
+// limit of its temperature: a plausible one) leaves its rules as they are.
 void my1016_alarms_step(int16_t pwm, const my1016_Sample *sample);
 
 // Alarms raised since my1016_alarms_begin() or the last reset.
@@ -47,11 +54,12 @@ uint16_t my1016_alarms_active(void);
 // Rules that are not being evaluated now: PWM outside their range, not settled, or waiting for another rule.
 uint16_t my1016_alarms_asleep(void);
 
-// Forgets the alarms raised; a condition that still holds raises its alarm again after the persistence time.
+// Forgets the alarms raised; a condition that still holds raises its alarm again after the persistence time, and an
+// over-temperature that has held for so long at the next sample.
 void my1016_alarms_reset(void);
 
-// Whether an alarm is raised that asks for the motor to be stopped.
-uint8_t my1016_alarms_stop(void);
+// Whether a measured temperature is over its limit now, for however short.
+uint8_t my1016_alarms_over_limit(void);
 
 // A rule's name as in the coefficient file, a string in flash (PROGMEM on the AVR).
 const char *my1016_alarm_name(uint8_t rule);

@@ -1,46 +1,51 @@
 // The checks of the thermocouples' samples; see my1016_sensors.h.
 #include "my1016_sensors.h"
 
+#include <string.h>
+
 #include "my1016_platform.h"
 
 namespace {
 
 const uint8_t CONFIRMATIONS = 4;  // consistent samples in a row before a level is believed
+const uint8_t PLAUSIBLE = 3;  // sound samples in a row that could be one part's before they are plausible
+const uint8_t FASTER = 4;  // by how much a part that fails may outrun its largest physical change
 const uint16_t NOISE = 4;  // counts (1 K): what two samples of a constant temperature may differ by
 const int32_t COUNT_MK = 250;  // what a count is, in thousandths of a kelvin
-const uint16_t LONGEST = 4095;  // samples after which every count is within reach
+const uint16_t LONGEST = 9000;  // samples after which every count is within reach
 
 // Counts are quarters of a degree Celsius, samples are readings (250 ms).
 struct Limits {
-    uint16_t lowest, highest;  // counts, both allowed
+    int16_t lowest, highest;   // counts, both allowed
     uint16_t step;             // largest physical change from one sample to the next, in counts
     uint32_t stuck_samples;    // the same count for so many samples is a stuck sensor (0: never) ..
     int32_t stuck_mK;          // .. if the model moved by more than this meanwhile (0: in any case)
 };
 
 const Limits limits[MY1016_SENSORS] PROGMEM = {
-    // brush, $.wiring.thermocouples[0]: 0..250 degC, 5 K/s, stuck after 300 s in which the model moved by 3 K
+    // brush, $.wiring.thermocouples[0]: MAX6675, 0..250 degC, 5 K/s, stuck after 300 s in which the model moved by 3 K
     {0, 1000, 5, 1200UL, 3000L},
-    // bearing, $.wiring.thermocouples[1]: 0..250 degC, 5 K/s, stuck after 300 s in which the model moved by 3 K
+    // bearing, $.wiring.thermocouples[1]: MAX6675, 0..250 degC, 5 K/s, stuck after 300 s in which the model moved by 3 K
     {0, 1000, 5, 1200UL, 3000L},
-    // magnet, $.wiring.thermocouples[2]: 0..250 degC, 5 K/s, stuck after 300 s in which the model moved by 3 K
+    // magnet, $.wiring.thermocouples[2]: MAX6675, 0..250 degC, 5 K/s, stuck after 300 s in which the model moved by 3 K
     {0, 1000, 5, 1200UL, 3000L},
-    // casing, $.wiring.thermocouples[3]: 0..250 degC, 5 K/s, stuck after 300 s in which the model moved by 3 K
+    // casing, $.wiring.thermocouples[3]: MAX6675, 0..250 degC, 5 K/s, stuck after 300 s in which the model moved by 3 K
     {0, 1000, 5, 1200UL, 3000L},
-    // ambient, $.wiring.thermocouples[4]: 0..60 degC, 5 K/s, not checked for being stuck
+    // ambient, $.wiring.thermocouples[4]: MAX6675, 0..60 degC, 5 K/s, not checked for being stuck
     {0, 240, 5, 0UL, 0L},
 };
 
 struct Sensor {
     uint8_t code;        // of the last sample
     uint8_t run;         // consistent samples in a row, up to CONFIRMATIONS
+    uint8_t agreed;      // samples in a row that could be a failing part's, up to CONFIRMATIONS
     bool known;          // there is a believed sample
     bool watching;       // `unchanged`, `moved` and `model_mC` are about the present model and count
     bool displaced;      // it jumped farther than physics allows, and has not come back
     bool rebase;         // the model was set anew: `then_mC` is to be taken again
     bool moved;          // the model moved by more than stuck_mK since the count changed
-    uint16_t previous;   // the last sample with a sound word in the physical range
-    uint16_t believed;   // the last sample that passed every check
+    int16_t latest[CONFIRMATIONS];  // samples with a sound word, the last one first
+    int16_t believed;               // the last sample that passed every check
     uint16_t since;      // samples since then
     uint32_t unchanged;  // samples since the count changed
     int32_t model_mC;    // the model's temperature then
@@ -49,25 +54,74 @@ struct Sensor {
 
 Sensor sensors[MY1016_SENSORS];
 
-uint16_t distance(uint16_t a, uint16_t b) { return (uint16_t)(a > b ? a - b : b - a); }
+uint16_t distance(int16_t a, int16_t b) { return (uint16_t)(a > b ? a - b : b - a); }
 
-uint8_t word_fault(uint16_t word, uint16_t counts, const Limits &limit) {
-    if ((word & 0xFFFEu) == 0) {  // bit 0 is not driven by the chip
-        return MY1016_SAMPLE_ZEROS;
+// Behind a MAX6675's word come bits that are all the same, or its word again; a MAX31855 sends its own temperature there, and
+// its faults. Read as a MAX6675 it would give half of what it measures.
+bool is_max31855(uint16_t upper, uint16_t lower) {
+    if (lower == 0 || lower == 0xFFFFu || lower == upper || (lower & 0x0008u)) {
+        return false;
     }
-    if (word & 0x8002u) {  // the sign and the device's number, always 0
+    const int16_t own = (int16_t)((int16_t)(lower & 0xFFF0u) / 16);
+    return own >= -55 * 16 && own <= 125 * 16 && ((upper & 1u) != 0) == ((lower & 7u) != 0);
+}
+
+uint8_t decoded_max6675(uint32_t word, int16_t *counts) {
+    const uint16_t own = (uint16_t)word;  // bit 0 is not driven by the chip
+    if ((own & 0x8002u) || is_max31855(own, (uint16_t)(word >> 16))) {  // the sign and the device's number, always 0
         return MY1016_SAMPLE_ONES;
     }
-    if (word & 0x0004u) {
-        return MY1016_SAMPLE_OPEN;
+    if ((own & 0xFFFEu) == 0) {
+        return MY1016_SAMPLE_ZEROS;
     }
-    return counts < limit.lowest || counts > limit.highest ? MY1016_SAMPLE_RANGE : MY1016_SAMPLE_OK;
+    *counts = (int16_t)(own >> 3);
+    return own & 0x0004u ? MY1016_SAMPLE_OPEN : MY1016_SAMPLE_OK;
+}
+
+// What is wrong with a word; its temperature where nothing is.
+uint8_t decoded(const Limits &limit, uint32_t word, int16_t *counts) {
+    (void)limit;
+    return decoded_max6675(word, counts);
+}
+
+// Below 0 degC a MAX6675 sends zeros: they go on from a temperature that has just come down to them.
+bool is_cold(const Sensor *sensor, const Limits &limit) {
+    (void)limit;
+    return sensor->known && sensor->believed <= (int16_t)NOISE && sensor->since <= CONFIRMATIONS;
+}
+
+// Keeps a sound sample; whether it agrees with the one before it.
+bool is_consistent(Sensor *sensor, const Limits &limit, int16_t counts) {
+    const uint16_t apart = distance(counts, sensor->latest[0]);
+    if (sensor->agreed == 0 || apart > NOISE + (uint32_t)FASTER * limit.step) {
+        sensor->agreed = 1;
+    } else if (sensor->agreed < CONFIRMATIONS) {
+        ++sensor->agreed;
+    }
+    memmove(sensor->latest + 1, sensor->latest, sizeof sensor->latest - sizeof *sensor->latest);
+    sensor->latest[0] = counts;
+    return apart <= NOISE + limit.step;
+}
+
+// A part that fails outruns its largest physical change: the samples since the last believed one rise together, none by more
+// than half of it all. A step is no such rise, and a fall neither: a sensor that comes off falls.
+bool is_rise(const Sensor *sensor) {
+    if (sensor->agreed < CONFIRMATIONS || sensor->since >= CONFIRMATIONS) {
+        return false;
+    }
+    int16_t largest = 0;
+    for (uint8_t i = 1; i < CONFIRMATIONS; ++i) {
+        const int16_t rise = (int16_t)(sensor->latest[i - 1] - sensor->latest[i]);
+        largest = rise > largest ? rise : largest;
+    }
+    const int16_t all = (int16_t)(sensor->latest[0] - sensor->latest[CONFIRMATIONS - 1]);
+    return all > (int16_t)NOISE && 2 * largest <= all + (int16_t)NOISE;
 }
 
 // A settled motor's thermocouple may rightly show the same count for an hour. It is stuck if the model meanwhile moved
 // by more than the model and the sensor can be apart in a change.
-bool is_stuck(Sensor *sensor, const Limits &limit, uint16_t counts, int32_t model_mC) {
-    if (!sensor->watching || counts != sensor->previous) {
+bool is_stuck(Sensor *sensor, const Limits &limit, int16_t counts, int32_t model_mC) {
+    if (!sensor->watching || counts != sensor->latest[0]) {
         sensor->watching = true;
         sensor->moved = false;
         sensor->unchanged = 0;
@@ -86,7 +140,7 @@ bool is_stuck(Sensor *sensor, const Limits &limit, uint16_t counts, int32_t mode
 
 // Whether a sample cannot be the part's temperature, by the last believed one. Once a sound sample was out of reach, time does
 // not make its level true: it is believed again only where the last believed one would be now, had it moved as the model did.
-bool is_displaced(Sensor *sensor, const Limits &limit, uint16_t counts, int32_t model_mC) {
+bool is_displaced(Sensor *sensor, const Limits &limit, int16_t counts, int32_t model_mC) {
     if (!sensor->known) {
         return false;
     }
@@ -104,29 +158,38 @@ bool is_displaced(Sensor *sensor, const Limits &limit, uint16_t counts, int32_t 
     return off_mK > tolerance_mK || off_mK < -tolerance_mK;
 }
 
-uint8_t judged(Sensor *sensor, const Limits &limit, uint16_t word, int32_t model_mC) {
-    const uint16_t counts = word >> 3;
-    const uint8_t fault = word_fault(word, counts, limit);
+uint8_t judged(Sensor *sensor, const Limits &limit, uint32_t word, int32_t model_mC) {
+    int16_t counts = 0;
+    uint8_t fault = decoded(limit, word, &counts);
+    if (fault == MY1016_SAMPLE_ZEROS && is_cold(sensor, limit)) {
+        fault = MY1016_SAMPLE_OK;
+    }
     if (fault) {
         sensor->run = 0;
+        sensor->agreed = 0;
         return fault;
     }
+    if (counts < limit.lowest || counts > limit.highest) {
+        is_consistent(sensor, limit, counts);
+        sensor->run = 0;
+        return MY1016_SAMPLE_RANGE;
+    }
     const bool stuck = is_stuck(sensor, limit, counts, model_mC);
-    const bool first = sensor->run == 0;
-    const bool consistent = !first && distance(counts, sensor->previous) <= NOISE + limit.step;
-    if (!consistent) {
+    const bool consistent = is_consistent(sensor, limit, counts);
+    const bool jumped = sensor->run > 0 && !consistent;
+    if (sensor->run == 0 || jumped) {
         sensor->run = 1;
     } else if (sensor->run < CONFIRMATIONS) {
         ++sensor->run;
     }
-    sensor->previous = counts;
     if (stuck) {
         return MY1016_SAMPLE_STUCK;
     }
-    if (is_displaced(sensor, limit, counts, model_mC) || (!first && !consistent)) {
-        return MY1016_SAMPLE_JUMP;
-    }
-    if (sensor->run < CONFIRMATIONS) {
+    if (is_displaced(sensor, limit, counts, model_mC) || jumped) {
+        if (!is_rise(sensor)) {
+            return MY1016_SAMPLE_JUMP;
+        }
+    } else if (sensor->run < CONFIRMATIONS) {
         return MY1016_SAMPLE_UNCONFIRMED;
     }
     sensor->believed = counts;
@@ -154,18 +217,16 @@ extern "C" void my1016_sensors_model_set(void) {
     }
 }
 
-extern "C" void my1016_sensors_accept(void) {
-    for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
-        Sensor *const sensor = &sensors[channel];
-        if (sensor->displaced) {
-            sensor->displaced = false;
-            sensor->known = false;
-            sensor->run = 0;
-        }
+extern "C" void my1016_sensors_accept(uint8_t channel) {
+    Sensor *const sensor = &sensors[channel];
+    if (sensor->displaced) {
+        sensor->displaced = false;
+        sensor->known = false;
+        sensor->run = 0;
     }
 }
 
-extern "C" uint8_t my1016_sensors_check(uint8_t channel, uint16_t word, uint8_t finished, int32_t model_mC) {
+extern "C" uint8_t my1016_sensors_check(uint8_t channel, uint32_t word, uint8_t finished, int32_t model_mC) {
     Sensor *const sensor = &sensors[channel];
     if (sensor->since < LONGEST) {
         ++sensor->since;
@@ -183,3 +244,11 @@ extern "C" uint8_t my1016_sensors_check(uint8_t channel, uint16_t word, uint8_t 
 extern "C" uint8_t my1016_sensors_code(uint8_t channel) { return sensors[channel].code; }
 
 extern "C" int32_t my1016_sensors_mC(uint8_t channel) { return (int32_t)sensors[channel].believed * COUNT_MK; }
+
+extern "C" uint8_t my1016_sensors_plausible(uint8_t channel) {
+    const Sensor *const sensor = &sensors[channel];
+    const bool read = sensor->code != MY1016_SAMPLE_EARLY && sensor->code != MY1016_SAMPLE_STUCK;
+    return read && sensor->agreed >= PLAUSIBLE;
+}
+
+extern "C" int32_t my1016_sensors_plausible_mC(uint8_t channel) { return (int32_t)sensors[channel].latest[0] * COUNT_MK; }

@@ -1,0 +1,162 @@
+// Causes and actions of my1016, see my1016_protection.h. Whole numbers only: every target acts at the same samples.
+#include "my1016_protection.h"
+
+#include "my1016_platform.h"
+
+my1016_ProtectionState my1016_protection_state;
+
+namespace {
+
+enum : uint8_t { ALARMS, LOST, DEVICE };      // the word of the sample in which a cause shows
+enum : uint8_t { BY_ITSELF, BY_COMMAND, BY_COMMAND_ONCE_COOL };  // how an action ends
+
+struct Entry {
+    uint32_t mask;       // bits of that word ..
+    int32_t restart_mC;  // the part has cooled down below it
+    uint16_t delay;      // samples that the cause must have held
+    uint8_t word;
+    uint8_t least;       // .. and how many of them make the cause
+    uint8_t until;
+    uint8_t component;   // the part whose cooling is waited for
+    uint8_t pwm;         // the largest |PWM| meanwhile
+};
+
+const Entry ENTRIES[MY1016_PROTECTIONS] PROGMEM = {
+    // brush_limit: alarm brush_limit: the motor stops; ends by command, once brush is below 110 degC
+    {16UL, 110000L, 0u, ALARMS, 1, BY_COMMAND_ONCE_COOL, 0, 0},
+    // bearing_limit: alarm bearing_limit: the motor stops; ends by command, once bearing is below 100 degC
+    {32UL, 100000L, 0u, ALARMS, 1, BY_COMMAND_ONCE_COOL, 1, 0},
+    // magnet_limit: alarm magnet_limit: the motor stops; ends by command, once magnet is below 100 degC
+    {64UL, 100000L, 0u, ALARMS, 1, BY_COMMAND_ONCE_COOL, 2, 0},
+    // casing_limit: alarm casing_limit: the motor stops; ends by command, once casing is below 100 degC
+    {128UL, 100000L, 0u, ALARMS, 1, BY_COMMAND_ONCE_COOL, 3, 0},
+    // sensor_lost: no believed sample of brush or bearing or magnet or casing for 10 s: the motor stops; ends by itself
+    {15UL, 0L, 40u, LOST, 1, BY_ITSELF, 0, 0},
+    // ambient_lost: the ambient's thermocouple is not believed for 10 s: an event and the LED; ends by itself
+    {16UL, 0L, 40u, LOST, 1, BY_ITSELF, 0, 255},
+    // stall: PWM, and the motor does not turn: the motor stops; ends by command
+    {1UL, 0L, 0u, DEVICE, 1, BY_COMMAND, 0, 0},
+    // overspeed: more than 120 % of the nominal speed for 2 s: an event and the LED; ends by itself
+    {2UL, 0L, 8u, DEVICE, 1, BY_ITSELF, 0, 255},
+    // turning_without_command: the motor turns at PWM 0 for 60 s: an event and the LED; ends by itself
+    {4UL, 0L, 240u, DEVICE, 1, BY_ITSELF, 0, 255},
+    // flash_check: the program in flash is not what was built: the motor stops; ends by command
+    {32UL, 0L, 0u, DEVICE, 1, BY_COMMAND, 0, 0},
+    // ram_check: a cell of the RAM does not hold what is written to it: the motor stops; ends by command
+    {64UL, 0L, 0u, DEVICE, 1, BY_COMMAND, 0, 0},
+};
+
+const uint32_t LASTING = 1615UL;  // only a command ends them
+const uint32_t OPENING = 0UL;  // they open the relay
+const uint32_t SHOWING = 2047UL;  // the LED tells of them
+
+bool is_there(const Entry &entry, const my1016_Conditions *conditions) {
+    uint32_t bits = entry.word == ALARMS ? conditions->alarms : entry.word == LOST ? conditions->lost : conditions->device;
+    uint8_t set = 0;
+    for (bits &= entry.mask; bits; bits &= bits - 1) {
+        ++set;
+    }
+    return set >= entry.least;
+}
+
+bool may_end(const Entry &entry, const my1016_Sample *sample) {
+    if (entry.until == BY_ITSELF) {
+        return true;
+    }
+    if (!my1016_protection_state.asked) {
+        return false;
+    }
+    return entry.until == BY_COMMAND ||
+           (((sample->valid >> entry.component) & 1u) && sample->measured_mC[entry.component] < entry.restart_mC);
+}
+
+}  // namespace
+
+extern "C" void my1016_protection_begin(void) { my1016_protection_state = my1016_ProtectionState(); }
+
+extern "C" void my1016_protection_restore(uint32_t acting) { my1016_protection_state.acting |= acting & LASTING; }
+
+extern "C" void my1016_protection_step(const my1016_Conditions *conditions, const my1016_Sample *sample) {
+    my1016_ProtectionState *const state = &my1016_protection_state;
+    for (uint8_t number = 0; number < MY1016_PROTECTIONS; ++number) {
+        const uint32_t bit = (uint32_t)1 << number;
+        Entry entry;
+        memcpy_P(&entry, &ENTRIES[number], sizeof entry);
+        if (!is_there(entry, conditions)) {
+            state->held[number] = 0;
+            state->holding &= ~bit;
+            if (may_end(entry, sample)) {
+                state->acting &= ~bit;
+            }
+            continue;
+        }
+        state->holding |= bit;
+        if (state->held[number] <= entry.delay) {
+            ++state->held[number];
+        }
+        if (state->held[number] > entry.delay) {
+            state->acting |= bit;
+        }
+    }
+    state->asked = 0;
+}
+
+extern "C" void my1016_protection_ask(void) { my1016_protection_state.asked = 1; }
+
+extern "C" uint32_t my1016_protection(void) { return my1016_protection_state.acting; }
+
+extern "C" uint32_t my1016_protection_lasting(void) { return my1016_protection_state.acting & LASTING; }
+
+extern "C" uint8_t my1016_protection_most_pwm(void) {
+    uint8_t most = 255;
+    for (uint8_t number = 0; number < MY1016_PROTECTIONS; ++number) {
+        if ((my1016_protection_state.acting >> number) & 1u) {
+            const uint8_t pwm = pgm_read_byte(&ENTRIES[number].pwm);
+            most = pwm < most ? pwm : most;
+        }
+    }
+    return most;
+}
+
+extern "C" uint8_t my1016_protection_opens_relay(void) { return (my1016_protection_state.acting & OPENING) != 0; }
+
+extern "C" uint8_t my1016_protection_shows(void) { return (my1016_protection_state.acting & SHOWING) != 0; }
+
+static const char name_brush_limit[] PROGMEM = "brush_limit";
+static const char name_bearing_limit[] PROGMEM = "bearing_limit";
+static const char name_magnet_limit[] PROGMEM = "magnet_limit";
+static const char name_casing_limit[] PROGMEM = "casing_limit";
+static const char name_sensor_lost[] PROGMEM = "sensor_lost";
+static const char name_ambient_lost[] PROGMEM = "ambient_lost";
+static const char name_stall[] PROGMEM = "stall";
+static const char name_overspeed[] PROGMEM = "overspeed";
+static const char name_turning_without_command[] PROGMEM = "turning_without_command";
+static const char name_flash_check[] PROGMEM = "flash_check";
+static const char name_ram_check[] PROGMEM = "ram_check";
+
+extern "C" const char *my1016_protection_name(uint8_t entry) {
+    switch (entry) {
+        case MY1016_PROTECTION_BEARING_LIMIT:
+            return name_bearing_limit;
+        case MY1016_PROTECTION_MAGNET_LIMIT:
+            return name_magnet_limit;
+        case MY1016_PROTECTION_CASING_LIMIT:
+            return name_casing_limit;
+        case MY1016_PROTECTION_SENSOR_LOST:
+            return name_sensor_lost;
+        case MY1016_PROTECTION_AMBIENT_LOST:
+            return name_ambient_lost;
+        case MY1016_PROTECTION_STALL:
+            return name_stall;
+        case MY1016_PROTECTION_OVERSPEED:
+            return name_overspeed;
+        case MY1016_PROTECTION_TURNING_WITHOUT_COMMAND:
+            return name_turning_without_command;
+        case MY1016_PROTECTION_FLASH_CHECK:
+            return name_flash_check;
+        case MY1016_PROTECTION_RAM_CHECK:
+            return name_ram_check;
+        default:
+            return name_brush_limit;
+    }
+}
