@@ -125,13 +125,13 @@ def test_commands_wait_for_the_page_to_be_armed(page: Page) -> None:
         page.keyboard.press("Control+A")
         page.keyboard.type("90")
         page.keyboard.press("Enter")
-        wait_until(lambda: source.told.sent == [b"90\n"])
+        wait_until(lambda: source.told.sent == [b"arm\n90\n"])
         page.locator("#line").fill("format c:")
         page.keyboard.press("Enter")
         expect(page.locator("#refused")).to_contain_text("expected a PWM")
         page.locator("#arm").click()
         expect(page.locator("#halt")).to_be_disabled()
-    assert source.told.sent == [b"90\n"]
+    assert source.told.sent == [b"arm\n90\n"]
 
 
 def test_what_the_page_changes_reaches_the_source(page: Page) -> None:
