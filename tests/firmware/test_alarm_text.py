@@ -20,6 +20,10 @@ OTHER = {"name": "other", "kind": "over_temperature", "component": "brush", "lim
     [
         (
             {"kind": "over_temperature", "limit_degC": 120.0, "speed_percent": [0, 100]},
+            "casing over 120 degC, at 0 to 100 % speed, stops the motor",
+        ),
+        (
+            {"kind": "over_temperature", "limit_degC": 120.0, "speed_percent": [0, 100], "stop_motor": False},
             "casing over 120 degC, at 0 to 100 % speed",
         ),
         (
