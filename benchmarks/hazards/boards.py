@@ -13,7 +13,6 @@ from gen.coefficients.alarms import OverTemperature
 from gen.coefficients.protecting import limited_parts, protections
 from gen.coefficients.wiring import Wiring
 from gen.emulate.firmware import Firmware, build_firmware, cache_folder
-from gen.lowering.protection import ACTIONS, lower_protection
 
 ROOT = Path(__file__).parents[2]
 PULSES = 20
@@ -59,7 +58,7 @@ class Variant:
     @property
     def actions(self) -> dict[str, str]:
         """What the board does, by the name of the entry."""
-        return {entry.label: ACTIONS[entry.action] for entry in lower_protection(self.coefficients)}
+        return {entry.label: entry.action for entry in protections(self.coefficients.document)}
 
 
 @cache

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from gen.coefficients.alarms import AlarmRule, OverTemperature
 from gen.coefficients.document import Document
 from gen.coefficients.protection import MOST_PROTECTIONS, Action, Protection
@@ -36,25 +34,14 @@ def protections(document: Document) -> tuple[Protection, ...]:
     InputError
         If they are more than the board has bits for.
     """
-    written = document.protection
-    named = {(entry.cause, entry.rule) for entry in written}
-    causes = {entry.cause for entry in written}
-    wiring = document.wiring or Wiring()
-    found = list(written)
-    labels = {entry.label.lower() for entry in written}
-    for entry in (*_of_rules(document, wiring), *_of_wiring(document, wiring)):
-        if (entry.cause, entry.rule) in named or (entry.cause != "alarm" and entry.cause in causes):
-            continue
-        label = entry.label
-        while label.lower() in labels:  # a rule may be called as a cause is
-            label = f"{label}_too"
-        labels.add(label.lower())
-        found.append(entry if label == entry.label else entry.model_copy(update={"name": label}))
+    found = [*document.protection, *_of_rules(document)]
+    named = {entry.cause for entry in document.protection}
+    found += [entry for entry in _of_wiring(document) if entry.cause not in named]
     if len(found) > MOST_PROTECTIONS:
         raise InputError(
             f"with defaults there are {len(found)} causes, expected at most {MOST_PROTECTIONS}", place="$.protection"
         )
-    return tuple(found)
+    return tuple(_apart(found))
 
 
 def can_stop(wiring: Wiring | None) -> bool:
@@ -62,24 +49,35 @@ def can_stop(wiring: Wiring | None) -> bool:
     return wiring is not None and (wiring.drive is not None or wiring.relay_pin is not None)
 
 
-def rule_stops(document: Document, rule: AlarmRule) -> bool:
-    """Whether a rule stops the motor: as it says; where it says nothing, if it is a limit and anything can stop it."""
-    if rule.stop_motor is None:
-        return isinstance(rule, OverTemperature) and can_stop(document.wiring)
-    return rule.stop_motor
+def limited_parts(document: Document) -> set[str]:
+    """Parts of which an over-temperature rule stops the motor, by the rule or by the file's table."""
+    stopping = {entry.rule for entry in (*document.protection, *_of_rules(document)) if entry.stops}
+    return {rule.component for rule in document.alarms if isinstance(rule, OverTemperature) and rule.name in stopping}
 
 
-def strongest(wiring: Wiring) -> Action:
-    """What a board does about a motor that must not run: its relay opens where there is one."""
-    if wiring.relay_pin is not None:
-        return "open_relay"
-    return "stop" if wiring.drive is not None else "led"
+def watched_channels(document: Document) -> list[str]:
+    """Those of them that have a thermocouple, in the wiring's order."""
+    wired = document.wiring.thermocouples if document.wiring is not None else ()
+    limited = limited_parts(document)
+    return [chip.channel for chip in wired if chip.channel in limited]
 
 
-def _of_rules(document: Document, wiring: Wiring) -> list[Protection]:
+def cooling_part(document: Document, entry: Protection) -> str | None:
+    """The part whose cooling an entry waits for, its own or that of its rule; None of one that does not wait."""
+    if entry.until != "cool" or entry.component is not None:
+        return entry.component
+    return next(rule.component for rule in document.alarms if rule.name == entry.rule)
+
+
+def _of_rules(document: Document) -> list[Protection]:
+    """What rules do of which the file's table says nothing."""
+    wiring = document.wiring
+    if wiring is None or not can_stop(wiring):
+        return []
+    named = {entry.rule for entry in document.protection}
     found = []
     for rule in document.alarms:
-        if not rule_stops(document, rule) or not can_stop(wiring):
+        if rule.name in named or not _stops(rule):
             continue
         if isinstance(rule, OverTemperature):
             below = rule.limit_degC - max(COOLED_K, rule.hysteresis_K)
@@ -87,23 +85,22 @@ def _of_rules(document: Document, wiring: Wiring) -> list[Protection]:
                 Protection(
                     cause="alarm",
                     rule=rule.name,
-                    action=strongest(wiring),
+                    action=_strongest(wiring),
                     until="cool",
                     restart_below_degC=below,
                 )
             )
         else:
-            action: Action = "stop" if wiring.drive is not None else "open_relay"
-            found.append(Protection(cause="alarm", rule=rule.name, action=action, until="command"))
+            found.append(Protection(cause="alarm", rule=rule.name, action=_gentlest(wiring), until="command"))
     return found
 
 
-def _of_wiring(document: Document, wiring: Wiring) -> list[Protection]:
+def _of_wiring(document: Document) -> list[Protection]:
     """Causes beside the rules: only where something can be done about them."""
-    if not can_stop(wiring):
+    wiring = document.wiring
+    if wiring is None or not can_stop(wiring):
         return []
-    hard = strongest(wiring)
-    soft: Action = "stop" if wiring.drive is not None else hard
+    hard, soft = _strongest(wiring), _gentlest(wiring)
     found = []
     if watched_channels(document):
         # A relay that closed by itself would start a motor that another controller drives.
@@ -125,22 +122,29 @@ def _of_wiring(document: Document, wiring: Wiring) -> list[Protection]:
     return found
 
 
-def watched_channels(document: Document) -> list[str]:
-    """Parts with a thermocouple that an over-temperature rule which stops the motor watches, in the wiring's order."""
-    wired = document.wiring.thermocouples if document.wiring is not None else ()
-    limited = limited_parts(document)
-    return [chip.channel for chip in wired if chip.channel in limited]
+def _stops(rule: AlarmRule) -> bool:
+    """Whether a rule stops a motor that can be stopped: as it says; where it says nothing, if it is a limit."""
+    return isinstance(rule, OverTemperature) if rule.stop_motor is None else rule.stop_motor
 
 
-def limited_parts(document: Document) -> set[str]:
-    """Parts of which an over-temperature rule stops the motor, by the rule or by the file's table."""
-    entries: Sequence[Protection] = document.protection
-    stopping = {entry.rule for entry in entries if entry.stops}
-    spared = {entry.rule for entry in entries if not entry.stops} - stopping
-    return {
-        rule.component
-        for rule in document.alarms
-        if isinstance(rule, OverTemperature)
-        and rule.name not in spared
-        and (rule.name in stopping or rule_stops(document, rule))
-    }
+def _strongest(wiring: Wiring) -> Action:
+    """What a board does about a motor that must not run: its relay opens where there is one."""
+    return "stop" if wiring.relay_pin is None else "open_relay"
+
+
+def _gentlest(wiring: Wiring) -> Action:
+    """What it does about one that has to stand: PWM 0 is enough where the board drives it."""
+    return "open_relay" if wiring.drive is None else "stop"
+
+
+def _apart(entries: list[Protection]) -> list[Protection]:
+    """The entries under names of their own: a rule may be called as a cause is."""
+    found: list[Protection] = []
+    taken: set[str] = set()
+    for entry in entries:
+        label = entry.label
+        while label.lower() in taken:
+            label = f"{label}_too"
+        taken.add(label.lower())
+        found.append(entry if label == entry.label else entry.model_copy(update={"name": label}))
+    return found

@@ -16,11 +16,10 @@ from gen.errors import InputError
 from gen.firmware import render
 from gen.firmware.certificate import CERTIFICATE, certificate_json
 from gen.firmware.context import LibraryContext, Names, project_context
-from gen.firmware.contexts.board import DeviceContext
 from gen.firmware.contexts.identity import ROOM_degC
 from gen.firmware.contexts.tests import tests_context
-from gen.firmware.device import device_context, sketch_files
 from gen.firmware.report import report_html
+from gen.firmware.sketch.device import DeviceContext, device_context, sketch_files
 from gen.firmware.wiring_svg import parts, wiring_svg
 from gen.lowering.program import Program
 from gen.version import AUTHORS, LICENSE, REPOSITORY, __version__

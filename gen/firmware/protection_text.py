@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gen.coefficients.document import Document
-from gen.coefficients.protecting import watched_channels
+from gen.coefficients.protecting import cooling_part, watched_channels
 from gen.coefficients.protection import Action, Cause, Protection
 
 _CAUSES: dict[Cause, str] = {
@@ -44,10 +44,7 @@ def end_text(document: Document, entry: Protection) -> str:
         return "by itself"
     if entry.until == "command":
         return "by command"
-    part = entry.component
-    if part is None:
-        part = next(rule.component for rule in document.alarms if rule.name == entry.rule)
-    return f"by command, once {part} is below {entry.restart_below_degC:g} degC"
+    return f"by command, once {cooling_part(document, entry)} is below {entry.restart_below_degC:g} degC"
 
 
 def protection_text(document: Document, entry: Protection) -> str:

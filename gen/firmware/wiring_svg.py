@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
 
-from gen.firmware.contexts.board import DeviceContext, Pin
 from gen.firmware.pins import label
+from gen.firmware.sketch.device import DeviceContext
+from gen.firmware.sketch.pin import Pin
 
 _ROW = 20
 _GAP = 20
@@ -49,7 +50,7 @@ def parts(device: DeviceContext) -> list[Part]:
     Parameters
     ----------
     device
-        What :func:`gen.firmware.device.device_context` made.
+        What :func:`gen.firmware.sketch.device.device_context` made.
     """
     found = []
     for chip in device["chips"]:
@@ -100,7 +101,7 @@ def wiring_svg(title: str, device: DeviceContext) -> str:
     title
         Its heading.
     device
-        What :func:`gen.firmware.device.device_context` made.
+        What :func:`gen.firmware.sketch.device.device_context` made.
     """
     devices = parts(device)
     ends = dict.fromkeys(t.to for part in devices for t in part.terminals)

@@ -26,6 +26,7 @@ from gen.coefficients.alarms import (
 )
 from gen.coefficients.document import Document
 from gen.lowering.heat import LoweredHeat, lower_heat
+from gen.lowering.samples import samples
 from gen.model import Component, ThermalModel
 
 Array = NDArray[np.float64]
@@ -137,9 +138,9 @@ def lower_alarms(coefficients: Coefficients) -> tuple[LoweredRule, ...]:
                 component=model.component_names.index(rule.component),
                 relative_to=None if other is None else model.component_names.index(other),
                 segments=_segments(document, rule),
-                settle=_samples(rule.settle_s, model),
+                settle=samples(rule.settle_s, model.sample_time),
                 start_wait=wait,
-                persistence=_samples(rule.persistence_s, model),
+                persistence=samples(rule.persistence_s, model.sample_time),
                 requires=None if rule.requires is None else names.index(rule.requires),
                 unless=None if rule.unless is None else names.index(rule.unless),
                 sum_limit=sum_limit,
@@ -235,10 +236,6 @@ def _fading_time(matrix: Array, errors: Array, model: ThermalModel, read: int) -
         if below > max(20, last):
             break
     return min(MOST_SAMPLES, int(np.ceil((last + 1) * _START_STEP_S / model.sample_time)))
-
-
-def _samples(seconds: float, model: ThermalModel) -> int:
-    return min(MOST_SAMPLES, int(np.ceil(seconds / model.sample_time - 1e-9)))
 
 
 def _segments(document: Document, rule: AlarmRule) -> tuple[Segment, ...]:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil
 from typing import Final, Literal
 
 from gen.coefficients import Coefficients
-from gen.coefficients.alarms import MOST_SAMPLES
 from gen.coefficients.document import Document
-from gen.coefficients.protecting import protections, watched_channels
-from gen.coefficients.protection import Protection
+from gen.coefficients.protecting import cooling_part, protections, watched_channels
+from gen.coefficients.protection import Protection, Until
+from gen.lowering.samples import samples
 
 Word = Literal["alarms", "lost", "device"]
 """The word of a sample that says whether a cause is there: latched rules, sensors not believed, the sketch's own."""
@@ -26,9 +25,6 @@ DEVICE: Final = (
     "eeprom_check",
 )
 """Causes that the sketch finds by itself; bit b of the word `device` is the b-th."""
-ACTIONS: Final = ("log", "led", "derate", "stop", "open_relay")
-"""In the order of what they do; the board has their places."""
-ENDS: Final = ("itself", "command", "cool")
 
 
 @dataclass(frozen=True)
@@ -43,8 +39,6 @@ class LoweredProtection:
         The cause is there while at least `least` of the bits of `mask` are set in that word of the sample.
     delay
         Samples that it must have held before the action begins.
-    action, until
-        Places in :data:`ACTIONS` and :data:`ENDS`.
     pwm
         The largest |PWM| while it acts, in counts: the full scale where it limits nothing, 0 of one that stops.
     component, restart_mC
@@ -59,27 +53,30 @@ class LoweredProtection:
     mask: int
     least: int
     delay: int
-    action: int
-    until: int
     pwm: int
     component: int
     restart_mC: int
     source: Protection
 
     @property
+    def until(self) -> Until:
+        """How it ends."""
+        return self.source.until
+
+    @property
     def opens_relay(self) -> bool:
         """Whether the relay opens while it acts."""
-        return ACTIONS[self.action] == "open_relay"
+        return self.source.action == "open_relay"
 
     @property
     def shows(self) -> bool:
         """Whether the LED tells of it."""
-        return ACTIONS[self.action] != "log"
+        return self.source.action != "log"
 
     @property
     def lasts(self) -> bool:
         """Whether it outlives a reset of the board, since only a command ends it."""
-        return ENDS[self.until] != "itself"
+        return self.until != "itself"
 
 
 def lower_protection(coefficients: Coefficients) -> tuple[LoweredProtection, ...]:
@@ -96,22 +93,16 @@ def lower_protection(coefficients: Coefficients) -> tuple[LoweredProtection, ...
 
 def _lowered(document: Document, entry: Protection) -> LoweredProtection:
     word, mask, least = _condition(document, entry)
-    part = entry.component
-    if part is None and entry.rule is not None:
-        part = next(rule.component for rule in document.alarms if rule.name == entry.rule)
+    part = cooling_part(document, entry)
     pwm = entry.derate_pwm if entry.derate_pwm is not None else document.input.full_scale
-    cools = entry.until == "cool"
-    assert not cools or part is not None
     return LoweredProtection(
         label=entry.label,
         word=word,
         mask=mask,
         least=least,
-        delay=min(MOST_SAMPLES, ceil(entry.delay_s / document.sample_time_s - 1e-9)),
-        action=ACTIONS.index(entry.action),
-        until=ENDS.index(entry.until),
+        delay=samples(entry.delay_s, document.sample_time_s),
         pwm=0 if entry.stops else pwm,
-        component=document.component_names.index(part) if cools and part is not None else 0,
+        component=0 if part is None else document.component_names.index(part),
         restart_mC=round(entry.restart_below_degC * 1000.0) if entry.restart_below_degC is not None else 0,
         source=entry,
     )

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.protection import ENDS, LoweredProtection, Word
+from gen.lowering.protection import LoweredProtection, Word
 
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -76,7 +76,7 @@ class ReferenceProtection:
             there = _set_bits(words[entry.word] & entry.mask, entry.mask) >= entry.least
             self._held[number] = np.where(there, np.minimum(self._held[number] + 1, entry.delay + 1), 0)
             cooled = np.ones_like(there)
-            if ENDS[entry.until] == "cool":
+            if entry.until == "cool":
                 seen = ((valid >> entry.component) & 1) == 1
                 cooled = seen & (measured_mC[entry.component] < entry.restart_mC)
             ends = ~there & (cooled & self._asked if entry.lasts else np.ones_like(there))

@@ -8,7 +8,7 @@ import zlib
 import numpy as np
 import pytest
 
-from gen.firmware.device import device_context
+from gen.firmware.sketch.device import device_context
 from gen.lowering.lower import lower
 from tests.device.board import MEMORY, OPEN, Board
 from tests.device.conftest import Open

@@ -20,7 +20,7 @@ from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 from gen.coefficients import Coefficients
 from gen.firmware import render
 from gen.firmware.context import project_context
-from gen.firmware.device import device_context
+from gen.firmware.sketch.device import device_context
 from gen.lowering.lower import lower
 from gen.lowering.sensors import (
     CONFIRMATIONS,

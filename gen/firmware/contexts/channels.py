@@ -73,3 +73,9 @@ def channel_contexts(channels: Sequence[Channel]) -> list[ChannelContext]:
         }
         for name, channel in zip(channel_names(channels), channels, strict=True)
     ]
+
+
+def told_channels(program: Program) -> dict[str, str]:
+    """Names in the C++ of the columns that the model is told."""
+    columns = [channel.column for channel in program.channels]
+    return dict(zip(columns, channel_names(program.channels), strict=True))

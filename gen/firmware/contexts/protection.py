@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from typing import TypedDict
 
 from gen.coefficients.document import Document
+from gen.coefficients.protection import Until
 from gen.firmware.protection_text import action_text, cause_text, end_text, protection_text
-from gen.lowering.protection import DEVICE, ENDS, LoweredProtection
+from gen.lowering.protection import DEVICE, LoweredProtection
 
 _WORDS = {"alarms": "ALARMS", "lost": "LOST", "device": "DEVICE"}
-_ENDS = {"itself": "BY_ITSELF", "command": "BY_COMMAND", "cool": "BY_COMMAND_ONCE_COOL"}
+_ENDS: dict[Until, str] = {"itself": "BY_ITSELF", "command": "BY_COMMAND", "cool": "BY_COMMAND_ONCE_COOL"}
 
 
 class ProtectionEntry(TypedDict):
@@ -64,7 +65,7 @@ def protection_context(document: Document, entries: Sequence[LoweredProtection])
                 "mask": entry.mask,
                 "least": entry.least,
                 "delay": entry.delay,
-                "until": _ENDS[ENDS[entry.until]],
+                "until": _ENDS[entry.until],
                 "pwm": entry.pwm,
                 "component": entry.component,
                 "restart_mC": entry.restart_mC,

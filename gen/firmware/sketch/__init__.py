@@ -1,0 +1,1 @@
+"""What the templates of the sketch are told: pins, limits in the board's units, JSON paths."""

@@ -1,0 +1,120 @@
+"""The whole sketch: which sources a wiring needs, and what they are told."""
+
+from __future__ import annotations
+
+import math
+
+from gen.coefficients import Coefficients
+from gen.coefficients.protecting import protections
+from gen.coefficients.wiring import Wiring
+from gen.firmware.alarm_text import AlarmText, alarm_texts
+from gen.firmware.sketch.drive import DriveContext, ObserveContext, drive_context, idle_timers, observe_context
+from gen.firmware.sketch.encoder import EncoderContext, encoder_context
+from gen.firmware.sketch.inputs import InputsContext, inputs_context
+from gen.firmware.sketch.memory import LatchContext, MemoryContext, latch_context, memory_context
+from gen.firmware.sketch.pin import Pin, pin_context
+from gen.firmware.sketch.rows import RowsContext, rows_context
+from gen.firmware.sketch.sensors import SensorsContext, sensors_context
+from gen.lowering.alarms import COLD_mK
+from gen.lowering.program import Program
+from gen.lowering.samples import samples
+from gen.lowering.sensors import CONFIRMATIONS
+
+_ALWAYS = ("board", "commands", "console", "crc32", "drive", "output", "selftest")
+_START_MS = 5000
+"""How long the model's start waits for thermocouples that are not believed yet."""
+
+
+class DeviceContext(SensorsContext, InputsContext, RowsContext):
+    """The whole sketch; a part that is not wired is empty or None."""
+
+    cold_mK: int
+    baud: int
+    late_ms: int
+    start_samples: int
+    start_s: str
+    led: int | None
+    button: int | None
+    encoder: EncoderContext | None
+    drive: DriveContext | None
+    observe: ObserveContext | None
+    memory: MemoryContext | None
+    latch: LatchContext | None
+    relay: Pin | None
+    protects: bool
+    timeout_samples: int
+    idle_timers: list[int]
+    alarms: list[str]
+    alarm_texts: tuple[AlarmText, ...]
+
+
+def sketch_files(device: DeviceContext) -> dict[str, str]:
+    """Emitted path -> template for the sources that this wiring needs.
+
+    Parameters
+    ----------
+    device
+        What `device_context` made.
+    """
+    modules = [*_ALWAYS]
+    for module, wanted in (
+        ("channels", device["channels"]),
+        ("thermocouples", device["chips"]),
+        ("encoder", device["encoder"]),
+        ("observer", device["observe"]),
+        ("relay", device["relay"]),
+        ("guard", device["protects"]),
+        ("memory", device["memory"]),
+        ("latch", device["latch"]),
+        ("indicator", device["led"] is not None or device["button"] is not None),
+    ):
+        if wanted:
+            modules.append(module)
+    names = ["config.h", "device.h", "main.cpp", *(f"{module}.{end}" for module in modules for end in ("h", "cpp"))]
+    files = {f"src/{name}": f"src/{name}.j2" for name in names}
+    if device["chips"]:
+        files |= {f"lib/NAME/src/NAME_sensors.{end}": f"lib/model/src/sensors.{end}.j2" for end in ("h", "cpp")}
+    return files
+
+
+def device_context(coefficients: Coefficients, program: Program) -> DeviceContext:
+    """Everything about the board that the templates of the sketch need.
+
+    Parameters
+    ----------
+    coefficients, program
+        What is emitted.
+    """
+    document = coefficients.document
+    wiring = document.wiring or Wiring()
+    drive, encoder, observe = wiring.drive, wiring.encoder, wiring.observe
+    sample_time, full_scale = program.model.sample_time, document.input.full_scale
+    sample_ms = round(sample_time * 1000.0)
+    sensors = sensors_context(coefficients, wiring.thermocouples, program, sample_ms)
+    memory = memory_context(wiring, sensors, program, coefficients.sha256, sample_ms)
+    entries = protections(document)
+    lasting = any(entry.until != "itself" for entry in entries)
+    start_samples = max(2 * CONFIRMATIONS * sensors["read_samples"], math.ceil(_START_MS / sample_ms))
+    return {
+        **sensors,
+        **inputs_context(wiring.channels, program, sample_ms),
+        **rows_context(coefficients, wiring, sensors["chips"], protects=bool(entries)),
+        "cold_mK": COLD_mK,
+        "baud": wiring.serial_baud,
+        "late_ms": max(2, sample_ms // 25),
+        "start_samples": start_samples,
+        "start_s": f"{start_samples * sample_ms / 1000:g}",
+        "led": wiring.led_pin,
+        "button": wiring.button_pin,
+        "encoder": encoder_context(encoder, document.input.nominal_speed_rpm, sample_ms) if encoder else None,
+        "drive": drive_context(drive, full_scale, sample_time) if drive else None,
+        "observe": observe_context(observe) if observe else None,
+        "memory": memory,
+        "latch": latch_context() if memory and (document.alarms or lasting) else None,
+        "relay": pin_context(wiring.relay_pin, "$.wiring.relay_pin") if wiring.relay_pin is not None else None,
+        "protects": bool(entries),
+        "timeout_samples": samples(wiring.command_timeout_s or 0.0, sample_time),
+        "idle_timers": idle_timers(wiring),
+        "alarms": [alarm.name for alarm in document.alarms],
+        "alarm_texts": alarm_texts(coefficients),
+    }
