@@ -10,6 +10,7 @@ from pydantic.config import JsonDict
 from gen.coefficients.alarms import MOST_RULES, AlarmRule
 from gen.coefficients.base import Celsius, ColumnName, CountRange, Name, Part, Positive, fault, ordered
 from gen.coefficients.effects import EffectEntry, check_effects
+from gen.coefficients.forecast import Forecast, check_forecast
 from gen.coefficients.network import NetworkEntry
 from gen.coefficients.protection import MOST_PROTECTIONS, Protection
 from gen.coefficients.protection_checks import check_protection
@@ -182,6 +183,9 @@ class Document(Part):
             description="Causes and actions; those that are not named have defaults where a motor is driven.",
         ),
     ] = ()
+    forecast: Annotated[
+        Forecast | None, Field(description="How long the motor may run on at its PWM, and which PWM it can hold.")
+    ] = None
     effects: Annotated[
         tuple[EffectEntry, ...], Field(max_length=32, description="What `gen refine` found, added to the components.")
     ] = ()
@@ -239,7 +243,18 @@ class Document(Part):
         if self.wiring is not None:
             check_wiring_references(self.wiring, names, self.ambient.channel, full_scale)
         check_alarm_references(self.alarms, names, full_scale, self.sample_time_s)
-        check_protection(self.protection, self.alarms, self.wiring, full_scale, self.sample_time_s)
+        check_protection(
+            self.protection, self.alarms, self.wiring, full_scale, self.sample_time_s, foresees=self._foresees
+        )
+        if self.forecast is not None:
+            nodes = self.network.nodes if self.network is not None else ()
+            parts = dict.fromkeys([*names, *(node.name for node in nodes)])
+            check_forecast(self.forecast, self.alarms, list(parts), self.sample_time_s)
+
+    @property
+    def _foresees(self) -> bool:
+        """Whether the board knows when a limit is near."""
+        return self.forecast is not None and self.forecast.near_s is not None
 
     @property
     def thermocouple_columns(self) -> tuple[str, ...]:

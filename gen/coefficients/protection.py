@@ -17,14 +17,15 @@ Cause = Literal[
     "stall",
     "overspeed",
     "turning_without_command",
+    "limit_near",
     "late_loop",
     "command_timeout",
     "flash_check",
     "ram_check",
     "eeprom_check",
 ]
-"""An alarm rule that is raised; thermocouples whose samples are not believed; what the encoder says; the sketch's own
-time, line and self tests."""
+"""An alarm rule that is raised; thermocouples whose samples are not believed; what the encoder says; what the model
+says of the time to come; the sketch's own time, line and self tests."""
 
 Action = Literal["log", "led", "derate", "stop", "open_relay"]
 """An event on the serial line; the LED; a lower PWM; PWM 0; the relay's opening: each beside those before it."""

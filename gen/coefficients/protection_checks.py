@@ -18,6 +18,8 @@ def check_protection(
     wiring: Wiring | None,
     full_scale: int,
     sample_time_s: float,
+    *,
+    foresees: bool,
 ) -> None:
     """Check the file's own entries.
 
@@ -29,6 +31,8 @@ def check_protection(
         The count that is 100 %.
     sample_time_s
         In s.
+    foresees
+        The board knows when a limit is near.
 
     Raises
     ------
@@ -42,6 +46,8 @@ def check_protection(
             raise fault(f'"{entry.label}" is another entry\'s name already; expected a "name" of its own', _AT, i)
         labels.add(entry.label.lower())
         _check_rule(entry, i, alarms)
+        if entry.cause == "limit_near" and not foresees:
+            raise fault('"limit_near" can never be: $.forecast lacks "near_s"', _AT, i, "cause")
         _check_cause(entry, i, alarms, board)
         _check_action(entry, i, board, full_scale)
         if entry.delay_s > MOST_SAMPLES * sample_time_s:

@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from gen.coefficients import Coefficients
 from gen.firmware.contexts.alarms import AlarmsContext, alarms_context
 from gen.firmware.contexts.effects import EffectsContext, effects_context
+from gen.firmware.contexts.forecast import ForecastContext, forecast_context
 from gen.firmware.contexts.identity import Identity, identity
 from gen.firmware.contexts.model import ModelContext, model_context
 from gen.firmware.contexts.network import NetworkContext, network_context
 from gen.firmware.contexts.protection import ProtectionContext, protection_context
 from gen.firmware.contexts.schedule import ScheduleContext, schedule_context
 from gen.lowering.alarms import lower_alarms
+from gen.lowering.forecast import lower_forecast
 from gen.lowering.program import Program
 from gen.lowering.protection import lower_protection
 
@@ -33,6 +35,8 @@ class LibraryContext:
         For the group of that name; `effects` is None without any, which the model's own templates ask for, too.
     protection
         Causes and actions; without entries nothing of it is emitted.
+    forecast
+        The model run ahead; None where the file does not ask for it.
     network
         A network's own; None with transfer functions, whose schedule is then None.
     """
@@ -43,6 +47,7 @@ class LibraryContext:
     alarms: AlarmsContext
     effects: EffectsContext | None
     protection: ProtectionContext
+    forecast: ForecastContext | None
     network: NetworkContext | None = None
 
     @property
@@ -53,7 +58,8 @@ class LibraryContext:
     def of_model(self) -> Names:
         """For interface, state and recursion."""
         own: Names = self.network if self.network is not None else {}
-        return {**self.identity, **self.model, **own, "effects": self.effects}
+        hidden = self.forecast is not None and self.forecast["hidden"]
+        return {**self.identity, **self.model, **own, "effects": self.effects, "reads_hidden": hidden}
 
     def of_schedule(self) -> Names:
         """For the schedule."""
@@ -61,7 +67,7 @@ class LibraryContext:
 
     def of_alarms(self) -> Names:
         """For the alarm rules, and for what follows from them."""
-        return {**self.identity, **self.alarms, **self.protection}
+        return {**self.identity, **self.alarms, **self.protection, "forecast": self.forecast}
 
     @property
     def protects(self) -> bool:
@@ -96,5 +102,6 @@ def project_context(coefficients: Coefficients, program: Program, source_name: s
         alarms_context(lower_alarms(coefficients), program.model),
         effects_context(program),
         protection_context(coefficients.document, lower_protection(coefficients)),
+        forecast_context(program, lower_forecast(coefficients, program)),
         network_context(program) if program.network is not None else None,
     )

@@ -116,6 +116,7 @@ def _of_sketch(coefficients: Coefficients, library: LibraryContext, device: Devi
     return {
         **library.of_model(),
         **library.protection,
+        "forecast": library.forecast,
         "device": {**device, "parts": parts(device)},
         "ambient_given": ambient is not None,
         "ambient": f"{ambient if ambient is not None else ROOM_degC:g}",
@@ -140,6 +141,7 @@ def _manifest(coefficients: Coefficients, program: Program, files: Mapping[str, 
         "wiring": _plain(coefficients.document.wiring),
         "alarms": [_plain(alarm) for alarm in coefficients.document.alarms],
         "protection": [_plain(entry) for entry in protections(coefficients.document)],
+        "forecast": _plain(coefficients.document.forecast),
         "files": {
             path: hashlib.sha256(text.encode()).hexdigest()
             for path, text in sorted(files.items())

@@ -11,6 +11,7 @@ _CAUSES: dict[Cause, str] = {
     "stall": "PWM, and the motor does not turn",
     "overspeed": "more than 120 % of the nominal speed",
     "turning_without_command": "the motor turns at PWM 0",
+    "limit_near": "a part will reach its limit within the time in $.forecast.near_s",
     "late_loop": "samples are taken late",
     "command_timeout": "no command for the time in $.wiring.command_timeout_s",
     "flash_check": "the program in flash is not what was built",

@@ -27,6 +27,10 @@ _PROTECTION = {
     "lib/NAME/src/NAME_protection.h": "lib/model/src/protection.h.j2",
     "lib/NAME/src/NAME_protection.cpp": "lib/model/src/protection.cpp.j2",
 }
+_FORECAST = {
+    "lib/NAME/src/NAME_forecast.h": "lib/model/src/forecast.h.j2",
+    "lib/NAME/src/NAME_forecast.cpp": "lib/model/src/forecast.cpp.j2",
+}
 _BODY: Mapping[Arithmetic, Mapping[str, str]] = {
     "fixed": {"lib/NAME/src/NAME.cpp": "lib/model/src/model_fixed.cpp.j2"},
     "float": {"lib/NAME/src/NAME.cpp": "lib/model/src/model_float.cpp.j2"},
@@ -100,7 +104,8 @@ def library(context: LibraryContext) -> dict[str, str]:
 
 
 def _alarms(context: LibraryContext) -> dict[str, str]:
-    """The rules, the sums of missing heat where a rule is on them, and causes and actions where there are any."""
+    """The rules, the sums of missing heat where a rule is on them, and what else a file asks for."""
     files = _ALARMS | (_HEAT if context.alarms["heat_rules"] else {})
     files |= _PROTECTION if context.protects else {}
+    files |= _FORECAST if context.forecast is not None else {}
     return render(files, context.of_alarms())

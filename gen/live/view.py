@@ -19,7 +19,7 @@ from gen.coefficients.protecting import protections
 from gen.drawing.thinning import line
 from gen.record import Recorder
 from gen.reference.sensors import SensorCode
-from gen.runs.run import board_columns
+from gen.runs.run import STATUS, board_columns
 
 Array = NDArray[np.float64]
 Row = list[float | None]
@@ -158,7 +158,7 @@ class View:
             table = np.array(self._values, dtype=np.float64).reshape(rows, self._width)
         curves = {}
         for place, name in enumerate(columns):
-            if place and name not in ("flags", "sensors", "alarms", "protection") and rows:
+            if place and name not in STATUS and rows:
                 x, y = line(table[:, 0], table[:, place], most)
                 curves[name] = [x.tolist(), [None if np.isnan(value) else value for value in y.tolist()]]
         return {"part": part, "next": rows, "columns": columns, "curves": curves}

@@ -23,6 +23,7 @@ DEVICE: Final = (
     "flash_check",
     "ram_check",
     "eeprom_check",
+    "limit_near",
 )
 """Causes that the sketch finds by itself; bit b of the word `device` is the b-th."""
 

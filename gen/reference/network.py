@@ -148,6 +148,10 @@ class ReferenceNetwork:
         """The same in thousandths of a kelvin, to nearest."""
         return thousandths(self._rise_words, self._program.fraction_bits)
 
+    def node_mC(self, state: int) -> Integers:
+        """A state's temperature in thousandths of a degree Celsius, to nearest, shape (L,): of a hidden node, too."""
+        return thousandths(self._state[state] >> self._low_bits, self._program.fraction_bits)
+
     def state_record(self) -> Record:
         """The state words alone, shape (L,); the record's other fields are 0."""
         record = np.zeros(self.lanes, dtype=record_type(self._program))

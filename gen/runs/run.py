@@ -12,13 +12,14 @@ FloatArray = NDArray[np.float64]
 AMBIENT = "ambient_degC"
 EXPECTS = "expects"
 """Key of the comment in which a planned profile, and a run that followed it, says what it is to decide."""
-_STATUS = {"flags", "sensors", "alarms", "protection"}
+STATUS = frozenset(["flags", "sensors", "alarms", "protection", "time_to_limit_s", "holdable_pwm"])
+"""Columns in which a board speaks of itself."""
 
 
 def board_columns(names: Collection[str]) -> set[str]:
     """Columns that a board adds on its own account: its model's temperatures and its status. They measure nothing."""
     models = {name for name in names if name.endswith("_model_degC") and name.replace("_model_", "_") in names}
-    return models | (_STATUS & set(names))
+    return models | (STATUS & set(names))
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.alarms import LoweredRule
+from gen.lowering.forecast import LoweredForecast
 from gen.lowering.protection import LoweredProtection
 from gen.verification.alarm_campaign import alarm_profile, campaign
 from gen.verification.compare import Mismatch, first_mismatch
+from gen.verification.forecast_campaign import forecast_campaign
 from gen.verification.harness import AvrHarness, Harness, HostHarness
 from gen.verification.protection_campaign import protection_campaign
 from gen.verification.runners import Library
@@ -20,6 +22,8 @@ from gen.verification.runners import Library
 Records = NDArray[np.void]
 ALARMS = Harness("verify_alarms", "outputs and alarms")
 PROTECTION = Harness("verify_protection", "protection")
+#: More than any model's sample takes, its effects included.
+_CYCLES_AHEAD = 150_000
 
 
 class Compared(NamedTuple):
@@ -71,6 +75,26 @@ def compare_protection(
     if entries:
         given = protection_campaign(library.program, entries, lanes, length)
         yield from _compared(library, PROTECTION, given.inputs, given.expected, hosts, board=board)
+
+
+def forecast_harness(forecast: LoweredForecast) -> Harness:
+    """The harnesses of a look ahead."""
+    return Harness("verify_forecast", "look ahead", 400_000 + forecast.steps * _CYCLES_AHEAD)
+
+
+def compare_forecast(
+    library: Library,
+    forecast: LoweredForecast | None,
+    lanes: int,
+    length: int,
+    hosts: Sequence[str],
+    *,
+    board: bool,
+) -> Iterator[Compared]:
+    """Run the campaign of the look ahead on each target, as :func:`compare_alarms`; nothing where there is none."""
+    if forecast is not None:
+        given = forecast_campaign(library.program, forecast, lanes, length)
+        yield from _compared(library, forecast_harness(forecast), given.inputs, given.expected, hosts, board=board)
 
 
 def _compared(

@@ -17,7 +17,6 @@ from gen.templating import environment
 from gen.verification.runners import HOST_BUILDS, WARNINGS, Library
 
 Records = NDArray[np.void]
-_CYCLES_PER_RECORD = 400_000
 
 
 @dataclass(frozen=True)
@@ -30,10 +29,13 @@ class Harness:
         Of its templates: `stem`.h, `stem`_host.cpp, `stem`_avr.cpp.
     what
         What is compared, for people.
+    cycles_per_record
+        More than a board needs for one: it is taken for lost then.
     """
 
     stem: str
     what: str
+    cycles_per_record: int = 400_000
 
     def write(self, library: Library) -> None:
         """Write its files beside the library's."""
@@ -100,7 +102,7 @@ class AvrHarness:
 
     def __init__(self, library: Library, harness: Harness, cache: Path, kind: np.dtype[np.void]) -> None:
         self.name = f"ATmega2560 (simavr), {harness.what}"
-        self._type, self._cache = kind, cache
+        self._type, self._cache, self._cycles = kind, cache, harness.cycles_per_record
         self._elf = build_elf(
             [library.folder / f"{harness.stem}_avr.cpp", *library.sources],
             [MAILBOX_FOLDER, library.include, library.folder],
@@ -119,6 +121,6 @@ class AvrHarness:
                 mega.memory.address("gen_output"),
                 self._type.itemsize,
                 len(flat),
-                len(flat) * _CYCLES_PER_RECORD,
+                len(flat) * self._cycles,
             )
         return np.ascontiguousarray(output).view(self._type).reshape(inputs.shape)[:, 1:]

@@ -13,13 +13,14 @@ from gen.coefficients import Coefficients
 from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.alarms import lower_alarms
+from gen.lowering.forecast import lower_forecast
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.lowering.protection import lower_protection
 from gen.verification import compare
 from gen.verification.accuracy import LENGTH, ErrorCourse, StepErrors, error_course, step_errors
-from gen.verification.alarms import Compared, compare_alarms, compare_protection
+from gen.verification.alarms import Compared, compare_alarms, compare_forecast, compare_protection
 from gen.verification.compare import Mismatch
 from gen.verification.effect_costs import EffectCost, effect_costs
 from gen.verification.effects import EFFECTS_LENGTH, course_with_effects
@@ -40,6 +41,8 @@ HOST_LANES, HOST_LENGTH = 64, 16_400
 AVR_LANES, AVR_LENGTH = 8, 5_400
 #: The same for the alarm rules.
 ALARM_LANES, ALARM_LENGTH = 24, 1_800
+#: Each sample of it moves a model on by as many as the file says.
+AHEAD_LANES, AHEAD_LENGTH = 3, 300
 #: Lanes judged against the exact solution.
 ACCURACY_LANES = 12
 
@@ -189,6 +192,9 @@ def _combination(
     targets += map(_alarm_result, compare_alarms(library, rules, ALARM_LANES, length, hosts, board=board_too))
     entries = lower_protection(coefficients)
     targets += map(_alarm_result, compare_protection(library, entries, ALARM_LANES, length, hosts, board=board_too))
+    ahead = lower_forecast(coefficients, program)
+    length = max(40, int(AHEAD_LENGTH * scale))
+    targets += map(_alarm_result, compare_forecast(library, ahead, AHEAD_LANES, length, hosts, board=board_too))
     progress(f"{label}: certificate")
     proven = proof_of(coefficients, program, folder)
     progress(f"{label}: exact solution")

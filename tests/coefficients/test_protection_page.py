@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from gen.coefficients import parse
+from gen.coefficients.forecast import Forecast
 from gen.coefficients.protecting import protections
 from gen.coefficients.protection import Action, Cause, Protection
 from tests.examples import ROOT
@@ -28,10 +29,14 @@ def rows(header: str) -> dict[str, str]:
 
 
 def test_the_example_loads() -> None:
-    (example,) = re.findall(r"```json\n(.*?)```", PAGE, re.DOTALL)
-    shown = json.loads("{" + example + "}")
-    found = parse(json.dumps(my1016({}) | shown).encode()).document.protection
-    assert [entry.cause for entry in found] == [entry["cause"] for entry in shown["protection"]]
+    table, ahead = (json.loads("{" + shown + "}") for shown in re.findall(r"```json\n(.*?)```", PAGE, re.DOTALL))
+    found = parse(json.dumps(my1016({}) | table).encode()).document.protection
+    assert [entry.cause for entry in found] == [entry["cause"] for entry in table["protection"]]
+    network = json.loads((ROOT / "examples" / "network" / "coeffs.json").read_text(encoding="utf-8"))
+    forecast = parse(json.dumps(network | ahead).encode()).document.forecast
+    assert forecast is not None
+    assert set(ahead["forecast"]) == set(Forecast.model_fields)
+    assert {key.strip("`") for key in rows("| key of `forecast` |")} == set(Forecast.model_fields)
 
 
 def test_the_tables_have_every_cause_and_key_and_the_page_every_action() -> None:

@@ -78,6 +78,7 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
         "4c776f1c2b944548cdf48e7edfb3a11f5743aea1455a32c0728c7f08d79593de",
         {"bearing": 35.0671243637, "brush": 40.8394482248, "magnet": 32.7277564434, "casing": 29.9183633164},
     ),
+    "foreseen.json": ("b67a56172cd4154fcc5ff5369c4957e926ca0601364061f5cc31c7948b78fbc2", FROZEN["my1016.json"][1]),
     "identified.json": (
         "f537c879ede233f20f8291be150526a2d52800dfa9ce1f0df3bca059b19f7f3f",
         FROZEN["identified.json"][1],

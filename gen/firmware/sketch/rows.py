@@ -9,6 +9,8 @@ from gen.coefficients import Coefficients
 from gen.coefficients.wiring import Wiring
 from gen.firmware.sketch.sensors import ThermocoupleContext
 
+LOOK_AHEAD = ("time_to_limit_s", "holdable_pwm")
+"""Seconds for which no limit is reached at the PWM that is asked for; the largest |PWM| that can be held."""
 _LINE_BYTES = 110
 """Longest line that is not a row (output.h)."""
 
@@ -32,6 +34,7 @@ def rows_context(
     samples = max(1, round(wiring.row_every_s / sample_time))
     columns = _columns(coefficients, chips, wiring)
     columns += ["protection"] if protects else []
+    columns += LOOK_AHEAD if coefficients.document.forecast is not None else ()
     longest = _row_bytes(columns)
     return {
         "row_samples": samples,
@@ -66,4 +69,5 @@ def _columns(coefficients: Coefficients, chips: list[ThermocoupleContext], wirin
 def _row_bytes(columns: list[str]) -> int:
     """Longest row: each field at its longest (thousandths of 32 bits, 16-bit numbers, 17 digits of sensors), commas."""
     longest = {"time_s": 14, "pwm": 4, "speed_rpm": 5, "flags": 5, "sensors": 17, "alarms": 5, "protection": 11}
+    longest |= {"time_to_limit_s": 8, "holdable_pwm": 4}
     return sum(longest.get(column, 12) + 1 for column in columns) + 1

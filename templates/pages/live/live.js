@@ -3,13 +3,15 @@
 
 const MOST = 2000; // points of a curve when it is fetched; at three times as many it is fetched anew
 const DRAW_MS = 500;
-const CODES = ["flags", "sensors", "alarms", "protection"];
+const CODES = ["flags", "sensors", "alarms", "protection", "time_to_limit_s", "holdable_pwm"];
 const part = {number: 0, next: 0, columns: [], curves: {}, last: {}};
 let about = null, stream = null, shownWindow = 0, dirty = false, fetching = false, drawn = 0;
 
 const by = (id) => document.getElementById(id);
 const put = (id, text) => { const node = by(id); if (node.textContent !== text) node.textContent = text; };
 const fixed = (value, digits) => value === null || value === undefined ? "–" : value.toFixed(digits);
+
+const duration = (seconds) => seconds < 120 ? `${fixed(seconds, 0)} s` : `${fixed(Math.floor(seconds / 60), 0)} min`;
 
 async function ask(path, body) {
   const answer = await fetch(path, {method: "POST", headers: {"content-type": "application/json", "x-gen-live": "1"}, body: JSON.stringify(body)});
@@ -40,6 +42,8 @@ function showNow() {
   });
   const drive = [`time ${fixed(last.time_s, 1)} s`, `PWM ${fixed(last.pwm, 0)}${about.input ? ` (${about.input})` : ""}`];
   if (last.speed_rpm != null) drive.push(`speed ${fixed(last.speed_rpm, 0)} rpm`);
+  if (last.time_to_limit_s != null) drive.push(`no limit for ${duration(last.time_to_limit_s)} at this PWM`);
+  if (last.holdable_pwm != null) drive.push(`PWM ${fixed(last.holdable_pwm, 0)} can be held`);
   put("drive", drive.join(", "));
 }
 

@@ -1,0 +1,79 @@
+"""What the templates are told about running the model ahead."""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+from gen.lowering.forecast import LoweredForecast, WatchedLimit
+from gen.lowering.program import Program
+
+_AT_ONCE = {"fixed": 8, "float": 2}
+"""Samples that the sketch goes ahead before it looks at the clock: a few milliseconds of a Mega."""
+
+
+class LimitEntry(TypedDict):
+    """A limit; `part` is a component's number, or that of a network's state behind all components'."""
+
+    name: str
+    source: str
+    limit_mC: int
+    part: int
+
+
+class ForecastContext(TypedDict):
+    """What is watched, how far ahead, and how fast; `near` is in samples, `horizon_s` for people.
+
+    `told`: how many channels the model has. `hidden`: a node that nobody measures is among the limits. `proven`: the
+    limits allow for the words' errors.
+    """
+
+    limits: list[LimitEntry]
+    horizon: int
+    horizon_s: str
+    steps: int
+    at_once: int
+    most_pwm: int
+    told: int
+    near: int | None
+    hidden: bool
+    proven: bool
+
+
+def _part(limit: WatchedLimit, components: int) -> int:
+    if limit.component is not None:
+        return limit.component
+    assert limit.state is not None
+    return components + limit.state
+
+
+def forecast_context(program: Program, forecast: LoweredForecast | None) -> ForecastContext | None:
+    """The forecast as the templates print it; None without one.
+
+    Parameters
+    ----------
+    program, forecast
+        What is emitted.
+    """
+    if forecast is None:
+        return None
+    components = len(program.parts)
+    return {
+        "limits": [
+            {
+                "name": limit.name,
+                "source": f"{limit.source_degC:g}",
+                "limit_mC": limit.limit_mC,
+                "part": _part(limit, components),
+            }
+            for limit in forecast.limits
+        ],
+        "horizon": forecast.horizon,
+        "horizon_s": f"{forecast.horizon * program.model.sample_time:g}",
+        "steps": forecast.steps,
+        "at_once": 1 if program.effects is not None else _AT_ONCE[program.arithmetic],
+        "most_pwm": forecast.most_pwm,
+        "told": len(program.channels),
+        "near": forecast.near,
+        "hidden": any(limit.state is not None for limit in forecast.limits),
+        "proven": forecast.proven,
+    }

@@ -1,0 +1,193 @@
+"""The board's model run ahead of itself, sample by sample as the board does it."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.lowering.forecast import LoweredForecast
+from gen.reference.board import Reference
+from gen.reference.network import ReferenceNetwork
+
+Integers = NDArray[np.int64]
+Record = NDArray[np.void]
+
+RUNNING, SEARCHING, KNOWN, HOLDABLE, NEAR = 1, 2, 4, 8, 16
+"""Bits of the state: a run is under way; it tries a PWM; the time is known; so is the PWM to hold; a limit is near."""
+
+FORECAST_FIELDS = (
+    ("gone", "<u4"),
+    ("begun", "<u4"),
+    ("until", "<u4"),
+    ("age", "<u4"),
+    ("left", "<u2"),
+    ("pwm", "<i2"),
+    ("tried", "<i2"),
+    ("low", "<i2"),
+    ("high", "<i2"),
+    ("holdable", "<i2"),
+    ("first", "u1"),
+    ("state", "u1"),
+)
+"""The board's structure, byte by byte, packed and little endian."""
+
+
+class ReferenceForecast:
+    """One board's look ahead.
+
+    Parameters
+    ----------
+    forecast
+        How far, and at what.
+
+    Attributes
+    ----------
+    gone, begun
+        Samples of the run under way, and of the board since it began.
+    until, age
+        Samples from the start of the last run at the PWM that is asked for to its end, and since that start.
+    left
+        Samples that may still go ahead within this one.
+    pwm, tried
+        Which PWM is asked for, and which the run holds, in counts.
+    low, high, holdable
+        Of the search: a |PWM| that could be held and one that could not; the result of the last search.
+    first
+        Which limit is reached first; as many as there are limits: none within the horizon.
+    state
+        Bits, see :data:`RUNNING`.
+    """
+
+    def __init__(self, forecast: LoweredForecast) -> None:
+        self._forecast = forecast
+        self._run: Reference | None = None
+        self._above_mK = [0] * len(forecast.limits)
+        self._ambient_mC = 0
+        self.gone = self.begun = self.until = self.age = self.left = 0
+        self.pwm = self.tried = self.holdable = self.state = 0
+        self.first = len(forecast.limits)
+        self._begin_search()
+
+    def sample(self, pwm: int, board: Reference, measured_mC: Integers, ambient_mC: int, valid: int) -> None:
+        """Take a sample.
+
+        Parameters
+        ----------
+        pwm
+            Which is asked for from now on, in counts.
+        board
+            The board's own model, of one lane; not changed.
+        measured_mC
+            Measured temperatures, shape (components,), in thousandths of a degree Celsius.
+        ambient_mC
+            The ambient as the board has it.
+        valid
+            Bit mask of the components that are measured.
+        """
+        if pwm != self.pwm:
+            self.pwm = pwm
+            self.state &= HOLDABLE
+            self._begin_search()
+        self.age += 1
+        self.begun += 1
+        self._judge_near()
+        if not self.state & RUNNING:
+            self._begin_run(board, measured_mC, ambient_mC, valid)
+        self.left = self._forecast.steps
+
+    def work(self, samples: int) -> bool:
+        """Go ahead by so many samples at most; whether something is left to do before the next sample."""
+        for _ in range(samples):
+            if not self.state & RUNNING or not self.left:
+                break
+            self.left -= 1
+            assert self._run is not None
+            first = self._reached(self._run)
+            if first < len(self._forecast.limits) or self.gone == self._forecast.horizon:
+                self._end_run(first)
+            else:
+                self._run.step(np.array([self.tried]))
+                self.gone += 1
+        return bool(self.state & RUNNING) and self.left > 0
+
+    @property
+    def samples(self) -> int:
+        """While the time is known: no limit is reached within so many samples from now."""
+        return max(0, self.until - self.age)
+
+    @property
+    def near(self) -> bool:
+        """Whether a limit is near."""
+        return bool(self.state & NEAR)
+
+    def keep(self, record: Record) -> None:
+        """Write what the board keeps into a record, see :data:`FORECAST_FIELDS`."""
+        for name, _ in FORECAST_FIELDS:
+            record[name] = getattr(self, name)
+
+    def _judge_near(self) -> None:
+        near = self._forecast.near
+        if near is None:
+            return
+        foreseen = bool(self.state & KNOWN) and self.first < len(self._forecast.limits)
+        if foreseen and self.samples <= near:
+            self.state |= NEAR
+        elif not foreseen or self.samples > near + near // 2:
+            self.state &= ~NEAR
+
+    def _begin_search(self) -> None:
+        self.low, self.high = 0, self._forecast.most_pwm + 1
+
+    def _begin_run(self, board: Reference, measured_mC: Integers, ambient_mC: int, valid: int) -> None:
+        self._run = deepcopy(board)
+        self._ambient_mC = ambient_mC
+        readings = self._readings_mC(self._run)
+        for number, (limit, reading) in enumerate(zip(self._forecast.limits, readings, strict=True)):
+            part = limit.component
+            measured = part is not None and valid >> part & 1
+            self._above_mK[number] = max(0, int(measured_mC[part]) - reading) if measured else 0
+        self.tried = self.pwm
+        if self.state & SEARCHING:
+            most = self._forecast.most_pwm
+            size = most if self.high > most else (self.low + self.high) // 2
+            self.tried = -size if self.pwm < 0 else size
+        self.gone = self.begun = 0
+        self.state |= RUNNING
+
+    def _end_run(self, first: int) -> None:
+        if self.state & SEARCHING:
+            if first == len(self._forecast.limits):
+                self.low = abs(self.tried)
+            else:
+                self.high = abs(self.tried)
+            if self.high - self.low <= 1:
+                self.holdable = self.low
+                self.state |= HOLDABLE
+                self._begin_search()
+        else:
+            self.first, self.until, self.age = first, self.gone, self.begun
+            self.state |= KNOWN
+        self.state = (self.state ^ SEARCHING) & ~RUNNING
+
+    def _reached(self, run: Reference) -> int:
+        """The first limit that is reached now."""
+        limits = self._forecast.limits
+        for number, reading in enumerate(self._readings_mC(run)):
+            if reading + self._above_mK[number] >= limits[number].limit_mC:
+                return number
+        return len(limits)
+
+    def _readings_mC(self, run: Reference) -> list[int]:
+        """Temperature of each limit's part, in thousandths of a degree Celsius."""
+        rises = run.rises_mK[:, 0].tolist()
+        found = []
+        for limit in self._forecast.limits:
+            if limit.component is not None:
+                found.append(rises[limit.component] + self._ambient_mC)
+            else:
+                assert isinstance(run, ReferenceNetwork)
+                assert limit.state is not None
+                found.append(int(run.node_mC(limit.state)[0]))
+        return found

@@ -1,0 +1,134 @@
+"""The look ahead against what it looks ahead to: the board's own later words, and the exact solution."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gen.coefficients import Coefficients, parse
+from gen.lowering.forecast import LoweredForecast, lower_forecast
+from gen.lowering.kinds import Arithmetic
+from gen.lowering.lower import lower
+from gen.lowering.program import Program
+from gen.model.exact import ExactSolution
+from gen.model.network_solution import NetworkSolution
+from gen.reference.board import Reference, reference_of
+from gen.reference.forecast import HOLDABLE, KNOWN, ReferenceForecast
+from tests.examples import ROOT
+
+NOTHING_MEASURED = 0
+PARTS: dict[str, Any] = {
+    "horizon_s": 300,
+    "steps_per_sample": 1200,
+    "limits": [{"component": name, "limit_degC": limit} for name, limit in (("brush", 61), ("bearing", 51.5))],
+}
+WINDING: dict[str, Any] = {
+    "horizon_s": 300,
+    "steps_per_sample": 1200,
+    "limits": [{"component": "winding", "limit_degC": 62.5}],
+}
+
+
+def made(
+    example: str, forecast: dict[str, Any], arithmetic: Arithmetic
+) -> tuple[Coefficients, Program, LoweredForecast]:
+    tree = json.loads((ROOT / "examples" / example / "coeffs.json").read_text(encoding="utf-8"))
+    tree |= {"version": 2, "forecast": forecast, "alarms": []}
+    coefficients = parse(json.dumps(tree).encode())
+    program = lower(coefficients, arithmetic, "table")
+    lowered = lower_forecast(coefficients, program)
+    assert lowered is not None
+    return coefficients, program, lowered
+
+
+def looked(lowered: LoweredForecast, board: Reference, pwm: int, ambient_mC: int, until: int) -> ReferenceForecast:
+    """Samples of a board whose model stands still until a bit of the state is set."""
+    ahead = ReferenceForecast(lowered)
+    parts = len(board.rises_mK)
+    for _ in range(100):
+        ahead.sample(pwm, board, np.zeros(parts, dtype=np.int64), ambient_mC, NOTHING_MEASURED)
+        while ahead.work(1000):
+            pass
+        if ahead.state & until:
+            return ahead
+    raise AssertionError("it came to no end")
+
+
+@pytest.mark.parametrize("arithmetic", ["fixed", "float"])
+def test_parts_reach_their_limit_when_they_were_said_to_and_by_the_exact_solution_no_earlier(
+    arithmetic: Arithmetic,
+) -> None:
+    coefficients, program, lowered = made("my1016", PARTS, arithmetic)
+    board = reference_of(program, [20_000])
+    ahead = looked(lowered, board, 255, 30_000, KNOWN)
+    assert 0 < ahead.until < lowered.horizon
+    limit = lowered.limits[ahead.first]
+    assert limit.component is not None
+    for sample in range(ahead.until + 1):
+        reached = [int(board.rises_mK[item.component, 0]) + 30_000 >= item.limit_mC for item in lowered.limits]
+        assert any(reached) == (sample == ahead.until)
+        board.step(np.array([255]))
+    model = coefficients.model
+    time = np.arange(lowered.horizon + 1) * model.sample_time
+    exact = ExactSolution(model).simulate_times(
+        time, np.full(len(time), 255), dict.fromkeys(model.component_names, 20.0)
+    )
+    crossed = int(np.argmax(np.any([exact[item.name] + 30.0 >= item.source_degC for item in lowered.limits], axis=0)))
+    assert 0 <= crossed - ahead.until <= 2
+
+
+def test_a_winding_that_nobody_measures_reaches_its_limit_when_it_was_said_to(arithmetic: Arithmetic = "fixed") -> None:
+    coefficients, program, lowered = made("network", WINDING, arithmetic)
+    board = reference_of(program, [30_000])
+    ahead = looked(lowered, board, 230, 25_000, KNOWN)
+    assert 0 < ahead.until < lowered.horizon
+    solution = NetworkSolution(coefficients.model)
+    time = np.arange(lowered.horizon + 1) * coefficients.model.sample_time
+    start = dict.fromkeys(coefficients.model.component_names, 55.0)
+    states = solution.states_along(time, np.full(len(time), 230), 25.0, None, start)
+    place = [node.name for node in solution.network.nodes].index("winding")
+    crossed = int(np.argmax(states[:, place] >= 62.5))
+    assert 0 <= crossed - ahead.until <= 2
+
+
+def test_the_pwm_that_can_be_held_can_and_the_next_one_cannot() -> None:
+    coefficients, program, lowered = made("my1016", PARTS, "fixed")
+    board = reference_of(program, [20_000])
+    ahead = looked(lowered, board, -100, 30_000, HOLDABLE)
+    assert 0 < ahead.holdable < lowered.most_pwm
+    model = coefficients.model
+    time = np.arange(lowered.horizon + 1) * model.sample_time
+    for pwm, holds in ((ahead.holdable, True), (ahead.holdable + 1, False)):
+        exact = ExactSolution(model).simulate_times(
+            time, np.full(len(time), pwm), dict.fromkeys(model.component_names, 20.0)
+        )
+        highest = max(float(exact[item.name].max()) + 30.0 - item.limit_mC / 1000.0 for item in lowered.limits)
+        assert (highest < 0.0) == holds
+
+
+def test_a_part_that_is_measured_warmer_than_its_model_is_nearer_to_its_limit() -> None:
+    _, program, lowered = made("my1016", PARTS, "fixed")
+    found = []
+    for warmer_mK in (-3_000, 0, 1_000, 2_000):
+        board = reference_of(program, [20_000])
+        ahead = ReferenceForecast(lowered)
+        ahead.sample(255, board, board.rises_mK[:, 0] + 30_000 + warmer_mK, 30_000, 0b1111)
+        while ahead.work(1000):
+            pass
+        found.append(ahead.until)
+    assert found[0] == found[1] > found[2] > found[3] == 0
+
+
+def test_another_pwm_makes_it_unknown_and_time_that_passes_is_taken_off() -> None:
+    _, program, lowered = made("my1016", PARTS, "fixed")
+    board = reference_of(program, [20_000])
+    ahead = looked(lowered, board, 255, 30_000, KNOWN)
+    said, measured = ahead.samples, np.zeros(4, dtype=np.int64)
+    for passed in range(1, 3):  # without work no other run ends
+        ahead.sample(255, board, measured, 30_000, NOTHING_MEASURED)
+        assert ahead.samples == said - passed
+    ahead.sample(254, board, measured, 30_000, NOTHING_MEASURED)
+    assert not ahead.state & KNOWN
