@@ -1,6 +1,6 @@
 """What the whole sketch costs on the board: memory, the longest tick, the share of time awake, and the current.
 
-    python benchmarks/sketch_cost.py [COEFFS] [--only fixed/table float/table] [--json FILE]
+    python benchmarks/sketch_cost.py [COEFFS] [--only fixed/table float/table] [--horizon SECONDS] [--json FILE]
 
 Each form of the firmware runs for two minutes on the emulated Mega with the simulated motor at full speed (each of the
 encoder's 22 083 pulses a second at its own time, by its interrupt), with a row every second, PWM that changes,
@@ -145,10 +145,12 @@ def measure(coefficients: Coefficients, form: str) -> Cost:
     )
 
 
-def often_copied(path: Path) -> Coefficients:
-    """Load a coefficient file with a copy to EEPROM every minute."""
+def busy(path: Path, horizon_s: float | None) -> Coefficients:
+    """Load a coefficient file with a copy to EEPROM every minute, and with a look ahead if one is asked for."""
     document = json.loads(path.read_text())
     document["wiring"]["memory"] = {"interval_s": 60.0}
+    if horizon_s is not None:
+        document |= {"version": 2, "forecast": {"horizon_s": horizon_s, "near_s": 60.0}}
     with tempfile.TemporaryDirectory() as folder:
         often = Path(folder) / path.name
         often.write_text(json.dumps(document))
@@ -161,8 +163,9 @@ def main() -> None:
     parser.add_argument("coefficients", type=Path, nargs="?", default=ROOT / "examples" / "my1016" / "coeffs.json")
     parser.add_argument("--only", nargs="+", choices=FORMS, default=FORMS)
     parser.add_argument("--json", type=Path)
+    parser.add_argument("--horizon", type=float, help="s; the board looks so far ahead, at the limits of its rules")
     options = parser.parse_args()
-    coefficients = often_copied(options.coefficients)
+    coefficients = busy(options.coefficients, options.horizon)
     costs = []
     with Console(stderr=True).status("") as status:
         for form in options.only:

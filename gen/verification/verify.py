@@ -45,6 +45,8 @@ ALARM_LANES, ALARM_LENGTH = 24, 1_800
 AHEAD_LANES, AHEAD_LENGTH = 3, 300
 #: Lanes judged against the exact solution.
 ACCURACY_LANES = 12
+#: Samples of the course of the error in a campaign that is cut short: a quarter of an hour.
+LEAST_COURSE = 3_600
 
 
 @dataclass(frozen=True)
@@ -223,7 +225,7 @@ def _course(coefficients: Coefficients, program: Program, scale: float) -> Error
     if program.network is not None:
         return course_of_network(program, lanes, max(600, int(EFFECTS_LENGTH * min(scale, 1.0))))
     if program.effects is None:
-        return error_course(program, lanes)
+        return error_course(program, lanes, max(LEAST_COURSE, int(LENGTH * min(scale, 1.0))))
     return course_with_effects(program, coefficients.effects, lanes, max(600, int(EFFECTS_LENGTH * min(scale, 1.0))))
 
 
