@@ -23,7 +23,7 @@ from gen.runs.events import events
 Array = NDArray[np.float64]
 
 _MODEL = "_model_degC"
-_STATUS = ("flags", "sensors", alarms.COLUMN)
+_STATUS = ("flags", "sensors", "protection", alarms.COLUMN)
 _MOST_PANELS = 12
 
 

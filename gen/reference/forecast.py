@@ -64,6 +64,7 @@ class ReferenceForecast:
         self._forecast = forecast
         self._run: Reference | None = None
         self._above_mK = [0] * len(forecast.limits)
+        self._warmer_mK = [0] * len(forecast.limits)
         self._ambient_mC = 0
         self.gone = self.begun = self.until = self.age = self.left = 0
         self.pwm = self.tried = self.holdable = self.state = 0
@@ -90,11 +91,12 @@ class ReferenceForecast:
             self.pwm = pwm
             self.state &= HOLDABLE
             self._begin_search()
+        self._compare(board, measured_mC, ambient_mC, valid)
         self.age += 1
         self.begun += 1
         self._judge_near()
         if not self.state & RUNNING:
-            self._begin_run(board, measured_mC, ambient_mC, valid)
+            self._begin_run(board, ambient_mC)
         self.left = self._forecast.steps
 
     def work(self, samples: int) -> bool:
@@ -137,17 +139,21 @@ class ReferenceForecast:
         elif not foreseen or self.samples > near + near // 2:
             self.state &= ~NEAR
 
+    def _compare(self, board: Reference, measured_mC: Integers, ambient_mC: int, valid: int) -> None:
+        """Not every sample has a reading of every part: what was seen last holds."""
+        modelled = board.rises_mK[:, 0] + ambient_mC
+        for number, limit in enumerate(self._forecast.limits):
+            part = limit.component
+            if part is not None and valid >> part & 1:
+                self._warmer_mK[number] = max(0, int(measured_mC[part] - modelled[part]))
+
     def _begin_search(self) -> None:
         self.low, self.high = 0, self._forecast.most_pwm + 1
 
-    def _begin_run(self, board: Reference, measured_mC: Integers, ambient_mC: int, valid: int) -> None:
+    def _begin_run(self, board: Reference, ambient_mC: int) -> None:
         self._run = deepcopy(board)
         self._ambient_mC = ambient_mC
-        readings = self._readings_mC(self._run)
-        for number, (limit, reading) in enumerate(zip(self._forecast.limits, readings, strict=True)):
-            part = limit.component
-            measured = part is not None and valid >> part & 1
-            self._above_mK[number] = max(0, int(measured_mC[part]) - reading) if measured else 0
+        self._above_mK = list(self._warmer_mK)
         self.tried = self.pwm
         if self.state & SEARCHING:
             most = self._forecast.most_pwm

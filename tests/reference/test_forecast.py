@@ -122,6 +122,23 @@ def test_a_part_that_is_measured_warmer_than_its_model_is_nearer_to_its_limit() 
     assert found[0] == found[1] > found[2] > found[3] == 0
 
 
+def test_what_was_measured_last_holds_while_a_part_is_not_measured() -> None:
+    _, program, lowered = made("my1016", PARTS, "fixed")
+    board = reference_of(program, [20_000])
+    ahead = ReferenceForecast(lowered)
+    measured = board.rises_mK[:, 0] + 31_000
+    ahead.sample(100, board, measured, 30_000, 0b1111)
+    ahead.sample(255, board, 0 * measured, 30_000, NOTHING_MEASURED)
+    while ahead.work(1000):
+        pass  # the run at 100
+    found = looked(lowered, board, 255, 30_000, KNOWN).until
+    ahead.sample(255, board, 0 * measured, 30_000, NOTHING_MEASURED)
+    while ahead.work(1000):
+        pass
+    assert ahead.state & KNOWN
+    assert ahead.until < found
+
+
 def test_another_pwm_makes_it_unknown_and_time_that_passes_is_taken_off() -> None:
     _, program, lowered = made("my1016", PARTS, "fixed")
     board = reference_of(program, [20_000])
