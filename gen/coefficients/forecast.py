@@ -72,7 +72,8 @@ def check_forecast(forecast: Forecast, alarms: Sequence[AlarmRule], names: Seque
     Raises
     ------
     PydanticCustomError
-        At a limit of a part that there is not, or that is named twice; if there is none; if the horizon is no sample.
+        At a limit of a part that there is not, or that is named twice; if there is none; if the horizon is shorter than
+        a sample, or than what is near.
     """
     seen: set[str] = set()
     for i, limit in enumerate(forecast.limits):
@@ -89,4 +90,8 @@ def check_forecast(forecast: Forecast, alarms: Sequence[AlarmRule], names: Seque
             f"found {forecast.horizon_s:g}, expected the sample time, {sample_time_s:g}, or more",
             "forecast",
             "horizon_s",
+        )
+    if forecast.near_s is not None and forecast.near_s > forecast.horizon_s:
+        raise fault(
+            f"found {forecast.near_s:g}, expected at most the horizon, {forecast.horizon_s:g}", "forecast", "near_s"
         )

@@ -46,9 +46,7 @@ def check_protection(
             raise fault(f'"{entry.label}" is another entry\'s name already; expected a "name" of its own', _AT, i)
         labels.add(entry.label.lower())
         _check_rule(entry, i, alarms)
-        if entry.cause == "limit_near" and not foresees:
-            raise fault('"limit_near" can never be: $.forecast lacks "near_s"', _AT, i, "cause")
-        _check_cause(entry, i, alarms, board)
+        _check_cause(entry, i, alarms, board, foresees=foresees)
         _check_action(entry, i, board, full_scale)
         if entry.delay_s > MOST_SAMPLES * sample_time_s:
             raise fault(
@@ -68,7 +66,7 @@ def _check_rule(entry: Protection, i: int, alarms: Sequence[AlarmRule]) -> None:
         raise fault(f'found "{entry.rule}", expected {expected}', _AT, i, "rule")
 
 
-def _check_cause(entry: Protection, i: int, alarms: Sequence[AlarmRule], wiring: Wiring) -> None:
+def _check_cause(entry: Protection, i: int, alarms: Sequence[AlarmRule], wiring: Wiring, *, foresees: bool) -> None:
     """The cause can come about."""
     channels = _channels(wiring)
     lacking = {
@@ -85,6 +83,8 @@ def _check_cause(entry: Protection, i: int, alarms: Sequence[AlarmRule], wiring:
     }.get(entry.cause)
     if lacking is not None:
         raise fault(f'"{entry.cause}" can never be: $.wiring lacks {lacking}', _AT, i, "cause")
+    if entry.cause == "limit_near" and not foresees:
+        raise fault('"limit_near" can never be: $.forecast lacks "near_s"', _AT, i, "cause")
     if entry.channel is not None and entry.channel not in channels:
         raise fault(
             f'found "{entry.channel}", expected a thermocouple\'s channel: {listed(channels)}', _AT, i, "channel"

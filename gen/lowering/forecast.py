@@ -9,6 +9,10 @@ from gen.coefficients import Coefficients
 from gen.coefficients.forecast import limits_ahead
 from gen.lowering.program import Program
 from gen.lowering.samples import samples
+from gen.model.network_parts import PWM
+
+MOST_AHEAD = 2**32 - 1
+"""Samples: a day at 0.25 s is 345 600."""
 
 
 @dataclass(frozen=True)
@@ -19,18 +23,17 @@ class WatchedLimit:
     ----------
     name
         The component, or the network's node.
-    component, state
-        Its index among the components; or, of a node that nobody measures, among the network's states. One is None.
+    part
+        A component's number; behind all of them, that of a network's state.
     limit_mC
         It is reached from here on, in thousandths of a degree Celsius: the limit, less what the board's words may lie
-        below the exact solution, so that a limit is never reached later than the exact solution says.
+        below the exact solution, so that the board never says later than the exact solution does.
     source_degC
         The limit itself.
     """
 
     name: str
-    component: int | None
-    state: int | None
+    part: int
     limit_mC: int
     source_degC: float
 
@@ -53,6 +56,8 @@ class LoweredForecast:
         At least one; the first of them that is reached is told.
     proven
         The limits allow for all that the board's words may be off the exact solution.
+    pwm_channel
+        Number of the channel in which a network reads the PWM with its sign; None of one that does not.
     """
 
     horizon: int
@@ -61,6 +66,7 @@ class LoweredForecast:
     near: int | None
     limits: tuple[WatchedLimit, ...]
     proven: bool
+    pwm_channel: int | None
 
 
 def lower_forecast(coefficients: Coefficients, program: Program) -> LoweredForecast | None:
@@ -78,34 +84,33 @@ def lower_forecast(coefficients: Coefficients, program: Program) -> LoweredForec
     if asked is None:
         return None
     sample_time = document.sample_time_s
-    names = program.model.component_names
-    found = []
-    for name, limit in limits_ahead(asked, document.alarms).items():
-        component = names.index(name) if name in names else None
-        state = _state(program, name) if component is None else None
-        # A thousandth for the rounding of what is read.
-        below_mK = 1 + ceil(1000.0 * _error_K(program, component, state))
-        found.append(WatchedLimit(name, component, state, floor(limit * 1000.0) - below_mK, limit))
+    columns = [channel.column for channel in program.channels] if program.network is not None else []
     return LoweredForecast(
-        horizon=ceil(asked.horizon_s / sample_time - 1e-9),
+        horizon=samples(asked.horizon_s, sample_time, MOST_AHEAD),
         steps=asked.steps_per_sample,
         most_pwm=program.model.domain_pwm[1],
-        near=None if asked.near_s is None else samples(asked.near_s, sample_time),
-        limits=tuple(found),
+        near=None if asked.near_s is None else samples(asked.near_s, sample_time, MOST_AHEAD),
+        limits=tuple(_watched(program, *limit) for limit in limits_ahead(asked, document.alarms).items()),
         proven=program.effects is None and not any(part.saturates for part in program.parts),
+        pwm_channel=columns.index(PWM) if PWM in columns else None,
     )
 
 
-def _state(program: Program, name: str) -> int:
+def _watched(program: Program, name: str, limit_degC: float) -> WatchedLimit:
+    part, error_K = _component(program, name) if name in program.model.component_names else _node(program, name)
+    # A thousandth for the rounding of what is read.
+    return WatchedLimit(name, part, floor(limit_degC * 1000.0) - 1 - ceil(1000.0 * error_K), limit_degC)
+
+
+def _component(program: Program, name: str) -> tuple[int, float]:
+    """Its number, and what its word may lie off the exact solution, K; 0 where nothing is proven."""
+    number = program.model.component_names.index(name)
+    proof = program.parts[number].proof
+    return number, float(proof.bound_K) if proof is not None and program.effects is None else 0.0
+
+
+def _node(program: Program, name: str) -> tuple[int, float]:
+    """The same of a node that nobody measures."""
     assert program.network is not None, "without a network every part is a component"
-    return [state.name for state in program.network.states].index(name)
-
-
-def _error_K(program: Program, component: int | None, state: int | None) -> float:
-    """What the board's word may lie off the exact solution; 0 where nothing is proven (the thousandth is apart)."""
-    if component is None:
-        assert program.network is not None
-        assert state is not None
-        return float(program.network.proof.error[state])
-    proof = program.parts[component].proof
-    return float(proof.bound_K) if proof is not None and program.effects is None else 0.0
+    state = [state.name for state in program.network.states].index(name)
+    return len(program.parts) + state, float(program.network.proof.error[state])

@@ -143,9 +143,8 @@ class ReferenceForecast:
         """Not every sample has a reading of every part: what was seen last holds."""
         modelled = board.rises_mK[:, 0] + ambient_mC
         for number, limit in enumerate(self._forecast.limits):
-            part = limit.component
-            if part is not None and valid >> part & 1:
-                self._warmer_mK[number] = max(0, int(measured_mC[part] - modelled[part]))
+            if limit.part < len(modelled) and valid >> limit.part & 1:
+                self._warmer_mK[number] = max(0, int(measured_mC[limit.part] - modelled[limit.part]))
 
     def _begin_search(self) -> None:
         self.low, self.high = 0, self._forecast.most_pwm + 1
@@ -159,6 +158,9 @@ class ReferenceForecast:
             most = self._forecast.most_pwm
             size = most if self.high > most else (self.low + self.high) // 2
             self.tried = -size if self.pwm < 0 else size
+        if self._forecast.pwm_channel is not None:
+            assert isinstance(self._run, ReferenceNetwork)
+            self._run.set_channel(self._forecast.pwm_channel, np.array([1000 * self.tried]))
         self.gone = self.begun = 0
         self.state |= RUNNING
 
@@ -190,10 +192,9 @@ class ReferenceForecast:
         rises = run.rises_mK[:, 0].tolist()
         found = []
         for limit in self._forecast.limits:
-            if limit.component is not None:
-                found.append(rises[limit.component] + self._ambient_mC)
+            if limit.part < len(rises):
+                found.append(rises[limit.part] + self._ambient_mC)
             else:
                 assert isinstance(run, ReferenceNetwork)
-                assert limit.state is not None
-                found.append(int(run.node_mC(limit.state)[0]))
+                found.append(int(run.node_mC(limit.part - len(rises))[0]))
         return found

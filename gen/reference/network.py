@@ -96,10 +96,15 @@ class ReferenceNetwork:
 
     def set_channels(self, values: Integers) -> None:
         """Tell the channels' values from now on, in thousandths, shape (channels, L)."""
-        for number, channel in enumerate(self._program.channels):
-            held = np.clip(values[number], channel.low, channel.high)
-            self._limited = np.minimum(self._limited + (held != values[number]), _LIMIT)
-            self._channels[number] = held
+        for number in range(len(self._program.channels)):
+            self.set_channel(number, values[number])
+
+    def set_channel(self, number: int, values: Integers) -> None:
+        """Tell one channel's values from now on, in thousandths, shape (L,)."""
+        channel = self._program.channels[number]
+        held = np.clip(values, channel.low, channel.high)
+        self._limited = np.minimum(self._limited + (held != values), _LIMIT)
+        self._channels[number] = held
 
     def step(self, pwm: Integers) -> None:
         """Advance by one sample with the PWM of each lane, shape (L,)."""

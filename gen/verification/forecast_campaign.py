@@ -16,12 +16,14 @@ from gen.reference.forecast import FORECAST_FIELDS, ReferenceForecast
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
 STEP, BEGIN = 0, 1
-#: Samples for which a PWM stays at most: long enough for a run, or for a search.
+#: A lane's PWM stays for so many samples at most: less than a run takes, or long enough for whole searches.
 _LONGEST = (20, 1_000)
-#: A run that is begun anew less often than this would hardly ever end.
+#: Samples after which the ambient and the channels are others.
 _CHANGE_SHARE = 0.03
 #: Measurements that lie on a limit or just below it.
 _CLOSE_SHARE = 0.3
+#: Every so many lanes one keeps its PWM and its ambient, so that run after run ends between now and the horizon.
+_STEADY = 2
 
 
 @dataclass(frozen=True)
@@ -61,53 +63,82 @@ def forecast_campaign(
     inputs = np.zeros((lanes, length + 1), dtype=input_type(program))
     expected = np.zeros((lanes, length), dtype=output_type(program))
     for lane in range(lanes):
-        _lane(random, program, forecast, inputs[lane], expected[lane], steady=lane % 4 == 0)
+        surroundings = _Surroundings(random, program, forecast, steady=lane % _STEADY == 0)
+        _lane(program, forecast, surroundings, inputs[lane], expected[lane])
     return ForecastCampaign(inputs, expected)
 
 
+class _Surroundings:
+    """What a lane is given: it starts around its limits; its PWM, channels and measurements change now and then.
+
+    Attributes
+    ----------
+    starts_mK
+        Rises at the start, shape (components,): thousandths to tens of kelvins below the limits, so that some runs last
+        to the horizon and others end at once.
+    pwm, ambient_mC, told
+        What holds now; the last one is None where the model has no channels, else of shape (channels, 1).
+    """
+
+    def __init__(
+        self, random: np.random.Generator, program: Program, forecast: LoweredForecast, *, steady: bool
+    ) -> None:
+        self._random, self._program, self._steady = random, program, steady
+        self._limits = _limits(program, forecast)
+        self.ambient_mC = int(random.integers(0, 40_000))
+        self.told = self._channels()
+        below = _spread(random, int(random.choice([300, 60_000])), len(self._limits))
+        self.starts_mK: Integers = self._limits - self.ambient_mC - (5_000 if steady else below)
+        self.pwm = program.model.full_scale * int(random.choice([-1, 1])) if steady else 0
+        self._left, self._longest = 0, int(random.choice(_LONGEST))
+
+    def next(self) -> None:
+        """Go on to the next sample."""
+        if self._steady:
+            return
+        random, scale = self._random, self._program.model.full_scale
+        if self._left == 0:
+            self._left = int(random.integers(1, self._longest))
+            size = int(random.choice(np.array([0, scale, *random.integers(0, scale + 1, 2)])))
+            self.pwm = size * int(random.choice([-1, 1]))
+        self._left -= 1
+        if random.random() < _CHANGE_SHARE:
+            self.ambient_mC += int(random.integers(-2_000, 2_000))
+            self.told = self._channels()
+
+    def measured(self, readings_mC: Integers) -> tuple[Integers, int]:
+        """Measurements around a model's readings, shape (components,), and which of them there are, as a bit mask."""
+        random, count = self._random, len(readings_mC)
+        beside = np.where(random.random(count) < 0.5, 1, -1) * _spread(random, 100, count)
+        close = np.asarray(random.random(count) < _CLOSE_SHARE) | self._steady
+        found: Integers = np.where(close, self._limits - random.integers(0, 200, count), readings_mC + beside)
+        return found, (1 << count) - 1 if self._steady else int(random.integers(0, 1 << count))
+
+    def _channels(self) -> Integers | None:
+        """The ambient as it is, every other channel anywhere in its range."""
+        if not self._program.channels:
+            return None
+        ranges = ((channel.low, channel.high) for channel in self._program.channels[1:])
+        others = [int(self._random.integers(low, high + 1)) for low, high in ranges]
+        return np.array([self.ambient_mC, *others], dtype=np.int64)[:, None]
+
+
 def _lane(
-    random: np.random.Generator,
-    program: Program,
-    forecast: LoweredForecast,
-    inputs: Records,
-    expected: Records,
-    *,
-    steady: bool,
+    program: Program, forecast: LoweredForecast, given: _Surroundings, inputs: Records, expected: Records
 ) -> None:
-    """One lane; a steady one keeps its PWM and its ambient, and only what is measured comes and goes."""
-    ambient_mC = int(random.integers(0, 40_000))
-    told = _told(random, program, ambient_mC)
-    # Thousandths to tens of kelvins below a limit: some runs last to the horizon, others end at once.
-    limits = _limits(program, forecast)
-    below = _spread(random, int(random.choice([300, 60_000])), len(limits))
-    starts = limits - ambient_mC - (5_000 if steady else below)
     names = program.model.component_names
-    board = reference_of(program, {name: [int(rise)] for name, rise in zip(names, starts, strict=True)}, told)
+    starts = {name: [int(rise)] for name, rise in zip(names, given.starts_mK, strict=True)}
+    board = reference_of(program, starts, given.told)
     ahead = ReferenceForecast(forecast)
-    _put(inputs[:1], BEGIN, 0, told, starts, ambient_mC, 0)
-    scale = program.model.full_scale
-    pwm, left, longest = (scale, len(expected), 1) if steady else (0, 0, int(random.choice(_LONGEST)))
+    _put(inputs[:1], BEGIN, given, given.starts_mK, 0)
     for step in range(len(expected)):
-        if left == 0:
-            left = int(random.integers(1, longest))
-            pwm = int(random.choice(np.array([0, scale, *random.integers(0, scale + 1, 2)]))) * int(
-                random.choice([-1, 1])
-            )
-        left -= 1
-        if random.random() < _CHANGE_SHARE and not steady:
-            ambient_mC += int(random.integers(-2_000, 2_000))
-            told = _told(random, program, ambient_mC)
-        if told is not None:
-            board.set_channels(told)
-        board.step(np.array([pwm]))
-        readings = board.rises_mK[:, 0] + ambient_mC
-        beside = _spread(random, 100, len(readings))
-        measured: Integers = np.where(random.random(len(readings)) < 0.5, readings + beside, readings - beside)
-        close = np.asarray(random.random(len(readings)) < _CLOSE_SHARE) | steady
-        measured = np.where(close, limits - random.integers(0, 200, len(limits)), measured)
-        valid = (1 << len(readings)) - 1 if steady else int(random.integers(0, 1 << len(readings)))
-        _put(inputs[step + 1 : step + 2], STEP, pwm, told, measured, ambient_mC, valid)
-        ahead.sample(pwm, board, measured, ambient_mC, valid)
+        given.next()
+        if given.told is not None:
+            board.set_channels(given.told)
+        board.step(np.array([given.pwm]))
+        measured, valid = given.measured(board.rises_mK[:, 0] + given.ambient_mC)
+        _put(inputs[step + 1 : step + 2], STEP, given, measured, valid)
+        ahead.sample(given.pwm, board, measured, given.ambient_mC, valid)
         while ahead.work(7):
             pass
         _keep(expected[step : step + 1], ahead, dict(zip(names, board.rises_mK, strict=True)))
@@ -116,8 +147,8 @@ def _lane(
 def _limits(program: Program, forecast: LoweredForecast) -> Integers:
     """Each component's limit, of one without the lowest of all, shape (components,), in thousandths of a degree."""
     found = dict.fromkeys(range(len(program.parts)), min(limit.limit_mC for limit in forecast.limits))
-    found |= {limit.component: limit.limit_mC for limit in forecast.limits if limit.component is not None}
-    return np.array([found[component] for component in sorted(found)], dtype=np.int64)
+    found |= {limit.part: limit.limit_mC for limit in forecast.limits if limit.part in found}
+    return np.array(list(found.values()), dtype=np.int64)
 
 
 def _spread(random: np.random.Generator, most: int, count: int) -> Integers:
@@ -125,21 +156,11 @@ def _spread(random: np.random.Generator, most: int, count: int) -> Integers:
     return np.asarray(np.exp(random.random(count) * np.log(most)), dtype=np.int64)
 
 
-def _told(random: np.random.Generator, program: Program, ambient_mC: int) -> Integers | None:
-    """The ambient as it is, every other channel anywhere in its range, shape (channels, 1)."""
-    if not program.channels:
-        return None
-    values = [random.integers(channel.low, channel.high + 1) for channel in program.channels]
-    return np.array([ambient_mC, *values[1:]], dtype=np.int64)[:, None]
-
-
-def _put(
-    row: Records, op: int, pwm: int, told: Integers | None, measured: Integers, ambient_mC: int, valid: int
-) -> None:
-    row["op"], row["pwm"], row["ambient_mC"], row["valid"] = op, pwm, ambient_mC, valid
-    row["measured_mC"][0] = measured
-    if told is not None:
-        row["channel"][0] = told[:, 0]
+def _put(row: Records, op: int, given: _Surroundings, measured_mC: Integers, valid: int) -> None:
+    row["op"], row["pwm"], row["ambient_mC"], row["valid"] = op, given.pwm, given.ambient_mC, valid
+    row["measured_mC"][0] = measured_mC
+    if given.told is not None:
+        row["channel"][0] = given.told[:, 0]
 
 
 def _keep(row: Records, ahead: ReferenceForecast, rises_mK: Mapping[str, Integers]) -> None:

@@ -39,9 +39,9 @@ class Harness:
 
     def write(self, library: Library) -> None:
         """Write its files beside the library's."""
-        for end in (".h", "_host.cpp", "_avr.cpp"):
-            template = environment("harness").get_template(f"{self.stem}{end}.j2")
-            (library.folder / f"{self.stem}{end}").write_text(template.render(library.context.of_alarms()))
+        for name in ("records.h", *(f"{self.stem}{end}" for end in (".h", "_host.cpp", "_avr.cpp"))):
+            template = environment("harness").get_template(f"{name}.j2")
+            (library.folder / name).write_text(template.render(library.context.of_alarms()))
 
 
 class HostHarness:

@@ -20,8 +20,8 @@ from gen.lowering.program import Program
 from gen.lowering.protection import lower_protection
 from gen.verification import compare
 from gen.verification.accuracy import LENGTH, ErrorCourse, StepErrors, error_course, step_errors
-from gen.verification.alarms import Compared, compare_alarms, compare_forecast, compare_protection
 from gen.verification.compare import Mismatch
+from gen.verification.comparisons import Compared, compare_alarms, compare_forecast, compare_protection
 from gen.verification.effect_costs import EffectCost, effect_costs
 from gen.verification.effects import EFFECTS_LENGTH, course_with_effects
 from gen.verification.limits import exceeded

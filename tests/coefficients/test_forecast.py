@@ -66,6 +66,7 @@ def test_of_two_rules_on_a_part_the_lower_limit_holds() -> None:
         ),
         ({"horizon_s": 0.1}, {}, "$.forecast.horizon_s: found 0.1, expected the sample time, 0.25, or more"),
         ({"horizon_s": 0}, {}, "$.forecast.horizon_s: found 0"),
+        ({"horizon_s": 600, "near_s": 601}, {}, "$.forecast.near_s: found 601, expected at most the horizon, 600"),
         ({"horizon_s": 600, "steps_per_sample": 0}, {}, "$.forecast.steps_per_sample: found 0, expected at least 1"),
         (
             {"horizon_s": 600},

@@ -17,6 +17,7 @@ from gen.model.exact import ExactSolution
 from gen.model.network_solution import NetworkSolution
 from gen.reference.board import Reference, reference_of
 from gen.reference.forecast import HOLDABLE, KNOWN, ReferenceForecast
+from gen.reference.network import ReferenceNetwork
 from tests.examples import ROOT
 
 NOTHING_MEASURED = 0
@@ -65,10 +66,8 @@ def test_parts_reach_their_limit_when_they_were_said_to_and_by_the_exact_solutio
     board = reference_of(program, [20_000])
     ahead = looked(lowered, board, 255, 30_000, KNOWN)
     assert 0 < ahead.until < lowered.horizon
-    limit = lowered.limits[ahead.first]
-    assert limit.component is not None
     for sample in range(ahead.until + 1):
-        reached = [int(board.rises_mK[item.component, 0]) + 30_000 >= item.limit_mC for item in lowered.limits]
+        reached = [int(board.rises_mK[item.part, 0]) + 30_000 >= item.limit_mC for item in lowered.limits]
         assert any(reached) == (sample == ahead.until)
         board.step(np.array([255]))
     model = coefficients.model
@@ -80,8 +79,8 @@ def test_parts_reach_their_limit_when_they_were_said_to_and_by_the_exact_solutio
     assert 0 <= crossed - ahead.until <= 2
 
 
-def test_a_winding_that_nobody_measures_reaches_its_limit_when_it_was_said_to(arithmetic: Arithmetic = "fixed") -> None:
-    coefficients, program, lowered = made("network", WINDING, arithmetic)
+def test_a_winding_that_nobody_measures_reaches_its_limit_when_it_was_said_to() -> None:
+    coefficients, program, lowered = made("network", WINDING, "fixed")
     board = reference_of(program, [30_000])
     ahead = looked(lowered, board, 230, 25_000, KNOWN)
     assert 0 < ahead.until < lowered.horizon
@@ -92,6 +91,31 @@ def test_a_winding_that_nobody_measures_reaches_its_limit_when_it_was_said_to(ar
     place = [node.name for node in solution.network.nodes].index("winding")
     crossed = int(np.argmax(states[:, place] >= 62.5))
     assert 0 <= crossed - ahead.until <= 2
+
+
+def test_a_network_that_reads_the_sign_of_pwm_is_told_the_one_that_is_tried() -> None:
+    """Half as much heat again backwards; the board's own model has stood still, and was told so."""
+    tree = json.loads((ROOT / "examples" / "network" / "coeffs.json").read_text(encoding="utf-8"))
+    tree |= {"forecast": WINDING}
+    tree["network"]["channels"].append({"column": "pwm", "range": [-255, 255], "neutral": 0})
+    tree["network"]["heats"][0]["factors"] = [{"channel": "pwm", "table": {"at": [-1, 0], "value": [1.5, 1.0]}}]
+    coefficients = parse(json.dumps(tree).encode())
+    program = lower(coefficients, "fixed", "table")
+    lowered = lower_forecast(coefficients, program)
+    assert lowered is not None
+    found = []
+    for pwm in (230, -230):
+        board = reference_of(program, [30_000])
+        ahead = looked(lowered, board, pwm, 25_000, KNOWN)
+        board.set_channels(np.array([[25_000], [0], [1000 * pwm]]))
+        assert isinstance(board, ReferenceNetwork)
+        winding = lowered.limits[ahead.first]
+        for sample in range(ahead.until + 1):
+            reached = int(board.node_mC(winding.part - len(program.parts))[0]) >= winding.limit_mC
+            assert reached == (sample == ahead.until)
+            board.step(np.array([pwm]))
+        found.append(ahead.until)
+    assert 0 < found[1] < found[0] < lowered.horizon
 
 
 def test_the_pwm_that_can_be_held_can_and_the_next_one_cannot() -> None:

@@ -16,7 +16,7 @@ from gen.firmware.context import project_context
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.lower import lower
 from gen.verification.alarm_campaign import BEGIN, input_type, output_type
-from gen.verification.alarms import ALARMS
+from gen.verification.comparisons import ALARMS
 from gen.verification.harness import HostHarness
 from gen.verification.runners import write_library
 from tests.examples import ROOT

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,8 @@ from gen.lowering.forecast import LoweredForecast, lower_forecast
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
 from gen.reference.forecast import HOLDABLE, KNOWN, RUNNING, SEARCHING
-from gen.verification.alarms import compare_forecast, forecast_harness
 from gen.verification.compare import first_mismatch
+from gen.verification.comparisons import compare_forecast, forecast_harness
 from gen.verification.forecast_campaign import ForecastCampaign, forecast_campaign
 from gen.verification.harness import HostHarness
 from gen.verification.runners import Library, write_library
@@ -26,22 +27,34 @@ from tests.examples import ROOT
 LANES, LENGTH = 8, 500
 #: So short a horizon that runs, and whole searches, come to their end.
 ASKED: dict[str, Any] = {"horizon_s": 20.0, "steps_per_sample": 4, "near_s": 9.0}
-MODELS = {
-    # Low enough that a motor at full PWM reaches them, and that one at rest does not.
-    "parts": (
-        "my1016",
-        {"limits": [{"component": "brush", "limit_degC": 70}, {"component": "bearing", "limit_degC": 55}]},
-    ),
-    "network, a hidden node": ("network", {"limits": [{"component": "winding", "limit_degC": 110}]}),
-}
+
+
+def parts() -> str:
+    """With limits low enough that a motor at full PWM reaches them, and that one at rest does not."""
+    tree = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
+    limits = [{"component": "brush", "limit_degC": 70}, {"component": "bearing", "limit_degC": 55}]
+    return json.dumps(tree | {"version": 2, "forecast": ASKED | {"limits": limits}})
+
+
+def network() -> str:
+    """With a limit of a hidden node, a heat that knows the direction, and parts called as the library calls its own."""
+    tree = json.loads((ROOT / "examples" / "network" / "coeffs.json").read_text(encoding="utf-8"))
+    tree["network"]["channels"].append({"column": "pwm", "range": [-255, 255], "neutral": 0})
+    tree["network"]["heats"][0]["factors"] = [{"channel": "pwm", "table": {"at": [-1, 0], "value": [1.5, 1.0]}}]
+    limits = [{"component": name, "limit_degC": 110} for name in ("winding", "brush", "bearing", "magnet")]
+    text = json.dumps(tree | {"forecast": ASKED | {"limits": limits}})
+    for node, name in {"brush": "near", "bearing": "limits", "magnet": "at_once", "winding": "steps"}.items():
+        text = text.replace(f'"{node}"', f'"{name}"')
+    return text
+
+
+MODELS: dict[str, Callable[[], str]] = {"parts": parts, "network": network}
 
 
 def emitted(
     model: str, arithmetic: Arithmetic, folder: Path, fault: tuple[str, str] | None = None
 ) -> tuple[Library, LoweredForecast]:
-    example, own = MODELS[model]
-    tree = json.loads((ROOT / "examples" / example / "coeffs.json").read_text(encoding="utf-8"))
-    coefficients = parse(json.dumps({**tree, "version": 2, "forecast": ASKED | own}).encode())
+    coefficients = parse(MODELS[model]().encode())
     program = lower(coefficients, arithmetic, "table")
     context = project_context(coefficients, program, "coeffs.json")
     files = render.library(context)
@@ -73,6 +86,9 @@ def test_the_campaign_has_runs_that_end_at_limits_and_at_the_horizon_and_whole_s
     assert len(np.unique(found["first"][known])) > 2, "always the same limit"
     assert {0, forecast.horizon} < set(found["until"][known].tolist())
     assert set(np.unique(found["near"])) == {0, 1}
+    assert forecast.near is not None
+    still = (found["near"][:, :-1] == 1) & (found["near"][:, 1:] == 1)
+    assert (still & (found["samples"][:, :-1] > forecast.near + 1)).any(), "nothing stays near on its way further off"
     held = found["holdable"][(state & HOLDABLE) != 0]
     assert {0, forecast.most_pwm} < set(held.tolist()), "no search ended between the ends"
     assert ((state & SEARCHING) != 0).any()
@@ -121,3 +137,9 @@ def test_a_planted_fault_is_caught(fault: tuple[str, str], campaign: ForecastCam
     difference = first_mismatch(campaign.expected, runner.run(campaign.inputs))
     assert difference is not None
     assert difference.differing > 0
+
+
+def test_a_run_that_keeps_the_direction_of_before_is_caught(tmp_path: Path) -> None:
+    library, forecast = emitted("network", "fixed", tmp_path, ("1000L * state->tried", "0L * state->tried"))
+    ((_, _, difference),) = compare_forecast(library, forecast, LANES, 200, ("g++ -O2",), board=False)
+    assert difference is not None

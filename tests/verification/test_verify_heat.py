@@ -14,7 +14,7 @@ from gen.firmware.context import project_context
 from gen.lowering.alarms import LoweredRule, lower_alarms
 from gen.lowering.lower import lower
 from gen.verification.alarm_campaign import alarm_profile, campaign
-from gen.verification.alarms import compare_alarms
+from gen.verification.comparisons import compare_alarms
 from gen.verification.runners import Library, write_library
 from tests.examples import ROOT
 

@@ -14,7 +14,7 @@ from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.lower import lower
 from gen.lowering.protection import LoweredProtection, lower_protection
-from gen.verification.alarms import compare_protection
+from gen.verification.comparisons import compare_protection
 from gen.verification.protection_campaign import protection_campaign
 from gen.verification.runners import Library, write_library
 from tests.examples import ROOT

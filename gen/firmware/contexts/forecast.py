@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TypedDict
 
-from gen.lowering.forecast import LoweredForecast, WatchedLimit
+from gen.lowering.forecast import LoweredForecast
 from gen.lowering.program import Program
 
 _AT_ONCE = {"fixed": 8, "float": 2}
@@ -12,7 +12,7 @@ _AT_ONCE = {"fixed": 8, "float": 2}
 
 
 class LimitEntry(TypedDict):
-    """A limit; `part` is a component's number, or that of a network's state behind all components'."""
+    """A limit; `part` is a component's number; behind all of them, that of a network's state."""
 
     name: str
     source: str
@@ -23,8 +23,8 @@ class LimitEntry(TypedDict):
 class ForecastContext(TypedDict):
     """What is watched, how far ahead, and how fast; `near` is in samples, `horizon_s` for people.
 
-    `told`: how many channels the model has. `hidden`: a node that nobody measures is among the limits. `proven`: the
-    limits allow for the words' errors.
+    `told`: how many channels the model has; `pwm_channel`: the number of the one that is the PWM with its sign.
+    `hidden`: a node that nobody measures is among the limits. `proven`: the limits allow for the words' errors.
     """
 
     limits: list[LimitEntry]
@@ -34,16 +34,10 @@ class ForecastContext(TypedDict):
     at_once: int
     most_pwm: int
     told: int
+    pwm_channel: int | None
     near: int | None
     hidden: bool
     proven: bool
-
-
-def _part(limit: WatchedLimit, components: int) -> int:
-    if limit.component is not None:
-        return limit.component
-    assert limit.state is not None
-    return components + limit.state
 
 
 def forecast_context(program: Program, forecast: LoweredForecast | None) -> ForecastContext | None:
@@ -56,14 +50,13 @@ def forecast_context(program: Program, forecast: LoweredForecast | None) -> Fore
     """
     if forecast is None:
         return None
-    components = len(program.parts)
     return {
         "limits": [
             {
                 "name": limit.name,
                 "source": f"{limit.source_degC:g}",
                 "limit_mC": limit.limit_mC,
-                "part": _part(limit, components),
+                "part": limit.part,
             }
             for limit in forecast.limits
         ],
@@ -73,7 +66,8 @@ def forecast_context(program: Program, forecast: LoweredForecast | None) -> Fore
         "at_once": 1 if program.effects is not None else _AT_ONCE[program.arithmetic],
         "most_pwm": forecast.most_pwm,
         "told": len(program.channels),
+        "pwm_channel": forecast.pwm_channel,
         "near": forecast.near,
-        "hidden": any(limit.state is not None for limit in forecast.limits),
+        "hidden": any(limit.part >= len(program.parts) for limit in forecast.limits),
         "proven": forecast.proven,
     }

@@ -1,4 +1,4 @@
-"""Prove the emitted alarm rules, and what follows from them, equal to their references after every sample."""
+"""Prove what the library has beside the model equal to its references: alarm rules, causes and actions, look ahead."""
 
 from __future__ import annotations
 
