@@ -91,7 +91,7 @@ function draw() {
   const axis = {gridcolor: style.getPropertyValue("--rule"), zeroline: false, automargin: true};
   const layout = {
     datarevision: ++drawn, // the curves grow where they are: without it they would be taken for unchanged
-    uirevision: `${part.number}`, margin: {l: 50, r: 50, t: 10, b: 40}, showlegend: true, legend: {orientation: "h", y: -0.14},
+    uirevision: `${part.number}`, margin: {l: 50, r: 50, t: 10, b: 40}, showlegend: true, legend: {orientation: "h", yref: "container", y: 0, yanchor: "bottom"},
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: {color: style.color},
     xaxis: {...axis, title: {text: "time, s"}, anchor: "y2", ...(shownWindow ? {range: [now - shownWindow, now + 0.03 * shownWindow], uirevision: now} : {})},
     yaxis: {...axis, title: {text: "°C"}, domain: [0.28, 1]},
