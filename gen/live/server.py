@@ -7,6 +7,7 @@ import json
 from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import asdict
 from functools import cache
+from itertools import count
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -45,6 +46,7 @@ class Live:
     def __init__(self, source: Source, recorded_to: Path | None = None) -> None:
         self.source, self.recorded_to = source, recorded_to
         self.commands = Commands(source.send)
+        self._numbers = count(1)
 
     def about(self) -> dict[str, Any]:
         """What does not change while the page is open."""
@@ -60,6 +62,14 @@ class Live:
             "ink": INK,
         }
 
+    def answer(self) -> dict[str, Any]:
+        """The status with a number: what was looked up earlier, and arrives later, has a lower one.
+
+        An event of the stream and the answer to a command reach a page in any order.
+        """
+        number = next(self._numbers)
+        return {**self.status(), "number": number}
+
     def status(self) -> dict[str, Any]:
         """What holds now."""
         return {
@@ -71,16 +81,18 @@ class Live:
 
     async def events(self, part: int, row: int, gone: Callable[[], Awaitable[bool]]) -> AsyncIterator[str]:
         """What is new, from a row of a part on, until nobody listens any more."""
-        view, before, quiet_s = self.source.view, "", 0.0
+        view, quiet_s = self.source.view, 0.0
+        before: dict[str, Any] = {}
         while not self.source.stopped.is_set() and not await gone():
             if view.part != part:
                 part, row = view.part, 0
             rows = view.since(row, _AT_ONCE)
-            status = json.dumps(self.status())
+            number = next(self._numbers)
+            status = self.status()
             quiet_s += _EVERY_S
             if rows or status != before or quiet_s >= _QUIET_S:
                 row += len(rows)
-                told = {"part": part, "columns": view.columns(), "rows": rows, "status": json.loads(status)}
+                told = {"part": part, "columns": view.columns(), "rows": rows, "status": {**status, "number": number}}
                 yield f"id: {part}.{row}\ndata: {json.dumps(told, allow_nan=False)}\n\n"
                 before, quiet_s = status, 0.0
             await asyncio.sleep(_EVERY_S)
@@ -140,7 +152,7 @@ def _add_reading(app: FastAPI, live: Live) -> None:
 
     @app.get("/history")
     def history(most: int = MOST_POINTS) -> JSONResponse:
-        return JSONResponse({**view.history(min(max(most, 64), 50_000)), "status": live.status()})
+        return JSONResponse({**view.history(min(max(most, 64), 50_000)), "status": live.answer()})
 
     @app.get("/run.csv")
     def run_file() -> Response:
@@ -165,22 +177,22 @@ def _add_doing(app: FastAPI, live: Live) -> None:
         if armed and not live.source.takes_commands:
             raise InputError("a replay takes no commands")
         live.commands.arm(armed)
-        return JSONResponse(live.status())
+        return JSONResponse(live.answer())
 
     @app.post("/pwm")
     def pwm(count: Annotated[int, Body(embed=True)]) -> JSONResponse:
         live.commands.pwm(count)
-        return JSONResponse(live.status())
+        return JSONResponse(live.answer())
 
     @app.post("/line")
     def line(text: Annotated[str, Body(embed=True)]) -> JSONResponse:
         live.commands.line(text)
-        return JSONResponse(live.status())
+        return JSONResponse(live.answer())
 
     @app.post("/change")
     def change(name: Annotated[str, Body()], value: Annotated[float | str, Body()]) -> JSONResponse:
         live.source.change(name, value)
-        return JSONResponse(live.status())
+        return JSONResponse(live.answer())
 
 
 def _file(name: str) -> Response:

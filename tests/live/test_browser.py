@@ -134,6 +134,21 @@ def test_commands_wait_for_the_page_to_be_armed(page: Page) -> None:
     assert source.told.sent == [b"arm\n90\n"]
 
 
+def test_what_was_looked_up_before_a_command_does_not_take_it_back(page: Page) -> None:
+    """An event of the stream that was on its way while the board was armed arrives behind the answer that says so."""
+    source = FedSource()
+    source.view.feed(HEADER + row(0), 0.0)
+    with served(source) as address:
+        page.goto(address)
+        expect(page.locator("#rows")).to_have_text("1")
+        before = page.request.get(f"{address.partition('?')[0]}history").json()["status"]
+        page.locator("#arm").click()
+        expect(page.locator("#board")).to_have_class("armed")
+        page.evaluate("status => showStatus(status)", before)
+        assert page.locator("#board").get_attribute("class") == "armed"
+        assert page.locator("#halt").is_enabled()
+
+
 def test_what_the_page_changes_reaches_the_source(page: Page) -> None:
     source = FedSource()
     with served(source) as address:

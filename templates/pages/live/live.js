@@ -4,7 +4,7 @@
 const MOST = 2000; // points of a curve when it is fetched; at three times as many it is fetched anew
 const DRAW_MS = 500;
 const CODES = ["flags", "sensors", "alarms", "protection", "time_to_limit_s", "holdable_pwm"];
-const part = {number: 0, next: 0, columns: [], curves: {}, last: {}};
+const part = {number: 0, next: 0, status: 0, columns: [], curves: {}, last: {}};
 let about = null, stream = null, shownWindow = 0, dirty = false, fetching = false, drawn = 0;
 
 const by = (id) => document.getElementById(id);
@@ -48,6 +48,8 @@ function showNow() {
 }
 
 function showStatus(status) {
+  if (status.number < part.status) return; // looked up before what is shown
+  part.status = status.number;
   put("link", status.link);
   by("dot").className = status.connected ? "dot on" : "dot";
   put("rows", String(status.rows)); put("garbled", String(status.garbled)); put("restarts", String(status.restarts));
@@ -127,7 +129,7 @@ async function refresh() {
     showStatus(told.status);
     dirty = true;
     listen();
-  } catch { setTimeout(refresh, 1000); } finally { fetching = false; }
+  } catch { part.status = 0; setTimeout(refresh, 1000); } finally { fetching = false; }
 }
 
 function listen() {
@@ -144,7 +146,7 @@ function listen() {
     take(told);
     showStatus(told.status);
   };
-  stream.onerror = () => { put("link", "gen live does not answer; trying again"); by("dot").className = "dot"; };
+  stream.onerror = () => { part.status = 0; put("link", "gen live does not answer; trying again"); by("dot").className = "dot"; }; // another server counts anew
 }
 
 // ---- what the page can do ----
