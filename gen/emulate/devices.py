@@ -91,6 +91,24 @@ class DeviceMega(EmulatedMega):
         """
         self._handle.call("reset", int(cause), 0, 0, 0)
 
+    def add_boot_loader(self, program: bytes, address: int = 0x3E000) -> None:
+        """Put a boot loader into flash: resets, and the first start, go there.
+
+        Parameters
+        ----------
+        program
+            Its bytes.
+        address
+            Where they begin; a Mega's is of 8 KB at the end.
+
+        Raises
+        ------
+        ValueError
+            Where it does not fit.
+        """
+        if self._handle.call("boot_loader", address, program, len(program)):
+            raise ValueError(f"a boot loader of {len(program)} bytes does not fit at {address:#x}")
+
     def start_clock_at(self, milliseconds: int) -> None:
         """Let the Arduino core's ``millis()`` start at a value, near 2**32 to see it roll over.
 

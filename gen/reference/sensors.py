@@ -71,6 +71,17 @@ class SensorCheck:
             self._known = False
             self._run = 0
 
+    def restore(self, before: SensorCheck) -> None:
+        """Go on with what the channel had come to before a reset, if it was refused then.
+
+        Parameters
+        ----------
+        before
+            The same channel's checks, as they were.
+        """
+        if before._displaced or before.code is SensorCode.STUCK:
+            self.__dict__.update(before.__dict__)
+
     def check(self, word: int, finished: bool, model_mC: int) -> SensorCode:
         """Judge one reading.
 

@@ -13,9 +13,10 @@ from tests.device.variants import variant
 
 #: Stands in for the alarm rules: they say what the test wrote into `test_alarms`.
 ALARMS = """
-#include "my1016_alarms.h"
+#include "my1016_alarms_state.h"
 #include "my1016_platform.h"
 static const char test_name[] PROGMEM = "test";
+my1016_AlarmState my1016_alarm_state;
 volatile uint16_t test_alarms;
 extern "C" void my1016_alarms_begin(uint8_t) {}
 extern "C" void my1016_alarms_restore(uint16_t alarms) { test_alarms |= alarms; }

@@ -124,7 +124,7 @@ def test_a_copy_that_failed_does_not_hide_the_next_one(power_up: Open) -> None:
     assert any(int(row["flags"]) & 0x800 for row in said.rows)
     board.hear(65.0)
     assert not int(board.hear(1.5).rows[-1]["flags"]) & 0x800
-    board.press_reset()
+    board.cut_power(1.0, seed=2)  # nothing is left in RAM
     assert board.started().events[-1].endswith("start from memory")
 
 

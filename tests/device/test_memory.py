@@ -73,9 +73,9 @@ def test_after_a_reset_the_model_goes_on_where_the_copy_was_made(power_up: Open)
     board.started()
     board.drive(255)
     rows = board.hear(COPIED_S + 60.0).rows
-    board.press_reset()
+    board.cut_power(1.0, seed=2)  # nothing is left in RAM
     said = board.started()
-    assert said.comments["reset"] == "external"
+    assert said.comments["reset"] == "power"
     assert said.events[-1].endswith("start from memory")
     older, copied = (next(row for row in rows if float(row["time_s"]) >= time) for time in (60.0, 120.0))
     for channel in ("brush", "bearing", "magnet", "casing"):

@@ -208,10 +208,14 @@ def test_pwm_rises_by_its_ramp_falls_at_once_and_waits_before_it_turns_round(pow
 
 def test_the_relay_is_open_until_the_model_has_started(power_up: Open) -> None:
     board = power_up("protected")
-    while not board.hear(0.1).rows:
-        assert not board.pins.level(RELAY)
-    board.hear(0.5)
-    assert board.pins.level(RELAY)
+    place, _ = board.variable("now")
+    started = place + 6  # behind the seconds and milliseconds
+    board.run_until(lambda: board.pins.level(RELAY), 6.0, step_s=0.001)
+    assert board.memory.peek(started, 1) == b"\1"
+    board.press_reset()
+    assert not board.pins.level(RELAY)
+    board.run_until(lambda: board.memory.peek(started, 1) == b"\0", 1.0, step_s=0.001)
+    assert not board.pins.level(RELAY)
 
 
 def test_a_button_resets_as_the_command_does_and_believes_no_sensor(power_up: Open) -> None:

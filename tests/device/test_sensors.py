@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import replace
 from itertools import groupby, pairwise
 from pathlib import Path
@@ -37,7 +38,8 @@ from tests.examples import example
 
 MAIN = """
 #include <stdio.h>
-#include "my1016_sensors.h"
+#include "my1016_sensors_state.h"
+static my1016_Sensor kept[MY1016_SENSORS];
 int main() {
     unsigned char in[10];
     my1016_sensors_begin();
@@ -52,6 +54,18 @@ int main() {
         }
         if (in[0] == 0xFD) {
             my1016_sensors_accept(in[1]);
+            continue;
+        }
+        if (in[0] == 0xFC) {
+            for (unsigned i = 0; i < MY1016_SENSORS; ++i) {
+                kept[i] = my1016_sensors[i];
+            }
+            continue;
+        }
+        if (in[0] == 0xFB) {
+            for (unsigned char i = 0; i < MY1016_SENSORS; ++i) {
+                my1016_sensors_restore(i, &kept[i]);
+            }
             continue;
         }
         uint32_t model = 0, word = 0;
@@ -71,7 +85,8 @@ int main() {
 BOARD_MAIN = """
 #include "mailbox.h"
 #include <avr/interrupt.h>
-#include "my1016_sensors.h"
+#include "my1016_sensors_state.h"
+static my1016_Sensor kept[MY1016_SENSORS];
 struct Input {
     uint8_t channel;
     uint32_t word;
@@ -95,6 +110,14 @@ int main() {
             my1016_sensors_model_set();
         } else if (gen_input.channel == 0xFD) {
             my1016_sensors_accept((uint8_t)gen_input.word);
+        } else if (gen_input.channel == 0xFC) {
+            for (uint8_t i = 0; i < MY1016_SENSORS; ++i) {
+                kept[i] = my1016_sensors[i];
+            }
+        } else if (gen_input.channel == 0xFB) {
+            for (uint8_t i = 0; i < MY1016_SENSORS; ++i) {
+                my1016_sensors_restore(i, &kept[i]);
+            }
         } else {
             const Input &in = gen_input;
             gen_output.code = my1016_sensors_check(in.channel, in.word, in.finished, in.model_mC);
@@ -107,7 +130,7 @@ int main() {
 }
 """
 RECORD = np.dtype([("channel", "u1"), ("word", "<u4"), ("finished", "u1"), ("model_mC", "<i4")])
-FORGET, MODEL_SET, ACCEPT = 0xFF, 0xFE, 0xFD
+FORGET, MODEL_SET, ACCEPT, KEEP, RESTORE = 0xFF, 0xFE, 0xFD, 0xFC, 0xFB
 LIMITS = SensorLimits("brush", lowest=0, highest=1000, step=5, stuck_samples=12, stuck_mK=3000)
 JUDGED = np.dtype([("code", "u1"), ("mC", "<i4"), ("plausible", "u1"), ("plausible_mC", "<i4")])
 Step = tuple[int, int, bool, int]
@@ -129,7 +152,7 @@ class Cpp:
         for chip in device["chips"]:
             chip["stuck_samples"] = min(chip["stuck_samples"], LIMITS.stuck_samples)
         told = {**context.of_model(), "device": device}
-        names = ("platform.h", "sensors.h", "sensors.cpp")
+        names = ("platform.h", "sensors.h", "sensors_state.h", "sensors.cpp")
         files = render.render({f"NAME_{name}": f"lib/model/src/{name}.j2" for name in names}, told)
         for path, text in files.items():
             (folder / path).write_text(text)
@@ -162,7 +185,7 @@ class Cpp:
             output, cycles = mega.run_records(
                 records, places[0], RECORD.itemsize, places[1], JUDGED.itemsize, len(records), len(records) * 20_000
             )
-        judged = records["channel"] < ACCEPT
+        judged = records["channel"] < RESTORE
         found = np.ascontiguousarray(output).view(JUDGED)[:, 0]
         return [tuple(row) for row in found[judged].tolist()], int(cycles[judged].max())
 
@@ -174,6 +197,7 @@ def cpp(tmp_path_factory: pytest.TempPathFactory) -> Cpp:
 
 def by_reference(limits: Sequence[SensorLimits], steps: Sequence[Step]) -> list[Judged]:
     checks = [SensorCheck(item) for item in limits]
+    kept = [SensorCheck(item) for item in limits]
     found = []
     for channel, given_word, finished, model_mC in steps:
         if channel == FORGET:
@@ -183,6 +207,11 @@ def by_reference(limits: Sequence[SensorLimits], steps: Sequence[Step]) -> list[
                 check.model_set()
         elif channel == ACCEPT:
             checks[given_word].accept()
+        elif channel == KEEP:
+            kept = deepcopy(checks)
+        elif channel == RESTORE:
+            for check, before in zip(checks, kept, strict=True):
+                check.restore(before)
         else:
             check = checks[channel]
             code = check.check(given_word, finished, model_mC)
@@ -200,7 +229,8 @@ def random_steps(seed: int, count: int) -> list[Step]:
         length = int(generator.integers(1, 25))
         if kind == 0:
             other = int(generator.integers(1, 5)) if generator.random() < 0.2 else 0
-            steps.append((int(generator.choice([FORGET, MODEL_SET, ACCEPT, ACCEPT])), other, False, 0))
+            calls = [FORGET, MODEL_SET, ACCEPT, ACCEPT, KEEP, RESTORE]
+            steps.append((int(generator.choice(calls)), other, False, 0))
         elif kind == 1:  # as fast as a locked motor, or nearly
             rate = int(generator.integers(4, 30))
             for _ in range(length % 12):

@@ -223,6 +223,18 @@ void gen_mega_reset(struct gen_mega *mega, uint8_t mcusr, int power_lost, uint64
 	mega->resume = cpu_Running;
 }
 
+int gen_mega_boot_loader(struct gen_mega *mega, uint32_t address, const uint8_t *program, uint32_t size)
+{
+	avr_t *avr = mega->avr;
+	if (address > avr->flashend || size > avr->flashend + 1 - address)
+		return -1;
+	memcpy(avr->flash + address, program, size);
+	avr->codeend = avr->flashend;
+	avr->reset_pc = address; /* as with the fuse BOOTRST */
+	avr->pc = address;
+	return 0;
+}
+
 /* ---- state ---------------------------------------------------------------------------------------------------- */
 
 uint64_t gen_mega_cycle(const struct gen_mega *mega)

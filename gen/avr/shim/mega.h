@@ -25,7 +25,7 @@
 
 #include "core.h"
 
-#define GEN_MEGA_ABI 4
+#define GEN_MEGA_ABI 5
 
 uint32_t gen_mega_abi(void);
 
@@ -38,6 +38,9 @@ const char *gen_mega_message(const struct gen_mega *mega);
  * the SRAM holds noise afterwards, an EEPROM write under way is left half done, and off cycles pass before the reset.
  */
 void gen_mega_reset(struct gen_mega *mega, uint8_t mcusr, int power_lost, uint64_t off, uint32_t seed);
+
+/* Writes a boot loader to flash, which every reset, and the first start, then goes to; -1 where it does not fit. */
+int gen_mega_boot_loader(struct gen_mega *mega, uint32_t address, const uint8_t *program, uint32_t size);
 
 uint64_t gen_mega_cycle(const struct gen_mega *mega);
 uint64_t gen_mega_asleep(const struct gen_mega *mega); /* cycles spent in a sleep mode */

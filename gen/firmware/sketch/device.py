@@ -65,6 +65,8 @@ def sketch_files(device: DeviceContext) -> dict[str, str]:
         ("relay", device["relay"]),
         ("guard", device["protects"]),
         ("memory", device["memory"]),
+        ("snapshot", device["memory"]),
+        ("warm", device["memory"]),
         ("latch", device["latch"]),
         ("indicator", device["led"] is not None or device["button"] is not None),
     ):
@@ -73,7 +75,8 @@ def sketch_files(device: DeviceContext) -> dict[str, str]:
     names = ["config.h", "device.h", "main.cpp", *(f"{module}.{end}" for module in modules for end in ("h", "cpp"))]
     files = {f"src/{name}": f"src/{name}.j2" for name in names}
     if device["chips"]:
-        files |= {f"lib/NAME/src/NAME_sensors.{end}": f"lib/model/src/sensors.{end}.j2" for end in ("h", "cpp")}
+        endings = (".h", "_state.h", ".cpp")
+        files |= {f"lib/NAME/src/NAME_sensors{end}": f"lib/model/src/sensors{end}.j2" for end in endings}
     return files
 
 
