@@ -1,0 +1,19 @@
+"""`gen fleet`: its commands, one file each."""
+
+from __future__ import annotations
+
+import click
+
+from gen.commands.fleet.add import add
+
+
+@click.group(
+    short_help="The same for many motors: keep their runs, identify, watch.",
+    epilog="Example:  gen fleet add monday.csv --motor pump-17 --to fleet",
+)
+def fleet() -> None:
+    """Keep the runs of many motors in one store, and work on all of them together."""
+
+
+for command in (add,):
+    fleet.add_command(command)
