@@ -1,8 +1,8 @@
 """A run as the bytes of a Parquet file, and back: columns as in its run file, all else in the file's metadata.
 
-Any reader of Parquet sees the run file's columns under the run file's names. What a column means to the model (component,
-ambient, other) and the comments stand as JSON under one key of the schema's metadata, so that what is read back is the
-same run, every bit of every number included.
+Any reader of Parquet sees the run file's columns under the run file's names. What a column means to the model
+(component, ambient, other) and the comments stand as JSON under one key of the schema's metadata, so that what is read
+back is the same run, every bit of every number included.
 """
 
 from __future__ import annotations

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from gen.commands.fleet.add import add
+from gen.commands.fleet.identify import identify
 
 
 @click.group(
@@ -15,5 +16,5 @@ def fleet() -> None:
     """Keep the runs of many motors in one store, and work on all of them together."""
 
 
-for command in (add,):
+for command in (add, identify):
     fleet.add_command(command)
