@@ -100,7 +100,7 @@ def products_of(coefficients: Coefficients, run: Run, file: str) -> Products:
     """
     names = coefficients.model.component_names
     shown = simulate_run(coefficients, run, "exact", "auto", file)
-    base = [shown[f"{name}_degC"] for name in names]
+    base = [np.asarray(shown[f"{name}_degC"], dtype=np.float64) for name in names]
     residual = _means(run, [_read(run, name) - values for name, values in zip(names, base, strict=True)])
     used = np.isfinite(residual)
     made = []

@@ -205,7 +205,7 @@ def workers_of(store: Store, workers: Workers) -> Iterator[Any]:
         return
     with (
         distributed.LocalCluster(
-            n_workers=workers.jobs, threads_per_worker=1, dashboard_address=None, silence_logs=50
+            n_workers=workers.jobs, threads_per_worker=1, dashboard_address="127.0.0.1:0", silence_logs=50
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
