@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,8 @@ class State:
         The same of its newest runs in time, oldest first.
     days
         Of those runs.
+    last_alarm
+        Day and words of the last state that was an alarm; may be empty.
     """
 
     motor: str
@@ -49,6 +51,7 @@ class State:
     error_K: float | None = None
     course_K: tuple[float | None, ...] = ()
     days: tuple[str, ...] = ()
+    last_alarm: str = ""
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,7 @@ def watch(store: Store, level: float, workers: Workers, progress: Progress) -> W
     }
     with workers_of(store, workers) as client:
         found = computed(store, newest_residuals, tasks, client, progress)
-    result = _judged(runs, found, level)
+    result = _with_alarms(_judged(runs, found, level), read_watched(store))
     store.write(FILE, (json.dumps(asdict(result), indent=1, allow_nan=False) + "\n").encode())
     return result
 
@@ -110,6 +113,20 @@ def read_watched(store: Store) -> Watched | None:
         return Watched(tuple(motors), tuple(said["common"]), said["limit"], said["level"])
     except (ValueError, TypeError, KeyError) as error:
         raise InputError(f"is not what gen fleet watch writes: {error}", file=f"{store.url}/{FILE}") from error
+
+
+QUIET = ("ok", "not enough data")
+"""States that are no alarm."""
+
+
+def _with_alarms(now: Watched, before: Watched | None) -> Watched:
+    """The same with each motor's last alarm, which may have been told another time."""
+    older = {} if before is None else {state.motor: state.last_alarm for state in before.motors}
+    made = []
+    for state in now.motors:
+        new = f"{state.days[-1]}: {state.state}" if state.state not in QUIET else older.get(state.motor, "")
+        made.append(replace(state, last_alarm=new))
+    return replace(now, motors=tuple(made))
 
 
 def _judged(runs: dict[str, list[Kept]], found: dict[str, Arrays | Failed], level: float) -> Watched:
