@@ -35,15 +35,21 @@ class Hypothesis:
     kind: str
     node: str
 
+    def state(self, amount: float) -> str:
+        """What a motor is that shows an amount of it."""
+        if self.kind != "heat":
+            return "sensor differs"
+        return "warmer" if amount > 0.0 else "cooler"
+
     def said(self, amount: float) -> str:
-        """What it means in words, for an amount of it (a share, or K)."""
+        """Say where and by how much."""
         match self.kind:
             case "heat":
-                return f"{'warmer' if amount > 0.0 else 'cooler'} at {self.node}: {amount:+.0%} of the motor's heat"
+                return f"at {self.node}, by {amount:+.1%} of the motor's heat"
             case "offset":
-                return f"sensor of {self.node} differs: {amount:+.2f} K"
+                return f"of {self.node}, by {amount:+.2f} K"
             case _:
-                return f"sensor of {self.node} differs: {amount:+.1%} of the rise"
+                return f"of {self.node}, by {amount:+.1%} of the rise"
 
 
 def hypotheses_of(coefficients: Coefficients) -> tuple[Hypothesis, ...]:

@@ -140,7 +140,8 @@ def _judged(runs: dict[str, list[Kept]], found: dict[str, Arrays | Failed], leve
         mean = judge([products_in(good[motor], "mean") for motor in fresh], level)
         limit = own.limit
         if own.common is not None:
-            common.append(f"all motors are {_words(names, own.common)}; that is missing in the model, and no fault")
+            state = names[own.common.place].state(own.common.amount)
+            common.append(f"missing in the model, as all motors show it: {state} {_words(names, own.common)}")
         for motor, mine, other in zip(fresh, own.own, mean.own, strict=True):
             states[motor] = _state(names, mine, other)
     made = []
@@ -165,11 +166,9 @@ def _judged(runs: dict[str, list[Kept]], found: dict[str, Arrays | Failed], leve
 
 def _state(names: list[Hypothesis], own: Finding | None, mean: Finding | None) -> tuple[str, str]:
     if own is not None:
-        kind = names[own.place].kind
-        state = "sensor differs" if kind != "heat" else "warmer" if own.amount > 0.0 else "cooler"
-        return state, f"{_words(names, own)} than it was" if kind == "heat" else _words(names, own)
+        return names[own.place].state(own.amount), f"{_words(names, own)}"
     if mean is not None:
-        return "differs from its fleet", _words(names, mean)
+        return "differs from its fleet", f"{names[mean.place].state(mean.amount)} {_words(names, mean)}"
     return "ok", ""
 
 

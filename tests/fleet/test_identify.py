@@ -13,36 +13,26 @@ from gen.coefficients import parse
 from gen.errors import InputError
 from gen.fleet.common import common_of, kept
 from gen.fleet.fitting import model_name
-from gen.fleet.identify import COMMON, Options, identify_fleet, model_path, runs_of
+from gen.fleet.identify import COMMON, Identified, identify_fleet, model_path, runs_of
 from gen.fleet.report import pages_of
 from gen.fleet.store import TASKS, Store
 from gen.fleet.watch import read_watched, watch
 from gen.fleet.work import Workers
 from gen.reference.simulate import simulate_run
-from tests.fleet.made import run_of, store_of
-
-MOTORS = 9
-OPTIONS = Options(max_hidden=0, scouts=1, until="2026-01-31")
+from tests.fleet.conftest import MOTORS, OPTIONS
+from tests.fleet.made import run_of
 
 
 def silent(_: str) -> None:
     pass
 
 
-@pytest.fixture(scope="module")
-def fleet(tmp_path_factory: pytest.TempPathFactory) -> Store:
-    """Nine motors with a run each, and what cannot be used; identified."""
-    store = store_of(tmp_path_factory.mktemp("fleet"), MOTORS)
-    store.add("m0", "2026-01-05", "worn", replace(run_of(77, heat=2.0), comments={"fault": "bearing"}))
-    store.add("short", "2026-01-01", "run", run_of(78, hours=0.03))
-    broken, _ = store.add("m1", "2026-01-06", "broken", run_of(79))
-    store.write(broken.path, b"half of")
-    found = identify_fleet(store, OPTIONS, Workers(), silent)
+def test_what_cannot_be_used_is_a_line(identified: tuple[Path, Identified]) -> None:
+    found = identified[1]
     assert sorted(found.left_out_K) == [f"m{number}" for number in range(MOTORS)]
     assert list(found.refused) == ["short"]
     assert any("fault bearing" in line for line in found.lines)
     assert any("is no run of a store" in line for line in found.lines)
-    return store
 
 
 def test_every_model_is_a_coefficient_file_that_predicts_another_run(fleet: Store) -> None:
@@ -57,14 +47,15 @@ def test_every_model_is_a_coefficient_file_that_predicts_another_run(fleet: Stor
 
 
 def test_a_motors_own_model_is_nearer_to_it_than_the_fleets(fleet: Store) -> None:
-    own, mean = [], []
+    own: list[float] = []
+    mean: list[float] = []
     for number in range(MOTORS):
         rng = np.random.default_rng(1000 + number)
         heat, capacity = np.exp(rng.normal(0.0, 0.08, 2)).tolist()
         run = run_of(900 + number, heat=heat, capacity=capacity)
         for errors, path in ((own, model_path(f"m{number}")), (mean, COMMON)):
             shown = simulate_run(parse(fleet.read(path)), run, "exact", "auto", "run")
-            errors.append(np.mean([(shown[f"{name}_degC"] - values) ** 2 for name, values in run.temps.items()]))
+            errors.append(float(np.mean([(shown[f"{name}_degC"] - values) ** 2 for name, values in run.temps.items()])))
     assert np.sqrt(np.mean(own)) < 0.6 * np.sqrt(np.mean(mean))
 
 
@@ -84,7 +75,7 @@ def test_what_the_fleet_shares_is_kept_exactly(fleet: Store) -> None:
 
 
 def test_a_new_motor_gets_a_model_and_the_others_keep_theirs(fleet: Store, tmp_path: Path) -> None:
-    store = Store(str(tmp_path))
+    store = Store(str(tmp_path / "other"))
     for path in (COMMON, model_path("m3"), "models/common.npz"):
         store.write(path, fleet.read(path))
     store.add("m3", "2026-01-01", "run", run_of(30))
@@ -94,7 +85,7 @@ def test_a_new_motor_gets_a_model_and_the_others_keep_theirs(fleet: Store, tmp_p
     assert store.read(model_path("m3")) == fleet.read(model_path("m3"))
 
 
-def test_a_fault_of_one_and_an_effect_of_all_are_told_apart(fleet: Store, tmp_path: Path) -> None:
+def test_a_fault_of_one_and_an_effect_of_all_are_told_apart(fleet: Store) -> None:
     with pytest.raises(InputError, match="gen fleet watch"):
         pages_of(fleet)
     for number in range(MOTORS):
