@@ -5,6 +5,7 @@ noise, bias, lag and steps of a quarter of a kelvin. Half of them have one run o
 run some are worn or have a shifted sensor; `--effect` gives the winding of all of them more heat then.
 
     python -m benchmarks.fleet --motors 24
+    python -m benchmarks.fleet --pool 1000
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from benchmarks.made_fleet.draw import Made, Motor, fleet, ran
 from gen.coefficients import Coefficients, parse
 from gen.errors import CheckFailed, InputError
 from gen.fleet.identify import COMMON, model_path
+from gen.fleet.pooling import Pool, Told, pooled
 from gen.fleet.store import MODELS, RUNS, TASKS, Store
 from gen.fleet.watch import QUIET, read_watched
 from gen.identification.choice.models import Options, network_of
@@ -128,6 +130,8 @@ def after_one_run(store: Store, motors: list[Motor], most_alone: int) -> None:
             rows["alone"].append(np.inf if single is None else error_K(single, test.run) / floor)
     print("Error on a fresh run of 4 h, in noise floors            motors  median    90%  worst")
     for name, found in (*((f"one run, {name}", found) for name, found in rows.items()), ("three runs, pooled", three)):
+        if not found:
+            continue
         middle, high, most = np.quantile(found, [0.5, 0.9, 1.0])
         print(f"  {name:<52}  {len(found):>6}  {middle:>6.2f} {high:>6.2f} {most:>6.2f}")
     worse = sum(p > a for p, a in zip(rows["pooled"], rows["alone"], strict=False))
@@ -166,6 +170,26 @@ def faults(store: Store, motors: list[Motor]) -> None:
             print(f"  {motor.name}: {motor.truth or 'healthy'} ({shows_K(motor):.2f} K): {state.state} {state.said}")
 
 
+def pooling(motors: int, parameters: int) -> None:
+    """Print what pooling alone costs, on normal matrices that are drawn."""
+    rng = np.random.default_rng(0)
+    truth = rng.normal(0.0, 0.08, (motors, parameters))
+    matrix = np.empty((motors, parameters, parameters))
+    for number in range(motors):
+        root = rng.normal(0.0, 20.0, (parameters // 3, parameters))  # a run leaves two thirds of the directions open
+        matrix[number] = root.T @ root
+    vector = np.einsum("mij,mj->mi", matrix, truth)
+    first = Pool(np.zeros(parameters), np.full(parameters, 0.09))
+    began = time.perf_counter()
+    found = pooled(Told(matrix, vector), first, np.zeros(parameters, dtype=np.bool_))
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    spread = float(np.sqrt(np.median(found.variance)))
+    print(
+        f"pooling {motors} motors of {parameters} parameters: {time.perf_counter() - began:.0f} s, {peak:.0f} MB; "
+        f"spread {spread:.3f}, in truth 0.080"
+    )
+
+
 def main() -> None:
     """Make the fleet, run the commands, print."""
     parser = argparse.ArgumentParser(
@@ -177,7 +201,11 @@ def main() -> None:
     parser.add_argument("--effect", type=float, default=1.0, help="factor on the heat of all windings in the last run")
     parser.add_argument("--alone", type=int, default=6, help="motors that are identified alone, too")
     parser.add_argument("--quick", action="store_true", help="one job on two workers only")
+    parser.add_argument("--pool", type=int, metavar="N", help="only what pooling N motors costs")
     options = parser.parse_args()
+    if options.pool:
+        pooling(options.pool, 150)
+        return
     made = Made(options.motors, options.seed, options.faulty, options.effect)
     motors = fleet(made)
     if made.effect != 1.0 and not any(source.kind == "copper" for source in motors[0].plant.sources):

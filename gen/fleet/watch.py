@@ -12,6 +12,7 @@ import numpy as np
 from gen.errors import InputError
 from gen.fleet.identify import COMMON, model_path, runs_of
 from gen.fleet.judging import FEWEST, Finding, judge
+from gen.fleet.names import checked_motor
 from gen.fleet.patterns import Hypothesis
 from gen.fleet.residuals import newest_residuals, products_in
 from gen.fleet.scouting import as_lists
@@ -21,6 +22,8 @@ from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_
 FILE = "watch.json"
 SHOWN = 12
 """Runs of each motor in the course of its error."""
+QUIET = ("ok", "not enough data")
+"""States that are no alarm."""
 
 
 @dataclass(frozen=True)
@@ -106,17 +109,15 @@ def read_watched(store: Store) -> Watched | None:
         return None
     try:
         said: dict[str, Any] = json.loads(store.read(FILE))
-        motors = (
+        motors = [
             State(**{**each, "course_K": tuple(each["course_K"]), "days": tuple(each["days"])})
             for each in said["motors"]
-        )
+        ]
+        for state in motors:
+            checked_motor(state.motor)  # pages are named after it
         return Watched(tuple(motors), tuple(said["common"]), said["limit"], said["level"])
-    except (ValueError, TypeError, KeyError) as error:
+    except (ValueError, TypeError, KeyError, InputError) as error:
         raise InputError(f"is not what gen fleet watch writes: {error}", file=f"{store.url}/{FILE}") from error
-
-
-QUIET = ("ok", "not enough data")
-"""States that are no alarm."""
 
 
 def _with_alarms(now: Watched, before: Watched | None) -> Watched:

@@ -112,6 +112,24 @@ def test_a_fault_of_one_and_an_effect_of_all_are_told_apart(fleet: Store) -> Non
         assert "innerHTML" not in text
 
 
+@pytest.mark.parametrize("name", ["../../x", "a/b", ""])
+def test_states_of_somebody_else_lead_no_page_out_of_its_folder(name: str, tmp_path: Path) -> None:
+    store = Store(str(tmp_path))
+    state = {"motor": name, "state": "ok", "said": "", "course_K": [], "days": []}
+    store.write("watch.json", json.dumps({"motors": [state], "common": [], "limit": None, "level": 0.01}).encode())
+    with pytest.raises(InputError, match="is not what gen fleet watch writes"):
+        pages_of(store)
+
+
+def test_what_a_state_says_is_text_and_no_markup(tmp_path: Path) -> None:
+    store = Store(str(tmp_path))
+    bad = "<script>alert(1)</script>"
+    state = {"motor": "a", "state": bad, "said": bad, "course_K": [0.1, None], "days": [bad, bad], "last_alarm": bad}
+    store.write("watch.json", json.dumps({"motors": [state], "common": [bad], "limit": 4.0, "level": 0.01}).encode())
+    for text in pages_of(store).values():
+        assert bad not in text
+
+
 def test_a_store_without_runs_is_told(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there are no runs"):
         runs_of(Store(str(tmp_path)))

@@ -68,7 +68,8 @@ def test_two_workers_one_of_which_dies_give_the_same_bits_as_this_process(tmp_pa
     some = {f"t{seed}": {"seed": seed, "marks": str(marks)} for seed in range(6)}
     with workers_of(both, Workers(jobs=2)) as client:
         killed = computed(both, tasks.dies_once, some, client, silent)
-        odd = computed(both, tasks.refused, {"1": {"seed": 1}}, client, silent)
+        with workers_of(both, Workers(scheduler=client.scheduler.address)) as elsewhere:
+            odd = computed(both, tasks.refused, {"1": {"seed": 1}}, elsewhere, silent)
     assert (marks / "died").exists()
     assert odd == {"1": Failed("seed 1 is odd")}
     assert bits(killed) == bits(computed(alone, tasks.dies_once, some, None, silent))
