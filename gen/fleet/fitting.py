@@ -135,9 +135,7 @@ def _said_of_fleet(text: str) -> str:
     document = parse(text.encode()).document
     provenance = document.provenance
     assert provenance is not None
-    return dump(
-        document.model_copy(update={"provenance": provenance.model_copy(update={"source": "gen fleet identify"})})
-    )
+    return dump(document.model_copy(update={"provenance": provenance.said_by("gen fleet identify")}))
 
 
 def _mean_square(covered: FloatArray, residual: FloatArray) -> FloatArray:
