@@ -140,7 +140,7 @@ def after_one_run(store: Store, motors: list[Motor], most_alone: int) -> None:
 
 def shows_K(motor: Motor) -> float:
     """What a fault changes at the sensor that shows most of it, root mean square over the last run, K."""
-    healthy = replace(motor, worn=motor.plant, shifted=(0.0,) * len(motor.shifted))
+    healthy = replace(motor, worn=motor.sound, shifted=(0.0,) * len(motor.shifted))
     away = ran(motor, LAST, last=True).course.temperature - ran(healthy, LAST, last=True).course.temperature
     by_heat = np.sqrt(np.mean(away[:, list(motor.plant.sensed)] ** 2, axis=0))
     return float(max(by_heat.max(), max(abs(shift) for shift in motor.shifted)))

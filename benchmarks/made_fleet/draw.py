@@ -38,8 +38,8 @@ class Motor:
         As it was made.
     sensors
         One for each sensed node.
-    worn
-        As it is in its last run.
+    worn, sound
+        As it is in its last run, and as it would be then without a fault.
     shifted
         By sensed node, what its sensor is off by in the last run, K.
     truth
@@ -50,6 +50,7 @@ class Motor:
     plant: Plant
     sensors: tuple[Sensor, ...]
     worn: Plant
+    sound: Plant
     shifted: tuple[float, ...]
     truth: str
 
@@ -99,10 +100,9 @@ def fleet(made: Made) -> list[Motor]:
             place = int(own.integers(len(shifted)))
             shifted[place] = float(own.uniform(*SENSOR_K) * own.choice([-1.0, 1.0]))
             truth = f"sensor {plant.names[plant.sensed[place]]}"
-        if made.effect != 1.0:
-            copper = [i for i, source in enumerate(plant.sources) if source.kind == "copper"]
-            worn = _worn(worn, copper, made.effect)
-        found.append(Motor(f"m{number:04d}", plant, sensors, worn, tuple(shifted), truth))
+        copper = [i for i, source in enumerate(plant.sources) if source.kind == "copper"]
+        worn, sound = (_worn(each, copper, made.effect) for each in (worn, plant))
+        found.append(Motor(f"m{number:04d}", plant, sensors, worn, sound, tuple(shifted), truth))
     return found
 
 
