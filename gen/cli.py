@@ -15,6 +15,7 @@ import click
 from gen.commands.build import build
 from gen.commands.check import check
 from gen.commands.emulate import emulate
+from gen.commands.fleet import fleet
 from gen.commands.identify import identify
 from gen.commands.importing import import_runs
 from gen.commands.init import init
@@ -54,6 +55,7 @@ for command in (
     refine,
     plan,
     plot,
+    fleet,
 ):
     cli.add_command(command)
 

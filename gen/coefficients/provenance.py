@@ -34,3 +34,7 @@ class Provenance(Part):
         dict[str, dict[str, Number]], Field(description="By component: figures of the fit, unit in the name.")
     ] = Field(default_factory=dict)
     error: tuple[ErrorBand, ...] = ()
+
+    def said_by(self, source: str) -> Provenance:
+        """Give the same with another source."""
+        return self.model_copy(update={"source": source})

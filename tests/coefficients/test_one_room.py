@@ -71,6 +71,11 @@ OTHER_FORMATS = {
     "firmware/effects_report.py": {"effects"},
     "firmware/render.py": {"name", "effects"},
     "firmware/wiring_svg.py": {"channels", "encoder", "drive", "column", "observe", "direction"},
+    # a fleet's store: a run's metadata, a form of the network as a task's arguments, a task's arrays; fsspec's protocol
+    "fleet/alarm_thresholds.py": {"name"},
+    "fleet/common.py": {"constant", "paths"},
+    "fleet/run_bytes.py": {"ambient", "components", "version"},
+    "fleet/store.py": {"memory"},
     # a frame's attributes, parameters of an optimiser, fields of the study's targets, the rig's own paths, columns of a
     # verification
     "interface/files.py": {"name"},

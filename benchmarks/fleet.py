@@ -1,0 +1,240 @@
+"""A made fleet: models after one run, faults found, motors per hour, a worker that is killed, memory.
+
+One random motor of independent physics, and others that differ from it by 5 to 10 % in every parameter; sensors with
+noise, bias, lag and steps of a quarter of a kelvin. Half of them have one run of 4 h, the others three. In their last
+run some are worn or have a shifted sensor; `--effect` gives the winding of all of them more heat then.
+
+    python -m benchmarks.fleet --motors 24
+    python -m benchmarks.fleet --pool 1000
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import argparse
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import psutil
+
+from benchmarks.made_fleet.draw import Made, Motor, fleet, ran
+from gen.coefficients import Coefficients, parse
+from gen.errors import CheckFailed, InputError
+from gen.fleet.identify import COMMON, model_path
+from gen.fleet.pooling import Pool, Told, pooled
+from gen.fleet.store import MODELS, RUNS, TASKS, Store
+from gen.fleet.watch import QUIET, read_watched
+from gen.identification.choice.models import Options, network_of
+from gen.identification.coefficient_file import Settings
+from gen.identification.sources import Source
+from gen.reference.simulate import simulate_run
+from gen.runs import Run
+
+UNTIL = "2026-01-31"
+TEST, LAST = 20, 9
+"""Numbers of the healthy run to test with, and of the last one."""
+VISIBLE_K = 1.0
+"""A fault that changes every sensor by less than this (root mean square over the run) is counted apart."""
+
+
+def runs_before(number: int) -> int:
+    """How many runs a motor has before its last one."""
+    return 1 if number % 2 else 3
+
+
+def filled(folder: Path, motors: list[Motor]) -> Store:
+    """A store with all runs."""
+    store = Store(str(folder))
+    for number, motor in enumerate(motors):
+        for k in range(runs_before(number)):
+            store.add(motor.name, f"2026-01-0{k + 1}", f"run{k}", ran(motor, k, last=False).run)
+        store.add(motor.name, "2026-02-01", "last", ran(motor, LAST, last=True).run)
+    return store
+
+
+def gen(*arguments: str, kill: bool = False) -> float:
+    """Run a command, and give the time it took in s; one of its workers is killed in the middle, if asked."""
+    began = time.perf_counter()
+    process = subprocess.Popen([sys.executable, "-m", "gen", "fleet", *arguments], stdout=subprocess.DEVNULL)
+    if kill:
+        _kill_one(process.pid, Path(arguments[1]) / TASKS)
+    if process.wait():
+        raise SystemExit(f"gen fleet {' '.join(arguments)} ended with {process.returncode}")
+    return time.perf_counter() - began
+
+
+def _kill_one(pid: int, tasks: Path) -> None:
+    """Kill the process that works hardest, in the middle of the first round of fits."""
+    while len(list(tasks.glob("fitted_in_common-*"))) < 3:
+        time.sleep(0.2)
+    workers = psutil.Process(pid).children(recursive=True)
+    busiest = max(workers, key=lambda worker: sum(worker.cpu_times()[:2]))
+    busiest.kill()
+
+
+def scouting_s(store: Store, began: float) -> float:
+    """How long the choice of the form took, s."""
+    return max(path.stat().st_mtime for path in (Path(store.url) / TASKS).glob("suits-*")) - began
+
+
+def models(store: Store) -> dict[str, bytes]:
+    """Every coefficient file's bytes."""
+    return {name: store.read(f"{MODELS}/{name}") for name in store.names(MODELS)}
+
+
+def error_K(model: Coefficients, run: Run) -> float:
+    """Root mean square error over all sensors, K."""
+    shown = simulate_run(model, run, "exact", "auto", "test")
+    squares = [np.nanmean((shown[f"{name}_degC"] - values) ** 2) for name, values in run.temps.items()]
+    return float(np.sqrt(np.mean(squares)))
+
+
+def alone(run: Run) -> Coefficients | None:
+    """What gen identify makes of one run."""
+    try:
+        source = Source("run.csv", run)
+        return network_of([source], Options(Settings("motor")), lambda _: None).coefficients
+    except (InputError, CheckFailed):
+        return None
+
+
+def after_one_run(store: Store, motors: list[Motor], most_alone: int) -> None:
+    """Print the errors on a run that took no part."""
+    mean = parse(store.read(COMMON))
+    rows: dict[str, list[float]] = {"alone": [], "pooled": [], "the fleet's mean": []}
+    three: list[float] = []
+    for number, motor in enumerate(motors):
+        test = ran(motor, TEST, last=False)
+        read = [
+            test.run.temps[motor.plant.names[node]] - test.course.temperature[:, node] for node in motor.plant.sensed
+        ]
+        floor = float(np.sqrt(np.nanmean(np.concatenate(read) ** 2)))
+        own = error_K(parse(store.read(model_path(motor.name))), test.run) / floor
+        if runs_before(number) > 1:
+            three.append(own)
+            continue
+        rows["pooled"].append(own)
+        rows["the fleet's mean"].append(error_K(mean, test.run) / floor)
+        if len(rows["alone"]) < most_alone:
+            single = alone(ran(motor, 0, last=False).run)
+            rows["alone"].append(np.inf if single is None else error_K(single, test.run) / floor)
+    print("Error on a fresh run of 4 h, in noise floors            motors  median    90%  worst")
+    for name, found in (*((f"one run, {name}", found) for name, found in rows.items()), ("three runs, pooled", three)):
+        if not found:
+            continue
+        middle, high, most = np.quantile(found, [0.5, 0.9, 1.0])
+        print(f"  {name:<52}  {len(found):>6}  {middle:>6.2f} {high:>6.2f} {most:>6.2f}")
+    worse = sum(p > a for p, a in zip(rows["pooled"], rows["alone"], strict=False))
+    print(f"  pooled is worse than alone: {worse} of {len(rows['alone'])}")
+
+
+def shows_K(motor: Motor) -> float:
+    """What a fault changes at the sensor that shows most of it, root mean square over the last run, K."""
+    healthy = replace(motor, worn=motor.sound, shifted=(0.0,) * len(motor.shifted))
+    away = ran(motor, LAST, last=True).course.temperature - ran(healthy, LAST, last=True).course.temperature
+    by_heat = np.sqrt(np.mean(away[:, list(motor.plant.sensed)] ** 2, axis=0))
+    return float(max(by_heat.max(), max(abs(shift) for shift in motor.shifted)))
+
+
+def faults(store: Store, motors: list[Motor]) -> None:
+    """Print which faults were found."""
+    watched = read_watched(store)
+    assert watched is not None
+    states = {state.motor: state for state in watched.motors}
+    for line in watched.common:
+        print(f"in common: {line}")
+    seen = [motor for motor in motors if motor.truth and shows_K(motor) >= VISIBLE_K]
+    small = [motor for motor in motors if motor.truth and shows_K(motor) < VISIBLE_K]
+    healthy = [motor for motor in motors if not motor.truth]
+
+    def found(some: list[Motor]) -> int:
+        return sum(states[motor.name].state not in QUIET for motor in some)
+
+    print(
+        f"found: {found(seen)} of {len(seen)} faults of {VISIBLE_K:g} K and more, {found(small)} of {len(small)} "
+        f"smaller ones; false: {found(healthy)} of {len(healthy)} healthy motors"
+    )
+    for motor in motors:
+        state = states[motor.name]
+        if motor.truth or state.state not in QUIET:
+            print(f"  {motor.name}: {motor.truth or 'healthy'} ({shows_K(motor):.2f} K): {state.state} {state.said}")
+
+
+def pooling(motors: int, parameters: int) -> None:
+    """Print what pooling alone costs, on normal matrices that are drawn."""
+    rng = np.random.default_rng(0)
+    truth = rng.normal(0.0, 0.08, (motors, parameters))
+    matrix = np.empty((motors, parameters, parameters))
+    for number in range(motors):
+        root = rng.normal(0.0, 20.0, (parameters // 3, parameters))  # a run leaves two thirds of the directions open
+        matrix[number] = root.T @ root
+    vector = np.einsum("mij,mj->mi", matrix, truth)
+    first = Pool(np.zeros(parameters), np.full(parameters, 0.09))
+    began = time.perf_counter()
+    found = pooled(Told(matrix, vector), first, np.zeros(parameters, dtype=np.bool_))
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    spread = float(np.sqrt(np.median(found.variance)))
+    print(
+        f"pooling {motors} motors of {parameters} parameters: {time.perf_counter() - began:.0f} s, {peak:.0f} MB; "
+        f"spread {spread:.3f}, in truth 0.080"
+    )
+
+
+def main() -> None:
+    """Make the fleet, run the commands, print."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.fleet", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--motors", type=int, default=24)
+    parser.add_argument("--seed", type=int, default=3, help="of the series")
+    parser.add_argument("--faulty", type=float, default=0.15, help="share of motors")
+    parser.add_argument("--effect", type=float, default=1.0, help="factor on the heat of all windings in the last run")
+    parser.add_argument("--alone", type=int, default=6, help="motors that are identified alone, too")
+    parser.add_argument("--quick", action="store_true", help="one job on two workers only")
+    parser.add_argument("--pool", type=int, metavar="N", help="only what pooling N motors costs")
+    options = parser.parse_args()
+    if options.pool:
+        pooling(options.pool, 150)
+        return
+    made = Made(options.motors, options.seed, options.faulty, options.effect)
+    motors = fleet(made)
+    if made.effect != 1.0 and not any(source.kind == "copper" for source in motors[0].plant.sources):
+        raise SystemExit("this series has no copper loss")
+    with tempfile.TemporaryDirectory() as folder:
+        store = filled(Path(folder) / "two", motors)
+        stores = {2: store}
+        if not options.quick:
+            shutil.copytree(Path(folder) / "two" / RUNS, Path(folder) / "one" / RUNS)
+            stores = {1: Store(str(Path(folder) / "one")), 2: store}
+        print("workers  form (s)  models (s)  motors per hour, the form apart", flush=True)
+        for jobs, place in stores.items():
+            began = time.time()
+            took = gen(
+                "identify", place.url, "--until", UNTIL, "--jobs", str(jobs), kill=jobs == 2 and not options.quick
+            )
+            form = scouting_s(place, began)
+            print(
+                f"{jobs:<7}  {form:<8.0f}  {took - form:<10.0f}  {3600.0 * len(motors) / (took - form):.0f}", flush=True
+            )
+        if not options.quick:
+            same = "the same" if models(stores[1]) == models(stores[2]) else "DIFFER"
+            print(f"one of two workers killed in the middle: {len(models(store))} files {same}")
+        watching = gen("watch", store.url, "--jobs", "2")
+        peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
+        print(f"watched in {watching:.0f} s; largest process {peak:.0f} MB", flush=True)
+        faults(store, motors)
+        after_one_run(store, motors, options.alone)
+
+
+if __name__ == "__main__":
+    main()

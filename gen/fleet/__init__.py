@@ -1,0 +1,5 @@
+"""Many motors: their runs in one store, what they have in common, and what makes one of them different.
+
+`store` and `run_bytes` keep runs; `work` spreads tasks over workers and takes up what was done before; `identify` finds
+a common network with each motor's deviation from it; `watch` tells what all motors show from what one shows.
+"""

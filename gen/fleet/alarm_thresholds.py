@@ -1,0 +1,181 @@
+"""Alarm thresholds of each motor from what healthy motors of the whole fleet are off their own models by.
+
+One motor's first runs show few of the ways in which it may be off and healthy. What others of its series are off their
+models by counts as its own: `gen.thresholds` is given the motor's own healthy runs and those of others, spread evenly
+over the fleet. Runs that the models were fitted to take no part, nor motors that `gen fleet watch` calls different.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gen.coefficients import Coefficients, parse, with_rules
+from gen.coefficients.rules import read_rules
+from gen.errors import CheckFailed, InputError
+from gen.fleet.identify import model_path, runs_of
+from gen.fleet.motor_data import read
+from gen.fleet.residuals import learnt_by
+from gen.fleet.store import Kept, Store
+from gen.fleet.watch import QUIET, read_watched
+from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
+from gen.reference.heat_blocks import Blocks
+from gen.runs.faults import called_unhealthy, declared_faults
+from gen.thresholds.derive import complete, error_bands
+from gen.thresholds.healthy import HealthyRun, compare
+
+FOLDER = "thresholds"
+OTHERS = 40
+"""Runs of other motors that count as a motor's own."""
+NEWEST = 3
+"""Runs of each motor that may take part."""
+
+
+@dataclass(frozen=True)
+class Derived:
+    """What came out.
+
+    Attributes
+    ----------
+    own
+        By motor, how many of its own healthy runs took part.
+    notes
+        By motor, each rule with where its numbers come from.
+    refused
+        By motor, why it has none.
+    """
+
+    own: dict[str, int]
+    notes: dict[str, tuple[str, ...]]
+    refused: dict[str, str]
+
+
+def healthy_residuals(store: Store, *, motor: str, run: list[str], model: str) -> Arrays:
+    """Hold a run against its motor's model as alarm rules will (a task); `model` is the file's hash."""
+    coefficients = parse(store.read(model_path(motor)))
+    kept = Kept(*run)
+    if f"{kept.name}.parquet" in learnt_by(coefficients):
+        raise CheckFailed(f"{kept.path}: the model was fitted to it")
+    measured = read(store, kept)
+    if declared_faults(measured.comments) or called_unhealthy(measured.comments):
+        raise CheckFailed(f"{kept.path}: it says a fault")
+    found = compare(coefficients, measured, kept.path)
+    assert found.blocks is not None
+    return {
+        "name": np.array(found.name),
+        "pwm": found.pwm,
+        "cold": np.array(found.cold),
+        "parts": np.array(list(found.deviation_K), dtype=np.str_),
+        "deviation_K": np.array(list(found.deviation_K.values())),
+        "hottest_rise_K": np.array(list(found.hottest_rise_K.values())),
+        "magnitude": found.blocks.magnitude,
+        "changes": found.blocks.changes,
+        "means": found.blocks.means,
+        "present": found.blocks.present,
+    }
+
+
+def derive_all(store: Store, rules: Path, hours: float, workers: Workers, progress: Progress) -> Derived:
+    """Derive thresholds for every motor with a model; the files go into the store.
+
+    Parameters
+    ----------
+    store, workers, progress
+        As of :func:`gen.fleet.identify.identify_fleet`.
+    rules
+        The rules file, as of `gen thresholds`.
+    hours
+        Wanted mean time between two false alarms of rules that hold a rate, h.
+
+    Raises
+    ------
+    InputError
+        When the rules have a fault, or the fleet was not identified yet.
+    CheckFailed
+        When no healthy run is newer than its motor's model.
+    """
+    runs = {motor: own for motor, own in runs_of(store).items() if store.exists(model_path(motor))}
+    if not runs:
+        raise InputError("no motor has a model; expected a fleet that gen fleet identify has seen", file=store.url)
+    models = {motor: parse(store.read(model_path(motor))) for motor in runs}
+    read_rules(rules, next(iter(models.values())).model.component_names)
+    different = _different(store)
+    tasks = {
+        f"{motor}/{run.day}/{run.name}": {
+            "motor": motor,
+            "run": [run.motor, run.day, run.name],
+            "model": hashlib.sha256(store.read(model_path(motor))).hexdigest(),
+        }
+        for motor, own in runs.items()
+        if motor not in different
+        for run in own[-NEWEST:]
+    }
+    with workers_of(store, workers) as client:
+        found = computed(store, healthy_residuals, tasks, client, progress)
+    healthy: dict[str, list[HealthyRun]] = {motor: [] for motor in runs}
+    for name, arrays in found.items():
+        if not isinstance(arrays, Failed):
+            healthy[name.partition("/")[0]].append(_healthy(arrays))
+    if not any(healthy.values()):
+        raise CheckFailed("no healthy run is newer than its motor's model; identify with --until, and add newer runs")
+    result = _derived(store, rules, hours, models, healthy, progress)
+    if not result.own and len(set(result.refused.values())) == 1:
+        raise InputError(next(iter(result.refused.values())), file=str(rules))  # it is the rules' fault
+    return result
+
+
+def _derived(
+    store: Store,
+    rules: Path,
+    hours: float,
+    models: Mapping[str, Coefficients],
+    healthy: Mapping[str, Sequence[HealthyRun]],
+    progress: Progress,
+) -> Derived:
+    own, notes, refused = {}, {}, {}
+    for number, (motor, coefficients) in enumerate(models.items(), start=1):
+        progress(f"thresholds: {number} of {len(models)}")
+        pooled = [*healthy[motor], *_others(healthy, motor)]
+        try:
+            wanted = read_rules(rules, coefficients.model.component_names)
+            alarms = [complete(rule, coefficients, pooled, hours) for rule in wanted.alarms]
+            bands = error_bands(coefficients.document, pooled)
+            source = store.read(model_path(motor)).decode()
+            text = with_rules(source, wanted, alarms, bands, source="gen fleet thresholds")
+            made = parse(text.encode())
+        except (InputError, CheckFailed) as error:
+            refused[motor] = str(error)
+            continue
+        store.write(f"{FOLDER}/motor={motor}.json", text.encode())
+        own[motor] = len(healthy[motor])
+        notes[motor] = tuple(f"{alarm.name}: {alarm.note or 'as written'}" for alarm in made.document.alarms)
+    return Derived(own, notes, refused)
+
+
+def _others(healthy: Mapping[str, Sequence[HealthyRun]], motor: str) -> list[HealthyRun]:
+    """Runs of other motors, evenly over the sorted list: the same ones each time."""
+    every = [run for other in sorted(healthy) if other != motor for run in healthy[other]]
+    places = np.unique(np.linspace(0, len(every) - 1, min(OTHERS, len(every))).round().astype(np.int64))
+    return [every[place] for place in places]
+
+
+def _different(store: Store) -> set[str]:
+    """Motors that were called different when they were last watched."""
+    watched = read_watched(store)
+    return set() if watched is None else {state.motor for state in watched.motors if state.state not in QUIET}
+
+
+def _healthy(arrays: Arrays) -> HealthyRun:
+    parts = [str(part) for part in arrays["parts"]]
+    return HealthyRun(
+        name=str(arrays["name"]),
+        pwm=arrays["pwm"],
+        deviation_K=dict(zip(parts, arrays["deviation_K"], strict=True)),
+        hottest_rise_K=dict(zip(parts, arrays["hottest_rise_K"].tolist(), strict=True)),
+        cold=bool(arrays["cold"]),
+        blocks=Blocks(arrays["magnitude"], arrays["changes"], arrays["means"], arrays["present"]),
+    )

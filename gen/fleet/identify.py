@@ -1,0 +1,164 @@
+"""A fleet's models: a common form, what its numbers are and how far motors differ, and each motor within that.
+
+Rounds: each motor is fitted in the common form with the fleet's present mean and spread as its prior; what its runs
+alone say there, without the prior, is pooled to a new mean and spread (`pooling`). So the equations are linearised
+where each motor is believed to be (Lindstrom and Bates, Biometrics 46, 1990).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from gen.errors import CheckFailed, InputError
+from gen.fleet.common import Common, keep, kept
+from gen.fleet.fitting import fitted_in_common, mean_model, model_in_common
+from gen.fleet.motor_data import data_of, usable
+from gen.fleet.pooling import Told, pooled
+from gen.fleet.scouting import as_lists, common_form, scouts_of
+from gen.fleet.store import MODELS, Kept, Store
+from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
+
+ROUNDS = 2
+MOST_RUNS = 40
+"""Of one motor, the newest: what older ones say is in the fleet's mean already."""
+SHOWN_RUNS = 2
+"""Of each scout, for the errors that the mean's file declares."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the user sets.
+
+    Attributes
+    ----------
+    ambient
+        In degC, for runs without a measured one, or None.
+    max_hidden
+        Most hidden nodes.
+    scouts
+        Motors on which the form is chosen.
+    until
+        The last day whose runs take part, or None.
+    only_new
+        Whether the fleet's mean and spread stay, and only motors without a model get one.
+    """
+
+    ambient: float | None = None
+    max_hidden: int = 3
+    scouts: int = 3
+    until: str | None = None
+    only_new: bool = False
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What came out.
+
+    Attributes
+    ----------
+    left_out_K
+        By motor, root mean square error on what was left out of its fit, K.
+    refused
+        By motor, why there is no model.
+    lines
+        What else there is to say.
+    """
+
+    left_out_K: dict[str, float]
+    refused: dict[str, str]
+    lines: tuple[str, ...]
+
+
+def model_path(motor: str) -> str:
+    """Where in the store a motor's coefficient file is."""
+    return f"{MODELS}/motor={motor}.json"
+
+
+COMMON = f"{MODELS}/common.json"
+
+
+def identify_fleet(store: Store, options: Options, workers: Workers, progress: Progress) -> Identified:
+    """Identify all motors of a store and write their coefficient files into it.
+
+    Raises
+    ------
+    InputError
+        When the store has no runs.
+    CheckFailed
+        When none of the scouts can be identified, or no motor can be fitted in the common form.
+    """
+    runs = runs_of(store, options.until)
+    lines: list[str] = []
+    with workers_of(store, workers) as client:
+        if options.only_new:
+            common = kept(store)
+            there = set(store.names(MODELS))
+            runs = {motor: own for motor, own in runs.items() if f"motor={motor}.json" not in there}
+        else:
+            scouts = scouts_of(runs, options.scouts)
+            common, lines = common_form(store, runs, scouts, options.ambient, options.max_hidden, client, progress)
+            for _ in range(ROUNDS):
+                common = _next_round(store, runs, common, options, client, progress)
+            progress("common model")
+            sources = [s for motor in scouts for s in usable(store, runs[motor]).sources[-SHOWN_RUNS:]]
+            text = mean_model(common, data_of(sources, options.ambient, common.structure.sensed))
+            store.write(COMMON, text.encode())
+            keep(store, common)
+        tasks = {
+            motor: {"motor": motor, "runs": as_lists(own), "ambient": options.ambient, "common": common.as_json()}
+            for motor, own in runs.items()
+        }
+        models = computed(store, model_in_common, tasks, client, progress)
+    return _written(store, models, lines)
+
+
+def runs_of(store: Store, until: str | None = None) -> dict[str, list[Kept]]:
+    """Give each motor's newest runs up to a day.
+
+    Raises
+    ------
+    InputError
+        When there are none.
+    """
+    found = {motor: store.runs(motor) for motor in store.motors()}
+    chosen = {motor: [run for run in own if until is None or run.day <= until] for motor, own in found.items()}
+    chosen = {motor: own[-MOST_RUNS:] for motor, own in chosen.items() if own}
+    if not chosen:
+        when = "" if until is None else f" up to {until}"
+        raise InputError(f"there are no runs{when}; expected a store that gen fleet add has filled", file=store.url)
+    return chosen
+
+
+def _next_round(
+    store: Store,
+    runs: dict[str, list[Kept]],
+    common: Common,
+    options: Options,
+    client: Any,  # noqa: ANN401 - as `work` has it
+    progress: Progress,
+) -> Common:
+    said = common.as_json()
+    tasks = {motor: {"runs": as_lists(own), "ambient": options.ambient, "common": said} for motor, own in runs.items()}
+    fits = list(computed(store, fitted_in_common, tasks, client, progress).values())
+    good = [fit for fit in fits if not isinstance(fit, Failed)]
+    if not good:
+        reasons = sorted({fit.message for fit in fits if isinstance(fit, Failed)})
+        raise CheckFailed(f"no motor can be fitted in the common form: {'; '.join(reasons[:3])}")
+    progress("pooling")
+    told = Told(np.array([fit["matrix"] for fit in good]), np.array([fit["vector"] for fit in good]))
+    return replace(common, pool=pooled(told, common.pool, common.fixed))
+
+
+def _written(store: Store, models: dict[str, Arrays | Failed], lines: list[str]) -> Identified:
+    errors, refused = {}, {}
+    for motor, model in models.items():
+        if isinstance(model, Failed):
+            refused[motor] = model.message
+            continue
+        store.write(model_path(motor), str(model["text"]).encode())
+        errors[motor] = float(np.sqrt(np.nanmean(model["left_out_K"] ** 2)))
+        lines += [f"{motor}: {line}" for line in model["lines"].tolist()]
+    return Identified(errors, refused, tuple(lines))

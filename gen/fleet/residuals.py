@@ -1,0 +1,84 @@
+"""One motor's newest runs against its own model and against the fleet's mean."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from gen.coefficients import Coefficients, parse
+from gen.errors import CheckFailed, InputError
+from gen.fleet.identify import COMMON, model_path
+from gen.fleet.motor_data import read
+from gen.fleet.patterns import Products, hypotheses_of, products_of, residual_of
+from gen.fleet.store import Kept, Store
+from gen.fleet.work import Arrays
+
+LEAST_HOURS = 1.0
+"""A run that is shorter does not tell a node from a sensor."""
+
+
+def newest_residuals(store: Store, *, motor: str, runs: list[list[str]], models: list[str]) -> Arrays:
+    """Hold a motor's runs against both models (a task).
+
+    Parameters
+    ----------
+    store, motor
+        Whose.
+    runs
+        The newest ones, in time; the last is judged, the others are for the course of the error.
+    models
+        Hashes of both coefficient files: with other ones it is another task.
+    """
+    own, mean = (parse(store.read(path)) for path in (model_path(motor), COMMON))
+    kept = [Kept(*run) for run in runs]
+    errors, lines = [], []
+    for each in kept:
+        try:
+            residual = residual_of(own, read(store, each), each.path)
+            errors.append(float(np.sqrt(np.nanmean(residual**2))))
+        except InputError as error:
+            errors.append(float("nan"))
+            lines.append(str(error))
+    last = kept[-1]
+    run = read(store, last)
+    hours = float(run.time_s[-1] - run.time_s[0]) / 3600.0
+    if hours < LEAST_HOURS:
+        raise CheckFailed(f"not enough data: {last.path} lasts {hours:.2f} h, expected {LEAST_HOURS:g} h")
+    found = {"own": products_of(own, run, last.path), "mean": products_of(mean, run, last.path)}
+    hypotheses = [[hypothesis.kind, hypothesis.node] for hypothesis in hypotheses_of(own)]
+    if hypotheses != [[hypothesis.kind, hypothesis.node] for hypothesis in hypotheses_of(mean)]:
+        raise CheckFailed("the motor's model has other nodes than the fleet's")
+    return {
+        "errors_K": np.array(errors),
+        "lines": np.array(lines, dtype=np.str_),
+        "seen": np.array(f"{last.name}.parquet" in learnt_by(own)),
+        "hypotheses": np.array(json.dumps(hypotheses)),
+        **{f"{name}_{key}": value for name, products in found.items() for key, value in _arrays(products).items()},
+    }
+
+
+def learnt_by(coefficients: Coefficients) -> set[str]:
+    """Give the names of the runs that a model was fitted to."""
+    provenance = coefficients.document.provenance
+    return set() if provenance is None else set(provenance.data)
+
+
+def products_in(arrays: Arrays, which: str) -> Products:
+    """Read what the task gives for one of both models, `own` or `mean`."""
+    return Products(
+        arrays[f"{which}_gram"],
+        arrays[f"{which}_along"],
+        float(arrays[f"{which}_square"]),
+        int(arrays[f"{which}_count"]),
+    )
+
+
+def _arrays(products: Products) -> dict[str, Any]:
+    return {
+        "gram": products.gram,
+        "along": products.along,
+        "square": np.array(products.square),
+        "count": np.array(products.count),
+    }

@@ -1,0 +1,181 @@
+"""A state for each motor from its newest run, and what all motors show: missing in the model, not wrong with them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from gen.errors import InputError
+from gen.fleet.identify import COMMON, model_path, runs_of
+from gen.fleet.judging import FEWEST, Finding, judge
+from gen.fleet.names import checked_motor
+from gen.fleet.patterns import Hypothesis
+from gen.fleet.residuals import newest_residuals, products_in
+from gen.fleet.scouting import as_lists
+from gen.fleet.store import Kept, Store
+from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
+
+FILE = "watch.json"
+SHOWN = 12
+"""Runs of each motor in the course of its error."""
+QUIET = ("ok", "not enough data")
+"""States that are no alarm."""
+
+
+@dataclass(frozen=True)
+class State:
+    """What is known of one motor.
+
+    Attributes
+    ----------
+    motor
+        Whose.
+    state
+        `ok`, `warmer`, `cooler`, `sensor differs`, `differs from its fleet` or `not enough data`.
+    said
+        In words.
+    error_K
+        Of its own model on its newest run, root mean square of means over a minute, K; None where there is none.
+    course_K
+        The same of its newest runs in time, oldest first.
+    days
+        Of those runs.
+    last_alarm
+        Day and words of the last state that was an alarm; may be empty.
+    """
+
+    motor: str
+    state: str
+    said: str
+    error_K: float | None = None
+    course_K: tuple[float | None, ...] = ()
+    days: tuple[str, ...] = ()
+    last_alarm: str = ""
+
+
+@dataclass(frozen=True)
+class Watched:
+    """What was found.
+
+    Attributes
+    ----------
+    motors
+        By name.
+    common
+        What all motors show beside their models, in words; may be empty.
+    limit
+        In standard deviations; None where there were too few motors.
+    level
+        Of false alarms, a run of a healthy motor.
+    """
+
+    motors: tuple[State, ...]
+    common: tuple[str, ...]
+    limit: float | None
+    level: float
+
+
+def watch(store: Store, level: float, workers: Workers, progress: Progress) -> Watched:
+    """Judge all motors, and keep the result in the store.
+
+    Raises
+    ------
+    InputError
+        When the store has no runs, or the fleet was not identified yet.
+    """
+    if not store.exists(COMMON):
+        raise InputError("is missing; expected a fleet that gen fleet identify has seen", file=f"{store.url}/{COMMON}")
+    runs = runs_of(store)
+    mean = _hash(store, COMMON)
+    tasks = {
+        motor: {"motor": motor, "runs": as_lists(own[-SHOWN:]), "models": [_hash(store, model_path(motor)), mean]}
+        for motor, own in runs.items()
+        if store.exists(model_path(motor))
+    }
+    with workers_of(store, workers) as client:
+        found = computed(store, newest_residuals, tasks, client, progress)
+    result = _with_alarms(_judged(runs, found, level), read_watched(store))
+    store.write(FILE, (json.dumps(asdict(result), indent=1, allow_nan=False) + "\n").encode())
+    return result
+
+
+def read_watched(store: Store) -> Watched | None:
+    """Give what was found last, or None."""
+    if not store.exists(FILE):
+        return None
+    try:
+        said: dict[str, Any] = json.loads(store.read(FILE))
+        motors = [
+            State(**{**each, "course_K": tuple(each["course_K"]), "days": tuple(each["days"])})
+            for each in said["motors"]
+        ]
+        for state in motors:
+            checked_motor(state.motor)  # pages are named after it
+        return Watched(tuple(motors), tuple(said["common"]), said["limit"], said["level"])
+    except (ValueError, TypeError, KeyError, InputError) as error:
+        raise InputError(f"is not what gen fleet watch writes: {error}", file=f"{store.url}/{FILE}") from error
+
+
+def _with_alarms(now: Watched, before: Watched | None) -> Watched:
+    """The same with each motor's last alarm, which may have been told another time."""
+    older = {} if before is None else {state.motor: state.last_alarm for state in before.motors}
+    made = []
+    for state in now.motors:
+        new = f"{state.days[-1]}: {state.state}" if state.state not in QUIET else older.get(state.motor, "")
+        made.append(replace(state, last_alarm=new))
+    return replace(now, motors=tuple(made))
+
+
+def _judged(runs: dict[str, list[Kept]], found: dict[str, Arrays | Failed], level: float) -> Watched:
+    good = {motor: each for motor, each in found.items() if not isinstance(each, Failed)}
+    fresh = [motor for motor, each in good.items() if not each["seen"]]
+    enough = len(fresh) >= FEWEST
+    states, common, limit = {}, [], None
+    if enough:
+        names = [Hypothesis(*pair) for pair in json.loads(str(good[fresh[0]]["hypotheses"]))]
+        own = judge([products_in(good[motor], "own") for motor in fresh], level)
+        mean = judge([products_in(good[motor], "mean") for motor in fresh], level)
+        limit = own.limit
+        if own.common is not None:
+            state = names[own.common.place].state(own.common.amount)
+            common.append(f"missing in the model, as all motors show it: {state} {_words(names, own.common)}")
+        for motor, mine, other in zip(fresh, own.own, mean.own, strict=True):
+            states[motor] = _state(names, mine, other)
+    made = []
+    for motor in sorted(runs):
+        each = found.get(motor)
+        if each is None or isinstance(each, Failed):
+            made.append(State(motor, "not enough data", "it has no model" if each is None else each.message))
+            continue
+        why = (
+            "its newest run taught its model"
+            if each["seen"]
+            else f"{len(fresh)} motors have a newer run than their model"
+        )
+        state, said = states.get(
+            motor, ("not enough data", f"{why}; expected {FEWEST} at least" if not each["seen"] else why)
+        )
+        course = tuple(float(value) if np.isfinite(value) else None for value in each["errors_K"])
+        days = tuple(run.day for run in runs[motor][-SHOWN:])
+        made.append(State(motor, state, said, course[-1], course, days))
+    return Watched(tuple(made), tuple(common), limit, level)
+
+
+def _state(names: list[Hypothesis], own: Finding | None, mean: Finding | None) -> tuple[str, str]:
+    if own is not None:
+        return names[own.place].state(own.amount), f"{_words(names, own)}"
+    if mean is not None:
+        return "differs from its fleet", f"{names[mean.place].state(mean.amount)} {_words(names, mean)}"
+    return "ok", ""
+
+
+def _words(names: list[Hypothesis], finding: Finding) -> str:
+    return f"{names[finding.place].said(finding.amount)} ({finding.score:+.1f} standard deviations)"
+
+
+def _hash(store: Store, path: str) -> str:
+    return hashlib.sha256(store.read(path)).hexdigest()

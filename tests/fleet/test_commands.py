@@ -1,0 +1,86 @@
+"""`gen fleet` as users run it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from gen.commands.fleet import fleet as group
+from gen.fleet.store import Store
+from gen.runs import read_run, write_run
+from tests.cli.commands import gen, run_file
+from tests.fleet.made import run_of
+
+
+@pytest.mark.parametrize("command", sorted(group.commands))
+def test_every_command_has_an_example(command: str) -> None:
+    assert (group.commands[command].epilog or "").startswith(f"Example:  gen fleet {command} ")
+
+
+def test_a_run_is_added_once_with_the_day_that_it_says(tmp_path: Path) -> None:
+    path = run_file(tmp_path)
+    path.write_text("# started: 2026-03-04T05:06:07Z\n# fault: none\n" + path.read_text())
+    for said in (
+        "run.csv: runs/motor=a/day=2026-03-04/run-",
+        "run.csv: already there, runs/motor=a/day=2026-03-04/run-",
+    ):
+        done = gen("fleet", "add", "run.csv", "--motor", "a", "--to", "store", cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert done.stdout.startswith(said)
+    store = Store(str(tmp_path / "store"))
+    (kept,) = store.runs("a")
+    assert store.run(kept).comments == read_run(path).comments
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["run.csv", "bad.csv", "--motor", "a"], "error: bad.csv: line 3, column pwm: "),
+        (["run.csv", "--motor", "../a"], "error: --motor: "),
+        (["run.csv", "--motor", "a", "--day", "2026-02-30"], "error: --day: "),
+        (["run.csv", "run.csv", "--motor", "a"], "error: run.csv: is given twice"),
+        (["missing.csv", "--motor", "a"], "error: missing.csv: there is no such file"),
+    ],
+)
+def test_bad_input_is_one_line_and_nothing_is_written(tmp_path: Path, arguments: list[str], said: str) -> None:
+    path = run_file(tmp_path)
+    (tmp_path / "bad.csv").write_text(path.read_text().replace("0.25,102", "0.25,fast"))
+    done = gen("fleet", "add", *arguments, "--to", "store", cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert done.stderr.startswith(said)
+    assert not (tmp_path / "store").exists()
+
+
+@pytest.mark.parametrize("command", [["identify"], ["watch"], ["report", "--out", "pages"]])
+def test_a_store_that_is_none_is_told_and_nothing_is_written(tmp_path: Path, command: list[str]) -> None:
+    done = gen("fleet", command[0], "nowhere", *command[1:], cwd=tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "nowhere" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_thresholds_come_from_all_healthy_runs(fleet: Store, tmp_path: Path) -> None:
+    rule = {"name": "hot", "kind": "above_model", "component": "casing", "persistence_s": 60, "settle_s": 600}
+    (tmp_path / "rules.json").write_text(json.dumps({"alarms": [{**rule, "speed_percent": [10, 100]}]}))
+    (tmp_path / "wrong.json").write_text(json.dumps({"alarms": [{**rule, "component": "nothing"}]}))
+    command = ["fleet", "thresholds", "store", "--jobs", "1", "--rules"]
+    done = gen(*command, "rules.json", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "no healthy run is newer" in done.stderr
+    for number in (0, 1):
+        fleet.add(f"m{number}", "2026-02-01", "later", run_of(70 + number, hours=4.0))
+    fleet.add("m2", "2026-02-01", "later", run_of(72, heat=3.0, hours=4.0))
+    faulty = tmp_path / "faulty.csv"
+    write_run(faulty, run_of(73, heat=3.0, hours=4.0))
+    faulty.write_text("# fault: bearing\n" + faulty.read_text())
+    gen("fleet", "add", "faulty.csv", "--motor", "m1", "--to", "store", "--day", "2026-02-02", cwd=tmp_path)
+    done = gen(*command, "wrong.json", cwd=tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "wrong.json: $.alarms[0].component" in done.stderr
+    done = gen(*command, "rules.json", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "of 3 healthy runs" in done.stdout
+    made = json.loads(fleet.read("thresholds/motor=m0.json"))
+    assert made["alarms"][0]["threshold_K"] >= 0.5

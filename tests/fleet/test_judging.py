@@ -1,0 +1,63 @@
+"""What is common and what is one motor's, on residuals whose truth is drawn."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gen.fleet.judging import judge, limit_of
+from gen.fleet.patterns import Products
+from gen.fleet.pooling import FloatArray
+
+ROWS, HYPOTHESES = 200, 4
+
+
+def patterns(seed: int) -> FloatArray:
+    """Overlapping, as heats at neighbouring nodes are."""
+    rng = np.random.default_rng(seed)
+    shared = rng.normal(size=ROWS)
+    return np.array([shared + rng.normal(size=ROWS) for _ in range(HYPOTHESES)])
+
+
+def products(seed: int, amounts: dict[int, float], scatter: float = 0.1) -> Products:
+    rng = np.random.default_rng([seed, 1])
+    shapes = patterns(seed)
+    amount = rng.normal(0.0, scatter, HYPOTHESES)
+    for place, more in amounts.items():
+        amount[place] += more
+    residual = amount @ shapes + rng.normal(0.0, 0.1, ROWS)
+    return Products(shapes @ shapes.T, shapes @ residual, float(residual @ residual), ROWS)
+
+
+def test_a_healthy_fleet_is_called_so() -> None:
+    false = 0
+    for fleet in range(40):
+        found = judge([products(1000 * fleet + m, {}) for m in range(30)], 0.01)
+        assert found.common is None
+        false += sum(finding is not None for finding in found.own)
+    # 1200 runs at a level of 1 % for both models together, so half of that here: 6 are expected at most.
+    assert false <= 12
+
+
+def test_one_is_found_and_named_among_many_that_share_an_effect() -> None:
+    fleet = [products(m, {1: 2.0} | ({3: 3.0} if m == 7 else {})) for m in range(30)]
+    found = judge(fleet, 0.01)
+    assert found.common is not None
+    assert found.common.place == 1
+    assert found.common.amount == pytest.approx(2.0, abs=0.2)
+    own = found.own[7]
+    assert own is not None
+    assert own.place == 3
+    assert own.amount == pytest.approx(3.0, abs=0.5)
+    assert sum(finding is not None for finding in found.own) == 1
+
+
+def test_what_explains_less_than_a_step_of_the_converter_is_no_finding() -> None:
+    fleet = [products(m, {0: 0.1} if m == 3 else {}, scatter=0.001) for m in range(30)]
+    assert judge(fleet, 0.01).own[3] is None
+
+
+def test_few_motors_need_more() -> None:
+    limits = [limit_of(motors, 10, 0.01) for motors in (8, 20, 100, 1000)]
+    assert limits == sorted(limits, reverse=True)
+    assert limits[-1] == pytest.approx(3.5, abs=0.1)  # of a normal distribution: Phi^-1(1 - 0.01 / 40) = 3.48

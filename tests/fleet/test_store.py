@@ -1,0 +1,128 @@
+"""Runs in a store: the same when read back, once each, whole or not at all, and nowhere else."""
+
+from __future__ import annotations
+
+import uuid
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.dataset as ds
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from gen.errors import InputError
+from gen.fleet.names import checked_day, checked_motor, stem_of
+from gen.fleet.run_bytes import content_hash, from_bytes, to_bytes
+from gen.fleet.store import INCOMING, Store
+from gen.runs import Run
+from tests.fleet.made import run_of
+
+floats = st.floats(allow_nan=True, allow_infinity=False, width=64)
+words = st.text(st.characters(codec="utf-8", exclude_characters="\n\r\0"), max_size=8)
+
+
+@st.composite
+def any_runs(draw: st.DrawFn) -> Run:
+    rows = draw(st.integers(1, 20))
+    column = arrays.arrays(np.float64, rows, elements=floats)
+    return Run(
+        time_s=np.cumsum(draw(arrays.arrays(np.float64, rows, elements=st.floats(1e-3, 1e4)))),
+        pwm=draw(arrays.arrays(np.int64, rows, elements=st.integers(-255, 255))),
+        temps={name: draw(column) for name in draw(st.sets(st.sampled_from(["brush", "casing"])))},
+        ambient=draw(st.none() | column),
+        extras={name: draw(column) for name in draw(st.sets(st.sampled_from(["current_A", "x_degC", "motor"])))},
+        comments=draw(st.dictionaries(words, words, max_size=3)),
+        rows_in_file=draw(st.none() | st.integers(1, 10**9)),
+        doubted=tuple(draw(st.lists(words, max_size=2))),
+    )
+
+
+def same(one: Run, other: Run) -> None:
+    mine, yours = one.columns(), other.columns()
+    assert list(mine) == list(yours)
+    for name, values in mine.items():
+        assert values.dtype == yours[name].dtype
+        assert values.tobytes() == yours[name].tobytes()
+    assert list(one.temps) == list(other.temps)
+    assert (one.ambient is None) == (other.ambient is None)
+    assert list(one.comments.items()) == list(other.comments.items())
+    assert (one.rows_in_file, one.doubted) == (other.rows_in_file, other.doubted)
+
+
+@given(any_runs())
+def test_a_run_is_the_same_when_read_back(run: Run) -> None:
+    again = from_bytes(to_bytes(run), "file")
+    same(run, again)
+    assert content_hash(run) == content_hash(again)
+
+
+@pytest.mark.parametrize("scheme", ["{}", "file://{}", "memory://{}"])
+def test_a_run_is_kept_once_whatever_it_is_called(scheme: str, tmp_path: Path) -> None:
+    store = Store(scheme.format(tmp_path / uuid.uuid4().hex))
+    run = run_of(1, hours=0.1)
+    kept, new = store.add("a-1", "2026-01-02", "monday", run)
+    assert new
+    assert store.add("a-1", "2026-01-03", "again", run) == (kept, False)
+    assert store.motors() == ["a-1"]
+    assert store.runs("a-1") == [kept]
+    assert store.names(INCOMING) == []
+    same(store.run(kept), run)
+    assert store.add("b", "2026-01-02", "monday", run)[1]
+
+
+@pytest.mark.parametrize(
+    "bad", ["", ".", "..", "../x", "a/b", "a\\b", "a b", "a\n", "é", "a..b", "a.", "-a", "x" * 65, "a%2f"]
+)
+def test_a_motor_cannot_lead_out_of_its_place(bad: str) -> None:
+    with pytest.raises(InputError, match="--motor"):
+        checked_motor(bad)
+
+
+@given(st.text(max_size=200))
+def test_any_name_of_a_file_becomes_one_that_can_be_kept(name: str) -> None:
+    made = stem_of(name)
+    assert 0 < len(made) <= 80
+    assert made.isascii()
+    assert not set(made) & set("/\\: ")
+    assert not made.startswith(".")
+
+
+@pytest.mark.parametrize("bad", ["2026-13-01", "2026-1-1", "20260101", "2026-02-30", "today", "2026-01-01\n"])
+def test_a_day_is_one_of_the_calendar(bad: str) -> None:
+    with pytest.raises(InputError, match="--day"):
+        checked_day(bad)
+
+
+def test_what_cannot_be_moved_to_its_place_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store = Store(str(tmp_path))
+    files: Any = store._reached[0]
+
+    def refuse(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(type(files), "mv", refuse)
+    with pytest.raises(KeyboardInterrupt):
+        store.add("a", "2026-01-01", "run", run_of(1, hours=0.1))
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+
+
+@pytest.mark.parametrize("damage", [b"", b"PAR1", b"not parquet"])
+def test_a_file_that_is_no_run_is_told_by_name(damage: bytes, tmp_path: Path) -> None:
+    store = Store(str(tmp_path))
+    kept, _ = store.add("a", "2026-01-01", "run", run_of(1, hours=0.1))
+    store.write(kept.path, damage)
+    with pytest.raises(InputError, match=kept.name):
+        store.run(kept)
+
+
+def test_a_dataset_of_all_motors_can_be_asked(tmp_path: Path) -> None:
+    store = Store(str(tmp_path))
+    for motor in ("a", "b"):
+        store.add(motor, "2026-01-01", "run", run_of(ord(motor), hours=0.1))
+    data = ds.dataset(str(tmp_path / "runs"), partitioning="hive")
+    table = data.to_table(filter=ds.field("motor") == "b", columns=["time_s", "casing_degC", "motor", "day"])
+    assert set(table.column("motor").to_pylist()) == {"b"}
+    assert set(table.column("day").to_pylist()) == {"2026-01-01"}

@@ -1,0 +1,86 @@
+"""Tasks: the same with any number of workers, none twice, and a line for what fails."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from gen.errors import InputError
+from gen.fleet.store import TASKS, Store
+from gen.fleet.work import Arrays, Failed, Workers, computed, key_of, workers_of
+from tests.fleet import tasks
+
+
+def silent(_: str) -> None:
+    pass
+
+
+def bits(found: dict[str, Arrays | Failed]) -> dict[str, Any]:
+    made = {}
+    for name, result in found.items():
+        assert not isinstance(result, Failed), result
+        made[name] = {key: (values.dtype.str, values.shape, values.tobytes()) for key, values in result.items()}
+    return made
+
+
+def test_nothing_is_computed_twice_and_what_is_there_is_taken(tmp_path: Path) -> None:
+    store, marks = Store(str(tmp_path / "store")), tmp_path / "marks"
+    marks.mkdir()
+    some = {f"t{seed}": {"seed": seed, "marks": str(marks)} for seed in range(3)}
+    first = computed(store, tasks.random_sums, some, None, silent)
+    more = some | {"t9": {"seed": 9, "marks": str(marks)}}
+    second = computed(store, tasks.random_sums, more, None, silent)
+    assert len(list(marks.iterdir())) == 4
+    assert bits(first) == {name: value for name, value in bits(second).items() if name in first}
+    assert list(second) == sorted(more)
+
+
+def test_a_complaint_is_a_line_and_tried_again_next_time(tmp_path: Path) -> None:
+    store = Store(str(tmp_path))
+    found = computed(store, tasks.refused, {str(seed): {"seed": seed} for seed in range(4)}, None, silent)
+    assert found["1"] == Failed("seed 1 is odd")
+    assert not isinstance(found["2"], Failed)
+    assert len(store.names(TASKS)) == 2
+
+
+def test_a_result_that_was_damaged_is_told_by_name(tmp_path: Path) -> None:
+    store = Store(str(tmp_path))
+    computed(store, tasks.refused, {"a": {"seed": 0}}, None, silent)
+    store.write(f"{TASKS}/{store.names(TASKS)[0]}", b"PK half")
+    found = computed(store, tasks.refused, {"a": {"seed": 0}}, None, silent)["a"]
+    assert isinstance(found, Failed)
+    assert "remove it" in found.message
+
+
+def test_other_arguments_have_another_key() -> None:
+    one = key_of(tasks.refused, {"seed": 1, "b": [1.0]})
+    assert one == key_of(tasks.refused, {"b": [1.0], "seed": 1})
+    assert one != key_of(tasks.refused, {"seed": 1, "b": [1.0 + 2**-52]})
+    assert one != key_of(tasks.random_sums, {"seed": 1, "b": [1.0]})
+
+
+def test_two_workers_one_of_which_dies_give_the_same_bits_as_this_process(tmp_path: Path) -> None:
+    alone, both = Store(str(tmp_path / "alone")), Store(str(tmp_path / "both"))
+    marks = tmp_path / "marks"
+    marks.mkdir()
+    some = {f"t{seed}": {"seed": seed, "marks": str(marks)} for seed in range(6)}
+    with workers_of(both, Workers(jobs=2)) as client:
+        killed = computed(both, tasks.dies_once, some, client, silent)
+        with workers_of(both, Workers(scheduler=client.scheduler.address)) as elsewhere:
+            odd = computed(both, tasks.refused, {"1": {"seed": 1}}, elsewhere, silent)
+    assert (marks / "died").exists()
+    assert odd == {"1": Failed("seed 1 is odd")}
+    assert bits(killed) == bits(computed(alone, tasks.dies_once, some, None, silent))
+    assert alone.names(TASKS) == both.names(TASKS)
+
+
+def test_workers_elsewhere_do_not_see_this_processs_memory() -> None:
+    with pytest.raises(InputError, match="no other process"), workers_of(Store("memory://x"), Workers(jobs=2)):
+        pass
+
+
+def test_a_scheduler_that_is_not_there_is_told() -> None:
+    with pytest.raises(InputError, match="--scheduler"), workers_of(Store("/tmp"), Workers(scheduler="nonsense://")):
+        pass
