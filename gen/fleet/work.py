@@ -28,6 +28,8 @@ Arrays = dict[str, NDArray[Any]]
 Progress = Callable[[str], None]
 RETRIES = 2
 """How often a task that failed otherwise than by a complaint is tried again on a cluster."""
+CONNECT_S = 30.0
+"""How long a scheduler may take to answer."""
 LAYOUT = 1
 """Raised with every change of what tasks compute from the same arguments."""
 
@@ -197,7 +199,7 @@ def workers_of(store: Store, workers: Workers) -> Iterator[Any]:
 
     if workers.scheduler is not None:
         try:
-            client = distributed.Client(workers.scheduler, timeout=10)
+            client = distributed.Client(workers.scheduler, timeout=CONNECT_S)
         except (OSError, ValueError) as error:
             raise InputError(f"no scheduler answers at {workers.scheduler}: {error}", place="--scheduler") from error
         with client:

@@ -27,4 +27,8 @@ def usual_jobs(jobs: int | None) -> int:
     """As many as were asked for, or as there are cores for this process."""
     import os
 
-    return jobs or len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else jobs or os.cpu_count() or 1
+    if jobs is not None:
+        return jobs
+    if hasattr(os, "sched_getaffinity"):  # Linux
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
