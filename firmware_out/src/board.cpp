@@ -75,6 +75,8 @@ const __FlashStringHelper *reset_cause() {
     return F("unknown");  // the boot loader has cleared it
 }
 
+bool kept_ram() { return (causes & (_BV(PORF) | _BV(BORF))) == 0; }
+
 void doze(uint32_t until) {
     uint32_t time = millis();
     uint32_t counts = 0;  // in registers: every pulse of the encoder comes by here

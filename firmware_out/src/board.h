@@ -12,6 +12,9 @@ void begin();
 // Why the board was reset last.
 const __FlashStringHelper *reset_cause();
 
+// Whether RAM may hold what it held before the reset: not after one by power or brown-out that nobody hid.
+bool kept_ram();
+
 // Sleeps until a time (milliseconds), or until a byte has arrived.
 void doze(uint32_t until);
 

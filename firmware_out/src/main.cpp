@@ -24,12 +24,14 @@
 #include "output.h"
 #include "selftest.h"
 #include "thermocouples.h"
+#include "warm.h"
 
 using device::now;
 
 device::Now device::now;
 
 static uint32_t tick_due;  // milliseconds, as millis() counts them
+static bool to_be_kept;  // there has been a sample: what holds now goes to where a reset leaves it
 static uint32_t indicator_due;
 static uint32_t read_at;           // the last reading of the thermocouples
 static uint16_t samples_to_start;  // how long the start still waits for them
@@ -94,6 +96,16 @@ static bool every_sample_is_valid() {
     return true;
 }
 
+// Thermocouples that were refused before a reset are refused at this sample, too.
+static void disbelieve() {
+    for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
+        const uint8_t component = pgm_read_byte(&component_of[channel]);
+        if (component < MY1016_COMPONENTS && my1016_sensors_code(channel) != MY1016_SAMPLE_OK) {
+            now.sample.valid = (uint16_t)(now.sample.valid & ~(1u << component));
+        }
+    }
+}
+
 // True if every part is measured and at ambient temperature: then it is at rest, too.
 static bool is_cold() {
     for (uint8_t component = 0; component < MY1016_COMPONENTS; ++component) {
@@ -105,11 +117,16 @@ static bool is_cold() {
     return true;
 }
 
-// The model's start. After a reset the motor may be hot: the states come from EEPROM if the copy there is still true, else
-// from the measured temperatures, at rest. A part that is not measured starts at ambient temperature.
+// The model's start. After a reset the motor may be hot: the states come from RAM, or else from EEPROM, if what is there is
+// still true, else from the measured temperatures, at rest. A part that is not measured starts at ambient temperature.
 static void start() {
     now.started = true;
-    const bool resumed = memory::resume();
+    my1016_sensors_model_set();
+    const bool warm = warm::resume();
+    const bool resumed = warm || memory::resume();
+    if (warm) {
+        disbelieve();
+    }
     if (memory::firmware_is_new()) {
         console::event(F("firmware is new"));
     }
@@ -120,14 +137,15 @@ static void start() {
             }
         }
     }
-    my1016_sensors_model_set();
     const uint16_t kept = my1016_alarms();  // from before the reset
-    my1016_alarms_begin(resumed || is_cold());
-    my1016_alarms_restore(kept);
+    if (!warm) {
+        my1016_alarms_begin(resumed || is_cold());
+        my1016_alarms_restore(kept);
+    }
     if (kept || my1016_protection()) {
         console::event(F("alarms kept from before the reset"));
     }
-    console::event(resumed ? F("start from memory") : now.sample.valid ? F("start from measured") : F("start from ambient"));
+    console::event(warm ? F("start from RAM") : resumed ? F("start from memory") : now.sample.valid ? F("start from measured") : F("start from ambient"));
 }
 
 // Reads the channels, and tells the model what it has to know. While a channel is not believed its last value stays.
@@ -187,6 +205,7 @@ static void tick(uint32_t time) {
     now.flags |= latch::failed() ? device::MEMORY : 0;
     memory::update();
     now.flags |= memory::failed() ? device::MEMORY : 0;
+    to_be_kept = true;
     console::sample();
     const uint32_t took = micros() - began;
     if (took > now.longest_us) {
@@ -221,6 +240,7 @@ void setup() {
     indicator::begin();
     selftest::begin();
     memory::begin(selftest::crc());
+    warm::begin(selftest::crc());
     latch::begin();
     my1016_alarms_restore(latch::alarms());
     my1016_protection_restore(latch::protection());
@@ -233,6 +253,7 @@ void setup() {
 
 void loop() {
     const uint32_t time = millis();
+    const bool keep_now = to_be_kept;  // a pass after the sample's own, so that nothing else waits for both
     if (is_due(tick_due, time)) {
         tick(time);
         wdt_reset();  // only here: a board that takes no samples is reset
@@ -242,10 +263,14 @@ void loop() {
         indicate();
     }
     commands::receive();
+    if (keep_now) {
+        to_be_kept = false;
+        warm::keep();
+    }
     const bool keeping = latch::work();
     const bool writing = console::work();
     const bool sent = output::drain();
-    if (!selftest::work()) {
+    if (!selftest::work() && !to_be_kept) {
         uint32_t until = is_due(tick_due, indicator_due) ? tick_due : indicator_due;
         if (writing || !sent || keeping) {
             until = millis() + 2;  // the UART sends 23 bytes meanwhile at 115200 baud, the EEPROM needs 3.4 ms for one

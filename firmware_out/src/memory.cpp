@@ -1,27 +1,20 @@
 #include "memory.h"
 
-#include <my1016.h>
-#include <my1016_model.h>
-#include <my1016_sensors.h>
 #include <avr/eeprom.h>
-#include <string.h>
+#include <stddef.h>
 
 #include "config.h"
 #include "crc32.h"
-#include "drive.h"
+#include "snapshot.h"
 
 namespace memory {
 
 namespace {
 
-const uint16_t UNMEASURED = 0x8000;  // no chip gives so many counts below 0
-
 struct Copy {
     uint32_t identity;
     uint32_t number;  // one more with every copy: the highest is the newest
-    int16_t pwm;      // of the sample before
-    uint16_t measured[MY1016_SENSORS];  // believed samples in counts of 0.25 degC (int16_t), or UNMEASURED
-    my1016_State state;
+    snapshot::Snapshot snapshot;
     uint32_t crc;  // of all before it
 };
 static_assert(sizeof(Copy) == config::COPY_BYTES, "slots were counted for another size");
@@ -96,12 +89,7 @@ void make_copy() {
     slot = (uint16_t)(slot + 1 == config::COPY_SLOTS ? 0 : slot + 1);
     copy.identity = config::COPY_IDENTITY;
     copy.number = newest + 1;
-    copy.pwm = my1016_model.command;
-    for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
-        const bool believed = my1016_sensors_code(channel) == MY1016_SAMPLE_OK;
-        copy.measured[channel] = believed ? (uint16_t)(my1016_sensors_mC(channel) / 250) : UNMEASURED;
-    }
-    copy.state = my1016_model.state;
+    snapshot::take(&copy.snapshot);
     copy.crc = crc_of(copy);
     write(&copy, sizeof copy, address(slot));
     checking = true;
@@ -135,26 +123,10 @@ void begin(uint32_t crc) {
 }
 
 bool resume() {
-    if (newest == 0) {
+    if (newest == 0 || !snapshot::is_true(copy.snapshot)) {
         return false;
     }
-    uint8_t agreeing = 0;
-    const uint8_t on_component[] = {0, 1, 2, 3};
-    for (uint8_t channel : on_component) {
-        if (copy.measured[channel] == UNMEASURED || my1016_sensors_code(channel) != MY1016_SAMPLE_OK) {
-            continue;
-        }
-        const int16_t change = (int16_t)(my1016_sensors_mC(channel) / 250 - (int16_t)copy.measured[channel]);
-        if (change > (int16_t)config::COPY_TOLERANCE || change < -(int16_t)config::COPY_TOLERANCE) {
-            return false;
-        }
-        ++agreeing;
-    }
-    if (agreeing == 0) {
-        return false;
-    }
-    my1016_model.state = copy.state;
-    my1016_resume(copy.pwm);
+    snapshot::put(copy.snapshot);
     return true;
 }
 

@@ -4,6 +4,9 @@
 #include <string.h>
 
 #include "my1016_platform.h"
+#include "my1016_sensors_state.h"
+
+my1016_Sensor my1016_sensors[MY1016_SENSORS];
 
 namespace {
 
@@ -35,24 +38,7 @@ const Limits limits[MY1016_SENSORS] PROGMEM = {
     {0, 240, 5, 0UL, 0L},
 };
 
-struct Sensor {
-    uint8_t code;        // of the last sample
-    uint8_t run;         // consistent samples in a row, up to CONFIRMATIONS
-    uint8_t agreed;      // samples in a row that could be a failing part's, up to CONFIRMATIONS
-    bool known;          // there is a believed sample
-    bool watching;       // `unchanged`, `moved` and `model_mC` are about the present model and count
-    bool displaced;      // it jumped farther than physics allows, and has not come back
-    bool rebase;         // the model was set anew: `then_mC` is to be taken again
-    bool moved;          // the model moved by more than stuck_mK since the count changed
-    int16_t latest[CONFIRMATIONS];  // samples with a sound word, the last one first
-    int16_t believed;               // the last sample that passed every check
-    uint16_t since;      // samples since then
-    uint32_t unchanged;  // samples since the count changed
-    int32_t model_mC;    // the model's temperature then
-    int32_t then_mC;     // the model's temperature at the last believed sample
-};
-
-Sensor sensors[MY1016_SENSORS];
+using Sensor = my1016_Sensor;
 
 uint16_t distance(int16_t a, int16_t b) { return (uint16_t)(a > b ? a - b : b - a); }
 
@@ -205,20 +191,20 @@ uint8_t judged(Sensor *sensor, const Limits &limit, uint32_t word, int32_t model
 
 extern "C" void my1016_sensors_begin(void) {
     for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
-        sensors[channel] = Sensor();
-        sensors[channel].code = MY1016_SAMPLE_UNREAD;
+        my1016_sensors[channel] = Sensor();
+        my1016_sensors[channel].code = MY1016_SAMPLE_UNREAD;
     }
 }
 
 extern "C" void my1016_sensors_model_set(void) {
     for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
-        sensors[channel].watching = false;
-        sensors[channel].rebase = true;
+        my1016_sensors[channel].watching = false;
+        my1016_sensors[channel].rebase = true;
     }
 }
 
 extern "C" void my1016_sensors_accept(uint8_t channel) {
-    Sensor *const sensor = &sensors[channel];
+    Sensor *const sensor = &my1016_sensors[channel];
     if (sensor->displaced) {
         sensor->displaced = false;
         sensor->known = false;
@@ -226,8 +212,14 @@ extern "C" void my1016_sensors_accept(uint8_t channel) {
     }
 }
 
+void my1016_sensors_restore(uint8_t channel, const my1016_Sensor *before) {
+    if (before->displaced || before->code == MY1016_SAMPLE_STUCK) {
+        my1016_sensors[channel] = *before;
+    }
+}
+
 extern "C" uint8_t my1016_sensors_check(uint8_t channel, uint32_t word, uint8_t finished, int32_t model_mC) {
-    Sensor *const sensor = &sensors[channel];
+    Sensor *const sensor = &my1016_sensors[channel];
     if (sensor->since < LONGEST) {
         ++sensor->since;
     }
@@ -241,14 +233,14 @@ extern "C" uint8_t my1016_sensors_check(uint8_t channel, uint32_t word, uint8_t 
     return sensor->code;
 }
 
-extern "C" uint8_t my1016_sensors_code(uint8_t channel) { return sensors[channel].code; }
+extern "C" uint8_t my1016_sensors_code(uint8_t channel) { return my1016_sensors[channel].code; }
 
-extern "C" int32_t my1016_sensors_mC(uint8_t channel) { return (int32_t)sensors[channel].believed * COUNT_MK; }
+extern "C" int32_t my1016_sensors_mC(uint8_t channel) { return (int32_t)my1016_sensors[channel].believed * COUNT_MK; }
 
 extern "C" uint8_t my1016_sensors_plausible(uint8_t channel) {
-    const Sensor *const sensor = &sensors[channel];
+    const Sensor *const sensor = &my1016_sensors[channel];
     const bool read = sensor->code != MY1016_SAMPLE_EARLY && sensor->code != MY1016_SAMPLE_STUCK;
     return read && sensor->agreed >= PLAUSIBLE;
 }
 
-extern "C" int32_t my1016_sensors_plausible_mC(uint8_t channel) { return (int32_t)sensors[channel].latest[0] * COUNT_MK; }
+extern "C" int32_t my1016_sensors_plausible_mC(uint8_t channel) { return (int32_t)my1016_sensors[channel].latest[0] * COUNT_MK; }
