@@ -11,9 +11,10 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.fleet.identify import COMMON, model_path, runs_of
-from gen.fleet.judging import FEWEST, Finding, judge
+from gen.fleet.judging import FEWEST, LEAST_K, Finding, judge
 from gen.fleet.names import checked_motor
 from gen.fleet.patterns import Hypothesis
+from gen.fleet.pooling import FloatArray
 from gen.fleet.residuals import newest_residuals, products_in
 from gen.fleet.scouting import as_lists
 from gen.fleet.store import Kept, Store
@@ -22,6 +23,8 @@ from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_
 FILE = "watch.json"
 SHOWN = 12
 """Runs of each motor in the course of its error."""
+GROWN = 2.0
+"""What the error of a motor's own model may have grown by on its newest run, so that it still explains the motor."""
 QUIET = ("ok", "not enough data")
 """States that are no alarm."""
 
@@ -144,7 +147,7 @@ def _judged(runs: dict[str, list[Kept]], found: dict[str, Arrays | Failed], leve
             state = names[own.common.place].state(own.common.amount)
             common.append(f"missing in the model, as all motors show it: {state} {_words(names, own.common)}")
         for motor, mine, other in zip(fresh, own.own, mean.own, strict=True):
-            states[motor] = _state(names, mine, other)
+            states[motor] = _state(names, mine, other, explained=_explained(good[motor]["errors_K"]))
     made = []
     for motor in sorted(runs):
         each = found.get(motor)
@@ -165,12 +168,19 @@ def _judged(runs: dict[str, list[Kept]], found: dict[str, Arrays | Failed], leve
     return Watched(tuple(made), tuple(common), limit, level)
 
 
-def _state(names: list[Hypothesis], own: Finding | None, mean: Finding | None) -> tuple[str, str]:
+def _state(names: list[Hypothesis], own: Finding | None, mean: Finding | None, *, explained: bool) -> tuple[str, str]:
     if own is not None:
         return names[own.place].state(own.amount), f"{_words(names, own)}"
     if mean is not None:
-        return "differs from its fleet", f"{names[mean.place].state(mean.amount)} {_words(names, mean)}"
+        state, words = names[mean.place].state(mean.amount), _words(names, mean)
+        return ("differs from its fleet", f"{state} {words}") if explained else (state, f"{words} beside its fleet")
     return "ok", ""
+
+
+def _explained(errors_K: FloatArray) -> bool:
+    """Whether a motor's own model says its newest run about as well as those before, to which it was fitted."""
+    before = errors_K[:-1][np.isfinite(errors_K[:-1])]
+    return bool(before.size == 0 or errors_K[-1] <= max(GROWN * float(np.median(before)), LEAST_K))
 
 
 def _words(names: list[Hypothesis], finding: Finding) -> str:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gen.fleet.judging import judge, limit_of
-from gen.fleet.patterns import Products
+from gen.fleet.judging import Finding, judge, limit_of
+from gen.fleet.patterns import Hypothesis, Products
 from gen.fleet.pooling import FloatArray
+from gen.fleet.watch import _explained, _state
 
 ROWS, HYPOTHESES = 200, 4
 
@@ -61,3 +62,14 @@ def test_few_motors_need_more() -> None:
     limits = [limit_of(motors, 10, 0.01) for motors in (8, 20, 100, 1000)]
     assert limits == sorted(limits, reverse=True)
     assert limits[-1] == pytest.approx(3.5, abs=0.1)  # of a normal distribution: Phi^-1(1 - 0.01 / 40) = 3.48
+
+
+@pytest.mark.parametrize(
+    ("errors_K", "state"),
+    [([0.1, 0.12, 0.15], "differs from its fleet"), ([0.1, 0.12, 4.0], "warmer"), ([3.0], "differs from its fleet")],
+)
+def test_a_motor_that_its_own_model_no_longer_explains_was_not_always_so(errors_K: list[float], state: str) -> None:
+    """Where a fleet scatters, a change may hide from the comparison with its own model, not from that with the mean."""
+    names = [Hypothesis("heat", "brush")]
+    beside = Finding(0, 0.6, 40.0, 9.0)
+    assert _state(names, None, beside, explained=_explained(np.array(errors_K)))[0] == state
