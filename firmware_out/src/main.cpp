@@ -99,9 +99,15 @@ static bool every_sample_is_valid() {
 // Thermocouples that were refused before a reset are refused at this sample, too.
 static void disbelieve() {
     for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
+        if (my1016_sensors_code(channel) == MY1016_SAMPLE_OK) {
+            continue;
+        }
         const uint8_t component = pgm_read_byte(&component_of[channel]);
-        if (component < MY1016_COMPONENTS && my1016_sensors_code(channel) != MY1016_SAMPLE_OK) {
+        if (component < MY1016_COMPONENTS) {
             now.sample.valid = (uint16_t)(now.sample.valid & ~(1u << component));
+        } else if (component == MY1016_COMPONENTS) {
+            now.sample.ambient_mC = my1016_sensors_mC(channel);  // the last believed one goes on
+            now.flags |= device::AMBIENT;
         }
     }
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gen.emulate.devices import ResetCause
-from tests.device.board import OPEN, TEMPERATURES, Board, warm
+from tests.device.board import AMBIENT, OPEN, TEMPERATURES, Board, warm
 from tests.device.conftest import Open
 
 PARTS = ("brush", "bearing", "magnet", "casing")
@@ -131,6 +131,27 @@ def test_a_thermocouple_that_fell_off_is_refused_after_a_reset_too(power_up: Ope
     assert board.hear(20.0).rows[-1]["brush_degC"] == ""
     board.send("accept brush")
     assert board.hear(5.0).rows[-1]["brush_degC"] == "24.50"
+
+
+def test_an_ambient_that_was_refused_is_not_believed_once_in_between(power_up: Open) -> None:
+    board = driven(power_up)
+    board.set_celsius("ambient", 45.0)  # somebody has put a lamp beside it
+    board.hear(6.0)
+    assert int(board.hear(1.0).rows[-1]["flags"]) & AMBIENT
+    place = (
+        board.variable("now")[0] + 7 + 4 * len(PARTS)
+    )  # behind the time, `started` and what was measured of the parts
+
+    def ambient_mC() -> int:
+        return int.from_bytes(board.memory.peek(place, 4), "little")
+
+    assert ambient_mC() == 24_500
+    reset_until_it_starts(board)
+    assert ambient_mC() == 24_500
+    said = board.hear(5.0)
+    assert any(event.endswith("start from RAM") for event in said.events)
+    assert all(int(row["flags"]) & AMBIENT for row in said.rows[-4:])
+    assert ambient_mC() == 24_500
 
 
 def test_what_protects_goes_on_counting(power_up: Open) -> None:
