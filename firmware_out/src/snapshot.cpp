@@ -1,6 +1,7 @@
 #include "snapshot.h"
 
 #include <my1016.h>
+#include <my1016_sensors_state.h>
 
 #include "config.h"
 
@@ -12,7 +13,7 @@ const uint16_t UNMEASURED = 0x8000;  // no chip gives so many counts below 0
 
 uint16_t counts_of(uint8_t channel) {
     const bool believed = my1016_sensors_code(channel) == MY1016_SAMPLE_OK;
-    return believed ? (uint16_t)(my1016_sensors_mC(channel) / 250) : UNMEASURED;
+    return believed ? (uint16_t)my1016_sensors[channel].believed : UNMEASURED;
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 // states as of the last sample, the counters of the alarms and of what protects, and which thermocouples were refused.
 //
 // Two records take turns, a sample each: a reset in mid-write leaves the one before. A record counts only with the right
-// identity (coefficients, arithmetic, version, program) and CRC.
+// identity (coefficients, arithmetic, version, program) and sum.
 #ifndef WARM_H
 #define WARM_H
 
@@ -17,7 +17,7 @@ void begin(uint32_t firmware);
 // there is none or they are not. A thermocouple that was refused then is refused further.
 bool resume();
 
-// Once after each sample: keeps what holds now. Some 20 000 cycles.
+// Once after each sample: keeps what holds now. Some 15 000 cycles.
 void keep();
 
 }  // namespace warm
