@@ -8,7 +8,7 @@ from typing import Literal
 
 import click
 
-from gen.commands.options import Finite, check_once
+from gen.commands.options import AMBIENT, Finite, check_once
 from gen.progress import progress_line
 
 _FULL_PWM = 255
@@ -24,9 +24,7 @@ _FULL_PWM = 255
 @click.option("--json", "json_file", type=click.Path(path_type=Path), help="Write all that was found as JSON.")
 @click.option("--report", type=click.Path(path_type=Path), help="Write an HTML report with plots.")
 @click.option("--name", default="motor", show_default=True, help="The model's name.")
-@click.option(
-    "--ambient", type=Finite(-273.15, 1000.0), help="Ambient in degC for runs without an ambient_degC column."
-)
+@AMBIENT
 @click.option("--sample-time", type=Finite(0.001, 3600.0), default=0.25, show_default=True, help="The board's, s.")
 @click.option(
     "--full-scale",

@@ -31,6 +31,11 @@ class Finite(click.FloatRange):
         return number
 
 
+AMBIENT = click.option(
+    "--ambient", type=Finite(-273.15, 1000.0), help="Ambient in degC for runs without an ambient_degC column."
+)
+
+
 def check_files(coefficients: Path, runs: Sequence[Path]) -> None:
     """Find what is wrong with a coefficient file's form and with the runs' heads before anything slow is imported.
 

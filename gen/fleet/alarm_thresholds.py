@@ -17,7 +17,7 @@ import numpy as np
 from gen.coefficients import Coefficients, parse, with_rules
 from gen.coefficients.rules import read_rules
 from gen.errors import CheckFailed, InputError
-from gen.fleet.identify import model_path, runs_of
+from gen.fleet.identify import model_path, models_of, runs_of
 from gen.fleet.motor_data import read
 from gen.fleet.residuals import learnt_by
 from gen.fleet.store import Kept, Store
@@ -33,6 +33,14 @@ OTHERS = 40
 """Runs of other motors that count as a motor's own."""
 NEWEST = 3
 """Runs of each motor that may take part."""
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A motor's coefficient file, as written and as read."""
+
+    text: str
+    coefficients: Coefficients
 
 
 @dataclass(frozen=True)
@@ -98,25 +106,26 @@ def derive_all(store: Store, rules: Path, hours: float, workers: Workers, progre
     CheckFailed
         When no healthy run is newer than its motor's model.
     """
-    runs = {motor: own for motor, own in runs_of(store).items() if store.exists(model_path(motor))}
-    if not runs:
+    runs = runs_of(store)
+    texts = models_of(store, runs)
+    if not texts:
         raise InputError("no motor has a model; expected a fleet that gen fleet identify has seen", file=store.url)
-    models = {motor: parse(store.read(model_path(motor))) for motor in runs}
-    read_rules(rules, next(iter(models.values())).model.component_names)
+    models = {motor: Model(text.decode(), parse(text)) for motor, text in texts.items()}
+    read_rules(rules, next(iter(models.values())).coefficients.model.component_names)
     different = _different(store)
     tasks = {
         f"{motor}/{run.day}/{run.name}": {
             "motor": motor,
             "run": [run.motor, run.day, run.name],
-            "model": hashlib.sha256(store.read(model_path(motor))).hexdigest(),
+            "model": hashlib.sha256(text).hexdigest(),
         }
-        for motor, own in runs.items()
+        for motor, text in texts.items()
         if motor not in different
-        for run in own[-NEWEST:]
+        for run in runs[motor][-NEWEST:]
     }
     with workers_of(store, workers) as client:
         found = computed(store, healthy_residuals, tasks, client, progress)
-    healthy: dict[str, list[HealthyRun]] = {motor: [] for motor in runs}
+    healthy: dict[str, list[HealthyRun]] = {motor: [] for motor in models}
     for name, arrays in found.items():
         if not isinstance(arrays, Failed):
             healthy[name.partition("/")[0]].append(_healthy(arrays))
@@ -132,20 +141,20 @@ def _derived(
     store: Store,
     rules: Path,
     hours: float,
-    models: Mapping[str, Coefficients],
+    models: Mapping[str, Model],
     healthy: Mapping[str, Sequence[HealthyRun]],
     progress: Progress,
 ) -> Derived:
     own, notes, refused = {}, {}, {}
-    for number, (motor, coefficients) in enumerate(models.items(), start=1):
+    for number, (motor, model) in enumerate(models.items(), start=1):
+        coefficients = model.coefficients
         progress(f"thresholds: {number} of {len(models)}")
         pooled = [*healthy[motor], *_others(healthy, motor)]
         try:
             wanted = read_rules(rules, coefficients.model.component_names)
             alarms = [complete(rule, coefficients, pooled, hours) for rule in wanted.alarms]
             bands = error_bands(coefficients.document, pooled)
-            source = store.read(model_path(motor)).decode()
-            text = with_rules(source, wanted, alarms, bands, source="gen fleet thresholds")
+            text = with_rules(model.text, wanted, alarms, bands, source="gen fleet thresholds")
             made = parse(text.encode())
         except (InputError, CheckFailed) as error:
             refused[motor] = str(error)

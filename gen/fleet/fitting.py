@@ -36,12 +36,7 @@ def fitted_in_common(store: Store, *, runs: list[list[str]], ambient: float | No
     said = usable(store, [Kept(*run) for run in runs])
     found = _fit(form, data_of(said.sources, ambient, form.structure.sensed).coarse)
     matrix, vector = told_by(found)
-    return {
-        "matrix": matrix,
-        "vector": vector,
-        "fitted": found.vector[: form.structure.size],
-        "lines": np.array(said.lines, dtype=np.str_),
-    }
+    return {"matrix": matrix, "vector": vector}
 
 
 def model_in_common(
@@ -56,7 +51,6 @@ def model_in_common(
     return {
         "text": np.array(text),
         "left_out_K": np.sqrt(np.nanmean(result.judged.by_fold, axis=0)),
-        "fitted": result.found.vector[: form.structure.size],
         "lines": np.array(said.lines, dtype=np.str_),
     }
 

@@ -7,6 +7,7 @@ where each motor is believed to be (Lindstrom and Bates, Biometrics 46, 1990).
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -95,8 +96,8 @@ def identify_fleet(store: Store, options: Options, workers: Workers, progress: P
     with workers_of(store, workers) as client:
         if options.only_new:
             common = kept(store)
-            there = set(store.names(MODELS))
-            runs = {motor: own for motor, own in runs.items() if f"motor={motor}.json" not in there}
+            there = _with_model(store, runs)
+            runs = {motor: own for motor, own in runs.items() if motor not in there}
         else:
             scouts = scouts_of(runs, options.scouts)
             common, lines = common_form(store, runs, scouts, options.ambient, options.max_hidden, client, progress)
@@ -107,8 +108,9 @@ def identify_fleet(store: Store, options: Options, workers: Workers, progress: P
             text = mean_model(common, data_of(sources, options.ambient, common.structure.sensed))
             store.write(COMMON, text.encode())
             keep(store, common)
+        said = common.as_json()
         tasks = {
-            motor: {"motor": motor, "runs": as_lists(own), "ambient": options.ambient, "common": common.as_json()}
+            motor: {"motor": motor, "runs": as_lists(own), "ambient": options.ambient, "common": said}
             for motor, own in runs.items()
         }
         models = computed(store, model_in_common, tasks, client, progress)
@@ -130,6 +132,16 @@ def runs_of(store: Store, until: str | None = None) -> dict[str, list[Kept]]:
         when = "" if until is None else f" up to {until}"
         raise InputError(f"there are no runs{when}; expected a store that gen fleet add has filled", file=store.url)
     return chosen
+
+
+def models_of(store: Store, motors: Iterable[str]) -> dict[str, bytes]:
+    """Give the coefficient file of each motor that has one."""
+    return {motor: store.read(model_path(motor)) for motor in _with_model(store, motors)}
+
+
+def _with_model(store: Store, motors: Iterable[str]) -> list[str]:
+    there = set(store.names(MODELS))
+    return [motor for motor in motors if model_path(motor).removeprefix(f"{MODELS}/") in there]
 
 
 def _next_round(

@@ -22,7 +22,6 @@ import numpy as np
 from gen.fleet.patterns import Products
 from gen.fleet.pooling import FloatArray
 
-LEVEL = 0.01
 EFFICIENCY = 0.37
 """Of the MAD as a normal scale."""
 FEWEST = 8
@@ -79,7 +78,7 @@ def limit_of(motors: int, hypotheses: int, level: float) -> float:
     return float(t.isf(level / (4.0 * hypotheses), EFFICIENCY * (motors - 1)))
 
 
-def judge(products: Sequence[Products], level: float = LEVEL) -> Judged:
+def judge(products: Sequence[Products], level: float) -> Judged:
     """Tell what is common from what is one motor's.
 
     Parameters
@@ -111,8 +110,7 @@ def _in_common(amount: FloatArray, strength: FloatArray, count: FloatArray, limi
     explained = np.median(np.sqrt(strength * centre**2 / count[:, None]), axis=0)
     # What a typical motor's square falls by with the centre's amount: an amount that scatters as much explains nothing.
     gain = np.median(strength * (amount**2 - (amount - centre) ** 2) / count[:, None], axis=0)
-    best = _best(score, centre, np.where(gain > 0.0, np.minimum(explained, np.sqrt(np.maximum(gain, 0.0))), 0.0), limit)
-    return best
+    return _best(score, centre, np.minimum(explained, np.sqrt(np.maximum(gain, 0.0))), limit)
 
 
 def _best(score: FloatArray, amount: FloatArray, explained: FloatArray, limit: float) -> Finding | None:

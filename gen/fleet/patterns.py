@@ -83,6 +83,11 @@ class Products:
     square: float
     count: int
 
+    @property
+    def error_K(self) -> float:
+        """Root mean square of the residual, K; NaN where nothing was read."""
+        return float(np.sqrt(self.square / self.count)) if self.count else float("nan")
+
 
 def residual_of(coefficients: Coefficients, run: Run, file: str) -> FloatArray:
     """Give measured minus model, means over a minute, shape (B, S), K; NaN where nothing was read."""

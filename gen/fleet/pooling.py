@@ -71,14 +71,11 @@ class Sums:
         Of mu, shapes (p, p) and (p,).
     square
         Sum of the expected (theta_m - mu)^2, shape (p,), at the mu that was given.
-    log_likelihood
-        Of T and that mu, but for a constant.
     """
 
     precision: FloatArray
     vector: FloatArray
     square: FloatArray
-    log_likelihood: float
 
 
 def pooled(told: Told, first: Pool, fixed: BoolArray) -> Pool:
@@ -123,7 +120,6 @@ def passed(told: Told, at: Pool) -> Sums:
     weight = 1.0 / at.variance
     size = weight.size
     precision, vector, square = np.zeros((size, size)), np.zeros(size), np.zeros(size)
-    log_likelihood = 0.0
     for first in range(0, told.matrix.shape[0], _AT_ONCE):
         part = slice(first, first + _AT_ONCE)
         inverse = np.linalg.inv(told.matrix[part] + np.diag(weight))
@@ -132,20 +128,4 @@ def passed(told: Told, at: Pool) -> Sums:
         precision += (np.diag(weight) - weight[:, None] * inverse * weight).sum(axis=0)
         vector += (weight * np.einsum("mij,mj->mi", inverse, told.vector[part])).sum(axis=0)
         square += (mean**2 + np.einsum("mii->mi", inverse)).sum(axis=0)
-        # log of the integral over theta_m, with N_m's own constant left out: it knows nothing of mu and T.
-        _, log = np.linalg.slogdet(inverse * weight)
-        own = np.einsum("j,mjk,k->m", at.mean, told.matrix[part], at.mean) - 2.0 * told.vector[part] @ at.mean
-        log_likelihood += 0.5 * float(np.sum(log + np.einsum("mi,mi->m", away, mean) - own))
-    return Sums(precision, vector, square, log_likelihood)
-
-
-def deviations(told: Told, pool: Pool) -> tuple[FloatArray, FloatArray]:
-    """Give each motor's most probable parameters and their standard deviations, shape (M, p)."""
-    inverse = np.concatenate(
-        [
-            np.linalg.inv(told.matrix[first : first + _AT_ONCE] + np.diag(1.0 / pool.variance))
-            for first in range(0, told.matrix.shape[0], _AT_ONCE)
-        ]
-    )
-    mean = np.einsum("mij,mj->mi", inverse, told.vector + pool.mean / pool.variance)
-    return mean, np.sqrt(np.einsum("mii->mi", inverse))
+    return Sums(precision, vector, square)

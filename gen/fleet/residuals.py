@@ -32,16 +32,7 @@ def newest_residuals(store: Store, *, motor: str, runs: list[list[str]], models:
         Hashes of both coefficient files: with other ones it is another task.
     """
     own, mean = (parse(store.read(path)) for path in (model_path(motor), COMMON))
-    kept = [Kept(*run) for run in runs]
-    errors, lines = [], []
-    for each in kept:
-        try:
-            residual = residual_of(own, read(store, each), each.path)
-            errors.append(float(np.sqrt(np.nanmean(residual**2))))
-        except InputError as error:
-            errors.append(float("nan"))
-            lines.append(str(error))
-    last = kept[-1]
+    *earlier, last = [Kept(*each) for each in runs]
     run = read(store, last)
     hours = float(run.time_s[-1] - run.time_s[0]) / 3600.0
     if hours < LEAST_HOURS:
@@ -51,12 +42,19 @@ def newest_residuals(store: Store, *, motor: str, runs: list[list[str]], models:
     if hypotheses != [[hypothesis.kind, hypothesis.node] for hypothesis in hypotheses_of(mean)]:
         raise CheckFailed("the motor's model has other nodes than the fleet's")
     return {
-        "errors_K": np.array(errors),
-        "lines": np.array(lines, dtype=np.str_),
+        "errors_K": np.array([*(_error_K(store, own, each) for each in earlier), found["own"].error_K]),
         "seen": np.array(f"{last.name}.parquet" in learnt_by(own)),
         "hypotheses": np.array(json.dumps(hypotheses)),
         **{f"{name}_{key}": value for name, products in found.items() for key, value in _arrays(products).items()},
     }
+
+
+def _error_K(store: Store, model: Coefficients, kept: Kept) -> float:
+    """Root mean square of a run's residual, K; NaN where it cannot be read."""
+    try:
+        return float(np.sqrt(np.nanmean(residual_of(model, read(store, kept), kept.path) ** 2)))
+    except InputError:
+        return float("nan")
 
 
 def learnt_by(coefficients: Coefficients) -> set[str]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from gen.errors import InputError
-from gen.fleet.identify import COMMON, model_path, runs_of
+from gen.fleet.identify import COMMON, models_of, runs_of
 from gen.fleet.judging import FEWEST, LEAST_K, Finding, judge
 from gen.fleet.names import checked_motor
 from gen.fleet.patterns import Hypothesis
@@ -90,14 +90,13 @@ def watch(store: Store, level: float, workers: Workers, progress: Progress) -> W
     InputError
         When the store has no runs, or the fleet was not identified yet.
     """
+    runs = runs_of(store)
     if not store.exists(COMMON):
         raise InputError("is missing; expected a fleet that gen fleet identify has seen", file=f"{store.url}/{COMMON}")
-    runs = runs_of(store)
-    mean = _hash(store, COMMON)
+    mean = _hash(store.read(COMMON))
     tasks = {
-        motor: {"motor": motor, "runs": as_lists(own[-SHOWN:]), "models": [_hash(store, model_path(motor)), mean]}
-        for motor, own in runs.items()
-        if store.exists(model_path(motor))
+        motor: {"motor": motor, "runs": as_lists(runs[motor][-SHOWN:]), "models": [_hash(model), mean]}
+        for motor, model in models_of(store, runs).items()
     }
     with workers_of(store, workers) as client:
         found = computed(store, newest_residuals, tasks, client, progress)
@@ -187,5 +186,5 @@ def _words(names: list[Hypothesis], finding: Finding) -> str:
     return f"{names[finding.place].said(finding.amount)} ({finding.score:+.1f} standard deviations)"
 
 
-def _hash(store: Store, path: str) -> str:
-    return hashlib.sha256(store.read(path)).hexdigest()
+def _hash(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

@@ -17,7 +17,7 @@ from gen.reference.sensors import SensorCheck
 from gen.rig.chips import Converter
 from tests.device.board import Board
 from tests.device.conftest import Open
-from tests.device.test_sensors import Cpp, Step, by_reference
+from tests.device.sensor_harness import Cpp, Step, by_reference
 from tests.device.variants import BASE, KINDS, variant
 
 CHANNELS = list(KINDS)

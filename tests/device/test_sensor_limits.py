@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from gen.coefficients import parse
-from tests.device.test_sensors import Cpp, Judged, Step, by_reference, word
+from tests.device.sensor_harness import Cpp, Judged, Step, by_reference, word
 from tests.device.variants import BASE
 
 OK, RANGE, JUMP, UNCONFIRMED = 0, 4, 5, 8

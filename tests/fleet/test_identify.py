@@ -131,10 +131,17 @@ def test_what_a_state_says_is_text_and_no_markup(tmp_path: Path) -> None:
 
 
 def test_a_store_without_runs_is_told(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="there are no runs"):
-        runs_of(Store(str(tmp_path)))
+    store = Store(str(tmp_path))
+    for command in (runs_of, lambda store: watch(store, 0.01, Workers(), silent)):
+        with pytest.raises(InputError, match="there are no runs"):
+            command(store)
+
+
+def test_a_store_that_was_not_identified_is_told(tmp_path: Path) -> None:
+    store = Store(str(tmp_path))
+    store.add("m0", "2026-01-01", "run", run_of(1, hours=0.1))
     with pytest.raises(InputError, match="gen fleet identify"):
-        watch(Store(str(tmp_path)), 0.01, Workers(), silent)
+        watch(store, 0.01, Workers(), silent)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from gen.commands.fleet.options import STORE, usual_jobs, workers_options
-from gen.commands.options import Finite
+from gen.commands.options import AMBIENT
 
 
 @click.command(
@@ -16,9 +16,7 @@ from gen.commands.options import Finite
 @workers_options
 @click.option("--until", metavar="YYYY-MM-DD", help="The last day whose runs take part.")
 @click.option("--only-new", is_flag=True, help="Keep what the fleet shares; models only for motors that have none.")
-@click.option(
-    "--ambient", type=Finite(-273.15, 1000.0), help="Ambient in degC for runs without an ambient_degC column."
-)
+@AMBIENT
 @click.option("--max-hidden", type=click.IntRange(0, 3), default=3, show_default=True, help="Most hidden nodes.")
 @click.option(
     "--scouts",
@@ -49,11 +47,10 @@ def identify(
         checked_day(until)
     place = Store(store)
 
-    from gen.fleet.identify import Options, identify_fleet, runs_of
+    from gen.fleet.identify import Options, identify_fleet
     from gen.fleet.work import Workers
     from gen.progress import progress_line
 
-    runs_of(place, until)
     options = Options(ambient, max_hidden, scouts, until, only_new)
     with progress_line() as progress:
         found = identify_fleet(place, options, Workers(usual_jobs(jobs), scheduler), progress)

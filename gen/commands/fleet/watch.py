@@ -27,12 +27,10 @@ def watch(store: str, scheduler: str | None, jobs: int | None, level: float) -> 
 
     place = Store(store)
 
-    from gen.fleet.identify import runs_of
     from gen.fleet.watch import watch as run
     from gen.fleet.work import Workers
     from gen.progress import progress_line
 
-    runs_of(place)
     with progress_line() as progress:
         found = run(place, level, Workers(usual_jobs(jobs), scheduler), progress)
     for line in found.common:
