@@ -147,7 +147,7 @@ FAULTS: list[tuple[Path_, object, str, str]] = [
     ),
     (
         ("wiring", "drive"),
-        {"pwm_pin": 4, "direction_pin": 2},
+        {"pwm_pin": 4, "direction_pin": 47},
         "$.wiring.drive.direction_pin",
         "already taken by encoder.pin",
     ),

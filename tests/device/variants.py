@@ -12,6 +12,8 @@ from tests.examples import ROOT
 
 Tree = dict[str, Any]
 BASE: Tree = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text())
+#: As in the study the encoder interrupts, which asks more of the sketch: a count in hardware is `_counted`'s.
+BASE["wiring"]["encoder"]["pin"], BASE["wiring"]["thermocouples"][4]["so"] = 2, 47
 #: A change of sign acts at once: its microseconds are watched.
 BASE["wiring"]["drive"]["reversal_pause_s"] = 0
 CHIPS = [(chip["cs"], chip["so"], chip["sck"]) for chip in BASE["wiring"]["thermocouples"]]
