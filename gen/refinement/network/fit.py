@@ -125,9 +125,10 @@ class Bench:
         start[:count] = base.vector[:count]
         between = shape.offsets[-1] + 1 - shape.nodes
         start[shape.nodes : shape.nodes + between] = base.vector[old.nodes : old.nodes + between]
-        for k, effect in enumerate(old.effects):
-            if k < len(shape.effects) and shape.effects[k] is effect:
-                start[shape.places[k].columns] = base.vector[old.places[k].columns]
+        for effect, place in zip(shape.effects, shape.places, strict=True):
+            for known, its in zip(old.effects, old.places, strict=True):
+                if known is effect:
+                    start[place.columns] = base.vector[its.columns]
         mine, theirs = problem.per_run(start), base.problem.per_run(base.vector)
         shared = min(shape.nodes, old.nodes)
         mine[:, :shared] = theirs[:, :shared]

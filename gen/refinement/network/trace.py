@@ -22,9 +22,12 @@ MOST_EFFECTS = 3
 PLAIN, PLAIN_LEVEL, LEAST_DECREASE = 0.75, 0.2, 25.0
 """Left-out error over that without it, p-value, and decrease of the weighed squares, of what is plain."""
 AS_GOOD = 1.1
-"""Left-out error over the least up to which fewer numbers decide."""
+"""Left-out error over the least up to which the weighed squares of all runs decide, and the price of the numbers."""
 IN_DOUBT = 1.25
-"""The same up to which it may be a fault."""
+"""The same up to which it may be a fault, where the weighed squares of all runs differ by no more than `RELIEF`."""
+LEAST_GAIN_BESIDE = 0.15
+"""Share of the left-out error that a further effect has to take away: one that takes less mends the form of those that
+were found, and is a wrong name."""
 NEAREST = 1.5
 """Left-out error over that of the best of all, accepted or not, up to which an effect may be named."""
 ENOUGH, ENOUGH_BESIDE, BENT = 1.1, 1.25, 25.0
@@ -32,9 +35,10 @@ ENOUGH, ENOUGH_BESIDE, BENT = 1.1, 1.25, 25.0
 bent by more than this (weighed squares)."""
 PRICE = 15.0
 """Decrease of the weighed squares that each number of an effect must bring for itself."""
-RELIEF, AS_BEFORE = 80.0, 1.02
-"""An effect may also count because the file need not be bent: by this decrease beside what its numbers cost, where the
-left-out error is no more than this factor above that without it."""
+TOO_LITTLE_BESIDE = f"lowers the error on left-out runs by less than {LEAST_GAIN_BESIDE:.0%} beside what was found"
+RELIEF, AS_BEFORE, EVEN = 80.0, 1.02, 0.5
+"""The first effect may also count because the file need not be bent: by this decrease beside what its numbers cost,
+where the left-out error is no more than this factor above that without it, and the blocks do not speak against it."""
 FITTED_OF_EACH = 2
 """Candidates of one name that are fitted."""
 LEFT_OUT = 7
@@ -101,14 +105,17 @@ class Traced:
         The runs.
     file
         The file as it is, judged on all later runs.
+    null
+        Without any effect, all that the file leaves open fitted.
     steps
-        One for each search; the last one may have added nothing.
+        One for each search that found what is needed; the last one may have added nothing.
     final
         With all that was found.
     """
 
     data: Data
     file: Judged
+    null: Judged
     steps: tuple[Step, ...]
     final: Judged
 
@@ -117,18 +124,13 @@ class Traced:
         """What was accepted, in order."""
         return [step.added for step in self.steps if step.added is not None]
 
-    @property
-    def null(self) -> Judged:
-        """Without any effect, all that the file leaves open fitted."""
-        return self.steps[0].without
-
 
 def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Traced:
     """Find effects one after the other."""
     bench = Bench(data)
     progress("the network without any effect")
     base = bench.first(shape)
-    now = judged(data, base, bench.left_out(base))
+    now = null = judged(data, base, bench.left_out(base))
     steps: list[Step] = []
     every = candidates(shape.motor(), data.offered)
     while len(steps) < MOST_EFFECTS:
@@ -144,7 +146,42 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
         if looks_like_a_change(step.added.effect, again.shape.values(again.vector)[-1], data):
             # What is left beside a fault is the fault's, too.
             break
-    return Traced(data, judged(data, base, bench.as_it_is(shape)), tuple(steps), now)
+    steps, now = needed(bench, steps, now, progress)
+    return Traced(data, judged(data, base, bench.as_it_is(shape)), null, tuple(steps), now)
+
+
+def needed(
+    bench: Bench, steps: list[Step], final: Judged, progress: Callable[[str], None]
+) -> tuple[list[Step], Judged]:
+    """Drop what was found before another one explained it: the first name of a pair may stand for both.
+
+    Parameters
+    ----------
+    bench
+        The runs, weighed as in the last search.
+    steps
+        The searches, the last of which may have added nothing.
+    final
+        With all that they added.
+    progress
+        Called with what is being done.
+
+    Returns
+    -------
+    steps, final
+        Those that stay, and what they come to.
+    """
+    for step in steps[:-1]:
+        effects = final.fitted.shape.effects
+        if step.added is None or len(effects) < 2 or step.added.effect is effects[-1]:
+            continue
+        progress(f"without {step.added.effect.name}")
+        others = tuple(effect for effect in effects if effect is not step.added.effect)
+        fitted = bench.fit(final.fitted.shape.with_effects(*others), final.fitted)
+        without = judged(bench.data, fitted, bench.left_out(fitted))
+        if final.score_K > (1.0 - LEAST_GAIN_BESIDE) * without.score_K:
+            steps, final = [one for one in steps if one is not step], without
+    return steps, final
 
 
 def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress: Callable[[str], None]) -> Step:
@@ -178,17 +215,18 @@ def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress:
     if not accepted:
         return Step(now, tuple(considered), None, ())
     near = [one for one in accepted if one.judged.score_K <= AS_GOOD * accepted[0].judged.score_K]
-    fewest = min(near, key=lambda one: (len(one.effect.numbers), one.judged.score_K))
-    added = next((one for one in accepted if _may_be_a_fault(data, accepted[0], one)), fewest)
+    likeliest = min(near, key=lambda one: _priced(one.judged.fitted))
+    added = next((one for one in accepted if may_be_a_fault(data, accepted[0], one)), likeliest)
     alike = [one for one in accepted if one is not added and p_better(data, one.judged, added.judged) > LEVEL]
     return Step(now, tuple(considered), added, tuple(alike))
 
 
-def _may_be_a_fault(data: Data, best: Considered, one: Considered) -> bool:
+def may_be_a_fault(data: Data, best: Considered, one: Considered) -> bool:
     """Whether one has a fault's pattern and predicts about as well as the best: a fault must not be learnt."""
     if not looks_like_a_change(one.effect, one.values, data):
         return False
     near = one.judged.score_K <= IN_DOUBT * best.judged.score_K
+    near = near and _priced(one.judged.fitted) <= _priced(best.judged.fitted) + RELIEF
     return one is best or (near and p_better(data, one.judged, best.judged) > LEVEL)
 
 
@@ -202,9 +240,12 @@ def _considered(data: Data, without: Judged, one: Judged, tried: int, bent: floa
     reasons = doubts(one.fitted)
     relief = without.fitted.fit.cost - one.fitted.fit.cost
     asked = RELIEF + PRICE * len(one.fitted.shape.effects[-1].numbers)
-    if bent > BENT and relief > asked and one.score_K < AS_BEFORE * without.score_K:
+    if without.names:
+        if one.score_K > (1.0 - LEAST_GAIN_BESIDE) * without.score_K:
+            reasons.append(TOO_LITTLE_BESIDE)
+    elif bent > BENT and relief > asked and one.score_K < AS_BEFORE * without.score_K and p < EVEN:
         return Considered(one.fitted.shape.effects[-1], one, p, tuple(reasons))
-    if one.score_K > (1.0 - LEAST_GAIN) * without.score_K:
+    elif one.score_K > (1.0 - LEAST_GAIN) * without.score_K:
         reasons.append(TOO_LITTLE)
     if p > LEVEL / tried and not _plain(without, one, p):
         reasons.append("not more than chance")
