@@ -18,7 +18,7 @@ from gen.refinement.network.anchors import USUAL_AMBIENT
 from gen.refinement.network.columns import Columns
 from gen.refinement.network.draft import Draft, Slope
 from gen.refinement.network.effects import Motor, NetworkEffect
-from gen.refinement.network.effects.base import Place
+from gen.refinement.network.effects.base import Place, Seen
 from gen.refinement.network.forms import HEAT, OUTSIDE, WITHIN, Form
 from gen.refinement.network.writer import NetworkWriter, Scale
 
@@ -283,7 +283,7 @@ class Anchored:
         made += vector[self.offsets] + np.array([sensor.offset for sensor in sensors])
         later = self.columns.later(inputs.levels)[inputs.level]
         for effect, place in zip(self.effects, self.places, strict=True):
-            read = effect.read(temperature, change, inputs.begins / 3600.0)
+            read = effect.read(Seen(temperature, change, inputs.ambient, inputs.begins / 3600.0))
             if read is not None:
                 sensor, unit = read
                 made[:, sensor] += vector[place.columns[0]] * later * unit
@@ -296,7 +296,7 @@ class Anchored:
         made: list[tuple[int, int, FloatArray | float]] = [(s, int(at), 1.0) for s, at in enumerate(self.offsets)]
         later = self.columns.later(inputs.levels)[inputs.level]
         for effect, place in zip(self.effects, self.places, strict=True):
-            read = effect.read(temperature, change, inputs.begins / 3600.0)
+            read = effect.read(Seen(temperature, change, inputs.ambient, inputs.begins / 3600.0))
             if read is not None:
                 made.append((read[0], int(place.columns[0]), later * read[1]))
         return made

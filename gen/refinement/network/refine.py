@@ -115,7 +115,7 @@ def refine_network(
         check_measured(coefficients, path)  # only whether it can be judged: its values stay unopened until the end
     runs, data, shape, warnings = prepared(coefficients, fit_paths, progress)
     traced = trace(data, shape, progress)
-    room = moving_ambient(coefficients, runs, data, traced.file)
+    room = moving_ambient(coefficients, runs, data, traced.null)
     start = warm_start(data, traced.final)
     changes = [looks_like_a_change(found.effect, found.values, data) for found in traced.added]
     kept = [found.effect for found, change in zip(traced.added, changes, strict=True) if accept_change or not change]

@@ -72,9 +72,11 @@ def written(
     unchanged = Written(raw)
     if outside:
         unchanged = Written(with_network(raw, writer.entry, f"refined: {', '.join(outside)}", channel))
-    if not kept and (traced.added or traced.null.floors > NOTHING or not _file_is_worse(traced)):
+    sound = room is not None or traced.null.floors <= NOTHING
+    if not kept and (traced.added or not sound or not _file_is_worse(traced)):
         return unchanged
-    said = ", ".join(f"{effect.name} at {effect.component}" for effect in kept) or "no effect"
+    named = [f"{effect.name} at {effect.component}" for effect in kept] + ([] if room is None else ["ambient"])
+    said = ", ".join(named) or "no effect"
     fitted = traced.final.fitted
     try:
         with building():

@@ -116,6 +116,26 @@ class Place:
         return list(zip(self.columns.tolist(), each, strict=False))
 
 
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What sensors stand before, bin by bin.
+
+    Attributes
+    ----------
+    temperature, change
+        Of the sensed nodes, degC and K/s, shape (N, S).
+    ambient
+        degC, shape (N,).
+    hours
+        Since the run began, shape (N,).
+    """
+
+    temperature: FloatArray
+    change: FloatArray
+    ambient: FloatArray
+    hours: FloatArray
+
+
 class NetworkEffect(ABC):
     """An effect with what it acts on; everything that it does is in later runs only.
 
@@ -159,15 +179,8 @@ class NetworkEffect(ABC):
             Where it stands.
         """
 
-    def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray] | None:
+    def read(self, seen: Seen) -> tuple[int, FloatArray] | None:
         """Say what it adds to a sensor's readings for each unit of its one number.
-
-        Parameters
-        ----------
-        temperature, change
-            Of the sensed nodes, degC and K/s, shape (N, S).
-        hours
-            Since the run began, shape (N,).
 
         Returns
         -------

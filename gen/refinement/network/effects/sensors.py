@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
-from gen.refinement.network.effects.base import Motor, NetworkEffect, Number
+from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Seen
 from gen.refinement.network.effects.offered import Offered
 from gen.refinement.network.writer import NetworkWriter
 
@@ -40,23 +40,28 @@ class SensorOffset(SensorEffect):
     numbers = (Number("offset_K", 0.0, 0.0, 3.0, -50.0, 50.0),)
     least = 0.3
 
-    def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray]:  # noqa: D102
-        return self._sensor, np.ones_like(hours)
+    def read(self, seen: Seen) -> tuple[int, FloatArray]:  # noqa: D102
+        return self._sensor, np.ones_like(seen.hours)
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         entry.sensor(self.component, offset_K=values[0])
 
 
 class SensorGain(SensorEffect):
-    """A share of the rise over 25 degC."""
+    """A share: of the rise over the ambient, as of a sensor that has come half off; or of degC, as of an amplifier."""
 
     name = "sensor_gain"
     numbers = (Number("gain_error", 0.0, 0.0, 0.1, -0.6, 1.0),)
     held_by_the_file = False
     least = 0.01
 
-    def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray]:  # noqa: D102
-        return self._sensor, self._of(temperature) - 25.0
+    def __init__(self, motor: Motor, sensor: int, *, of_rise: bool) -> None:
+        super().__init__(motor, sensor)
+        self._of_rise = of_rise
+        self.acts_by = {"of": "rise" if of_rise else "degC"}
+
+    def read(self, seen: Seen) -> tuple[int, FloatArray]:  # noqa: D102
+        return self._sensor, self._of(seen.temperature) - (seen.ambient if self._of_rise else 0.0)
 
 
 class SensorLag(SensorEffect):
@@ -66,8 +71,8 @@ class SensorLag(SensorEffect):
     numbers = (Number("lag_s", 0.0, 0.0, 60.0, 0.0, 3600.0),)
     least = 15.0
 
-    def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray]:  # noqa: D102
-        return self._sensor, -self._of(change)
+    def read(self, seen: Seen) -> tuple[int, FloatArray]:  # noqa: D102
+        return self._sensor, -self._of(seen.change)
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         entry.sensor(self.component, lag_s=max(values[0], 0.0))
@@ -81,12 +86,14 @@ class Drift(SensorEffect):
     held_by_the_file = False
     least = 0.05
 
-    def read(self, temperature: FloatArray, change: FloatArray, hours: FloatArray) -> tuple[int, FloatArray]:  # noqa: D102
-        return self._sensor, hours
+    def read(self, seen: Seen) -> tuple[int, FloatArray]:  # noqa: D102
+        return self._sensor, seen.hours
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
     """Each at each sensor."""
-    for kind in (SensorOffset, SensorGain, SensorLag, Drift):
-        for sensor in range(motor.sensed):
+    for sensor in range(motor.sensed):
+        for kind in (SensorOffset, SensorLag, Drift):
             yield kind(motor, sensor)
+        for of_rise in (True, False):
+            yield SensorGain(motor, sensor, of_rise=of_rise)
