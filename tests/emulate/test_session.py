@@ -134,7 +134,7 @@ def test_an_unbelieved_sample_is_told_and_its_field_empty(make_board: MakeBoard)
     found = summary(results, board, session, {"seed": 0})
     assert found["seed"] == 0
     assert found["board"]["thermocouples"]["magnet"]["reads"] >= 15
-    assert 0.0 < found["board"]["awake_share"] < 0.2
+    assert 0.0 < found["board"]["awake_share"] < 0.05
 
 
 def test_noise_on_the_serial_line_hangs_nothing(make_board: MakeBoard) -> None:
@@ -157,7 +157,7 @@ def test_simulated_time_costs_few_executed_cycles_and_lines(make_board: MakeBoar
         board = make_board()
         made.append(lines(partial(run_session, board, seconds, profile=((0.0, 255),))))
         executed.append(board.mega.cycle - board.mega.asleep)
-    assert executed[1] - executed[0] < 0.1 * 40.0 * FREQUENCY_HZ
+    assert executed[1] - executed[0] < 0.03 * 40.0 * FREQUENCY_HZ
     steps = 40.0 / STEP_S
     assert made[1] - made[0] < 300 * steps
     assert made[1] < 3.1 * made[0]
