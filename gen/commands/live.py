@@ -85,10 +85,11 @@ def live(
 
         check_head(run)
 
+    from gen.live.known import Known, known_of
     from gen.live.serve import serve
-    from gen.live.view import Known, View, known_of
+    from gen.live.view import View
 
-    view = View(Known() if known is None else known_of(known.document))
+    view = View(Known() if known is None else known_of(known))
     made: Source
     if emulated is not None:
         assert known is not None

@@ -12,6 +12,7 @@ from gen.emulate.board import Board
 from gen.emulate.plant import STEP_S, Changeable
 from gen.emulate.session import Session, run_session
 from gen.errors import InputError
+from gen.live.signals import UNKNOWN, Signals, from_pins
 from gen.live.source import Control, Source, checked
 from gen.live.view import View
 from gen.record.profile import Profile
@@ -24,6 +25,8 @@ HEALTHY = "none"
 ROOM_K_PER_S = 0.2
 """A room does not jump, and the board would not believe a sensor of one that does."""
 _MOST_WAITING = 64
+_LOOK_EVERY_S = 0.2
+"""So often, by this computer's clock, somebody looks at the pins."""
 
 
 class EmulatedSource(Source):
@@ -66,6 +69,8 @@ class EmulatedSource(Source):
         self._anchor = (0.0, 0.0)
         self._now_s = 0.0
         self._stepped_s = 0.0
+        self._seen: Signals | None = None
+        self._look_at = 0.0
         self._room = self._wanted = ambient_degC
         kinds = (HEALTHY, *SENSOR_FAULTS)
         self._controls = {
@@ -105,6 +110,10 @@ class EmulatedSource(Source):
         except queue.Full:
             raise InputError("the board takes nothing: nothing was sent") from None
 
+    def signals(self) -> Signals:
+        """See :meth:`Source.signals`."""
+        return self._seen if self._seen is not None and self.connected else Signals(UNKNOWN, UNKNOWN, self.link)
+
     def run(self) -> None:
         """See :meth:`Source.run`."""
         self.connected, self.link = True, "running"
@@ -141,6 +150,9 @@ class EmulatedSource(Source):
                 self.view.say(str(error))
         self._warm(session.seconds - self._stepped_s)
         self._stepped_s = session.seconds
+        if time.monotonic() >= self._look_at:  # here: nobody else may touch the emulator
+            self._look_at = time.monotonic() + _LOOK_EVERY_S
+            self._seen = from_pins(self._board.led_now, self._board.relay_closed, self.view.known.rules)
         session.sent.clear()  # the view keeps what came; a month of it twice would be much
         self._wait(session.seconds)
 

@@ -74,6 +74,7 @@ class Live:
         """What holds now."""
         return {
             **self.source.view.status(),
+            "signals": asdict(self.source.signals()),
             "link": self.source.link,
             "connected": self.source.connected,
             "armed_s": round(self.commands.armed_s),

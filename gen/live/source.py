@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from gen.errors import InputError
+from gen.live.signals import UNKNOWN, Signals, from_rows
 from gen.live.view import View
 
 Kind = Literal["port", "emulated", "replay"]
@@ -95,6 +96,12 @@ class Source:
             When nobody takes them.
         """
         raise InputError("nobody takes commands here")
+
+    def signals(self) -> Signals:
+        """What the board's LED and relay do now."""
+        if not self.connected and self.kind != "replay":
+            return Signals(UNKNOWN, UNKNOWN, self.link)
+        return from_rows(*self.view.last(), self.view.known)
 
     def run(self) -> None:
         """Feed the view until :attr:`stopped` is set or nothing comes any more."""

@@ -8,15 +8,13 @@ import threading
 from array import array
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.coefficients.document import Document
-from gen.coefficients.protecting import protections
 from gen.drawing.thinning import line
+from gen.live.known import Known
 from gen.record import Recorder
 from gen.reference.sensors import SensorCode
 from gen.runs.run import STATUS, board_columns
@@ -28,45 +26,6 @@ _KEPT_LINES = 60
 _EVENT = re.compile(r"#\s*event:\s*(\S+)\s+(.*)")
 _GARBLED = "# garbled:"
 _MODEL = "_model_degC"
-
-
-@dataclass(frozen=True)
-class Known:
-    """What a coefficient file says of a board's rows; empty where there is none.
-
-    Attributes
-    ----------
-    rules, causes
-        Names of the alarm rules and of what the board acts on, in the order of the bits of the columns ``alarms`` and
-        ``protection``.
-    channels
-        Thermocouples, in the order of the digits of the column ``sensors``.
-    bands
-        By part: ranges of |PWM| with the lowest and the highest difference, model minus measured, K.
-    input
-        What the PWM stands for, where it is no motor's.
-    """
-
-    rules: tuple[str, ...] = ()
-    channels: tuple[str, ...] = ()
-    bands: dict[str, tuple[tuple[int, int, float, float], ...]] = field(default_factory=dict)
-    input: str = ""
-    causes: tuple[str, ...] = ()
-
-
-def known_of(document: Document) -> Known:
-    """Gather what a coefficient file says."""
-    bands: dict[str, tuple[tuple[int, int, float, float], ...]] = {}
-    for band in document.provenance.error if document.provenance is not None else ():
-        bands[band.component] = (*bands.get(band.component, ()), (*band.pwm, *band.model_minus_measured_K))
-    wired = document.wiring.thermocouples if document.wiring is not None else ()
-    return Known(
-        tuple(rule.name for rule in document.alarms),
-        tuple(chip.channel for chip in wired),
-        bands,
-        document.input.meaning,
-        tuple(entry.label for entry in protections(document)),
-    )
 
 
 class View:
@@ -162,6 +121,11 @@ class View:
                 x, y = line(table[:, 0], table[:, place], most)
                 curves[name] = [x.tolist(), [None if np.isnan(value) else value for value in y.tolist()]]
         return {"part": part, "next": rows, "columns": columns, "curves": curves}
+
+    def last(self) -> tuple[dict[str, float | None], str]:
+        """The last row by its columns, and its sensors' codes, a digit each; empty before there is one."""
+        with self._lock:
+            return dict(self._last), self._sensors if "sensors" in self._last else ""
 
     def status(self) -> dict[str, Any]:
         """What holds now: alarms, sensors, counts, the last lines."""

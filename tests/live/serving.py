@@ -11,9 +11,10 @@ from typing import Any
 
 import uvicorn
 
+from gen.live.known import Known
 from gen.live.server import Live, make_app
 from gen.live.source import Control, Source, checked
-from gen.live.view import Known, View
+from gen.live.view import View
 
 TOKEN = "a-token-of-the-tests"
 HEADER = b"time_s,pwm,coil_degC,coil_model_degC,flags,sensors,alarms\n"

@@ -12,7 +12,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from gen.coefficients import Coefficients
-from gen.live.view import Known
+from gen.live.known import Known
 from tests.live.serving import HEADER, FedSource, served, wait_until
 from tests.live.test_sources import FAULT, emulated, quick
 
@@ -92,6 +92,9 @@ def test_an_alarm_and_a_broken_sensor_are_seen_and_go(page: Page) -> None:
         expect(page.locator("#alarms")).to_be_empty()
         source.view.feed(row(1, alarms=1, sensor=1), 1.0)
         expect(page.locator("#alarms")).to_have_text("Alarm: coil_hot")
+        expect(page.locator("#signals")).to_contain_text(
+            "LED: 1 blink, a pause: alarm coil_hot; flicker: a thermocouple is not believed. Relay: closed"
+        )
         expect(page.locator("#now tr").first.locator("td").last).to_have_text("open")
         source.view.feed(row(2), 2.0)
         expect(page.locator("#alarms")).to_be_empty()

@@ -9,6 +9,7 @@ import re
 import tty
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,9 +20,10 @@ from gen.emulate.firmware import build_firmware
 from gen.emulate.model_plant import ModelPlant
 from gen.errors import InputError
 from gen.live.emulated import EmulatedSource
+from gen.live.known import Known, known_of
 from gen.live.port import PortSource
 from gen.live.replay import ReplaySource
-from gen.live.view import Known, View, known_of
+from gen.live.view import View
 from gen.runs.faults import declared_faults
 from tests.examples import ROOT
 from tests.live.serving import HEADER, wait_until
@@ -102,10 +104,9 @@ def test_a_board_that_says_nothing_is_asked_for_its_columns(tmp_path: Path, monk
         board.pull()
 
 
-@pytest.fixture(scope="module")
-def quick(tmp_path_factory: pytest.TempPathFactory) -> Coefficients:
+def quick_tree() -> dict[str, Any]:
     """The example with one rule, which a bearing that is 1.5 K over the model raises after five seconds."""
-    tree = json.loads(EXAMPLE.read_text(encoding="utf-8"))
+    tree: dict[str, Any] = json.loads(EXAMPLE.read_text(encoding="utf-8"))
     tree["alarms"] = [
         {
             "name": "bearing_warm",
@@ -117,7 +118,12 @@ def quick(tmp_path_factory: pytest.TempPathFactory) -> Coefficients:
             "hysteresis_K": 0.5,
         }
     ]
-    return parse(json.dumps(tree).encode())
+    return tree
+
+
+@pytest.fixture(scope="module")
+def quick() -> Coefficients:
+    return parse(json.dumps(quick_tree()).encode())
 
 
 FAULT = "heat:bearing=+2000%"
@@ -142,7 +148,7 @@ def emulated(quick: Coefficients, cache: Path) -> EmulatedSource:
     plant = ModelPlant(quick, channels, pulses_per_revolution=500)
     elf = build_firmware(quick, "fixed", "table", "quick.json", cache).elf
     board = Board(elf, cache, wiring, plant, encoder="batched")
-    return EmulatedSource(quick.name, board, plant, channels, (FAULT,), 1000.0, (), View(known_of(quick.document)))
+    return EmulatedSource(quick.name, board, plant, channels, (FAULT,), 1000.0, (), View(known_of(quick)))
 
 
 def column(source: EmulatedSource, name: str) -> list[float | None]:
@@ -205,7 +211,7 @@ def test_what_cannot_be_set_is_refused(source: EmulatedSource, name: str, value:
 
 
 def replayed(path: Path, model: Coefficients | None = None) -> View:
-    view = View(Known() if model is None else known_of(model.document))
+    view = View(Known() if model is None else known_of(model))
     source = ReplaySource(path, model, 1e5, view)
     source.start()
     wait_until(lambda: source.link == "came to its end")

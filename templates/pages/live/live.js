@@ -59,6 +59,9 @@ function showStatus(status) {
   ].filter(Boolean).join(". "));
   put("lines", [...status.lines].reverse().join("\n"));
   part.sensors = status.sensors;
+  const {led, relay, told} = status.signals, signals = [led && `LED: ${led}`, relay && `Relay: ${relay}`].filter(Boolean);
+  put("signals", signals.length ? `${signals.join(". ")} (${told}).` : "");
+  by("signals").className = relay === "open" ? "bad" : "";
   const armed = status.armed_s > 0;
   by("board").className = armed ? "armed" : "";
   by("arm").setAttribute("aria-pressed", String(armed));
