@@ -85,23 +85,20 @@ def live(
 
         check_head(run)
 
-    from gen.live.known import Known, known_of
     from gen.live.serve import serve
-    from gen.live.view import View
 
-    view = View(Known() if known is None else known_of(known))
     made: Source
     if emulated is not None:
         assert known is not None
-        made = _emulated(known, emulated, view, plant, profile, ambient, time_lapse)
+        made = _emulated(known, emulated, plant, profile, ambient, time_lapse)
     elif run is not None:
         from gen.live.replay import ReplaySource
 
-        made = ReplaySource(run, known, time_lapse, view)
+        made = ReplaySource(run, known, time_lapse, _view(known))
     else:
         from gen.live.port import PortSource
 
-        made = PortSource(str(source), baud, view)
+        made = PortSource(str(source), baud, _view(known))
 
     def ready(url: str) -> None:
         click.echo(f"{url}\n  Ctrl-C ends it", err=True)
@@ -109,16 +106,27 @@ def live(
             click.launch(url)
 
     for path in serve(made, host, port, out, ready):
-        click.echo(f"{path}: written, {view.recorder.rows} rows in all")
+        click.echo(f"{path}: written, {made.view.recorder.rows} rows in all")
+
+
+def _view(known: Coefficients | None) -> View:
+    """What rows that came from elsewhere are shown in."""
+    from gen.live.heat import HeatFromRows
+    from gen.live.known import Known, known_of
+    from gen.live.view import View
+
+    return View(Known()) if known is None else View(known_of(known), HeatFromRows(known))
 
 
 def _emulated(
-    known: Coefficients, file: Path, view: View, plant: str | None, profile: str, ambient: float, pace: float
+    known: Coefficients, file: Path, plant: str | None, profile: str, ambient: float, pace: float
 ) -> EmulatedSource:
     from gen.emulate.board import Board
     from gen.emulate.firmware import build_firmware, cache_folder
     from gen.emulate.scenario import Scenario, make_plant
-    from gen.live.emulated import EmulatedSource
+    from gen.live.emulated import EmulatedSource, heat_of
+    from gen.live.known import known_of
+    from gen.live.view import View
     from gen.record.profile import parse_profile
 
     wiring = known.document.wiring
@@ -130,6 +138,7 @@ def _emulated(
     elf = build_firmware(known, "fixed", "table", shown_name(file), cache).elf
     board = Board(elf, cache, wiring, made.plant, encoder="batched")
     channels = tuple(chip.channel for chip in wiring.thermocouples)
+    view = View(known_of(known), heat_of(known, board))
     return EmulatedSource(
         known.name, board, made.plant, channels, made.plant.typical_faults, pace, steps, view, ambient
     )

@@ -8,10 +8,12 @@ from collections.abc import Callable
 from math import inf
 from typing import Any
 
+from gen.coefficients import Coefficients
 from gen.emulate.board import Board
 from gen.emulate.plant import STEP_S, Changeable
 from gen.emulate.session import Session, run_session
 from gen.errors import InputError
+from gen.live.heat import HeatInMemory, heat_rules
 from gen.live.signals import UNKNOWN, Signals, from_pins
 from gen.live.source import Control, Source, checked
 from gen.live.view import View
@@ -27,6 +29,15 @@ ROOM_K_PER_S = 0.2
 _MOST_WAITING = 64
 _LOOK_EVERY_S = 0.2
 """So often, by this computer's clock, somebody looks at the pins."""
+
+
+def heat_of(coefficients: Coefficients, board: Board) -> HeatInMemory | None:
+    """The sums of missing heat in a board's memory; None where its file has no rule on it."""
+    if not heat_rules(coefficients):
+        return None
+    memory = board.mega.memory
+    address = memory.address(f"{coefficients.name}_alarm_state")
+    return HeatInMemory(coefficients, lambda size: memory.peek(address, size))
 
 
 class EmulatedSource(Source):

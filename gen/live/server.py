@@ -55,12 +55,20 @@ class Live:
             "kind": self.source.kind,
             "name": self.source.name,
             "input": self.source.view.known.input,
+            "heat": self.heat(),
             "takes_commands": self.source.takes_commands,
             "controls": [asdict(control) for control in self.source.controls()],
             "recorded_to": None if self.recorded_to is None else str(self.recorded_to),
             "colours": COLOURS,
             "ink": INK,
         }
+
+    def heat(self) -> dict[str, Any]:
+        """Columns of missing heat, and how they are known."""
+        heat = self.source.view.heat
+        rules = heat.rules if heat is not None else ()
+        found = [{"rule": rule.name, "column": rule.column, "threshold_K": rule.threshold_K} for rule in rules]
+        return {"rules": found, "told": "" if heat is None else heat.told}
 
     def answer(self) -> dict[str, Any]:
         """The status with a number: what was looked up earlier, and arrives later, has a lower one.

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.drawing.thinning import line
+from gen.live.heat import Heat
 from gen.live.known import Known
 from gen.record import Recorder
 from gen.reference.sensors import SensorCode
@@ -26,6 +27,8 @@ _KEPT_LINES = 60
 _EVENT = re.compile(r"#\s*event:\s*(\S+)\s+(.*)")
 _GARBLED = "# garbled:"
 _MODEL = "_model_degC"
+DRAWN = frozenset(["time_to_limit_s", "holdable_pwm"])
+"""What a board says of itself and is a curve all the same."""
 
 
 class View:
@@ -35,6 +38,8 @@ class View:
     ----------
     known
         What the coefficient file says.
+    heat
+        Knows the sums of its rules on missing heat, which no row holds.
 
     Attributes
     ----------
@@ -42,8 +47,8 @@ class View:
         The same as a run file.
     """
 
-    def __init__(self, known: Known) -> None:
-        self.known = known
+    def __init__(self, known: Known, heat: Heat | None = None) -> None:
+        self.known, self.heat = known, heat
         self.recorder = Recorder()
         self._lock = threading.Lock()
         self._values = array("d")  # row by row; of days of rows a list of lists would be ten times as large
@@ -85,7 +90,7 @@ class View:
         return self._parts
 
     def columns(self) -> list[str]:
-        """Names of the present rows' columns, the bands' with them."""
+        """Names of the present rows' columns, the bands' and missing heat's with them."""
         with self._lock:
             return self._columns()
 
@@ -117,7 +122,7 @@ class View:
             table = np.array(self._values, dtype=np.float64).reshape(rows, self._width)
         curves = {}
         for place, name in enumerate(columns):
-            if place and name not in STATUS and rows:
+            if place and name not in STATUS - DRAWN and rows:
                 x, y = line(table[:, 0], table[:, place], most)
                 curves[name] = [x.tolist(), [None if np.isnan(value) else value for value in y.tolist()]]
         return {"part": part, "next": rows, "columns": columns, "curves": curves}
@@ -172,13 +177,15 @@ class View:
                 self._sensors = value
             number = float(value) if value else math.nan
             row.append(number if math.isfinite(number) else None)
-        return row + [end for component in self._banded(names) for end in self._band(component, names, row)]
+        row += [end for component in self._banded(names) for end in self._band(component, names, row)]
+        return row if self.heat is None else row + self.heat.take(dict(zip(names, row, strict=False)))
 
     def _columns(self) -> list[str]:
         if not self.recorder.parts:
             return []
         names = self.recorder.parts[-1].columns
-        return [*names, *(f"{name}_{end}" for name in self._banded(names) for end in ("low", "high"))]
+        heat = [rule.column for rule in self.heat.rules] if self.heat is not None else []
+        return [*names, *(f"{name}_{end}" for name in self._banded(names) for end in ("low", "high")), *heat]
 
     def _banded(self, names: Sequence[str]) -> list[str]:
         own = [name.removesuffix(_MODEL) for name in names if name in board_columns(names) and name.endswith(_MODEL)]

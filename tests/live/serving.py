@@ -11,6 +11,7 @@ from typing import Any
 
 import uvicorn
 
+from gen.live.heat import Heat
 from gen.live.known import Known
 from gen.live.server import Live, make_app
 from gen.live.source import Control, Source, checked
@@ -31,8 +32,8 @@ class Told:
 class FedSource(Source):
     """A source that a test feeds."""
 
-    def __init__(self, known: Known | None = None) -> None:
-        super().__init__("port", "bench", View(known or Known(("coil_hot",), ("coil",))))
+    def __init__(self, known: Known | None = None, heat: Heat | None = None) -> None:
+        super().__init__("port", "bench", View(known or Known(("coil_hot",), ("coil",)), heat))
         self.told = Told()
         self.connected, self.link = True, "open"
 

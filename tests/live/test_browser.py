@@ -11,10 +11,11 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
-from gen.coefficients import Coefficients
-from gen.live.known import Known
+from gen.coefficients import Coefficients, load
+from gen.live.heat import HeatFromRows
+from gen.live.known import Known, known_of
 from tests.live.serving import HEADER, FedSource, served, wait_until
-from tests.live.test_sources import FAULT, emulated, quick
+from tests.live.test_sources import EXAMPLE, FAULT, emulated, quick
 
 __all__ = ["quick"]  # the fixture
 
@@ -98,6 +99,39 @@ def test_an_alarm_and_a_broken_sensor_are_seen_and_go(page: Page) -> None:
         expect(page.locator("#now tr").first.locator("td").last).to_have_text("open")
         source.view.feed(row(2), 2.0)
         expect(page.locator("#alarms")).to_be_empty()
+
+
+def panels(page: Page) -> set[str]:
+    """Titles of the drawing's vertical axes."""
+    titles = "layout => Object.keys(layout).filter(key => key.startsWith('yaxis')).map(key => layout[key].title.text)"
+    return set(page.evaluate(f"({titles})(document.getElementById('plot')._fullLayout)"))
+
+
+def test_missing_heat_and_time_to_a_limit_have_values_and_curves(page: Page) -> None:
+    example = load(EXAMPLE)
+    source = FedSource(known_of(example), HeatFromRows(example))
+    parts = ("brush", "bearing", "magnet", "casing")
+    names = [*(f"{name}_degC" for name in parts), *(f"{name}_model_degC" for name in parts), "ambient_degC"]
+    header = ",".join(["time_s", "pwm", *names, "flags", "time_to_limit_s", "holdable_pwm"])
+
+    def rows(first: int, last: int) -> bytes:
+        told = "{0},153,{1},{1},{1},{1},30,30,30,30,30,0,{2},200\n"
+        return "".join(told.format(k, 30 + k / 200, 900 - k if k > 50 else "") for k in range(first, last)).encode()
+
+    source.view.feed(f"{header}\n".encode() + rows(0, 40), 0.0)
+    with served(source) as address:
+        page.goto(address)
+        expect(page.locator("#heat")).to_have_text(
+            "Missing heat (computed here from the rows): "
+            "heat 0 % of 0.199 K, brush_fault 0 % of 0.345 K, bearing_fault 0 % of 0.199 K"
+        )
+        expect(page.locator("#plot")).to_have_attribute("data-panels", "3")
+        assert panels(page) == {"°C", "PWM", "heat, %"}
+        source.view.feed(rows(40, 900), 1.0)
+        expect(page.locator("#heat")).to_contain_text("heat 200 % of 0.199 K")
+        expect(page.locator("#drive")).to_contain_text("no limit for 1 s at this PWM, PWM 200 can be held")
+        expect(page.locator("#plot")).to_have_attribute("data-panels", "4")
+        assert panels(page) == {"°C", "PWM", "heat, %", "limit, s"}
 
 
 def test_a_hostile_row_stays_text(page: Page) -> None:

@@ -19,7 +19,7 @@ from gen.emulate.board import Board
 from gen.emulate.firmware import build_firmware
 from gen.emulate.model_plant import ModelPlant
 from gen.errors import InputError
-from gen.live.emulated import EmulatedSource
+from gen.live.emulated import EmulatedSource, heat_of
 from gen.live.known import Known, known_of
 from gen.live.port import PortSource
 from gen.live.replay import ReplaySource
@@ -141,14 +141,15 @@ def source(quick: Coefficients, tmp_path_factory: pytest.TempPathFactory) -> Ite
 
 
 def emulated(quick: Coefficients, cache: Path) -> EmulatedSource:
-    """An emulated board of that file, whose motor is the file itself."""
+    """An emulated board of a file, whose motor is the file itself."""
     wiring = quick.document.wiring
     assert wiring is not None
     channels = tuple(chip.channel for chip in wiring.thermocouples)
     plant = ModelPlant(quick, channels, pulses_per_revolution=500)
     elf = build_firmware(quick, "fixed", "table", "quick.json", cache).elf
     board = Board(elf, cache, wiring, plant, encoder="batched")
-    return EmulatedSource(quick.name, board, plant, channels, (FAULT,), 1000.0, (), View(known_of(quick)))
+    view = View(known_of(quick), heat_of(quick, board))
+    return EmulatedSource(quick.name, board, plant, channels, (FAULT,), 1000.0, (), view)
 
 
 def column(source: EmulatedSource, name: str) -> list[float | None]:

@@ -3,7 +3,7 @@
 
 const MOST = 2000; // points of a curve when it is fetched; at three times as many it is fetched anew
 const DRAW_MS = 500;
-const CODES = ["flags", "sensors", "alarms", "protection", "time_to_limit_s", "holdable_pwm"];
+const CODES = ["flags", "sensors", "alarms", "protection"];
 const part = {number: 0, next: 0, status: 0, columns: [], curves: {}, last: {}};
 let about = null, stream = null, shownWindow = 0, dirty = false, fetching = false, drawn = 0;
 
@@ -45,6 +45,8 @@ function showNow() {
   if (last.time_to_limit_s != null) drive.push(`no limit for ${duration(last.time_to_limit_s)} at this PWM`);
   if (last.holdable_pwm != null) drive.push(`PWM ${fixed(last.holdable_pwm, 0)} can be held`);
   put("drive", drive.join(", "));
+  const heat = about.heat.rules.filter((rule) => last[rule.column] != null).map((rule) => `${rule.rule} ${fixed(last[rule.column], 0)} % of ${rule.threshold_K} K`);
+  put("heat", heat.length ? `Missing heat (${about.heat.told}): ${heat.join(", ")}` : "");
 }
 
 function showStatus(status) {
@@ -73,6 +75,21 @@ function showStatus(status) {
 
 // ---- the curves ----
 
+const seen = (name) => (part.curves[name] || [[], []])[1].some((value) => value != null);
+
+// From below: PWM and speed, time to limit and missing heat where there are any, the temperatures.
+function panels() {
+  const shown = [["yaxis2", 1], ["yaxis5", seen("time_to_limit_s") ? 1 : 0], ["yaxis4", about.heat.rules.some((rule) => seen(rule.column)) ? 1 : 0], ["yaxis", 3]].filter((panel) => panel[1]);
+  const whole = shown.reduce((sum, panel) => sum + panel[1], 0), gap = 0.06, domains = {};
+  let low = 0;
+  for (const [name, share] of shown) {
+    const high = low + share / whole;
+    domains[name] = [low, Math.min(1, high - (name === "yaxis" ? 0 : gap))];
+    low = high;
+  }
+  return domains;
+}
+
 function traces() {
   const found = [], line = (name, own) => Object.assign({x: (part.curves[name] || [[], []])[0], y: (part.curves[name] || [[], []])[1], mode: "lines", hoverinfo: "x+y+name", connectgaps: false}, own);
   components().forEach((name, place) => {
@@ -85,6 +102,11 @@ function traces() {
     if (part.curves[`${name}_model_degC`]) found.push(line(`${name}_model_degC`, {name: `${name}, model`, legendgroup: name, line: {color: colour, width: 1.4, dash: "dot"}}));
   });
   found.push(line("pwm", {name: "PWM", yaxis: "y2", line: {color: about.ink, shape: "hv"}}));
+  if (seen("holdable_pwm")) found.push(line("holdable_pwm", {name: "PWM that can be held", yaxis: "y2", line: {color: about.ink, dash: "dot", shape: "hv"}}));
+  about.heat.rules.filter((rule) => seen(rule.column)).forEach((rule, place) => {
+    found.push(line(rule.column, {name: `missing heat, ${rule.rule}`, yaxis: "y4", line: {color: about.colours[(place + components().length) % about.colours.length], width: 1.8, shape: "hv", dash: ["solid", "dash", "dot"][place % 3]}}));
+  });
+  if (seen("time_to_limit_s")) found.push(line("time_to_limit_s", {name: "time to limit, s", yaxis: "y5", line: {color: about.ink, width: 1.4}}));
   if (part.curves.speed_rpm) found.push(line("speed_rpm", {name: "speed, rpm", yaxis: "y3", line: {color: about.ink, dash: "dash", width: 1}}));
   return found;
 }
@@ -94,16 +116,22 @@ function draw() {
   dirty = false;
   const style = getComputedStyle(document.body), times = (part.curves.pwm || [[]])[0], now = times.length ? times[times.length - 1] : 0;
   const axis = {gridcolor: style.getPropertyValue("--rule"), zeroline: false, automargin: true};
-  const layout = {
+  const domains = panels(), layout = {
     datarevision: ++drawn, // the curves grow where they are: without it they would be taken for unchanged
     uirevision: `${part.number}`, margin: {l: 50, r: 50, t: 10, b: 40}, showlegend: true, legend: {orientation: "h", yref: "container", y: 0, yanchor: "bottom"},
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: {color: style.color},
     xaxis: {...axis, title: {text: "time, s"}, anchor: "y2", ...(shownWindow ? {range: [now - shownWindow, now + 0.03 * shownWindow], uirevision: now} : {})},
-    yaxis: {...axis, title: {text: "°C"}, domain: [0.28, 1]},
-    yaxis2: {...axis, title: {text: "PWM"}, domain: [0, 0.22], rangemode: "tozero"},
+    yaxis: {...axis, title: {text: "°C"}, domain: domains.yaxis},
+    yaxis2: {...axis, title: {text: "PWM"}, domain: domains.yaxis2, rangemode: "tozero"},
     yaxis3: {title: {text: "rpm"}, overlaying: "y2", side: "right", showgrid: false, zeroline: false, rangemode: "tozero", tickmode: "auto", nticks: 4},
   };
+  if (domains.yaxis4) layout.yaxis4 = {...axis, title: {text: "heat, %"}, domain: domains.yaxis4, rangemode: "tozero"};
+  if (domains.yaxis5) layout.yaxis5 = {...axis, title: {text: "limit, s"}, domain: domains.yaxis5, rangemode: "tozero"};
+  if (domains.yaxis4) layout.shapes = [{type: "line", xref: "paper", x0: 0, x1: 1, yref: "y4", y0: 100, y1: 100, line: {color: style.getPropertyValue("--bad"), width: 1, dash: "dash"}}]; // there the alarm is raised
+  const panelled = String(Object.keys(domains).length), grown = by("plot").dataset.panels !== panelled;
+  by("plot").dataset.panels = panelled; // more of them are higher together
   Plotly.react("plot", traces(), layout, {responsive: true, displaylogo: false});
+  if (grown) Plotly.Plots.resize("plot");
   Object.assign(by("plot").dataset, {points: String(times.length), until: String(now)}); // what was drawn, for who looks at it from outside
 }
 
