@@ -13,16 +13,19 @@ from gen.emulate.board import Board
 from gen.emulate.plant import STEP_S, Changeable
 from gen.emulate.session import Session, run_session
 from gen.errors import InputError
+from gen.live.control import Control, checked
 from gen.live.heat import HeatInMemory, heat_rules
+from gen.live.pace import Pace
 from gen.live.signals import UNKNOWN, Signals, from_pins
-from gen.live.source import Control, Source, checked
+from gen.live.source import Source
 from gen.live.view import View
 from gen.record.profile import Profile
 from gen.rig import SENSOR_FAULTS, SensorFault
 
 _MONTH_S = 30 * 86_400.0
 _NAP_S = 0.05
-_FASTEST = 1000.0
+_SHORT_NAP_S = 0.01
+FASTEST = 1000.0
 HEALTHY = "none"
 ROOM_K_PER_S = 0.2
 """A room does not jump, and the board would not believe a sensor of one that does."""
@@ -54,11 +57,13 @@ class EmulatedSource(Source):
     faults
         Motor faults to offer.
     pace
-        Simulated seconds in a second here.
+        Simulated seconds in a second here; shared with another source, both are at about the same time.
     profile
         PWM to command until the page does.
     view
         Where the rows go.
+    leads
+        Whether the pace is one of its controls: of those that share it one is enough.
     """
 
     def __init__(
@@ -68,16 +73,19 @@ class EmulatedSource(Source):
         plant: Changeable,
         channels: tuple[str, ...],
         faults: tuple[str, ...],
-        pace: float,
+        pace: Pace,
         profile: Profile,
         view: View,
         ambient_degC: float = 30.0,
+        *,
+        leads: bool = True,
     ) -> None:
         super().__init__("emulated", name, view)
-        self._board, self._plant, self._profile, self._speed = board, plant, profile, pace
+        self._board, self._plant, self._profile, self._pace = board, plant, profile, pace
         self._typed: queue.Queue[bytes] = queue.Queue(_MOST_WAITING)
         self._asked: queue.Queue[Callable[[], None]] = queue.Queue(_MOST_WAITING)
         self._anchor = (0.0, 0.0)
+        self._place = pace.join()
         self._now_s = 0.0
         self._stepped_s = 0.0
         self._seen: Signals | None = None
@@ -87,7 +95,7 @@ class EmulatedSource(Source):
         self._controls = {
             control.name: control
             for control in (
-                Control("pace", "times as fast", "number", pace, 0.1, _FASTEST, 0.1),
+                *([pace.control] if leads else []),
                 Control("ambient", "ambient, degC", "number", ambient_degC, -40.0, 80.0, 0.5),
                 Control("fault", "fault of the motor", "choice", HEALTHY, options=(HEALTHY, *faults)),
                 Control("own fault", "or, as --fault has it", "text", ""),
@@ -108,7 +116,7 @@ class EmulatedSource(Source):
             super().change(name, value)
         found = checked(self._controls[name], value)
         if name == "pace":
-            self._speed = float(found)
+            self._pace.speed = float(found)
             return
         self._ask(lambda: self._set(name, found))
 
@@ -139,6 +147,7 @@ class EmulatedSource(Source):
                 interrupted=self.stopped.is_set,
             )
         finally:
+            self._pace.leave(self._place)
             self._board.close()
         self.link = "came to its end"
 
@@ -176,11 +185,14 @@ class EmulatedSource(Source):
 
     def _wait(self, seconds: float) -> None:
         """Let no more than the pace's share of simulated time pass; what the emulator cannot follow is not owed."""
-        speed = self._speed
+        pace, speed = self._pace, self._pace.speed
+        pace.reach(self._place, seconds)
+        begin, at = self._anchor
         while not self.stopped.is_set():
-            begin, at = self._anchor
             ahead_s = (seconds - at) / speed - (time.monotonic() - begin)
-            if ahead_s <= 0.0 or speed != self._speed:
+            if pace.too_far(self._place):
+                ahead_s = _SHORT_NAP_S
+            if ahead_s <= 0.0 or speed != pace.speed:
                 break
             self.stopped.wait(min(ahead_s, _NAP_S))
         self._anchor = (time.monotonic(), seconds)

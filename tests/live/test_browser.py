@@ -157,7 +157,7 @@ def test_commands_wait_for_the_page_to_be_armed(page: Page) -> None:
         expect(page.locator("#armed")).to_have_text("not armed: nothing is sent")
         page.locator("#arm").focus()
         page.keyboard.press("Enter")
-        expect(page.locator("#board")).to_have_class("armed")
+        expect(page.locator("#board")).to_have_class("board armed")
         page.keyboard.press("Tab")
         page.keyboard.press("Control+A")
         page.keyboard.type("90")
@@ -178,11 +178,11 @@ def test_what_was_looked_up_before_a_command_does_not_take_it_back(page: Page) -
     with served(source) as address:
         page.goto(address)
         expect(page.locator("#rows")).to_have_text("1")
-        before = page.request.get(f"{address.partition('?')[0]}history").json()["status"]
+        before = page.request.get(f"{address.partition('?')[0]}1/history").json()["status"]
         page.locator("#arm").click()
-        expect(page.locator("#board")).to_have_class("armed")
-        page.evaluate("status => showStatus(status)", before)
-        assert page.locator("#board").get_attribute("class") == "armed"
+        expect(page.locator("#board")).to_have_class("board armed")
+        page.evaluate("status => motors[0].showStatus(status)", before)
+        assert page.locator("#board").get_attribute("class") == "board armed"
         assert page.locator("#halt").is_enabled()
 
 
@@ -206,7 +206,7 @@ def test_it_goes_on_when_the_server_was_away(page: Page) -> None:
     expect(page.locator("#link")).to_contain_text("trying again")
     again = FedSource()
     again.view.feed(HEADER + row(0) + row(1) + row(2), 0.0)
-    with served(again, port):
+    with served(again, port=port):
         expect(page.locator("#rows")).to_have_text("3")
         expect(page.locator("#plot")).to_have_attribute("data-points", "3")
 

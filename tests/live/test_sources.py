@@ -21,6 +21,7 @@ from gen.emulate.model_plant import ModelPlant
 from gen.errors import InputError
 from gen.live.emulated import EmulatedSource, heat_of
 from gen.live.known import Known, known_of
+from gen.live.pace import Pace
 from gen.live.port import PortSource
 from gen.live.replay import ReplaySource
 from gen.live.view import View
@@ -140,7 +141,7 @@ def source(quick: Coefficients, tmp_path_factory: pytest.TempPathFactory) -> Ite
         made.stop()
 
 
-def emulated(quick: Coefficients, cache: Path) -> EmulatedSource:
+def emulated(quick: Coefficients, cache: Path, pace: Pace | None = None, *, leads: bool = True) -> EmulatedSource:
     """An emulated board of a file, whose motor is the file itself."""
     wiring = quick.document.wiring
     assert wiring is not None
@@ -149,7 +150,7 @@ def emulated(quick: Coefficients, cache: Path) -> EmulatedSource:
     elf = build_firmware(quick, "fixed", "table", "quick.json", cache).elf
     board = Board(elf, cache, wiring, plant, encoder="batched")
     view = View(known_of(quick), heat_of(quick, board))
-    return EmulatedSource(quick.name, board, plant, channels, (FAULT,), 1000.0, (), view)
+    return EmulatedSource(quick.name, board, plant, channels, (FAULT,), pace or Pace(1000.0), (), view, leads=leads)
 
 
 def column(source: EmulatedSource, name: str) -> list[float | None]:
@@ -213,7 +214,7 @@ def test_what_cannot_be_set_is_refused(source: EmulatedSource, name: str, value:
 
 def replayed(path: Path, model: Coefficients | None = None) -> View:
     view = View(Known() if model is None else known_of(model))
-    source = ReplaySource(path, model, 1e5, view)
+    source = ReplaySource(path, model, Pace(1e5), view)
     source.start()
     wait_until(lambda: source.link == "came to its end")
     source.stop()
