@@ -91,12 +91,13 @@ class EmulatedSource(Source):
         self._seen: Signals | None = None
         self._look_at = 0.0
         self._room = self._wanted = ambient_degC
-        kinds = (HEALTHY, *SENSOR_FAULTS)
+        kinds, most_Nm = (HEALTHY, *SENSOR_FAULTS), plant.largest_load_Nm
         self._controls = {
             control.name: control
             for control in (
                 *([pace.control] if leads else []),
                 Control("ambient", "ambient, degC", "number", ambient_degC, -40.0, 80.0, 0.5),
+                *([Control("load", "load of the shaft, Nm", "slider", 0.0, 0.0, most_Nm, 0.05)] if most_Nm else []),
                 Control("fault", "fault of the motor", "choice", HEALTHY, options=(HEALTHY, *faults)),
                 Control("own fault", "or, as --fault has it", "text", ""),
                 *(
@@ -206,6 +207,8 @@ class EmulatedSource(Source):
     def _set(self, name: str, value: float | str) -> None:
         if name == "ambient":
             self._wanted = float(value)
+        elif name == "load":
+            self._plant.set_load(float(value))
         elif name == "own fault":
             self._plant.set_faults(str(value).strip())
         elif name == "fault":
@@ -215,6 +218,9 @@ class EmulatedSource(Source):
             faults = () if kind is None else (SensorFault(kind, self._now_s - STEP_S, inf),)
             self._plant.set_sensor_faults(name.removeprefix("sensor "), faults)
         self.view.say(f"{self._now_s:.2f} s since power-on: {self._controls[name].label} is now {value}")
-        if name != "ambient" and value not in (HEALTHY, ""):
+        since = f"from {self._now_s:.0f} s since power-on"
+        if name == "load":
+            self.view.note("shaft_load", f"{value:g} Nm {since}")
+        elif name != "ambient" and value not in (HEALTHY, ""):
             key = "motor_fault" if name.endswith("fault") else f"{name.replace(' ', '_')}_fault"
-            self.view.note(key, f"{value} from {self._now_s:.0f} s since power-on")
+            self.view.note(key, f"{value} {since}")

@@ -48,6 +48,7 @@ class FedSource(Source):
     def controls(self) -> list[Control]:
         return [
             Control("room", "room", "number", 20.0, 0.0, 40.0),
+            Control("pull", "pull", "slider", 0.0, 0.0, 1.0, 0.05),
             Control("kind", "kind", "choice", "a", options=("a", "b")),
         ]
 

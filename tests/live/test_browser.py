@@ -194,6 +194,10 @@ def test_what_the_page_changes_reaches_the_source(page: Page) -> None:
         page.get_by_label("room").fill("25.5")
         page.keyboard.press("Enter")
         wait_until(lambda: source.told.changed == [("kind", "b"), ("room", 25.5)])
+        page.get_by_label("pull").focus()
+        page.keyboard.press("ArrowRight")
+        expect(page.locator("output")).to_have_text("0.05")
+        wait_until(lambda: source.told.changed[2:] == [("pull", 0.05)])
 
 
 def test_it_goes_on_when_the_server_was_away(page: Page) -> None:

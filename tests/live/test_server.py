@@ -97,6 +97,8 @@ def test_commands_go_to_the_board_only_while_armed(client: TestClient, source: F
         ("/1/change", {"name": "room", "value": 90.0}, 422),
         ("/1/change", {"name": "room", "value": "warm"}, 422),
         ("/1/change", {"name": "kind", "value": "c"}, 422),
+        ("/1/change", {"name": "pull", "value": 1.5}, 422),
+        ("/1/change", {"name": "pull", "value": 1}, 200),
         ("/1/change", {"name": "other", "value": 1.0}, 422),
         ("/1/change", {"name": "room", "value": 25}, 200),
         ("/1/change", {"name": "kind", "value": "b"}, 200),

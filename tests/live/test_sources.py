@@ -18,6 +18,8 @@ from gen.coefficients import Coefficients, load, parse
 from gen.emulate.board import Board
 from gen.emulate.firmware import build_firmware
 from gen.emulate.model_plant import ModelPlant
+from gen.emulate.plant import Changeable
+from gen.emulate.rig import RigPlant
 from gen.errors import InputError
 from gen.live.emulated import EmulatedSource, heat_of
 from gen.live.known import Known, known_of
@@ -141,12 +143,16 @@ def source(quick: Coefficients, tmp_path_factory: pytest.TempPathFactory) -> Ite
         made.stop()
 
 
-def emulated(quick: Coefficients, cache: Path, pace: Pace | None = None, *, leads: bool = True) -> EmulatedSource:
-    """An emulated board of a file, whose motor is the file itself."""
+def emulated(
+    quick: Coefficients, cache: Path, pace: Pace | None = None, *, leads: bool = True, rig: bool = False
+) -> EmulatedSource:
+    """An emulated board of a file, whose motor is the file itself, or the rig."""
     wiring = quick.document.wiring
     assert wiring is not None
     channels = tuple(chip.channel for chip in wiring.thermocouples)
-    plant = ModelPlant(quick, channels, pulses_per_revolution=500)
+    plant: Changeable = ModelPlant(quick, channels, pulses_per_revolution=500)
+    if rig:
+        plant = RigPlant(channels, pulses_per_revolution=500)
     elf = build_firmware(quick, "fixed", "table", "quick.json", cache).elf
     board = Board(elf, cache, wiring, plant, encoder="batched")
     view = View(known_of(quick), heat_of(quick, board))
@@ -201,6 +207,29 @@ def test_a_sensor_that_is_broken_on_the_page_is_not_believed_by_the_board(source
 def test_the_room_can_be_warmed(source: EmulatedSource) -> None:
     source.change("ambient", 45.0)
     wait_until(lambda: (column(source, "ambient_degC")[-1] or 0.0) >= 44.75)
+
+
+def test_the_rig_s_shaft_can_be_loaded(quick: Coefficients, source: EmulatedSource, tmp_path: Path) -> None:
+    assert "load" not in {control.name for control in source.controls()}  # of a file, which knows no torque
+    loaded = emulated(quick, tmp_path, rig=True)
+    slider = next(control for control in loaded.controls() if control.name == "load")
+    assert (slider.form, slider.low, slider.high) == ("slider", 0.0, 1.0)
+    loaded.start()
+    try:
+        wait_until(lambda: loaded.view.recorder.rows > 2)
+        loaded.send(b"arm\n200\n")
+        wait_until(lambda: (column(loaded, "speed_rpm")[-1] or 0.0) > 1900.0)
+        loaded.change("load", 1.0)
+        wait_until(lambda: (column(loaded, "speed_rpm")[-1] or 0.0) < 1700.0)
+        loaded.change("load", 0.0)
+        wait_until(lambda: (column(loaded, "speed_rpm")[-1] or 0.0) > 1900.0)
+        with pytest.raises(InputError):
+            loaded.change("load", -0.1)
+    finally:
+        loaded.stop()
+    comments = re.findall(r"^# shaft_load: (.*) Nm from", loaded.view.text(), re.MULTILINE)
+    assert comments == ["1", "0"]
+    assert declared_faults(dict(re.findall(r"^# (\w+): (.*)$", loaded.view.text(), re.MULTILINE))) == []
 
 
 @pytest.mark.parametrize(

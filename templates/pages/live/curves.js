@@ -29,12 +29,12 @@ function traces(motor, page) {
       add(`${name}_high`, {line: {width: 0}, fill: "tonexty", fillcolor: `${colour(place)}22`, showlegend: false, hoverinfo: "skip"});
     }
     add(`${name}_degC`, {name, legendgroup: name, line: {color: colour(place), width: 1.6}});
-    if (motor.curves[`${name}_model_degC`]) add(`${name}_model_degC`, {name: `${name}, model`, legendgroup: name, line: {color: colour(place), width: 1.4, dash: "dot"}});
+    if (motor.curves[`${name}_model_degC`]) add(`${name}_model_degC`, {name: `${name}, model`, legendgroup: name, showlegend: false, line: {color: colour(place), width: 1.4, dash: "dot"}});
   });
   add("pwm", {name: "PWM", yaxis: "y2", line: {color: ink, shape: "hv"}});
   if (seen(motor, "holdable_pwm")) add("holdable_pwm", {name: "PWM that can be held", yaxis: "y2", line: {color: ink, dash: "dot", shape: "hv"}});
   heatRules(motor).forEach((rule, place) => {
-    add(rule.column, {name: `missing heat, ${rule.rule}`, yaxis: "y4", line: {color: colour(place + parts.length), width: 1.8, shape: "hv", dash: ["solid", "dash", "dot"][place % 3]}});
+    add(rule.column, {name: `heat: ${rule.rule}`, yaxis: "y4", line: {color: colour(place + parts.length), width: 1.8, shape: "hv", dash: ["solid", "dash", "dot"][place % 3]}});
   });
   if (seen(motor, "time_to_limit_s")) add("time_to_limit_s", {name: "time to limit, s", yaxis: "y5", line: {color: ink, width: 1.4}});
   if (motor.curves.speed_rpm) add("speed_rpm", {name: "speed, rpm", yaxis: "y3", line: {color: ink, dash: "dash", width: 1}});
