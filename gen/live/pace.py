@@ -8,7 +8,7 @@ from gen.live.control import Control
 
 FASTEST = 100_000.0
 _AHEAD_S = 1.0
-_AHEAD_HERE_S = 0.25
+_AHEAD_HERE_S = 0.02
 
 
 class Pace:

@@ -90,13 +90,20 @@ def _relay_of(last: Mapping[str, float | None], known: Known) -> str:
 
 
 def _led(patterns: Sequence[str], rules: Sequence[str]) -> str:
-    return "; ".join(_said(pattern, rules) for pattern in patterns)
+    """Numbers first, in their order: which of them was the latest changes all the time."""
+    return "; ".join(
+        _said(pattern, rules) for pattern in sorted(patterns, key=lambda one: (one in _WORDS, _number(one)))
+    )
+
+
+def _number(pattern: str) -> int:
+    return 0 if pattern in _WORDS else int(pattern.removeprefix("alarm "))
 
 
 def _said(pattern: str, rules: Sequence[str]) -> str:
     if pattern in _WORDS:
         return _WORDS[pattern]
-    number = int(pattern.removeprefix("alarm "))
+    number = _number(pattern)
     name = rules[number - 1] if number <= len(rules) else f"rule {number}"
     return f"{number} blink{'s' if number > 1 else ''}, a pause: alarm {name}"
 

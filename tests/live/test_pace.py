@@ -25,8 +25,8 @@ def test_who_is_ahead_waits_until_the_other_has_come_or_gone() -> None:
     assert not pace.too_far(second)
     pace.reach(second, 0.25)
     assert not pace.too_far(first)
-    pace.reach(first, 100.0)
-    pace.speed = 1000.0  # a quarter of a second here
+    pace.reach(first, 15.0)
+    pace.speed = 1000.0  # a fiftieth of a second here
     assert not pace.too_far(first)
     pace.speed = 1.0
     assert pace.too_far(first)

@@ -74,6 +74,13 @@ def test_a_board_has_what_its_file_wires() -> None:
     assert from_pins(None, None, ()).led == ""
 
 
+def test_alarms_that_take_turns_stand_in_their_order() -> None:
+    words = "1 blink, a pause: alarm warm; 2 blinks, a pause: alarm hot; flicker: a thermocouple is not believed"
+    for patterns in (("alarm 1", "sensor", "alarm 2"), ("sensor", "alarm 2", "alarm 1")):
+        assert from_pins(patterns, False, KNOWN.rules).led == words
+    assert from_pins(("lit",), True, ()).relay == "closed"
+
+
 def test_a_line_that_is_not_open_says_nothing_of_now() -> None:
     source = FedSource(KNOWN)
     source.view.feed(b"time_s,pwm,coil_degC,flags,sensors,alarms,protection\n0,5,30,0,0,2,1\n", 0.0)
