@@ -21,7 +21,7 @@ class Control:
     form
         ``number`` and ``slider`` (from `low` to `high` in steps of `step`), ``choice`` (one of `options`) or ``text``.
     value
-        At the start.
+        What it is set to.
     """
 
     name: str

@@ -5,6 +5,7 @@ from __future__ import annotations
 import queue
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from math import inf
 from typing import Any
 
@@ -118,6 +119,7 @@ class EmulatedSource(Source):
         found = checked(self._controls[name], value)
         if name == "pace":
             self._pace.speed = float(found)
+            self._remember(name, found)
             return
         self._ask(lambda: self._set(name, found))
 
@@ -217,6 +219,7 @@ class EmulatedSource(Source):
             kind = next((one for one in SENSOR_FAULTS if one == value), None)
             faults = () if kind is None else (SensorFault(kind, self._now_s - STEP_S, inf),)
             self._plant.set_sensor_faults(name.removeprefix("sensor "), faults)
+        self._remember(name, value)
         self.view.say(f"{self._now_s:.2f} s since power-on: {self._controls[name].label} is now {value}")
         since = f"from {self._now_s:.0f} s since power-on"
         if name == "load":
@@ -224,3 +227,11 @@ class EmulatedSource(Source):
         elif name != "ambient" and value not in (HEALTHY, ""):
             key = "motor_fault" if name.endswith("fault") else f"{name.replace(' ', '_')}_fault"
             self.view.note(key, f"{value} {since}")
+
+    def _remember(self, name: str, value: float | str) -> None:
+        """Let who opens the page later see what is set. Of the two ways to name a fault the latest holds."""
+        self._controls[name] = replace(self._controls[name], value=value)
+        other = {"fault": "own fault", "own fault": "fault"}.get(name)
+        if other is not None:
+            healthy = "" if other == "own fault" else HEALTHY
+            self._controls[other] = replace(self._controls[other], value=healthy)

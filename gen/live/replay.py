@@ -67,6 +67,7 @@ class ReplaySource(Source):
             super().change(name, value)
         else:
             self._pace.speed = float(checked(known, value))
+            self._controls = [self._pace.control]
 
     def run(self) -> None:
         """See :meth:`Source.run`."""

@@ -49,7 +49,7 @@ class Live:
         self._numbers = count(1)
 
     def about(self) -> dict[str, Any]:
-        """What of this motor does not change while the page is open."""
+        """What of this motor a page is told when it opens."""
         return {
             "kind": self.source.kind,
             "name": self.source.name,

@@ -95,6 +95,23 @@ def test_two_motors_are_recorded_to_a_file_each(tmp_path: Path, given: list[str]
     assert ("model" in first.comments) == ("--beside" in given)
 
 
+def test_a_run_file_that_cannot_be_written_does_not_cost_the_other(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text(RUN)
+    (tmp_path / "gone").mkdir()
+    outs = ["--out", "gone/first.csv", "--out", "second.csv"]
+    process, address = started("run.csv", "run.csv", "--time-lapse", "1000", *outs, cwd=tmp_path)
+    opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor(CookieJar()))
+    opener.open(address).read()
+    base = address.partition("?")[0]
+    wait_until(lambda: all(b"49,100,79" in opener.open(f"{base}{k}/run.csv").read() for k in (1, 2)))
+    (tmp_path / "gone").rmdir()
+    process.send_signal(signal.SIGINT)
+    out, complaint = process.communicate(timeout=60)
+    assert (process.returncode, out) == (2, "")
+    assert "gone/first.csv: cannot be written" in complaint
+    assert read_run(tmp_path / "second.csv").time_s.size == 50
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -192,8 +192,17 @@ def test_a_fault_of_any_size_can_be_typed_and_one_that_cannot_be_is_said(source:
     source.send(b"arm\n200\n")
     source.change("own fault", "heat:rotor=+20%")
     wait_until(lambda: any('has no part "rotor"' in line for line in source.view.status()["lines"]))
+    assert settings(source) == {"fault": "none", "own fault": ""}  # what it cannot have is not set
     source.change("own fault", FAULT)
     wait_until(lambda: source.view.status()["alarms"] == ["bearing_warm"])
+    assert settings(source) == {"fault": "none", "own fault": FAULT}
+    source.change("fault", FAULT)
+    wait_until(lambda: settings(source) == {"fault": FAULT, "own fault": ""})
+
+
+def settings(source: EmulatedSource) -> dict[str, float | str]:
+    """What a page that opens now would show of the motor's faults."""
+    return {control.name: control.value for control in source.controls() if "fault" in control.name}
 
 
 def test_a_sensor_that_is_broken_on_the_page_is_not_believed_by_the_board(source: EmulatedSource) -> None:

@@ -30,6 +30,7 @@ class Motor {
     document.getElementById("motors").appendChild(own);
     const {about} = this;
     this.put("name", `${alone ? "" : `Motor ${this.place}: `}${about.name} (${about.kind})`);
+    if (!alone) this.by("alarms").setAttribute("aria-label", `Alarms of motor ${this.place}`);
     this.by("file").href = `${this.place}/run.csv`;
     this.put("recorded", about.recorded_to ? `; recorded to ${about.recorded_to}` : "");
     this.by("board").hidden = !about.takes_commands;
