@@ -34,6 +34,7 @@ class Motor {
     this.by("file").href = `${this.place}/run.csv`;
     this.put("recorded", about.recorded_to ? `; recorded to ${about.recorded_to}` : "");
     this.by("board").hidden = !about.takes_commands;
+    this.by("heat-note").hidden = !about.heat.rules.length;
     this.by("controls").hidden = !about.controls.length;
     this.by("controls-list").append(...about.controls.map((told) => this.control(told)));
     this.by("arm").addEventListener("click", () => this.ask("arm", {armed: this.by("arm").getAttribute("aria-pressed") !== "true"}));
