@@ -4,34 +4,28 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from gen.commands.options import Finite
 from gen.errors import InputError
-from gen.files import shown_name
-
-if TYPE_CHECKING:
-    from gen.coefficients import Coefficients
-    from gen.live.emulated import EmulatedSource
-    from gen.live.source import Source
-    from gen.live.view import View
 
 _PATH = click.Path(path_type=Path)
 _PORT = 8765
 _RUN = ".csv"
 """No port is called so: a run file that is not there is no port to look for."""
+_MOST = 2
 
 
 @click.command(
     short_help="Show a motor that runs as a local web page.",
-    epilog="Example:  gen live --emulate examples/my1016_rig/coeffs.json --time-lapse 20 --profile 0:153 --out run.csv",
+    epilog="Example:  gen live --emulate examples/my1016_rig/coeffs.json --time-lapse 20 --profile 0:153 --beside",
 )
-@click.argument("source", metavar="[PORT|RUN]", required=False)
+@click.argument("given", metavar="[PORT|RUN]...", nargs=-1)
 @click.option(
     "--emulate", "emulated", metavar="COEFFS", type=_PATH, help="Run this file's firmware on an emulated Mega."
 )
+@click.option("--beside", is_flag=True, help="Of an emulated board: the same a second time, with faults of its own.")
 @click.option(
     "--model", metavar="COEFFS", type=_PATH, help="Of a port or a run: names of its alarms, bands, the model."
 )
@@ -44,7 +38,7 @@ _RUN = ".csv"
     "--time-lapse", type=Finite(0.1, 1000.0), default=1.0, show_default=True, help="Of a run or an emulated one."
 )
 @click.option("--baud", type=click.IntRange(min=300), default=115200, show_default=True, help="Of a port.")
-@click.option("--out", type=_PATH, help="The run file to record to.")
+@click.option("--out", "outs", type=_PATH, multiple=True, help="The run file to record to; of two motors, twice.")
 @click.option(
     "--listen",
     metavar="[HOST:]PORT",
@@ -54,84 +48,73 @@ _RUN = ".csv"
 )
 @click.option("--browser/--no-browser", default=None, help="Open the page.  [default: on a terminal]")
 def live(
-    source: str | None,
+    given: tuple[str, ...],
     emulated: Path | None,
+    beside: bool,
     model: Path | None,
     plant: str | None,
     profile: str,
     ambient: float,
     time_lapse: float,
     baud: int,
-    out: Path | None,
+    outs: tuple[Path, ...],
     listen: str,
     browser: bool | None,
 ) -> None:
-    """Show a board on a serial PORT, an emulated one, or a RUN file, as a web page on this computer.
+    """Show a board on a serial PORT, an emulated one, or a RUN file, as a web page on this computer; or two of them.
 
-    Measured and modelled temperatures with their bands, PWM, speed, alarms, sensors, rows lost. Commands go to the
-    board only while the page is armed. Ctrl-C ends it, and writes the run file.
+    Measured and modelled temperatures with their bands, PWM, speed, missing heat, alarms, LED and relay, sensors, rows
+    lost. Commands go to the board only while the page is armed. Ctrl-C ends it, and writes the run files.
     """
     from gen.coefficients import load
     from gen.files import check_outputs
 
-    if (source is None) == (emulated is None):
-        raise click.UsageError("expected a port or a run file, or --emulate COEFFS")
+    count = len(given) + (1 + beside if emulated is not None else 0)
+    _check_count(count, beside and emulated is None, outs)
     host, port = _address(listen)
-    run = Path(source) if source is not None and (Path(source).is_file() or source.endswith(_RUN)) else None
-    check_outputs((out,), [path for path in (run, emulated, model) if path is not None])
-    known = load(path) if (path := emulated or model) is not None else None
-    if run is not None:
+    sources = [Path(name) if Path(name).is_file() or name.endswith(_RUN) else name for name in given]
+    runs = [name for name in sources if isinstance(name, Path)]
+    check_outputs(outs, [path for path in (*runs, emulated, model) if path is not None])
+    known, own = (load(path) if path is not None else None for path in (model, emulated))
+    if runs:
         from gen.runs import check_head
 
-        check_head(run)
+        for run in runs:
+            check_head(run)
 
-    from gen.live.serve import serve
-    from gen.live.view import Known, View, known_of
+    from gen.live.making import Emulation, make_sources
+    from gen.live.serve import Recorded, serve
 
-    view = View(Known() if known is None else known_of(known.document))
-    made: Source
-    if emulated is not None:
-        assert known is not None
-        made = _emulated(known, emulated, view, plant, profile, ambient, time_lapse)
-    elif run is not None:
-        from gen.live.replay import ReplaySource
-
-        made = ReplaySource(run, known, time_lapse, view)
-    else:
-        from gen.live.port import PortSource
-
-        made = PortSource(str(source), baud, view)
+    emulations = []
+    if emulated is not None and own is not None:
+        emulations = [Emulation(own, emulated, plant, ambient, profile)] * (1 + beside)
+    made = make_sources(sources, known, emulations, time_lapse, baud)
+    motors = [Recorded(source, outs[place] if outs else None) for place, source in enumerate(made)]
 
     def ready(url: str) -> None:
         click.echo(f"{url}\n  Ctrl-C ends it", err=True)
         if browser or (browser is None and sys.stderr.isatty()):
             click.launch(url)
 
-    for path in serve(made, host, port, out, ready):
-        click.echo(f"{path}: written, {view.recorder.rows} rows in all")
+    for motor, written in zip(motors, serve(motors, host, port, ready), strict=True):
+        for path in written:
+            click.echo(f"{path}: written, {motor.source.view.recorder.rows} rows in all")
 
 
-def _emulated(
-    known: Coefficients, file: Path, view: View, plant: str | None, profile: str, ambient: float, pace: float
-) -> EmulatedSource:
-    from gen.emulate.board import Board
-    from gen.emulate.firmware import build_firmware, cache_folder
-    from gen.emulate.scenario import Scenario, make_plant
-    from gen.live.emulated import EmulatedSource
-    from gen.record.profile import parse_profile
+def _check_count(count: int, alone: bool, outs: tuple[Path, ...]) -> None:
+    """Refuse none, more than fit, and run files that are not one for each.
 
-    wiring = known.document.wiring
-    if wiring is None or not wiring.thermocouples:
-        raise InputError("has no thermocouples: there is nothing to emulate", file=str(file), place="$.wiring")
-    steps = parse_profile(profile) if profile else ()
-    made = make_plant(Scenario(plant=plant, ambient=str(ambient)), known, file)
-    cache = cache_folder()
-    elf = build_firmware(known, "fixed", "table", shown_name(file), cache).elf
-    board = Board(elf, cache, wiring, made.plant, encoder="batched")
-    channels = tuple(chip.channel for chip in wiring.thermocouples)
-    return EmulatedSource(
-        known.name, board, made.plant, channels, made.plant.typical_faults, pace, steps, view, ambient
-    )
+    Raises
+    ------
+    UsageError
+        With what was expected.
+    """
+    if alone:
+        raise click.UsageError("--beside is of an emulated board: expected --emulate COEFFS")
+    if not 0 < count <= _MOST:
+        raise click.UsageError("expected a port or a run file, or --emulate COEFFS; two of them at most")
+    if outs and len(outs) != count:
+        raise click.UsageError(f"expected --out as often as there are motors, {count}; found it {len(outs)} times")
 
 
 def _address(text: str) -> tuple[str, int]:

@@ -7,6 +7,7 @@ from typing import Literal
 
 from gen.coefficients.wiring import Wiring
 from gen.emulate.devices import DeviceMega
+from gen.emulate.led import shown_now
 from gen.emulate.levels import Edges
 from gen.emulate.max6675 import Max6675
 from gen.emulate.plant import FULL_PWM, STEP_S, Plant, Reading
@@ -16,6 +17,9 @@ EncoderMode = Literal["true", "batched"]
 
 BATCH_S = 0.001
 """What `EncoderMode` ``batched`` gathers, s: some 22 pulses at full speed."""
+
+_LED_EDGES = 512
+"""A flicker makes 16 changes a second, for at most 1.5 s between two numbers."""
 
 
 class Board:
@@ -77,6 +81,17 @@ class Board:
     def led(self) -> Edges | None:
         """Every change of the LED, None without one."""
         return self._led.edges() if self._led is not None else None
+
+    @property
+    def led_now(self) -> tuple[str, ...] | None:
+        """What the LED says at present, see `gen.emulate.led.shown_now`; None without one."""
+        return shown_now(self._led.latest(_LED_EDGES), self.seconds) if self._led is not None else None
+
+    @property
+    def relay_closed(self) -> bool | None:
+        """Whether the relay is closed; None without one. A pin that nobody drives, as in a reset, opens it."""
+        pin = self.wiring.relay_pin
+        return None if pin is None else self.mega.pins.is_output(pin) and self.mega.pins.level(pin)
 
     def command(self, pwm: int) -> None:
         """Command a PWM: over the serial line, armed first; where the firmware observes, as the other controller."""

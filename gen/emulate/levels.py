@@ -39,9 +39,14 @@ class Probe:
 
     def edges(self) -> Edges:
         """Give all changes so far."""
-        size = int(self._handle.call("probe_length", self._number))
+        return self.latest(int(self._handle.call("probe_length", self._number)))
+
+    def latest(self, most: int) -> Edges:
+        """Give the last changes, no more than so many."""
+        length = int(self._handle.call("probe_length", self._number))
+        size = min(most, length)
         cycles, levels = np.zeros(size, dtype=np.uint64), np.zeros(size, dtype=np.uint8)
-        self._handle.call("probe_copy", self._number, 0, size, cycles.ctypes.data, levels.ctypes.data)
+        self._handle.call("probe_copy", self._number, length - size, size, cycles.ctypes.data, levels.ctypes.data)
         return Edges(cycles, levels.astype(np.bool_))
 
 

@@ -130,6 +130,15 @@ class ModelPlant:
         paths = dict.fromkeys(f"path:{path.first}-{path.second or AMBIENT}=-50%" for path in network.paths)
         return (*(f"heat:{name}=+50%" for name in heated), *paths)
 
+    @property
+    def largest_load_Nm(self) -> float:
+        """See `gen.emulate.plant.Changeable.largest_load_Nm`: a coefficient file says nothing of torque."""
+        return 0.0
+
+    def set_load(self, Nm: float) -> None:
+        """See `gen.emulate.plant.Changeable.set_load`."""
+        raise InputError("a coefficient file says nothing of torque; expected the simulated motor (--plant rig)")
+
     def set_ambient(self, degC: float) -> None:
         """See `gen.emulate.plant.Changeable.set_ambient`."""
         self._ambient_over_time = degC

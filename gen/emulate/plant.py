@@ -77,6 +77,21 @@ class Changeable(Motor, Protocol):
         """Faults to try, as :meth:`set_faults` takes them, each of a size that a board should see."""
         ...
 
+    @property
+    def largest_load_Nm(self) -> float:
+        """The largest torque at its shaft that is worth a try, Nm; 0 of a motor that knows no torque."""
+        ...
+
+    def set_load(self, Nm: float) -> None:
+        """Let the shaft drive this torque, Nm, not below 0, whichever way it turns.
+
+        Raises
+        ------
+        InputError
+            Of a motor that knows no torque.
+        """
+        ...
+
     def set_ambient(self, degC: float) -> None:
         """Let the room have this temperature, degC."""
         ...

@@ -19,6 +19,8 @@ _COLUMN = "_degC"
 TOLD = ("airflow_m_s", "voltage_V")
 """What surrounds the motor beside ambient and load, by the columns that hold it."""
 
+RATED_Nm = 1.0
+"""The MY1016's nameplate, at 13.5 A."""
 
 _FAULTS: tuple[FaultKind, ...] = get_args(FaultKind)
 
@@ -135,6 +137,15 @@ class RigPlant:
     def typical_faults(self) -> tuple[str, ...]:
         """See `gen.emulate.plant.Changeable.typical_faults`."""
         return _FAULTS
+
+    @property
+    def largest_load_Nm(self) -> float:
+        """See `gen.emulate.plant.Changeable.largest_load_Nm`: the nameplate's."""
+        return RATED_Nm
+
+    def set_load(self, Nm: float) -> None:
+        """See `gen.emulate.plant.Changeable.set_load`."""
+        self._load = Nm
 
     def set_ambient(self, degC: float) -> None:
         """See `gen.emulate.plant.Changeable.set_ambient`."""

@@ -5,25 +5,43 @@ from __future__ import annotations
 import queue
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from math import inf
 from typing import Any
 
+from gen.coefficients import Coefficients
 from gen.emulate.board import Board
 from gen.emulate.plant import STEP_S, Changeable
 from gen.emulate.session import Session, run_session
 from gen.errors import InputError
-from gen.live.source import Control, Source, checked
+from gen.live.control import Control, checked
+from gen.live.heat import HeatInMemory, heat_rules
+from gen.live.pace import Pace
+from gen.live.signals import UNKNOWN, Signals, from_pins
+from gen.live.source import Source
 from gen.live.view import View
 from gen.record.profile import Profile
 from gen.rig import SENSOR_FAULTS, SensorFault
 
 _MONTH_S = 30 * 86_400.0
 _NAP_S = 0.05
-_FASTEST = 1000.0
+_SHORT_NAP_S = 0.01
+FASTEST = 1000.0
 HEALTHY = "none"
 ROOM_K_PER_S = 0.2
 """A room does not jump, and the board would not believe a sensor of one that does."""
 _MOST_WAITING = 64
+_LOOK_EVERY_S = 0.2
+"""So often, by this computer's clock, somebody looks at the pins."""
+
+
+def heat_of(coefficients: Coefficients, board: Board) -> HeatInMemory | None:
+    """The sums of missing heat in a board's memory; None where its file has no rule on it."""
+    if not heat_rules(coefficients):
+        return None
+    memory = board.mega.memory
+    address = memory.address(f"{coefficients.name}_alarm_state")
+    return HeatInMemory(coefficients, lambda size: memory.peek(address, size))
 
 
 class EmulatedSource(Source):
@@ -40,11 +58,13 @@ class EmulatedSource(Source):
     faults
         Motor faults to offer.
     pace
-        Simulated seconds in a second here.
+        Simulated seconds in a second here; shared with another source, both are at about the same time.
     profile
         PWM to command until the page does.
     view
         Where the rows go.
+    leads
+        Whether the pace is one of its controls: of those that share it one is enough.
     """
 
     def __init__(
@@ -54,25 +74,31 @@ class EmulatedSource(Source):
         plant: Changeable,
         channels: tuple[str, ...],
         faults: tuple[str, ...],
-        pace: float,
+        pace: Pace,
         profile: Profile,
         view: View,
         ambient_degC: float = 30.0,
+        *,
+        leads: bool = True,
     ) -> None:
         super().__init__("emulated", name, view)
-        self._board, self._plant, self._profile, self._speed = board, plant, profile, pace
+        self._board, self._plant, self._profile, self._pace = board, plant, profile, pace
         self._typed: queue.Queue[bytes] = queue.Queue(_MOST_WAITING)
         self._asked: queue.Queue[Callable[[], None]] = queue.Queue(_MOST_WAITING)
         self._anchor = (0.0, 0.0)
+        self._place = pace.join()
         self._now_s = 0.0
         self._stepped_s = 0.0
+        self._seen: Signals | None = None
+        self._look_at = 0.0
         self._room = self._wanted = ambient_degC
-        kinds = (HEALTHY, *SENSOR_FAULTS)
+        kinds, most_Nm = (HEALTHY, *SENSOR_FAULTS), plant.largest_load_Nm
         self._controls = {
             control.name: control
             for control in (
-                Control("pace", "times as fast", "number", pace, 0.1, _FASTEST, 0.1),
+                *([pace.control] if leads else []),
                 Control("ambient", "ambient, degC", "number", ambient_degC, -40.0, 80.0, 0.5),
+                *([Control("load", "load of the shaft, Nm", "slider", 0.0, 0.0, most_Nm, 0.05)] if most_Nm else []),
                 Control("fault", "fault of the motor", "choice", HEALTHY, options=(HEALTHY, *faults)),
                 Control("own fault", "or, as --fault has it", "text", ""),
                 *(
@@ -92,7 +118,8 @@ class EmulatedSource(Source):
             super().change(name, value)
         found = checked(self._controls[name], value)
         if name == "pace":
-            self._speed = float(found)
+            self._pace.speed = float(found)
+            self._remember(name, found)
             return
         self._ask(lambda: self._set(name, found))
 
@@ -104,6 +131,10 @@ class EmulatedSource(Source):
             self._typed.put_nowait(data)
         except queue.Full:
             raise InputError("the board takes nothing: nothing was sent") from None
+
+    def signals(self) -> Signals:
+        """See :meth:`Source.signals`."""
+        return self._seen if self._seen is not None and self.connected else Signals(UNKNOWN, UNKNOWN, self.link)
 
     def run(self) -> None:
         """See :meth:`Source.run`."""
@@ -119,6 +150,7 @@ class EmulatedSource(Source):
                 interrupted=self.stopped.is_set,
             )
         finally:
+            self._pace.leave(self._place)
             self._board.close()
         self.link = "came to its end"
 
@@ -141,6 +173,9 @@ class EmulatedSource(Source):
                 self.view.say(str(error))
         self._warm(session.seconds - self._stepped_s)
         self._stepped_s = session.seconds
+        if time.monotonic() >= self._look_at:  # here: nobody else may touch the emulator
+            self._look_at = time.monotonic() + _LOOK_EVERY_S
+            self._seen = from_pins(self._board.led_now, self._board.relay_closed, self.view.known.rules)
         session.sent.clear()  # the view keeps what came; a month of it twice would be much
         self._wait(session.seconds)
 
@@ -153,11 +188,14 @@ class EmulatedSource(Source):
 
     def _wait(self, seconds: float) -> None:
         """Let no more than the pace's share of simulated time pass; what the emulator cannot follow is not owed."""
-        speed = self._speed
+        pace, speed = self._pace, self._pace.speed
+        pace.reach(self._place, seconds)
+        begin, at = self._anchor
         while not self.stopped.is_set():
-            begin, at = self._anchor
             ahead_s = (seconds - at) / speed - (time.monotonic() - begin)
-            if ahead_s <= 0.0 or speed != self._speed:
+            if pace.too_far(self._place):
+                ahead_s = _SHORT_NAP_S
+            if ahead_s <= 0.0 or speed != pace.speed:
                 break
             self.stopped.wait(min(ahead_s, _NAP_S))
         self._anchor = (time.monotonic(), seconds)
@@ -171,6 +209,8 @@ class EmulatedSource(Source):
     def _set(self, name: str, value: float | str) -> None:
         if name == "ambient":
             self._wanted = float(value)
+        elif name == "load":
+            self._plant.set_load(float(value))
         elif name == "own fault":
             self._plant.set_faults(str(value).strip())
         elif name == "fault":
@@ -179,7 +219,19 @@ class EmulatedSource(Source):
             kind = next((one for one in SENSOR_FAULTS if one == value), None)
             faults = () if kind is None else (SensorFault(kind, self._now_s - STEP_S, inf),)
             self._plant.set_sensor_faults(name.removeprefix("sensor "), faults)
+        self._remember(name, value)
         self.view.say(f"{self._now_s:.2f} s since power-on: {self._controls[name].label} is now {value}")
-        if name != "ambient" and value not in (HEALTHY, ""):
+        since = f"from {self._now_s:.0f} s since power-on"
+        if name == "load":
+            self.view.note("shaft_load", f"{value:g} Nm {since}")
+        elif name != "ambient" and value not in (HEALTHY, ""):
             key = "motor_fault" if name.endswith("fault") else f"{name.replace(' ', '_')}_fault"
-            self.view.note(key, f"{value} from {self._now_s:.0f} s since power-on")
+            self.view.note(key, f"{value} {since}")
+
+    def _remember(self, name: str, value: float | str) -> None:
+        """Let who opens the page later see what is set. Of the two ways to name a fault the latest holds."""
+        self._controls[name] = replace(self._controls[name], value=value)
+        other = {"fault": "own fault", "own fault": "fault"}.get(name)
+        if other is not None:
+            healthy = "" if other == "own fault" else HEALTHY
+            self._controls[other] = replace(self._controls[other], value=healthy)

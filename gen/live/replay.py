@@ -11,14 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
-from gen.live.source import Control, Source, checked
+from gen.live.control import Control, checked
+from gen.live.pace import Pace
+from gen.live.source import Source
 from gen.live.view import View
 from gen.reference.simulate import simulate_run
 from gen.replay import read_for
 from gen.runs import Run, read_run
 
 _NAP_S = 0.05
-_FASTEST = 100_000.0
 _CODES = "sensors"
 
 
@@ -35,6 +36,8 @@ class ReplaySource(Source):
         Seconds of the run in a second here.
     view
         Where the rows go.
+    leads
+        Whether the pace is one of its controls: of those that share it one is enough.
 
     Raises
     ------
@@ -44,25 +47,27 @@ class ReplaySource(Source):
 
     takes_commands = False
 
-    def __init__(self, path: Path, model: Coefficients | None, pace: float, view: View) -> None:
+    def __init__(self, path: Path, model: Coefficients | None, pace: Pace, view: View, *, leads: bool = True) -> None:
         super().__init__("replay", path.name, view)
         run = read_run(path) if model is None else read_for(model, path)
         self._columns = {_word(name): values for name, values in run.columns().items()}
         if model is not None:
             self._columns |= _modelled(model, run, str(path))
         self._comments = run.comments
-        self._pace = Control("pace", "times as fast", "number", pace, 0.1, _FASTEST, 0.1)
-        self._speed = pace
+        self._pace, self._controls = pace, [pace.control] if leads else []
 
     def controls(self) -> list[Control]:
         """See :meth:`Source.controls`."""
-        return [self._pace]
+        return self._controls
 
     def change(self, name: str, value: Any) -> None:  # noqa: ANN401
         """See :meth:`Source.change`."""
-        if name != self._pace.name:
+        known = next((control for control in self._controls if control.name == name), None)
+        if known is None:
             super().change(name, value)
-        self._speed = float(checked(self._pace, value))
+        else:
+            self._pace.speed = float(checked(known, value))
+            self._controls = [self._pace.control]
 
     def run(self) -> None:
         """See :meth:`Source.run`."""
@@ -74,7 +79,7 @@ class ReplaySource(Source):
         shown, now_s, last = 0, float(times[0]), time.monotonic()
         while shown < times.size and not self.stopped.is_set():
             now = time.monotonic()
-            now_s, last = now_s + (now - last) * self._speed, now
+            now_s, last = now_s + (now - last) * self._pace.speed, now
             until = int(np.searchsorted(times, now_s, side="right"))
             if until > shown:
                 rows = (_row(self._columns, place, digits) for place in range(shown, until))

@@ -1,10 +1,11 @@
-"""Run a source with its page until somebody interrupts, and keep what came as a run file."""
+"""Run sources with their page until somebody interrupts, and keep what came of each as a run file."""
 
 from __future__ import annotations
 
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import uvicorn
@@ -20,49 +21,62 @@ _SAVE_EVERY_S = 60.0
 LOCAL = ("127.0.0.1", "localhost", "::1")
 
 
-def serve(source: Source, host: str, port: int, out: Path | None, ready: Callable[[str], None]) -> list[Path]:
+@dataclass(frozen=True)
+class Recorded:
+    """A source, not yet started, and the run file that it is recorded to, or None."""
+
+    source: Source
+    out: Path | None = None
+
+
+def serve(motors: Sequence[Recorded], host: str, port: int, ready: Callable[[str], None]) -> list[list[Path]]:
     """Serve the page.
 
     Parameters
     ----------
-    source
-        Not yet started.
+    motors
+        What it shows, one beside the other. Run files are written every minute, and at the end.
     host, port
         Where to listen; port 0: any that is free.
-    out
-        The run file to write: every minute, and at the end.
     ready
         Told the page's address, with its token, once it answers.
 
     Returns
     -------
-    list of Path
-        The run files; none where no row came.
+    list of list of Path
+        The run files of each motor; none where no row came.
 
     Raises
     ------
     InputError
-        When nobody can listen there, or the run file cannot be written.
+        When nobody can listen there, or a run file cannot be written.
     """
     listener = _listening(host, port)
     port = listener.getsockname()[1]
     token, name = new_token(), f"[{host}]" if ":" in host else host
     hosts = frozenset(f"{known}:{port}" for known in (*LOCAL[:2], "[::1]")) if host in LOCAL else None
-    app = make_app(Live(source, out), token, hosts, port)
+    app = make_app([Live(motor.source, motor.out) for motor in motors], token, hosts, port)
     config = uvicorn.Config(app, log_level="error", lifespan="off", timeout_graceful_shutdown=1, access_log=False)
     server = uvicorn.Server(config)
-    saver = threading.Thread(target=_save_now_and_then, args=(source, out), daemon=True)
+    savers = [threading.Thread(target=_save_now_and_then, args=(motor,), daemon=True) for motor in motors]
     with interruption(), listener:
-        source.start()
-        saver.start()
+        for motor in motors:
+            motor.source.start()
+        for saver in savers:
+            saver.start()
         ready(f"http://{name}:{port}/?{TOKEN}={token}")
         try:
             server.run(sockets=[listener])
         finally:
-            source.stop()
-    saver.join(timeout=5.0)
-    source.view.recorder.finish()
-    return _save(source, out)
+            for motor in motors:
+                motor.source.stopped.set()  # all at once, then each is waited for
+            for motor in motors:
+                motor.source.stop()
+    for saver in savers:
+        saver.join(timeout=5.0)
+    for motor in motors:
+        motor.source.view.recorder.finish()
+    return _save_all(motors)
 
 
 def _listening(host: str, port: int) -> socket.socket:
@@ -74,14 +88,28 @@ def _listening(host: str, port: int) -> socket.socket:
         raise InputError(f"nobody can listen on {host}, port {port}: {reason}", place="--listen") from None
 
 
-def _save_now_and_then(source: Source, out: Path | None) -> None:
-    while not source.stopped.wait(_SAVE_EVERY_S):
+def _save_now_and_then(motor: Recorded) -> None:
+    while not motor.source.stopped.wait(_SAVE_EVERY_S):
         try:
-            _save(source, out)
+            _save(motor)
         except InputError as error:
-            source.view.say(str(error))
+            motor.source.view.say(str(error))
 
 
-def _save(source: Source, out: Path | None) -> list[Path]:
-    recorder = source.view.recorder
-    return [] if out is None or not recorder.rows else write_parts(recorder, out)
+def _save_all(motors: Sequence[Recorded]) -> list[list[Path]]:
+    """Save each; one that cannot be written does not cost the other."""
+    written: list[list[Path]] = []
+    wrong: InputError | None = None
+    for motor in motors:
+        try:
+            written.append(_save(motor))
+        except InputError as error:
+            wrong = wrong or error
+    if wrong is not None:
+        raise wrong
+    return written
+
+
+def _save(motor: Recorded) -> list[Path]:
+    recorder = motor.source.view.recorder
+    return [] if motor.out is None or not recorder.rows else write_parts(recorder, motor.out)

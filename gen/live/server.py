@@ -1,17 +1,17 @@
-"""The page's server: one page, its rows as a stream of events, and what the page asks for."""
+"""The page's server: one page of one motor or two, their rows as streams of events, and what the page asks for."""
 
 from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from dataclasses import asdict
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from fastapi import Body, FastAPI, Header, Request
+from fastapi import APIRouter, Body, FastAPI, Header, Request
 from fastapi.responses import JSONResponse, PlainTextResponse, Response, StreamingResponse
 from plotly.offline import get_plotlyjs
 
@@ -33,7 +33,7 @@ _KINDS = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=ut
 
 
 class Live:
-    """A source, the commands to it, and the clients' stop.
+    """A motor on the page: its source, and the commands to it.
 
     Parameters
     ----------
@@ -49,18 +49,23 @@ class Live:
         self._numbers = count(1)
 
     def about(self) -> dict[str, Any]:
-        """What does not change while the page is open."""
+        """What of this motor a page is told when it opens."""
         return {
-            "version": __version__,
             "kind": self.source.kind,
             "name": self.source.name,
             "input": self.source.view.known.input,
+            "heat": self.heat(),
             "takes_commands": self.source.takes_commands,
             "controls": [asdict(control) for control in self.source.controls()],
             "recorded_to": None if self.recorded_to is None else str(self.recorded_to),
-            "colours": COLOURS,
-            "ink": INK,
         }
+
+    def heat(self) -> dict[str, Any]:
+        """Columns of missing heat, and how they are known."""
+        heat = self.source.view.heat
+        rules = heat.rules if heat is not None else ()
+        found = [{"rule": rule.name, "column": rule.column, "threshold_K": rule.threshold_K} for rule in rules]
+        return {"rules": found, "told": "" if heat is None else heat.told}
 
     def answer(self) -> dict[str, Any]:
         """The status with a number: what was looked up earlier, and arrives later, has a lower one.
@@ -74,6 +79,7 @@ class Live:
         """What holds now."""
         return {
             **self.source.view.status(),
+            "signals": asdict(self.source.signals()),
             "link": self.source.link,
             "connected": self.source.connected,
             "armed_s": round(self.commands.armed_s),
@@ -98,13 +104,13 @@ class Live:
             await asyncio.sleep(_EVERY_S)
 
 
-def make_app(live: Live, token: str, hosts: frozenset[str] | None, port: int) -> FastAPI:
+def make_app(lives: Sequence[Live], token: str, hosts: frozenset[str] | None, port: int) -> FastAPI:
     """Make the server.
 
     Parameters
     ----------
-    live
-        What it shows.
+    lives
+        The motors that it shows; what is asked of the k-th begins with ``/k``, from 1 on.
     token, hosts, port
         As :class:`gen.live.access.Access` has them.
     """
@@ -120,8 +126,17 @@ def make_app(live: Live, token: str, hosts: frozenset[str] | None, port: int) ->
         return JSONResponse({"error": "not armed: nothing was sent"}, 409)
 
     _add_files(app)
-    _add_reading(app, live)
-    _add_doing(app, live)
+
+    @app.get("/about")
+    def about() -> JSONResponse:
+        motors = [live.about() for live in lives]
+        return JSONResponse({"version": __version__, "colours": COLOURS, "ink": INK, "motors": motors})
+
+    for number, live in enumerate(lives, start=1):
+        motor = APIRouter(prefix=f"/{number}")
+        _add_reading(motor, live, "run.csv" if len(lives) == 1 else f"run-{number}.csv")
+        _add_doing(motor, live)
+        app.include_router(motor)
     return app
 
 
@@ -130,25 +145,21 @@ def _add_files(app: FastAPI) -> None:
     def page() -> Response:
         return _file("live.html")
 
-    @app.get("/live.js")
-    def script() -> Response:
-        return _file("live.js")
+    @app.get("/plotly.js")
+    def library() -> Response:
+        return Response(_plotly(), media_type=_KINDS["js"])
+
+    @app.get("/{name}.js")
+    def script(name: Literal["live", "motor", "curves"]) -> Response:
+        return _file(f"{name}.js")
 
     @app.get("/live.css")
     def style() -> Response:
         return _file("live.css")
 
-    @app.get("/plotly.js")
-    def library() -> Response:
-        return Response(_plotly(), media_type=_KINDS["js"])
 
-
-def _add_reading(app: FastAPI, live: Live) -> None:
+def _add_reading(app: APIRouter, live: Live, file: str) -> None:
     view = live.source.view
-
-    @app.get("/about")
-    def about() -> JSONResponse:
-        return JSONResponse(live.about())
 
     @app.get("/history")
     def history(most: int = MOST_POINTS) -> JSONResponse:
@@ -156,7 +167,7 @@ def _add_reading(app: FastAPI, live: Live) -> None:
 
     @app.get("/run.csv")
     def run_file() -> Response:
-        headers = {"content-disposition": 'attachment; filename="run.csv"'}
+        headers = {"content-disposition": f'attachment; filename="{file}"'}
         return PlainTextResponse(view.text(), media_type="text/csv; charset=utf-8", headers=headers)
 
     @app.get("/events")
@@ -171,7 +182,7 @@ def _add_reading(app: FastAPI, live: Live) -> None:
         )
 
 
-def _add_doing(app: FastAPI, live: Live) -> None:
+def _add_doing(app: APIRouter, live: Live) -> None:
     @app.post("/arm")
     def arm(armed: Annotated[bool, Body(embed=True)]) -> JSONResponse:
         if armed and not live.source.takes_commands:

@@ -1,39 +1,16 @@
-"""Where a page's rows come from: what all sources have in common."""
+"""Where a motor's rows come from: what all sources have in common."""
 
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
 from typing import Any, Literal
 
 from gen.errors import InputError
+from gen.live.control import Control
+from gen.live.signals import UNKNOWN, Signals, from_rows
 from gen.live.view import View
 
 Kind = Literal["port", "emulated", "replay"]
-
-
-@dataclass(frozen=True)
-class Control:
-    """Something of a source that the page can change.
-
-    Parameters
-    ----------
-    name, label
-        For programs and for people.
-    form
-        ``number`` (from `low` to `high` in steps of `step`), ``choice`` (one of `options`) or ``text``.
-    value
-        At the start.
-    """
-
-    name: str
-    label: str
-    form: Literal["number", "choice", "text"]
-    value: float | str
-    low: float = 0.0
-    high: float = 0.0
-    step: float = 1.0
-    options: tuple[str, ...] = ()
 
 
 class Source:
@@ -96,6 +73,12 @@ class Source:
         """
         raise InputError("nobody takes commands here")
 
+    def signals(self) -> Signals:
+        """What the board's LED and relay do now."""
+        if not self.connected and self.kind != "replay":
+            return Signals(UNKNOWN, UNKNOWN, self.link)
+        return from_rows(*self.view.last(), self.view.known)
+
     def run(self) -> None:
         """Feed the view until :attr:`stopped` is set or nothing comes any more."""
         raise NotImplementedError
@@ -108,21 +91,3 @@ class Source:
             self.link = f"ended: {type(error).__name__}: {error}"
             self.view.say(self.link)
         self.connected = False
-
-
-def checked(control: Control, value: Any) -> float | str:  # noqa: ANN401
-    """Check a value that came from a page.
-
-    Raises
-    ------
-    InputError
-        With what was expected.
-    """
-    if control.form == "number":
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not control.low <= value <= control.high:
-            raise InputError(f"{control.label}: found {value!r}, expected {control.low:g}..{control.high:g}")
-        return float(value)
-    if not isinstance(value, str) or len(value) > 200 or (control.form == "choice" and value not in control.options):
-        expected = ", ".join(control.options) if control.form == "choice" else "a short text"
-        raise InputError(f"{control.label}: found {str(value)[:60]!r}, expected {expected}")
-    return value

@@ -8,15 +8,14 @@ import threading
 from array import array
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.coefficients.document import Document
-from gen.coefficients.protecting import protections
 from gen.drawing.thinning import line
+from gen.live.heat import Heat
+from gen.live.known import Known
 from gen.record import Recorder
 from gen.reference.sensors import SensorCode
 from gen.runs.run import STATUS, board_columns
@@ -28,45 +27,8 @@ _KEPT_LINES = 60
 _EVENT = re.compile(r"#\s*event:\s*(\S+)\s+(.*)")
 _GARBLED = "# garbled:"
 _MODEL = "_model_degC"
-
-
-@dataclass(frozen=True)
-class Known:
-    """What a coefficient file says of a board's rows; empty where there is none.
-
-    Attributes
-    ----------
-    rules, causes
-        Names of the alarm rules and of what the board acts on, in the order of the bits of the columns ``alarms`` and
-        ``protection``.
-    channels
-        Thermocouples, in the order of the digits of the column ``sensors``.
-    bands
-        By part: ranges of |PWM| with the lowest and the highest difference, model minus measured, K.
-    input
-        What the PWM stands for, where it is no motor's.
-    """
-
-    rules: tuple[str, ...] = ()
-    channels: tuple[str, ...] = ()
-    bands: dict[str, tuple[tuple[int, int, float, float], ...]] = field(default_factory=dict)
-    input: str = ""
-    causes: tuple[str, ...] = ()
-
-
-def known_of(document: Document) -> Known:
-    """Gather what a coefficient file says."""
-    bands: dict[str, tuple[tuple[int, int, float, float], ...]] = {}
-    for band in document.provenance.error if document.provenance is not None else ():
-        bands[band.component] = (*bands.get(band.component, ()), (*band.pwm, *band.model_minus_measured_K))
-    wired = document.wiring.thermocouples if document.wiring is not None else ()
-    return Known(
-        tuple(rule.name for rule in document.alarms),
-        tuple(chip.channel for chip in wired),
-        bands,
-        document.input.meaning,
-        tuple(entry.label for entry in protections(document)),
-    )
+DRAWN = frozenset(["time_to_limit_s", "holdable_pwm"])
+"""What a board says of itself and is a curve all the same."""
 
 
 class View:
@@ -76,6 +38,8 @@ class View:
     ----------
     known
         What the coefficient file says.
+    heat
+        Knows the sums of its rules on missing heat, which no row holds.
 
     Attributes
     ----------
@@ -83,8 +47,8 @@ class View:
         The same as a run file.
     """
 
-    def __init__(self, known: Known) -> None:
-        self.known = known
+    def __init__(self, known: Known, heat: Heat | None = None) -> None:
+        self.known, self.heat = known, heat
         self.recorder = Recorder()
         self._lock = threading.Lock()
         self._values = array("d")  # row by row; of days of rows a list of lists would be ten times as large
@@ -126,7 +90,7 @@ class View:
         return self._parts
 
     def columns(self) -> list[str]:
-        """Names of the present rows' columns, the bands' with them."""
+        """Names of the present rows' columns, the bands' and missing heat's with them."""
         with self._lock:
             return self._columns()
 
@@ -158,10 +122,15 @@ class View:
             table = np.array(self._values, dtype=np.float64).reshape(rows, self._width)
         curves = {}
         for place, name in enumerate(columns):
-            if place and name not in STATUS and rows:
+            if place and name not in STATUS - DRAWN and rows:
                 x, y = line(table[:, 0], table[:, place], most)
                 curves[name] = [x.tolist(), [None if np.isnan(value) else value for value in y.tolist()]]
         return {"part": part, "next": rows, "columns": columns, "curves": curves}
+
+    def last(self) -> tuple[dict[str, float | None], str]:
+        """The last row by its columns, and its sensors' codes, a digit each; empty before there is one."""
+        with self._lock:
+            return dict(self._last), self._sensors if "sensors" in self._last else ""
 
     def status(self) -> dict[str, Any]:
         """What holds now: alarms, sensors, counts, the last lines."""
@@ -208,13 +177,15 @@ class View:
                 self._sensors = value
             number = float(value) if value else math.nan
             row.append(number if math.isfinite(number) else None)
-        return row + [end for component in self._banded(names) for end in self._band(component, names, row)]
+        row += [end for component in self._banded(names) for end in self._band(component, names, row)]
+        return row if self.heat is None else row + self.heat.take(dict(zip(names, row, strict=False)))
 
     def _columns(self) -> list[str]:
         if not self.recorder.parts:
             return []
         names = self.recorder.parts[-1].columns
-        return [*names, *(f"{name}_{end}" for name in self._banded(names) for end in ("low", "high"))]
+        heat = [rule.column for rule in self.heat.rules] if self.heat is not None else []
+        return [*names, *(f"{name}_{end}" for name in self._banded(names) for end in ("low", "high")), *heat]
 
     def _banded(self, names: Sequence[str]) -> list[str]:
         own = [name.removesuffix(_MODEL) for name in names if name in board_columns(names) and name.endswith(_MODEL)]

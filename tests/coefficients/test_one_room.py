@@ -57,6 +57,8 @@ OTHER_FORMATS = {
     # an HTTP request, a row
     "live/access.py": {"method"},
     "live/view.py": {"alarms", "protection"},
+    "live/heat.py": {"alarms"},
+    "live/signals.py": {"alarms", "protection"},
     "commands/emulate.py": {"alarms", "profile", "ambient", "encoder"},
     "emulate/results.py": {"alarms", "protection"},
     # contexts of templates, and lists of names in them

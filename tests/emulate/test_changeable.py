@@ -74,3 +74,29 @@ def test_the_room_gets_the_temperature_that_is_asked_for(kind: str) -> None:
     motor = plant(kind)
     motor.set_ambient(12.5)
     assert run(motor, 1.0)["ambient"] == 12.5
+
+
+def test_a_load_slows_the_rig_by_its_torque_over_its_constants_and_is_taken_off_again() -> None:
+    """The sag of a permanent-magnet motor, R T / k^2, with the winding's 0.35 ohm at 25 degC and 0.0865 Nm/A."""
+    motor = RigPlant(CHANNELS)
+    run(motor, 5.0)
+    free_rpm = motor.motor.speed_rpm
+    assert motor.largest_load_Nm == 1.0
+    motor.set_load(0.5)
+    run(motor, 5.0)
+    sag_rpm = 0.35 * (1.0 + 0.0039 * (motor.temperatures["winding"] - 25.0)) * 0.5 / 0.0865**2 * 60.0 / (2.0 * np.pi)
+    assert free_rpm - motor.motor.speed_rpm == pytest.approx(sag_rpm, rel=0.1)
+    run(motor, 300.0)
+    unloaded = plant("rig")
+    run(unloaded, 310.0)
+    assert motor.temperatures["winding"] > unloaded.temperatures["winding"] + 2.0
+    motor.set_load(0.0)
+    run(motor, 5.0)
+    assert motor.motor.speed_rpm == pytest.approx(free_rpm, rel=0.02)
+
+
+def test_a_coefficient_file_knows_no_torque() -> None:
+    motor = plant("my1016")
+    assert motor.largest_load_Nm == 0.0
+    with pytest.raises(InputError, match="says nothing of torque"):
+        motor.set_load(0.1)

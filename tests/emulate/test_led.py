@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gen.emulate.led import read_led
+from gen.emulate.led import read_led, shown_now
 from gen.emulate.levels import Edges
 
 SLOT_S = 0.032
@@ -17,6 +17,7 @@ def flash(slots_on: int, slots_off: int, count: int = 1) -> list[tuple[int, int]
 
 
 HEALTHY = flash(2, 62, 5)
+ACTS = flash(32, 32, 4)
 SENSOR = flash(2, 2, 30)
 
 
@@ -64,3 +65,49 @@ def test_a_number_that_is_cut_short_by_the_end_is_not_told() -> None:
 def test_a_dark_led() -> None:
     nothing = Edges(np.zeros(0, dtype=np.uint64), np.zeros(0, dtype=np.bool_))
     assert [item.pattern for item in read_led(nothing, 10.0)] == ["dark"]
+
+
+def test_a_board_that_acts_is_told_from_an_alarm() -> None:
+    edges, end_s, _ = observe(HEALTHY, ACTS, alarm(1))
+    assert [item.pattern for item in read_led(edges, end_s)] == ["healthy", "acts", "alarm 1"]
+
+
+def both(number: int, rounds: int = 2) -> list[tuple[int, int]]:
+    """An alarm's number, and a flicker in its pause."""
+    return (flash(8, 8, number) + flash(2, 2, 12)) * rounds
+
+
+@pytest.mark.parametrize(
+    ("parts", "expected"),
+    [
+        ([HEALTHY], ("healthy",)),
+        ([SENSOR], ("sensor",)),
+        ([ACTS], ("acts",)),
+        ([HEALTHY, alarm(2)], ("alarm 2",)),
+        ([alarm(2), HEALTHY], ("healthy",)),
+        ([HEALTHY, alarm(1, 1), alarm(4, 1)], ("alarm 1", "alarm 4")),
+        ([alarm(1, 1), alarm(4, 1), alarm(1, 1)], ("alarm 4", "alarm 1")),
+        ([HEALTHY, both(3)], ("alarm 3", "sensor")),
+        ([both(3), SENSOR], ("sensor",)),
+        ([both(3), SENSOR, HEALTHY], ("healthy",)),
+    ],
+)
+def test_what_it_says_now(parts: list[list[tuple[int, int]]], expected: tuple[str, ...]) -> None:
+    edges, end_s, _ = observe(*parts)
+    assert shown_now(edges, end_s) == expected
+
+
+def test_a_flash_that_is_not_over_is_not_taken_for_a_shorter_one() -> None:
+    """At every moment of a healthy flash, a blink or a held light, what was said before it is still said."""
+    for part, last in ((HEALTHY, "healthy"), (alarm(2, 3), "alarm 2"), (ACTS, "acts")):
+        edges, end_s, _ = observe(part)
+        for now in np.arange(end_s - 3.0, end_s, 0.02):
+            keep = edges.seconds <= now
+            assert shown_now(Edges(edges.cycles[keep], edges.levels[keep]), now) == (last,), (last, now)
+
+
+def test_a_light_that_does_not_change_is_lit_or_dark() -> None:
+    lit = Edges(np.array([CYCLES], dtype=np.uint64), np.array([True]))
+    assert shown_now(lit, 5.0) == ("lit",)
+    edges, end_s, _ = observe(alarm(1))
+    assert shown_now(edges, end_s + 3.0) == ("dark",)

@@ -11,9 +11,12 @@ from typing import Any
 
 import uvicorn
 
+from gen.live.control import Control, checked
+from gen.live.heat import Heat
+from gen.live.known import Known
 from gen.live.server import Live, make_app
-from gen.live.source import Control, Source, checked
-from gen.live.view import Known, View
+from gen.live.source import Source
+from gen.live.view import View
 
 TOKEN = "a-token-of-the-tests"
 HEADER = b"time_s,pwm,coil_degC,coil_model_degC,flags,sensors,alarms\n"
@@ -30,8 +33,8 @@ class Told:
 class FedSource(Source):
     """A source that a test feeds."""
 
-    def __init__(self, known: Known | None = None) -> None:
-        super().__init__("port", "bench", View(known or Known(("coil_hot",), ("coil",))))
+    def __init__(self, known: Known | None = None, heat: Heat | None = None) -> None:
+        super().__init__("port", "bench", View(known or Known(("coil_hot",), ("coil",)), heat))
         self.told = Told()
         self.connected, self.link = True, "open"
 
@@ -45,6 +48,7 @@ class FedSource(Source):
     def controls(self) -> list[Control]:
         return [
             Control("room", "room", "number", 20.0, 0.0, 40.0),
+            Control("pull", "pull", "slider", 0.0, 0.0, 1.0, 0.05),
             Control("kind", "kind", "choice", "a", options=("a", "b")),
         ]
 
@@ -57,22 +61,24 @@ class FedSource(Source):
 
 
 @contextmanager
-def served(source: Source, port: int = 0) -> Iterator[str]:
-    """Serve a source; gives the page's address with its token."""
+def served(*sources: Source, port: int = 0) -> Iterator[str]:
+    """Serve sources; gives the page's address with its token."""
     import socket
 
     listener = socket.create_server(("127.0.0.1", port))
     port = listener.getsockname()[1]
-    app = make_app(Live(source), TOKEN, frozenset([f"127.0.0.1:{port}"]), port)
+    app = make_app([Live(source) for source in sources], TOKEN, frozenset([f"127.0.0.1:{port}"]), port)
     config = uvicorn.Config(app, log_level="error", lifespan="off", timeout_graceful_shutdown=1, access_log=False)
     server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
-    source.start()
+    for source in sources:
+        source.start()
     thread.start()
     try:
         yield f"http://127.0.0.1:{port}/?token={TOKEN}"
     finally:
-        source.stop()
+        for source in sources:
+            source.stop()
         server.should_exit = True
         thread.join(timeout=10.0)
         listener.close()

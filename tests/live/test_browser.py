@@ -11,10 +11,11 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
-from gen.coefficients import Coefficients
-from gen.live.view import Known
+from gen.coefficients import Coefficients, load
+from gen.live.heat import HeatFromRows
+from gen.live.known import Known, known_of
 from tests.live.serving import HEADER, FedSource, served, wait_until
-from tests.live.test_sources import FAULT, emulated, quick
+from tests.live.test_sources import EXAMPLE, FAULT, emulated, quick
 
 __all__ = ["quick"]  # the fixture
 
@@ -92,9 +93,45 @@ def test_an_alarm_and_a_broken_sensor_are_seen_and_go(page: Page) -> None:
         expect(page.locator("#alarms")).to_be_empty()
         source.view.feed(row(1, alarms=1, sensor=1), 1.0)
         expect(page.locator("#alarms")).to_have_text("Alarm: coil_hot")
+        expect(page.locator("#signals")).to_contain_text(
+            "LED: 1 blink, a pause: alarm coil_hot; flicker: a thermocouple is not believed. Relay: closed"
+        )
         expect(page.locator("#now tr").first.locator("td").last).to_have_text("open")
         source.view.feed(row(2), 2.0)
         expect(page.locator("#alarms")).to_be_empty()
+
+
+def panels(page: Page) -> set[str]:
+    """Titles of the drawing's vertical axes."""
+    titles = "layout => Object.keys(layout).filter(key => key.startsWith('yaxis')).map(key => layout[key].title.text)"
+    return set(page.evaluate(f"({titles})(document.getElementById('plot')._fullLayout)"))
+
+
+def test_missing_heat_and_time_to_a_limit_have_values_and_curves(page: Page) -> None:
+    example = load(EXAMPLE)
+    source = FedSource(known_of(example), HeatFromRows(example))
+    parts = ("brush", "bearing", "magnet", "casing")
+    names = [*(f"{name}_degC" for name in parts), *(f"{name}_model_degC" for name in parts), "ambient_degC"]
+    header = ",".join(["time_s", "pwm", *names, "flags", "time_to_limit_s", "holdable_pwm"])
+
+    def rows(first: int, last: int) -> bytes:
+        told = "{0},153,{1},{1},{1},{1},30,30,30,30,30,0,{2},200\n"
+        return "".join(told.format(k, 30 + k / 200, 900 - k if k > 50 else "") for k in range(first, last)).encode()
+
+    source.view.feed(f"{header}\n".encode() + rows(0, 40), 0.0)
+    with served(source) as address:
+        page.goto(address)
+        expect(page.locator("#heat")).to_have_text(
+            "Missing heat (computed here from the rows): "
+            "heat 0 % of 0.199 K, brush_fault 0 % of 0.345 K, bearing_fault 0 % of 0.199 K"
+        )
+        expect(page.locator("#plot")).to_have_attribute("data-panels", "3")
+        assert panels(page) == {"°C", "PWM", "heat, %"}
+        source.view.feed(rows(40, 900), 1.0)
+        expect(page.locator("#heat")).to_contain_text("heat 200 % of 0.199 K")
+        expect(page.locator("#drive")).to_contain_text("no limit for 1 s at this PWM, PWM 200 can be held")
+        expect(page.locator("#plot")).to_have_attribute("data-panels", "4")
+        assert panels(page) == {"°C", "PWM", "heat, %", "limit, s"}
 
 
 def test_a_hostile_row_stays_text(page: Page) -> None:
@@ -120,7 +157,7 @@ def test_commands_wait_for_the_page_to_be_armed(page: Page) -> None:
         expect(page.locator("#armed")).to_have_text("not armed: nothing is sent")
         page.locator("#arm").focus()
         page.keyboard.press("Enter")
-        expect(page.locator("#board")).to_have_class("armed")
+        expect(page.locator("#board")).to_have_class("board armed")
         page.keyboard.press("Tab")
         page.keyboard.press("Control+A")
         page.keyboard.type("90")
@@ -141,11 +178,11 @@ def test_what_was_looked_up_before_a_command_does_not_take_it_back(page: Page) -
     with served(source) as address:
         page.goto(address)
         expect(page.locator("#rows")).to_have_text("1")
-        before = page.request.get(f"{address.partition('?')[0]}history").json()["status"]
+        before = page.request.get(f"{address.partition('?')[0]}1/history").json()["status"]
         page.locator("#arm").click()
-        expect(page.locator("#board")).to_have_class("armed")
-        page.evaluate("status => showStatus(status)", before)
-        assert page.locator("#board").get_attribute("class") == "armed"
+        expect(page.locator("#board")).to_have_class("board armed")
+        page.evaluate("status => motors[0].showStatus(status)", before)
+        assert page.locator("#board").get_attribute("class") == "board armed"
         assert page.locator("#halt").is_enabled()
 
 
@@ -157,6 +194,10 @@ def test_what_the_page_changes_reaches_the_source(page: Page) -> None:
         page.get_by_label("room").fill("25.5")
         page.keyboard.press("Enter")
         wait_until(lambda: source.told.changed == [("kind", "b"), ("room", 25.5)])
+        page.get_by_label("pull").focus()
+        page.keyboard.press("ArrowRight")
+        expect(page.locator("output")).to_have_text("0.05")
+        wait_until(lambda: source.told.changed[2:] == [("pull", 0.05)])
 
 
 def test_it_goes_on_when_the_server_was_away(page: Page) -> None:
@@ -169,7 +210,7 @@ def test_it_goes_on_when_the_server_was_away(page: Page) -> None:
     expect(page.locator("#link")).to_contain_text("trying again")
     again = FedSource()
     again.view.feed(HEADER + row(0) + row(1) + row(2), 0.0)
-    with served(again, port):
+    with served(again, port=port):
         expect(page.locator("#rows")).to_have_text("3")
         expect(page.locator("#plot")).to_have_attribute("data-points", "3")
 

@@ -50,7 +50,7 @@ def test_a_run_is_played_and_recorded_anew(tmp_path: Path) -> None:
     opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor(CookieJar()))
     assert b"gen live" in opener.open(address).read()
     base = address.partition("?")[0]
-    wait_until(lambda: b"49,100,79" in opener.open(f"{base}run.csv").read())
+    wait_until(lambda: b"49,100,79" in opener.open(f"{base}1/run.csv").read())
     with pytest.raises(urllib.error.HTTPError, match="403"):
         urllib.request.urlopen(base)
     assert ended(process) == (0, "again.csv: written, 50 rows in all\n")
@@ -65,7 +65,7 @@ def test_an_emulated_board_is_recorded_and_ends_when_it_is_killed_politely(tmp_p
     )
     opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor(CookieJar()))
     opener.open(address).read()
-    wait_until(lambda: opener.open(address.partition("?")[0] + "run.csv").read().count(b"\n") > 30)
+    wait_until(lambda: opener.open(address.partition("?")[0] + "1/run.csv").read().count(b"\n") > 30)
     status, out = ended(process, signal.SIGTERM)
     assert (status, out[:6]) == (0, "r.csv:")
     run = read_run(tmp_path / "r.csv")
@@ -75,10 +75,53 @@ def test_an_emulated_board_is_recorded_and_ends_when_it_is_killed_politely(tmp_p
 
 
 @pytest.mark.parametrize(
+    ("given", "names"), [(["run.csv"], ["again.csv", "one.csv"]), (["--beside"], ["healthy.csv", "faulty.csv"])]
+)
+def test_two_motors_are_recorded_to_a_file_each(tmp_path: Path, given: list[str], names: list[str]) -> None:
+    """A run that was recorded, beside the emulated board of its motor; and that board twice."""
+    (tmp_path / "run.csv").write_text(RUN)
+    outs = [text for name in names for text in ("--out", name)]
+    process, address = started(
+        *given, "--emulate", EXAMPLE, "--profile", "0:120", "--time-lapse", "500", *outs, cwd=tmp_path
+    )
+    opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor(CookieJar()))
+    opener.open(address).read()
+    base = address.partition("?")[0]
+    wait_until(lambda: all(opener.open(f"{base}{k}/run.csv").read().count(b"\n") > 30 for k in (1, 2)))
+    status, out = ended(process)
+    assert (status, [line.partition(":")[0] for line in out.splitlines()]) == (0, names)
+    first, second = (read_run(tmp_path / name) for name in names)
+    assert second.comments["model"] == "my1016_rig"
+    assert ("model" in first.comments) == ("--beside" in given)
+
+
+def test_a_run_file_that_cannot_be_written_does_not_cost_the_other(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text(RUN)
+    (tmp_path / "gone").mkdir()
+    outs = ["--out", "gone/first.csv", "--out", "second.csv"]
+    process, address = started("run.csv", "run.csv", "--time-lapse", "1000", *outs, cwd=tmp_path)
+    opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor(CookieJar()))
+    opener.open(address).read()
+    base = address.partition("?")[0]
+    wait_until(lambda: all(b"49,100,79" in opener.open(f"{base}{k}/run.csv").read() for k in (1, 2)))
+    (tmp_path / "gone").rmdir()
+    process.send_signal(signal.SIGINT)
+    out, complaint = process.communicate(timeout=60)
+    assert (process.returncode, out) == (2, "")
+    assert "gone/first.csv: cannot be written" in complaint
+    assert read_run(tmp_path / "second.csv").time_s.size == 50
+
+
+@pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ([], "expected a port or a run file, or --emulate COEFFS"),
-        (["run.csv", "--emulate", "x.json"], "expected a port or a run file, or --emulate COEFFS"),
+        (["run.csv", "run.csv", "run.csv"], "two of them at most"),
+        (["run.csv", "--emulate", str(EXAMPLE), "--beside"], "two of them at most"),
+        (["run.csv", "--beside"], "--beside is of an emulated board: expected --emulate COEFFS"),
+        (["run.csv", "run.csv", "--out", "a.csv"], "expected --out as often as there are motors, 2; found it 1 times"),
+        (["run.csv", "run.csv", "--out", "a.csv", "--out", "a.csv"], "a.csv: is given twice as a file to write"),
+        (["run.csv", "head.csv"], "head.csv: line 1: missing column pwm"),
         (["no-such-port"], "no-such-port: cannot be opened"),
         (["missing.csv"], "missing.csv: there is no such file; expected a run file"),
         (["head.csv"], "head.csv: line 1: missing column pwm"),

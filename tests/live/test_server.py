@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 from collections.abc import Iterator
 
 import pytest
@@ -25,7 +26,7 @@ def source() -> FedSource:
 
 @pytest.fixture
 def stranger(source: FedSource) -> Iterator[TestClient]:
-    app = make_app(Live(source), TOKEN, frozenset([f"127.0.0.1:{PORT}", f"localhost:{PORT}"]), PORT)
+    app = make_app([Live(source)], TOKEN, frozenset([f"127.0.0.1:{PORT}", f"localhost:{PORT}"]), PORT)
     with TestClient(app, base_url=BASE, follow_redirects=False) as client:
         yield client
 
@@ -36,7 +37,7 @@ def client(stranger: TestClient) -> TestClient:
     return stranger
 
 
-PATHS = ["/", "/live.js", "/plotly.js", "/about", "/history", "/events", "/run.csv", "/nothing"]
+PATHS = ["/", "/live.js", "/plotly.js", "/about", "/1/history", "/1/events", "/1/run.csv", "/2/history", "/nothing"]
 
 
 @pytest.mark.parametrize("path", PATHS)
@@ -69,50 +70,73 @@ def test_another_name_that_leads_here_is_refused(client: TestClient) -> None:
 
 def test_another_site_s_script_cannot_act(client: TestClient, source: FedSource) -> None:
     """It could send a form with the cookie, but not the header."""
-    assert client.post("/arm", json={"armed": True}).status_code == 403
-    assert client.post("/arm", json={"armed": True}, headers=OWN).status_code == 200
-    assert client.post("/pwm", json={"count": 10}).status_code == 403
+    assert client.post("/1/arm", json={"armed": True}).status_code == 403
+    assert client.post("/1/arm", json={"armed": True}, headers=OWN).status_code == 200
+    assert client.post("/1/pwm", json={"count": 10}).status_code == 403
     assert source.told.sent == []
 
 
 def test_commands_go_to_the_board_only_while_armed(client: TestClient, source: FedSource) -> None:
-    answer = client.post("/pwm", json={"count": 90}, headers=OWN)
+    answer = client.post("/1/pwm", json={"count": 90}, headers=OWN)
     assert (answer.status_code, answer.json()) == (409, {"error": "not armed: nothing was sent"})
-    assert client.post("/arm", json={"armed": True}, headers=OWN).json()["armed_s"] > 0
-    assert client.post("/pwm", json={"count": 90}, headers=OWN).status_code == 200
-    assert client.post("/line", json={"text": "rows 4"}, headers=OWN).status_code == 200
-    assert client.post("/arm", json={"armed": False}, headers=OWN).json()["armed_s"] == 0
-    assert client.post("/line", json={"text": "reset"}, headers=OWN).status_code == 409
+    assert client.post("/1/arm", json={"armed": True}, headers=OWN).json()["armed_s"] > 0
+    assert client.post("/1/pwm", json={"count": 90}, headers=OWN).status_code == 200
+    assert client.post("/1/line", json={"text": "rows 4"}, headers=OWN).status_code == 200
+    assert client.post("/1/arm", json={"armed": False}, headers=OWN).json()["armed_s"] == 0
+    assert client.post("/1/line", json={"text": "reset"}, headers=OWN).status_code == 409
     assert source.told.sent == [b"arm\n90\n", b"rows 4\n"]
 
 
 @pytest.mark.parametrize(
     ("path", "body", "status"),
     [
-        ("/pwm", {"count": 300}, 422),
-        ("/pwm", {"count": "x"}, 422),
-        ("/pwm", {}, 422),
-        ("/line", {"text": "format c:"}, 422),
-        ("/change", {"name": "room", "value": 90.0}, 422),
-        ("/change", {"name": "room", "value": "warm"}, 422),
-        ("/change", {"name": "kind", "value": "c"}, 422),
-        ("/change", {"name": "other", "value": 1.0}, 422),
-        ("/change", {"name": "room", "value": 25}, 200),
-        ("/change", {"name": "kind", "value": "b"}, 200),
+        ("/1/pwm", {"count": 300}, 422),
+        ("/1/pwm", {"count": "x"}, 422),
+        ("/1/pwm", {}, 422),
+        ("/1/line", {"text": "format c:"}, 422),
+        ("/1/change", {"name": "room", "value": 90.0}, 422),
+        ("/1/change", {"name": "room", "value": "warm"}, 422),
+        ("/1/change", {"name": "kind", "value": "c"}, 422),
+        ("/1/change", {"name": "pull", "value": 1.5}, 422),
+        ("/1/change", {"name": "pull", "value": 1}, 200),
+        ("/1/change", {"name": "other", "value": 1.0}, 422),
+        ("/1/change", {"name": "room", "value": 25}, 200),
+        ("/1/change", {"name": "kind", "value": "b"}, 200),
     ],
 )
 def test_what_the_page_asks_for_is_checked(
     client: TestClient, source: FedSource, path: str, body: dict[str, object], status: int
 ) -> None:
-    client.post("/arm", json={"armed": True}, headers=OWN)
+    client.post("/1/arm", json={"armed": True}, headers=OWN)
     assert client.post(path, json=body, headers=OWN).status_code == status
     assert source.told.sent == []
     assert source.told.changed == ([(body["name"], body["value"])] if status == 200 else [])
 
 
+def test_each_of_two_motors_is_armed_and_told_for_itself() -> None:
+    sources = [FedSource(), FedSource()]
+    app = make_app([Live(source) for source in sources], TOKEN, frozenset([f"127.0.0.1:{PORT}"]), PORT)
+    with TestClient(app, base_url=BASE) as client:
+        assert client.get("/2/history").status_code == 403
+        client.get(f"/?token={TOKEN}")
+        assert len(client.get("/about").json()["motors"]) == 2
+        assert client.post("/2/arm", json={"armed": True}, headers=OWN).json()["armed_s"] > 0
+        assert client.post("/1/pwm", json={"count": 90}, headers=OWN).status_code == 409
+        assert client.post("/2/pwm", json={"count": 90}, headers=OWN).status_code == 200
+        assert client.post("/2/pwm", json={"count": 91}).status_code == 403
+        client.post("/1/change", json={"name": "kind", "value": "b"}, headers=OWN)
+        sources[1].view.feed(HEADER + b"0,5,30,30,0,0,0\n", 0.0)
+        assert client.get("/2/run.csv").text.endswith("0,5,30,30,0,0,0\n")
+        assert 'filename="run-2.csv"' in client.get("/2/run.csv").headers["content-disposition"]
+        assert client.get("/1/run.csv").text == ""
+        assert client.get("/3/history").status_code == 404
+    assert [source.told.sent for source in sources] == [[], [b"arm\n90\n"]]
+    assert [source.told.changed for source in sources] == [[("kind", "b")], []]
+
+
 def test_a_run_file_of_what_came_so_far(client: TestClient, source: FedSource) -> None:
     source.view.feed(b"# model: m\n" + HEADER + b"0,5,30,30,0,0,0\nbad\n", 0.0)
-    lines = client.get("/run.csv").text.splitlines()
+    lines = client.get("/1/run.csv").text.splitlines()
     assert lines[0] == "# model: m"
     assert lines[-2:] == [HEADER.decode().strip(), "0,5,30,30,0,0,0"]
 
@@ -143,8 +167,16 @@ def test_events_go_on_after_the_last_row_that_came(source: FedSource) -> None:
 def test_everything_that_the_page_loads_is_here(client: TestClient) -> None:
     page = client.get("/").text
     assert "http" not in page.replace("http-equiv", "")
-    for path, kind in (("/live.js", "text/javascript"), ("/live.css", "text/css"), ("/plotly.js", "text/javascript")):
+    for path, kind in (
+        ("/live.js", "text/javascript"),
+        ("/motor.js", "text/javascript"),
+        ("/live.css", "text/css"),
+        ("/plotly.js", "text/javascript"),
+    ):
         answer = client.get(path)
         assert answer.status_code == 200
         assert answer.headers["content-type"].startswith(kind)
-    assert "innerHTML" not in client.get("/live.js").text
+    for name in re.findall(r'src="(\w+\.js)"', page):
+        answer = client.get(f"/{name}")
+        assert answer.status_code == 200
+        assert name == "plotly.js" or "innerHTML" not in answer.text

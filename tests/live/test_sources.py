@@ -9,6 +9,7 @@ import re
 import tty
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,11 +18,15 @@ from gen.coefficients import Coefficients, load, parse
 from gen.emulate.board import Board
 from gen.emulate.firmware import build_firmware
 from gen.emulate.model_plant import ModelPlant
+from gen.emulate.plant import Changeable
+from gen.emulate.rig import RigPlant
 from gen.errors import InputError
-from gen.live.emulated import EmulatedSource
+from gen.live.emulated import EmulatedSource, heat_of
+from gen.live.known import Known, known_of
+from gen.live.pace import Pace
 from gen.live.port import PortSource
 from gen.live.replay import ReplaySource
-from gen.live.view import Known, View, known_of
+from gen.live.view import View
 from gen.runs.faults import declared_faults
 from tests.examples import ROOT
 from tests.live.serving import HEADER, wait_until
@@ -102,10 +107,9 @@ def test_a_board_that_says_nothing_is_asked_for_its_columns(tmp_path: Path, monk
         board.pull()
 
 
-@pytest.fixture(scope="module")
-def quick(tmp_path_factory: pytest.TempPathFactory) -> Coefficients:
+def quick_tree() -> dict[str, Any]:
     """The example with one rule, which a bearing that is 1.5 K over the model raises after five seconds."""
-    tree = json.loads(EXAMPLE.read_text(encoding="utf-8"))
+    tree: dict[str, Any] = json.loads(EXAMPLE.read_text(encoding="utf-8"))
     tree["alarms"] = [
         {
             "name": "bearing_warm",
@@ -117,7 +121,12 @@ def quick(tmp_path_factory: pytest.TempPathFactory) -> Coefficients:
             "hysteresis_K": 0.5,
         }
     ]
-    return parse(json.dumps(tree).encode())
+    return tree
+
+
+@pytest.fixture(scope="module")
+def quick() -> Coefficients:
+    return parse(json.dumps(quick_tree()).encode())
 
 
 FAULT = "heat:bearing=+2000%"
@@ -134,15 +143,20 @@ def source(quick: Coefficients, tmp_path_factory: pytest.TempPathFactory) -> Ite
         made.stop()
 
 
-def emulated(quick: Coefficients, cache: Path) -> EmulatedSource:
-    """An emulated board of that file, whose motor is the file itself."""
+def emulated(
+    quick: Coefficients, cache: Path, pace: Pace | None = None, *, leads: bool = True, rig: bool = False
+) -> EmulatedSource:
+    """An emulated board of a file, whose motor is the file itself, or the rig."""
     wiring = quick.document.wiring
     assert wiring is not None
     channels = tuple(chip.channel for chip in wiring.thermocouples)
-    plant = ModelPlant(quick, channels, pulses_per_revolution=500)
+    plant: Changeable = ModelPlant(quick, channels, pulses_per_revolution=500)
+    if rig:
+        plant = RigPlant(channels, pulses_per_revolution=500)
     elf = build_firmware(quick, "fixed", "table", "quick.json", cache).elf
     board = Board(elf, cache, wiring, plant, encoder="batched")
-    return EmulatedSource(quick.name, board, plant, channels, (FAULT,), 1000.0, (), View(known_of(quick.document)))
+    view = View(known_of(quick), heat_of(quick, board))
+    return EmulatedSource(quick.name, board, plant, channels, (FAULT,), pace or Pace(1000.0), (), view, leads=leads)
 
 
 def column(source: EmulatedSource, name: str) -> list[float | None]:
@@ -178,8 +192,17 @@ def test_a_fault_of_any_size_can_be_typed_and_one_that_cannot_be_is_said(source:
     source.send(b"arm\n200\n")
     source.change("own fault", "heat:rotor=+20%")
     wait_until(lambda: any('has no part "rotor"' in line for line in source.view.status()["lines"]))
+    assert settings(source) == {"fault": "none", "own fault": ""}  # what it cannot have is not set
     source.change("own fault", FAULT)
     wait_until(lambda: source.view.status()["alarms"] == ["bearing_warm"])
+    assert settings(source) == {"fault": "none", "own fault": FAULT}
+    source.change("fault", FAULT)
+    wait_until(lambda: settings(source) == {"fault": FAULT, "own fault": ""})
+
+
+def settings(source: EmulatedSource) -> dict[str, float | str]:
+    """What a page that opens now would show of the motor's faults."""
+    return {control.name: control.value for control in source.controls() if "fault" in control.name}
 
 
 def test_a_sensor_that_is_broken_on_the_page_is_not_believed_by_the_board(source: EmulatedSource) -> None:
@@ -195,6 +218,29 @@ def test_the_room_can_be_warmed(source: EmulatedSource) -> None:
     wait_until(lambda: (column(source, "ambient_degC")[-1] or 0.0) >= 44.75)
 
 
+def test_the_rig_s_shaft_can_be_loaded(quick: Coefficients, source: EmulatedSource, tmp_path: Path) -> None:
+    assert "load" not in {control.name for control in source.controls()}  # of a file, which knows no torque
+    loaded = emulated(quick, tmp_path, rig=True)
+    slider = next(control for control in loaded.controls() if control.name == "load")
+    assert (slider.form, slider.low, slider.high) == ("slider", 0.0, 1.0)
+    loaded.start()
+    try:
+        wait_until(lambda: loaded.view.recorder.rows > 2)
+        loaded.send(b"arm\n200\n")
+        wait_until(lambda: (column(loaded, "speed_rpm")[-1] or 0.0) > 1900.0)
+        loaded.change("load", 1.0)
+        wait_until(lambda: (column(loaded, "speed_rpm")[-1] or 0.0) < 1700.0)
+        loaded.change("load", 0.0)
+        wait_until(lambda: (column(loaded, "speed_rpm")[-1] or 0.0) > 1900.0)
+        with pytest.raises(InputError):
+            loaded.change("load", -0.1)
+    finally:
+        loaded.stop()
+    comments = re.findall(r"^# shaft_load: (.*) Nm from", loaded.view.text(), re.MULTILINE)
+    assert comments == ["1", "0"]
+    assert declared_faults(dict(re.findall(r"^# (\w+): (.*)$", loaded.view.text(), re.MULTILINE))) == []
+
+
 @pytest.mark.parametrize(
     ("name", "value"),
     [("ambient", 200.0), ("ambient", "x"), ("fault", "heat:rotor=+1%"), ("pace", 0.0), ("colour", 1.0)],
@@ -205,8 +251,8 @@ def test_what_cannot_be_set_is_refused(source: EmulatedSource, name: str, value:
 
 
 def replayed(path: Path, model: Coefficients | None = None) -> View:
-    view = View(Known() if model is None else known_of(model.document))
-    source = ReplaySource(path, model, 1e5, view)
+    view = View(Known() if model is None else known_of(model))
+    source = ReplaySource(path, model, Pace(1e5), view)
     source.start()
     wait_until(lambda: source.link == "came to its end")
     source.stop()

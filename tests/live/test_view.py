@@ -8,7 +8,8 @@ import math
 import pytest
 
 from gen.coefficients import load
-from gen.live.view import Known, View, known_of
+from gen.live.known import Known, known_of
+from gen.live.view import View
 from tests.examples import ROOT
 
 HEADER = "time_s,pwm,coil_degC,case_degC,coil_model_degC,flags,sensors,alarms\n"
@@ -102,8 +103,8 @@ def test_hours_of_rows_come_in_few_points_with_their_extremes() -> None:
 
 
 def test_a_coefficient_file_names_them() -> None:
-    document = load(ROOT / "examples" / "my1016_rig" / "coeffs.json").document
-    known = known_of(document)
+    coefficients = load(ROOT / "examples" / "my1016_rig" / "coeffs.json")
+    document, known = coefficients.document, known_of(coefficients)
     assert known.rules[:2] == ("casing_hot", "brush_hot")
     assert known.channels == ("brush", "bearing", "magnet", "casing", "ambient")
     first = next(band for band in document.provenance.error if band.component == "brush")  # type: ignore[union-attr]
