@@ -17,7 +17,8 @@ from gen.refinement.network.writer import NetworkWriter, ends
 class SupplyVoltage(NetworkEffect):
     """All heat times 1 + a u + b u^2, all cooling times 1 + c u; u the voltage over its usual one, less 1.
 
-    Speed goes with the voltage, and heat with a power of it between one and three.
+    Speed goes with the voltage, and heat with a power of it between one and three: a is that power, b half of it times
+    one less. Runs hold few voltages for long, and say little of b by themselves.
     """
 
     name = "supply_voltage"
@@ -31,9 +32,9 @@ class SupplyVoltage(NetworkEffect):
         self._names = motor.names
         self._between = [ends(motor.paths[q], motor.names) for q in motor.outer]
         self.numbers = (
-            Number("heat_per_share_of_voltage", 0.0, 0.0, 2.0, -8.0, 8.0),
-            Number("heat_per_square", 0.0, 0.0, 2.0, -20.0, 20.0),
-            Number("cooling_per_share_of_voltage", 0.0, 0.0, 0.5, -3.0, 3.0),
+            Number("heat_per_share_of_voltage", 0.0, 2.0, 1.0, -8.0, 8.0),
+            Number("heat_per_square", 0.0, 1.0, 0.7, -20.0, 20.0),
+            Number("cooling_per_share_of_voltage", 0.0, 0.4, 0.4, -3.0, 3.0),
         )
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
