@@ -30,7 +30,7 @@ _PWM_SHARE = 0.2
 
 
 class CommissioningContext(TypedDict):
-    """The dialogue's times in samples and its thresholds in thousandths of a kelvin, and where its record lies.
+    """The dialogue's times in samples and its thresholds in counts of 0.25 K, and where its record lies.
 
     `pwm` is what the motor is driven with, `no_pulse_samples` how long an encoder may be silent at it.
     """
@@ -38,11 +38,9 @@ class CommissioningContext(TypedDict):
     at: int
     bytes: int
     wiring: str
-    agree_mK: int
-    agree_K: str
-    steady_mK: int
-    moved_mK: int
-    moved_K: str
+    agree: int
+    steady: int
+    moved: int
     cold_samples: int
     cold_s: str
     held_samples: int
@@ -84,11 +82,9 @@ def commissioning_context(wiring: Wiring, drive: DriveContext | None, program: P
         "at": COMMISSIONED_AT,
         "bytes": COMMISSIONED_BYTES,
         "wiring": f"0x{wiring_identity(wiring, program.model.name):08X}UL",
-        "agree_mK": round(_AGREE_K * 1000),
-        "agree_K": f"{_AGREE_K:g}",
-        "steady_mK": NOISE_COUNTS * COUNT_mK,
-        "moved_mK": round(_MOVED_K * 1000),
-        "moved_K": f"{_MOVED_K:g}",
+        "agree": round(_AGREE_K * 1000 / COUNT_mK),
+        "steady": NOISE_COUNTS,
+        "moved": round(_MOVED_K * 1000 / COUNT_mK),
         "cold_samples": counted(_COLD_S),
         "cold_s": f"{_COLD_S:g}",
         "held_samples": counted(_HELD_S),
