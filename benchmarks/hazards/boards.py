@@ -20,7 +20,7 @@ PULSES = 20
 SEEN_S = 1.0
 """What a board may need, beyond a cause's delay, to see it and to act."""
 
-Kind = Literal["relay", "plain", "observing"]
+Kind = Literal["relay", "plain", "observing", "commissioned"]
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,10 @@ def variant(kind: Kind) -> Variant:
         wiring |= {"observe": {"forward_pin": 4, "reverse_pin": 5}, "relay_pin": 12}
     else:
         wiring["command_timeout_s"] = 20
-        if kind == "relay":
+        if kind != "plain":
             wiring["relay_pin"] = 12
+    if kind == "commissioned":
+        tree["protection"] = [{"cause": "not_commissioned", "action": "stop"}]
     coefficients = parse(json.dumps(tree).encode())
     folder = cache_folder()
     folder.mkdir(parents=True, exist_ok=True)

@@ -21,6 +21,7 @@ HOT = {"brush": 100.0, "bearing": 92.0, "magnet": 92.0, "casing": 92.0}
 WARMING = {"brush": 0.5, "bearing": 0.4, "magnet": 0.4, "casing": 0.4}
 """K/s at full current: the limits come within a minute, in which nothing can cool."""
 
+_COMMISSIONING = re.compile(rb"# event: [\d.]+ commissioning FAILED at \w+: ([^\r]+)")
 _PROTECTION = re.compile(rb"# event: [\d.]+ protection (\w+) begins")
 
 
@@ -187,6 +188,7 @@ class Scene:
         said = bytes(self.said[self._heard :])
         actions = self.variant.actions
         did = [f"{label}: {actions[label]}" for label in dict.fromkeys(_names(said)) if label in actions]
+        did[:0] = [f"commissioning: {found.decode()}" for found in _COMMISSIONING.findall(said)]
         if self.board.mega.resets and b"# reset: watchdog" in said:
             did.append("reset by the watchdog")
         if b"not armed: the motor is stopped" in said:

@@ -169,13 +169,24 @@ def _drift_slow(scene: Scene) -> None:
     scene.wait(RUN_S)
 
 
-@hazard("swapped", "brush and bearing exchanged")
-def _swapped(scene: Scene) -> None:
+def _exchange(scene: Scene) -> None:
+    """Brush and bearing have each other's thermocouple."""
     truth = scene.plant.temperatures
     scene.plant.lies |= {
         "brush": lambda _degC, _time: word_of(truth["bearing"]),
         "bearing": lambda _degC, _time: word_of(truth["brush"]),
     }
+
+
+def _reverse(scene: Scene) -> None:
+    """The brush's thermocouple reads as much below the room as the brush is above."""
+    room = scene.plant.room_degC
+    scene.plant.lies["brush"] = lambda degC, _: word_of(max(2.0 * room - degC, 0.0))
+
+
+@hazard("swapped", "brush and bearing exchanged")
+def _swapped(scene: Scene) -> None:
+    _exchange(scene)
     scene.start()
     scene.begins()
     scene.wait(RUN_S)
@@ -183,12 +194,49 @@ def _swapped(scene: Scene) -> None:
 
 @hazard("reversed", "brush: leads exchanged; warmer reads colder, about the room")
 def _reversed(scene: Scene) -> None:
-    room = scene.plant.room_degC
-    scene.plant.lies["brush"] = lambda degC, _: word_of(max(2.0 * room - degC, 0.0))
+    _reverse(scene)
     scene.wait(0.5)
     scene.begins()
     scene.start()
     scene.wait(RUN_S)
+
+
+def _found_by_hand(fault: Script) -> Script:
+    """Somebody begins to commission the cold motor, warms its brush by hand, and later drives it all the same."""
+
+    def script(scene: Scene) -> None:
+        hot = dict(scene.plant.temperatures)
+        scene.plant.temperatures |= dict.fromkeys(hot, scene.plant.room_degC)
+        fault(scene)
+        scene.wait(4.0)
+        scene.begins()
+        scene.send("commission")
+        scene.wait(15.0)
+        for _ in range(8):
+            scene.plant.temperatures["brush"] += 1.0
+            scene.wait(1.0)
+        scene.board.mega.cut_power(1.0)
+        scene.plant.temperatures |= hot
+        scene.start()
+        scene.wait(12.0)
+        scene.drive(255)
+        scene.wait(RUN_S)
+
+    return script
+
+
+add(
+    "swapped-commissioned",
+    "brush and bearing exchanged, a board that wants commissioning",
+    _found_by_hand(_exchange),
+    board="commissioned",
+)
+add(
+    "reversed-commissioned",
+    "brush: leads exchanged, a board that wants commissioning",
+    _found_by_hand(_reverse),
+    board="commissioned",
+)
 
 
 @hazard("brush-260", "brush at 260 degC at the start, beyond the sensor's range")

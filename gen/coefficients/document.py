@@ -245,7 +245,13 @@ class Document(Part):
             check_wiring_references(self.wiring, names, self.ambient.channel, full_scale)
         check_alarm_references(self.alarms, names, full_scale, self.sample_time_s)
         check_protection(
-            self.protection, self.alarms, self.wiring, full_scale, self.sample_time_s, foresees=self._foresees
+            self.protection,
+            self.alarms,
+            self.wiring,
+            full_scale,
+            self.sample_time_s,
+            foresees=self._foresees,
+            commissions=self._commissions,
         )
         if self.forecast is not None:
             nodes = self.network.nodes if self.network is not None else ()
@@ -256,6 +262,13 @@ class Document(Part):
     def _foresees(self) -> bool:
         """Whether the board knows when a limit is near."""
         return self.forecast is not None and self.forecast.near_s is not None
+
+    @property
+    def _commissions(self) -> bool:
+        """Whether the board can be commissioned: it has thermocouples to tell apart, and keeps what was found."""
+        if self.wiring is None or self.wiring.memory is None:
+            return False
+        return any(chip.channel in self.component_names for chip in self.wiring.thermocouples)
 
     @property
     def thermocouple_columns(self) -> tuple[str, ...]:

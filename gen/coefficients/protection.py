@@ -23,9 +23,10 @@ Cause = Literal[
     "flash_check",
     "ram_check",
     "eeprom_check",
+    "not_commissioned",
 ]
 """An alarm rule that is raised; thermocouples whose samples are not believed; what the encoder says; what the model
-says of the time to come; the sketch's own time, line and self tests."""
+says of the time to come; the sketch's own time, line and self tests; nobody has commissioned this wiring."""
 
 Action = Literal["log", "led", "derate", "stop", "open_relay"]
 """An event on the serial line; the LED; a lower PWM; PWM 0; the relay's opening: each beside those before it."""
@@ -102,6 +103,8 @@ class Protection(Part):
             raise fault('expected "restart_below_degC" with "until": "cool", and with no other', "restart_below_degC")
         if self.component is not None and self.until != "cool":
             raise fault('expected only with "until": "cool"', "component")
+        if self.cause == "not_commissioned" and self.until != "itself":
+            raise fault(f'found "{self.until}": what ends it is a commissioning; expected "itself"', "until")
         if self.until == "cool" and self.component is None and self.cause != "alarm":
             raise fault('missing key "component": of which part is the cooling?')
         return self

@@ -20,6 +20,7 @@ def check_protection(
     sample_time_s: float,
     *,
     foresees: bool,
+    commissions: bool,
 ) -> None:
     """Check the file's own entries.
 
@@ -33,6 +34,8 @@ def check_protection(
         In s.
     foresees
         The board knows when a limit is near.
+    commissions
+        The board can be commissioned.
 
     Raises
     ------
@@ -47,6 +50,13 @@ def check_protection(
         labels.add(entry.label.lower())
         _check_rule(entry, i, alarms)
         _check_cause(entry, i, alarms, board, foresees=foresees)
+        if entry.cause == "not_commissioned" and not commissions:
+            raise fault(
+                '"not_commissioned" can never end: $.wiring lacks "memory", or a part with a thermocouple',
+                _AT,
+                i,
+                "cause",
+            )
         _check_action(entry, i, board, full_scale)
         if entry.delay_s > MOST_SAMPLES * sample_time_s:
             raise fault(

@@ -17,6 +17,7 @@ _CAUSES: dict[Cause, str] = {
     "flash_check": "the program in flash is not what was built",
     "ram_check": "a cell of the RAM does not hold what is written to it",
     "eeprom_check": "a copy in EEPROM could not be written",
+    "not_commissioned": "nobody has commissioned this wiring",
 }
 _ACTIONS: dict[Action, str] = {
     "log": "an event",

@@ -24,6 +24,7 @@ DEVICE: Final = (
     "ram_check",
     "eeprom_check",
     "limit_near",
+    "not_commissioned",
 )
 """Causes that the sketch finds by itself; bit b of the word `device` is the b-th."""
 

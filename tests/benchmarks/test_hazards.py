@@ -129,6 +129,20 @@ def test_a_hazard_keeps_to_the_goal(name: str) -> None:
     assert found.after_s is not None
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("swapped-commissioned", "bearing warmed, not brush"),
+        ("reversed-commissioned", "brush got colder: leads exchanged"),
+    ],
+)
+def test_a_fault_that_commissioning_found_is_not_driven(name: str, words: str) -> None:
+    found = run_hazard(name)
+    assert found.did.startswith(f"commissioning: {words}, not_commissioned: stop")
+    assert found.after_s == 0.0
+    assert found.beyond_driven_K == -math.inf
+
+
 def test_a_lost_sensor_stops_the_motor_after_what_the_file_says() -> None:
     found = run_hazard("open-all-running")
     assert "sensor_lost: stop" in found.did

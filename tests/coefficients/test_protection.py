@@ -137,9 +137,26 @@ REFUSED = {
         {"cause": "stall", "action": "stop", "until": "cool", "restart_below_degC": 50, "component": "tail"},
         "a part with a thermocouple",
     ),
+    "never commissioned": (
+        {"wiring": {"thermocouples": BASE["wiring"]["thermocouples"][4:]}},
+        {"cause": "not_commissioned", "action": "stop"},
+        "can never end",
+    ),
+    "commissioned by reset": (
+        {},
+        {"cause": "not_commissioned", "action": "stop", "until": "command"},
+        'expected "itself"',
+    ),
     "unknown cause": ({}, {"cause": "boredom", "action": "stop"}, "cause"),
     "too long": ({}, {"cause": "stall", "action": "stop", "delay_s": 90000}, "expected at most"),
 }
+
+
+def test_a_board_that_nobody_has_commissioned_is_stopped_only_where_the_file_says_so() -> None:
+    assert "not_commissioned" not in table(wiring={"relay_pin": 12})
+    found = table(wiring={"relay_pin": 12}, protection=[{"cause": "not_commissioned", "action": "open_relay"}])
+    assert found["not_commissioned"].stops
+    assert "sensor_lost" in found
 
 
 @pytest.mark.parametrize(("changes", "entry", "message"), REFUSED.values(), ids=REFUSED)

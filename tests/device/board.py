@@ -10,7 +10,7 @@ from pathlib import Path
 
 from gen import toolchain
 from gen.coefficients import Coefficients
-from gen.emulate.devices import DeviceMega
+from gen.emulate.devices import DeviceMega, ResetCause
 from gen.emulate.scenario import converters
 
 OPEN, ZEROS, ONES = 0x0004, 0x0000, 0xFFFF
@@ -73,6 +73,12 @@ class Board(DeviceMega):
         """Command a PWM as somebody does who means it."""
         self.send("arm")
         self.send(str(pwm))
+
+    def cut_power(self, off_s: float, *, cause: ResetCause = ResetCause.POWER_ON, seed: int = 1) -> None:
+        """As `DeviceMega.cut_power`; of a line that it cuts off nothing is heard."""
+        super().cut_power(off_s, cause=cause, seed=seed)
+        self._text += self.uart.take().decode("ascii")
+        self._text = self._text[: self._text.rfind("\n") + 1]
 
     def hear(self, seconds: float = 0.0) -> Said:
         """Run on, and take apart what was said since the last time; a line under way is kept for the next."""

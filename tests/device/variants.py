@@ -150,6 +150,20 @@ def _limited(tree: Tree) -> None:
     tree["alarms"] = [{**rule, "persistence_s": 0, "stop_motor": True}]
 
 
+def _locked(tree: Tree) -> None:
+    """Nothing but the commissioning drives before it was passed; a line that falls silent soon, and a slow driver."""
+    tree["wiring"] |= {"relay_pin": 12, "command_timeout_s": 2}
+    tree["wiring"]["drive"] |= {"ramp_s": 2.0, "reversal_pause_s": 1.0}
+    tree["protection"] = [{"cause": "not_commissioned", "action": "open_relay"}]
+
+
+def _watched(tree: Tree) -> None:
+    """Another controller's motor, with copies in EEPROM."""
+    memory = tree["wiring"].get("memory")
+    _observed(tree)
+    tree["wiring"] |= {"memory": memory or {}}
+
+
 def _quiet(tree: Tree) -> None:
     """Most tests are not about protection: no motor turns in them, and thermocouples come and go."""
     wiring = tree.get("wiring", {})
@@ -185,6 +199,8 @@ FURTHER: Mapping[str, Callable[[Tree], None]] = {
     "watched_brush": _watched_brush,
     "prompt": _prompt,
     "limited": _limited,
+    "locked": _locked,
+    "watched": _watched,
 }
 """For a test or two of their own; wired as one of the others."""
 
@@ -192,6 +208,6 @@ FURTHER: Mapping[str, Callable[[Tree], None]] = {
 def variant(name: str) -> Coefficients:
     tree = copy.deepcopy(BASE)
     {**VARIANTS, **FURTHER}[name](tree)
-    if name != "protected":
+    if name not in ("protected", "locked"):
         _quiet(tree)
     return parse(json.dumps(tree).encode())

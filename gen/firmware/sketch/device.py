@@ -8,6 +8,7 @@ from gen.coefficients import Coefficients
 from gen.coefficients.protecting import protections
 from gen.coefficients.wiring import Wiring
 from gen.firmware.alarm_text import AlarmText, alarm_texts
+from gen.firmware.sketch.commissioning import CommissioningContext, commissioning_context
 from gen.firmware.sketch.drive import DriveContext, ObserveContext, drive_context, idle_timers, observe_context
 from gen.firmware.sketch.encoder import EncoderContext, encoder_context
 from gen.firmware.sketch.inputs import InputsContext, inputs_context
@@ -40,6 +41,7 @@ class DeviceContext(SensorsContext, InputsContext, RowsContext):
     observe: ObserveContext | None
     memory: MemoryContext | None
     latch: LatchContext | None
+    commissioning: CommissioningContext | None
     relay: Pin | None
     protects: bool
     timeout_samples: int
@@ -68,6 +70,8 @@ def sketch_files(device: DeviceContext) -> dict[str, str]:
         ("snapshot", device["memory"]),
         ("warm", device["memory"]),
         ("latch", device["latch"]),
+        ("commissioned", device["commissioning"]),
+        ("commissioning", device["commissioning"]),
         ("indicator", device["led"] is not None or device["button"] is not None),
     ):
         if wanted:
@@ -96,6 +100,7 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
     sensors = sensors_context(coefficients, wiring.thermocouples, program, sample_ms)
     memory = memory_context(wiring, sensors, program, coefficients.sha256, sample_ms)
     entries = protections(document)
+    driver = drive_context(drive, full_scale, sample_time) if drive else None
     lasting = any(entry.until != "itself" for entry in entries)
     start_samples = max(2 * CONFIRMATIONS * sensors["read_samples"], math.ceil(_START_MS / sample_ms))
     return {
@@ -110,10 +115,11 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
         "led": wiring.led_pin,
         "button": wiring.button_pin,
         "encoder": encoder_context(encoder, document.input.nominal_speed_rpm, sample_ms) if encoder else None,
-        "drive": drive_context(drive, full_scale, sample_time) if drive else None,
+        "drive": driver,
         "observe": observe_context(observe) if observe else None,
         "memory": memory,
         "latch": latch_context() if memory and (document.alarms or lasting) else None,
+        "commissioning": commissioning_context(wiring, driver, program) if memory else None,
         "relay": pin_context(wiring.relay_pin, "$.wiring.relay_pin") if wiring.relay_pin is not None else None,
         "protects": bool(entries),
         "timeout_samples": samples(wiring.command_timeout_s or 0.0, sample_time),

@@ -27,6 +27,9 @@ _LATCH_SLOTS = 4
 _LATCH_BYTES = 18
 """A record of what outlives a reset: identity 4, number 4, alarms 2, protection 4, CRC 4."""
 _LATCH_AT = EEPROM_BYTES - _FIRMWARE_BYTES - _LATCH_SLOTS * _LATCH_BYTES
+COMMISSIONED_BYTES = 9
+"""Whether the commissioning was passed: wiring 4, verdict 1, CRC 4."""
+COMMISSIONED_AT = _LATCH_AT - COMMISSIONED_BYTES
 _RECORD_FIXED = 4 + 4 + 2 + 4
 """Bytes of a copy beside the measured temperatures and the states: identity, number, PWM, CRC."""
 
@@ -61,7 +64,7 @@ def memory_context(
     if wiring.memory is None or not sensors["measured"]:
         return None
     record = _RECORD_FIXED + 2 * len(sensors["chips"]) + state_bytes(program)
-    slots = _LATCH_AT // record
+    slots = COMMISSIONED_AT // record
     # "normal" stands for a kind of step; it stays, because any other word would make boards drop their copies.
     identity = zlib.crc32(f"{__version__} {sha256} {program.arithmetic} {program.schedule} normal".encode())
     years = EEPROM_CYCLES * slots * wiring.memory.interval_s / (365.25 * 86400)
