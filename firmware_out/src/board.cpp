@@ -44,12 +44,11 @@ void begin() {
     TCCR1B = 0;
     TCCR2B = 0;
     TCCR4B = 0;
-    TCCR5B = 0;
     TCCR3B = 0;  // runs while its pin carries PWM, see drive.cpp
     ADCSRA = 0;
     ACSR = _BV(ACD);
     PRR0 = _BV(PRTWI) | _BV(PRSPI) | _BV(PRADC) | _BV(PRTIM1) | _BV(PRTIM2);
-    PRR1 = _BV(PRUSART1) | _BV(PRUSART2) | _BV(PRUSART3) | _BV(PRTIM4) | _BV(PRTIM5);
+    PRR1 = _BV(PRUSART1) | _BV(PRUSART2) | _BV(PRUSART3) | _BV(PRTIM4);
     SMCR = _BV(SE);  // sleep is allowed, of the kind idle: timers, UART and EEPROM go on
     window = millis();
     const uint8_t *const stack = reinterpret_cast<const uint8_t *>(SP - 8);

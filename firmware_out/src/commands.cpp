@@ -7,6 +7,7 @@
 #include <my1016_protection.h>
 #include <my1016_sensors.h>
 
+#include "commissioning.h"
 #include "config.h"
 #include "console.h"
 #include "drive.h"
@@ -83,7 +84,7 @@ bool sound() {
 
 bool accept(const char *channel) {
     for (uint8_t number = 0; number < MY1016_SENSORS; ++number) {
-        if (strcmp_P(channel, reinterpret_cast<const char *>(pgm_read_ptr(&channels[number]))) == 0) {
+        if (strcmp_P(channel, channel_name(number)) == 0) {
             my1016_sensors_accept(number);
             console::event(F("sensor accepted"));
             return true;
@@ -98,6 +99,7 @@ bool obey() {
         if (value < -config::FULL_SCALE || value > config::FULL_SCALE) {
             return false;
         }
+        commissioning::end();  // whoever commands a PWM drives the motor from here on, and has to arm it
         if (value && !drive::armed()) {
             console::event(F("not armed"));
             return true;
@@ -119,6 +121,10 @@ bool obey() {
         }
     } else if (is(F("test"))) {
         selftest::start();
+    } else if (is(F("commission"))) {
+        commissioning::start();
+    } else if (is(F("yes")) || is(F("no"))) {
+        return commissioning::answer(is(F("yes")));
     } else if (strncmp_P(command, PSTR("rows "), 5) == 0) {
         if (!number(command + 5, false, &value) || value < 1 || value > 0xFFFF) {
             return false;
@@ -143,6 +149,7 @@ void take(char c) {
     if (spoilt || (length > 0 && !(sound() && obey()))) {
         not_obeyed = (uint16_t)(not_obeyed + (not_obeyed < 0xFFFFu));
         drive::disarm();  // whoever sends this may be noise
+        commissioning::end();  // or a person who wants it to stop
     } else if (length > 0) {
         silent = 0;
     }
@@ -165,6 +172,8 @@ void reset() {
     my1016_alarms_reset();
     my1016_protection_ask();
 }
+
+const char *channel_name(uint8_t channel) { return reinterpret_cast<const char *>(pgm_read_ptr(&channels[channel])); }
 
 void sample() { silent = (uint16_t)(silent + (silent < 0xFFFFu)); }
 

@@ -12,6 +12,9 @@ void receive();
 // What the command `reset` does, and the button: the alarms end, and what protects ends as far as it may.
 void reset();
 
+// A thermocouple's name as commands have it, a string in flash.
+const char *channel_name(uint8_t channel);
+
 // Once a sample. How many of them have passed since a line was obeyed.
 void sample();
 uint16_t samples_silent();

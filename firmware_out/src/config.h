@@ -26,12 +26,26 @@ const int16_t STALL_PWM = 51;             // $.wiring.encoder.stall_pwm: from he
 const uint16_t STALL_SAMPLES = 8;          // .. or it is a stall after $.wiring.encoder.stall_s
 const uint32_t COPY_SAMPLES = 2400;        // $.wiring.memory.interval_s: samples between two copies in EEPROM
 const uint16_t COPY_TOLERANCE = 8;         // $.wiring.memory.tolerance_K in counts of 0.25 K
-const uint32_t COPY_IDENTITY = 0xA0970887UL;  // CRC-32 of the coefficients' hash, the arithmetic and gen's version
+const uint32_t COPY_IDENTITY = 0x48AF132DUL;  // CRC-32 of the coefficients' hash, the arithmetic and gen's version
 const uint16_t COPY_BYTES = 64;
 const uint16_t COPY_SLOTS = 62;
 const uint16_t LATCH_AT = 4016;           // EEPROM address of the latched alarms
 const uint8_t LATCH_SLOTS = 4;
 const uint8_t LATCH_BYTES = 18;
+const uint16_t COMMISSIONED_AT = 4007;    // EEPROM address of the commissioning's record
+const uint8_t COMMISSIONED_BYTES = 9;
+const uint32_t COMMISSIONED_WIRING = 0x74B0D0B4UL;  // CRC-32 of the model's name, and of thermocouples, encoder and driver with their pins
+const int16_t AGREE = 16;              // counts of 0.25 K: thermocouples of a cold motor are no farther apart: two chips may be off by 2 K each
+const int16_t STEADY = 4;         // nor does one move by more than noise ..
+const uint16_t COLD_SAMPLES = 40;       // .. within this time
+const int16_t MOVED = 8;         // a thermocouple that leaves all others by so much ..
+const uint16_t HELD_SAMPLES = 4;        // .. for so long was warmed; an encoder without pulse for so long stands
+const uint16_t LET_GO_SAMPLES = 16;     // one that warms no further for so long was let go
+const uint16_t PERSON_SAMPLES = 480;    // what a person has for each step: 120 s
+const int16_t COMMISSIONING_PWM = 51;   // $.wiring.encoder.stall_pwm: from here on the motor must turn
+const uint16_t RUN_SAMPLES = 18;        // the motor is driven: 4 s, and what a ramp and a pause take
+const uint16_t NO_PULSE_SAMPLES = 7;    // one less than make a stall
+const uint16_t STOP_SAMPLES = 40;       // within 10 s the motor must stand
 const uint16_t FIRMWARE_AT = 4088;        // EEPROM address of the firmware's CRC
 
 }  // namespace config

@@ -6,6 +6,7 @@
 
 #include "board.h"
 #include "commands.h"
+#include "commissioned.h"
 #include "config.h"
 #include "device.h"
 #include "drive.h"
@@ -66,7 +67,7 @@ bool write_header() {
             output::put(F("# tool: gen 0.1.0, arithmetic fixed, schedule table"));
             break;
         case 2:
-            output::put(F("# coefficients_sha256: d0791f289638c968625012057424b2e7e70d2c8598a40de2a259f5bc8b0291d5"));
+            output::put(F("# coefficients_sha256: fa163b1eb2dfe972550fcfaae57eae7470ce47dd14d767b67f9727703124f56d"));
             break;
         case 3:
             output::put(F("# firmware: crc32 "));
@@ -81,6 +82,9 @@ bool write_header() {
             break;
         case 5:
             output::put(F("# row_every_s: 1"));
+            break;
+        case 6:
+            output::put(commissioned::passed() ? F("# commissioned: yes") : F("# commissioned: no"));
             break;
         default:
             --header_line;
@@ -128,7 +132,7 @@ bool write_status() {
             output::put_number(board::sleep_share());
             break;
         case 2:
-            output::put(F(" commands: -255..255 (PWM), arm, ?, reset, accept CHANNEL, test, rows N"));
+            output::put(F(" commands: -255..255 (PWM), arm, ?, reset, accept CHANNEL, test, commission, rows N"));
             break;
         default:
             output::put(F(" reset "));
@@ -144,7 +148,7 @@ bool write_status() {
 void announce() {
     const uint16_t alarms = my1016_alarms(), fresh = alarms & (uint16_t)~announced;
     announced &= alarms;
-    for (uint8_t rule = 0; rule < 16; ++rule) {
+    for (uint8_t rule = 0; fresh != 0 && rule < 16; ++rule) {  // every pass of the loop comes by, nearly always for none
         if (fresh & (uint16_t)(1u << rule)) {
             announced |= (uint16_t)(1u << rule);
             begin_event(F("alarm "));
@@ -158,7 +162,7 @@ void announce() {
 // One event for an entry that has begun to act, or ended, since the last one.
 void announce_protection() {
     const uint32_t changed = my1016_protection() ^ announced_protection;
-    for (uint8_t entry = 0; entry < MY1016_PROTECTIONS; ++entry) {
+    for (uint8_t entry = 0; changed != 0 && entry < MY1016_PROTECTIONS; ++entry) {
         const uint32_t bit = (uint32_t)1 << entry;
         if (changed & bit) {
             announced_protection ^= bit;

@@ -9,17 +9,7 @@ namespace encoder {
 
 namespace {
 
-typedef uint16_t Count;
-
-// A noisy line must not keep the board from its samples: after three samples' worth of pulses at 3313 rpm (a late
-// sample loses none) the interrupt switches itself off until the next one. Nor may it keep the board from its time: pulses
-// that follow one another within the interrupt itself, some 3 us, would leave no turn to Timer 0's, which is served after
-// it, and millis() would stand still meanwhile. The motor gives none such, so few of them are enough.
-const Count MOST = 20704u;
-const uint8_t MOST_CLOSE = 100;  // in the worst case 100 interrupts without a gap: 0.4 ms
-volatile Count left;             // pulses that may still come in this sample
-volatile uint8_t close_left;     // those that may still follow within the interrupt
-bool was_off;                    // it had switched itself off
+uint16_t before;  // wraps round; more than 65535 pulses do not come in a sample
 uint32_t since;        // microseconds
 uint16_t revolutions;  // in a minute
 uint16_t without_pulse;  // samples with PWM and without a pulse
@@ -27,38 +17,21 @@ bool impossible;         // more pulses than the motor can give
 
 // Pulses since the last time.
 uint32_t take() {
-    Count count;
-    ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
-        count = (Count)(MOST - left);
-        left = MOST;
-        close_left = MOST_CLOSE;
-        was_off = !(EIMSK & _BV(INT4));
-    }
-    if (was_off) {
-        EIFR = _BV(INTF4);
-        EIMSK |= _BV(INT4);
-    }
+    uint16_t now;
+    ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { now = TCNT5; }
+    const uint16_t count = (uint16_t)(now - before);
+    before = now;
     return count;
 }
 
 }  // namespace
 
-// $.wiring.encoder.pin = 2: external interrupt 4, rising edges.
-ISR(INT4_vect) {
-    const Count rest = (Count)(left - 1);
-    left = rest;
-    if (rest == 0 || ((EIFR & _BV(INTF4)) && --close_left == 0)) {
-        EIMSK &= (uint8_t)~_BV(INT4);
-    }
-}
-
+// Timer 5 counts rising edges at T5, $.wiring.encoder.pin = 47: no interrupt, no cycles.
 void begin() {
-    pinMode(2, INPUT_PULLUP);
-    EICRB |= _BV(ISC41) | _BV(ISC40);
-    EIFR = _BV(INTF4);
-    left = MOST;
-    close_left = MOST_CLOSE;
-    EIMSK |= _BV(INT4);
+    pinMode(47, INPUT_PULLUP);
+    TCCR5A = 0;
+    TCCR5B = _BV(CS52) | _BV(CS51) | _BV(CS50);
+    before = TCNT5;
     since = micros();
 }
 
@@ -72,7 +45,7 @@ void sample(int16_t pwm) {
     const uint32_t factor = 30000UL, most = 143165UL;
     const uint32_t passed = (time - since) >> 2;
     since = time;
-    impossible = was_off;
+    impossible = count >= 20704u;
     if (passed > 0) {
         const uint32_t rpm = (count < most ? count : most) * factor / passed;
         revolutions = (uint16_t)(rpm < 0xFFFFu ? rpm : 0xFFFFu);

@@ -4,6 +4,8 @@
 #include <my1016_sensors.h>
 
 #include "commands.h"
+#include "commissioned.h"
+#include "commissioning.h"
 #include "config.h"
 #include "device.h"
 #include "drive.h"
@@ -43,6 +45,7 @@ uint16_t of_the_device() {
     causes |= bit(selftest::flash_is_damaged(), MY1016_DEVICE_FLASH_CHECK);
     causes |= bit(selftest::ram_is_damaged(), MY1016_DEVICE_RAM_CHECK);
     causes |= bit(memory::failed() || latch::failed(), MY1016_DEVICE_EEPROM_CHECK);
+    causes |= bit(!commissioned::passed() && !commissioning::drives(), MY1016_DEVICE_NOT_COMMISSIONED);
     return causes;
 }
 

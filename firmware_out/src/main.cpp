@@ -12,6 +12,8 @@
 
 #include "board.h"
 #include "commands.h"
+#include "commissioned.h"
+#include "commissioning.h"
 #include "config.h"
 #include "console.h"
 #include "device.h"
@@ -203,6 +205,7 @@ static void tick(uint32_t time) {
 
     commands::sample();
     selftest::sample();
+    commissioning::sample();  // before the copies: its record is short
     const uint8_t most = guard::sample();
     drive::update(most);
     now.flags |= my1016_flags();
@@ -247,6 +250,7 @@ void setup() {
     selftest::begin();
     memory::begin(selftest::crc());
     warm::begin(selftest::crc());
+    commissioned::begin();
     latch::begin();
     my1016_alarms_restore(latch::alarms());
     my1016_protection_restore(latch::protection());

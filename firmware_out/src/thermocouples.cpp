@@ -32,8 +32,8 @@ const Chip chips[MY1016_SENSORS] PROGMEM = {
     {{(uint16_t)&PORTG, _BV(2)}, {(uint16_t)&PINL, _BV(4)}, {(uint16_t)&PORTG, _BV(0)}},
     // casing, $.wiring.thermocouples[3]: CS 43, SO 45, SCK 41; MAX6675
     {{(uint16_t)&PORTL, _BV(6)}, {(uint16_t)&PINL, _BV(4)}, {(uint16_t)&PORTG, _BV(0)}},
-    // ambient, $.wiring.thermocouples[4]: CS 49, SO 47, SCK 51; MAX6675
-    {{(uint16_t)&PORTL, _BV(0)}, {(uint16_t)&PINL, _BV(2)}, {(uint16_t)&PORTB, _BV(2)}},
+    // ambient, $.wiring.thermocouples[4]: CS 49, SO 46, SCK 51; MAX6675
+    {{(uint16_t)&PORTL, _BV(0)}, {(uint16_t)&PINL, _BV(3)}, {(uint16_t)&PORTB, _BV(2)}},
 };
 
 volatile uint8_t *at(uint16_t address) { return reinterpret_cast<volatile uint8_t *>(address); }
@@ -62,24 +62,21 @@ class Selected {
 
     // Of a chip that is only read: each bit is there after CS or the clock fell.
     uint16_t read() {
+        volatile uint8_t *const sck = at(chip_.sck.address);
+        const volatile uint8_t *const so = at(chip_.so.address);
+        const uint8_t sck_bit = chip_.sck.mask, so_bit = chip_.so.mask;
         uint16_t word = 0;
         for (uint8_t bit = 0; bit < 16; ++bit) {
             _delay_us(HALF_US);
-            word = (uint16_t)(word << 1 | level());
-            clock(true);
+            word = (uint16_t)(word << 1 | ((*so & so_bit) != 0));
+            *sck = (uint8_t)(*sck | sck_bit);
             _delay_us(HALF_US);
-            clock(false);
+            *sck = (uint8_t)(*sck & (uint8_t)~sck_bit);
         }
         return word;
     }
 
   private:
-    uint8_t level() const { return (*at(chip_.so.address) & chip_.so.mask) != 0; }
-    void clock(bool high) const {
-        volatile uint8_t *const sck = at(chip_.sck.address);
-        *sck = (uint8_t)(high ? *sck | chip_.sck.mask : *sck & (uint8_t)~chip_.sck.mask);
-    }
-
     const Chip &chip_;
 };
 

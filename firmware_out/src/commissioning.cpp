@@ -1,0 +1,522 @@
+#include "commissioning.h"
+
+#include <Arduino.h>
+#include <my1016_alarms.h>
+#include <my1016_sensors_state.h>
+
+#include "commands.h"
+#include "commissioned.h"
+#include "config.h"
+#include "console.h"
+#include "device.h"
+#include "drive.h"
+#include "encoder.h"
+#include "output.h"
+
+using device::now;
+
+namespace commissioning {
+
+namespace {
+
+// Its steps, in their order; WARM and LET_GO are gone through for each thermocouple, RUN to ASK for each direction.
+enum Phase : uint8_t { IDLE, COLD, WARM, LET_GO, ARM, RUN, STOP, ASK, OFFER, KEEP };
+
+enum Failure : uint8_t {
+    NONE,
+    UNREAD,    // a thermocouple is not believed, or not even read
+    APART,     // two of them are too far apart for a cold motor
+    UNSTEADY,  // one of them moves
+    WARMER,    // another one than the one that was asked for
+    COLDER,    // one that somebody warms
+    WAITED,    // the person's time is over
+    ALARM,
+    DRIVEN,    // by somebody else
+    ENDED,     // by another command
+    STOPPED,   // by what protects
+    WRONG_WAY,
+    SILENT,    // no pulse
+    NOISY,     // more pulses than the motor can give
+    TURNED,    // pulses before the motor was driven
+    TURNS_ON,  // pulses after it was stopped
+    UNWRITTEN  // the record in EEPROM
+};
+
+const uint8_t NOBODY = 0xFF;
+
+Phase phase = IDLE;
+uint16_t samples;  // in this phase
+uint16_t held;     // samples for which what is waited for has held
+uint8_t asked;     // the thermocouple that is to be warmed
+int16_t base[MY1016_SENSORS];  // counts of 0.25 degC: where each was when this one's turn came ..
+int16_t peak;  // .. and the highest that this one has come to since
+bool reverse;
+
+// What one sample says of the thermocouples.
+struct Change {
+    uint8_t channel;  // NOBODY: nothing
+    Failure what;     // WARMER (no failure if it was asked for), COLDER, UNREAD
+};
+Change change;  // that is waited for to hold
+
+// What is to be said as soon as there is room: an instruction, why it failed, or that it was passed.
+bool unsaid;
+Failure failure;
+Phase failed_in;
+uint8_t culprit;
+uint16_t figure;
+
+void enter(Phase next) {
+    phase = next;
+    samples = 0;
+    held = 0;
+    change.channel = NOBODY;
+    failure = NONE;
+    unsaid = true;
+}
+
+void fail(Failure why, uint8_t channel = NOBODY, uint16_t number = 0) {
+    drive::command(0);
+    drive::disarm();
+    if (phase == KEEP) {
+        commissioned::set(false);
+    }
+    failed_in = phase;
+    enter(IDLE);
+    failure = why;
+    culprit = channel;
+    figure = number;
+}
+
+// ---- what it says -----------------------------------------------------------------------------------------------
+
+void put_channel(uint8_t channel) { output::put_name(commands::channel_name(channel)); }
+
+void put_instruction() {
+    switch (phase) {
+        case COLD:
+            output::put(F("touch nothing for 10 s"));
+            break;
+        case WARM:
+            output::put(F("warm "));
+            put_channel(asked);
+            output::put(F(" by hand"));
+            break;
+        case LET_GO:
+            put_channel(asked);
+            output::put(F(" is right, let go"));
+            break;
+        case ARM:
+            output::put(F("keep clear: `arm` drives the motor forward for 4 s"));
+            break;
+        case RUN:
+            output::put(reverse ? F("reverse, pwm -51") : F("forward, pwm 51"));
+            break;
+        case STOP:
+            output::put(F("stop"));
+            output::put(F(" from "));
+            output::put_number(figure);
+            output::put(F(" rpm"));
+            break;
+        case ASK:
+            output::put(reverse ? F("did it turn in reverse? yes or no") : F("did it turn forward? yes or no"));
+            break;
+        case OFFER:
+            output::put(F("keep clear: `yes` drives the motor in reverse, `no` leaves that out"));
+            break;
+        default:
+            output::put(phase == KEEP ? F("writing") : F("passed"));
+            break;
+    }
+}
+
+void put_step() {
+    switch (failed_in) {
+        case COLD:
+            output::put(F("cold"));
+            break;
+        case WARM:
+        case LET_GO:
+            put_channel(asked);
+            break;
+        case ARM:
+        case RUN:
+        case STOP:
+        case ASK:
+        case OFFER:
+            output::put(reverse ? F("reverse") : F("forward"));
+            break;
+        default:
+            output::put(F("eeprom"));
+            break;
+    }
+}
+
+void put_failure() {
+    if (culprit != NOBODY) {
+        put_channel(culprit);
+    }
+    switch (failure) {
+        case UNREAD:
+            output::put(F(" is not believed"));
+            break;
+        case APART:
+            output::put(F(" is "));
+            output::put_thousandths(250L * figure, 2);
+            output::put(F(" K warmer than another: let it cool"));
+            break;
+        case UNSTEADY:
+            output::put(F(" moves: let it cool"));
+            break;
+        case WARMER:
+            output::put(F(" warmed, not "));
+            put_channel(asked);
+            break;
+        case COLDER:
+            output::put(F(" got colder: leads exchanged"));
+            if (culprit != asked) {
+                output::put(F(", and not "));
+                put_channel(asked);
+            }
+            break;
+        case WAITED:
+            output::put(F("nothing for 120 s"));
+            break;
+        case ALARM:
+            output::put(F("alarm"));
+            break;
+        case DRIVEN:
+            output::put(F("the motor is driven"));
+            break;
+        case ENDED:
+            output::put(F("ended by a line"));
+            break;
+        case STOPPED:
+            output::put(F("the motor has to stand"));
+            break;
+        case WRONG_WAY:
+            output::put(F("the answer is no"));
+            break;
+        case SILENT:
+            output::put(F("no pulse of the encoder"));
+            break;
+        case NOISY:
+            output::put(F("the encoder's line is noisy"));
+            break;
+        case TURNED:
+        case TURNS_ON:
+            output::put_number(figure);
+            output::put(failure == TURNED ? F(" rpm before the motor is driven") : F(" rpm 10 s after PWM 0: it does not stop"));
+            break;
+        default:
+            output::put(F("the record does not hold"));
+            break;
+    }
+}
+
+void say() {
+    if (!unsaid || !output::takes_line()) {
+        return;
+    }
+    unsaid = false;
+    console::begin_event(F("commissioning"));
+    if (failure == NONE) {
+        output::put(phase == IDLE ? F(" ") : F(": "));
+        put_instruction();
+    } else {
+        output::put(F(" FAILED at "));
+        put_step();
+        output::put(F(": "));
+        put_failure();
+    }
+    output::end_line();
+}
+
+// ---- thermocouples ----------------------------------------------------------------------------------------------
+
+// The last sound sample, believed or not: a hand, or warm water, may be faster than a part of a motor.
+int16_t level(uint8_t channel) { return my1016_sensors[channel].latest[0]; }
+
+bool is_read(uint8_t channel) {
+    const uint8_t code = my1016_sensors_code(channel);
+    return code != MY1016_SAMPLE_OPEN && code != MY1016_SAMPLE_ZEROS && code != MY1016_SAMPLE_ONES;
+}
+
+void take_base() {
+    for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
+        base[channel] = level(channel);
+    }
+}
+
+// All are believed, at one temperature, and stay there: only then a change of one of them is a hand's.
+void watch_cold() {
+    if (samples == 0) {
+        take_base();
+    }
+    uint8_t warmest = 0, coldest = 0;
+    for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
+        const uint8_t code = my1016_sensors_code(channel);
+        if (code != MY1016_SAMPLE_OK && code != MY1016_SAMPLE_EARLY) {
+            fail(UNREAD, channel);
+            return;
+        }
+        const int16_t moved = (int16_t)(level(channel) - base[channel]);
+        if (moved > config::STEADY || moved < -config::STEADY) {
+            fail(UNSTEADY, channel);
+            return;
+        }
+        warmest = level(channel) > level(warmest) ? channel : warmest;
+        coldest = level(channel) < level(coldest) ? channel : coldest;
+    }
+    const int16_t apart = (int16_t)(level(warmest) - level(coldest));
+    if (apart > config::AGREE) {
+        fail(APART, warmest, (uint16_t)apart);
+    } else if (samples >= config::COLD_SAMPLES) {
+        asked = 0;
+        take_base();
+        enter(WARM);
+    }
+}
+
+// The thermocouple that has left all others, up or down. Those that were warmed before are cooling: theirs is no fall.
+Change seen() {
+    Change up = {NOBODY, WARMER}, down = {NOBODY, COLDER};
+    int16_t highest = 0, next_highest = 0, lowest = 0, next_lowest = 0;
+    for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
+        if (!is_read(channel)) {
+            return {channel, UNREAD};
+        }
+        const int16_t at = level(channel);
+        if (channel < asked && at < base[channel]) {
+            base[channel] = at;
+        }
+        const int16_t moved = (int16_t)(at - base[channel]);
+        if (moved > highest) {
+            next_highest = highest;
+            highest = moved;
+            up.channel = channel;
+        } else if (moved > next_highest) {
+            next_highest = moved;
+        }
+        if (moved < lowest) {
+            next_lowest = lowest;
+            lowest = moved;
+            down.channel = channel;
+        } else if (moved < next_lowest) {
+            next_lowest = moved;
+        }
+    }
+    if (highest - next_highest >= config::MOVED) {
+        return up;
+    }
+    if (next_lowest - lowest >= config::MOVED) {
+        return down;
+    }
+    return {NOBODY, NONE};
+}
+
+void watch_warm() {
+    const Change at = seen();
+    if (at.channel != change.channel || at.what != change.what) {
+        change = at;
+        held = 0;
+    }
+    if (at.channel == NOBODY) {
+        if (samples >= config::PERSON_SAMPLES) {
+            fail(WAITED);
+        }
+    } else if (++held >= config::HELD_SAMPLES) {
+        if (at.what == WARMER && at.channel == asked) {
+            peak = level(asked);
+            enter(LET_GO);
+        } else {
+            fail(at.what, at.channel);
+        }
+    }
+}
+
+// The hand may stay for a while: the next one's turn comes when this one warms no more.
+void watch_let_go() {
+    if (level(asked) > peak) {
+        peak = level(asked);
+        held = 0;
+    } else if (++held >= config::LET_GO_SAMPLES) {
+        my1016_sensors_accept(asked);  // faster than a part may be; somebody has looked at it, and it is the right one
+        if (++asked < MY1016_SENSORS) {
+            take_base();
+            enter(WARM);
+        } else {
+            reverse = false;
+            drive::disarm();
+            enter(ARM);
+        }
+        return;
+    }
+    if (samples >= config::PERSON_SAMPLES) {
+        fail(WAITED);
+    }
+}
+
+// ---- the motor --------------------------------------------------------------------------------------------------
+
+void run() {
+    if (now.rpm > 0) {
+        fail(TURNED, NOBODY, now.rpm);
+        return;
+    }
+    enter(RUN);
+    drive::command(reverse ? (int16_t)-config::COMMISSIONING_PWM : config::COMMISSIONING_PWM);
+}
+
+void watch_arm() {
+    if (drive::armed()) {
+        run();
+    } else if (samples >= config::PERSON_SAMPLES) {
+        fail(WAITED);
+    }
+}
+
+void watch_run() {
+    if (!drive::armed()) {
+        fail(STOPPED);
+        return;
+    }
+    const int16_t pwm = drive::pwm();
+    const bool must_turn = pwm >= config::STALL_PWM || pwm <= -config::STALL_PWM;
+    held = must_turn && now.rpm == 0 ? (uint16_t)(held + 1) : 0;
+    if (encoder::noisy()) {
+        fail(NOISY);
+        return;
+    }
+    if (held >= config::NO_PULSE_SAMPLES || (samples >= config::RUN_SAMPLES && now.rpm == 0)) {
+        fail(SILENT);
+        return;
+    }
+    if (samples >= config::RUN_SAMPLES) {
+        drive::command(0);
+        enter(STOP);
+        figure = now.rpm;
+    }
+}
+
+void watch_stop() {
+    held = now.rpm == 0 ? (uint16_t)(held + 1) : 0;
+    if (held >= config::HELD_SAMPLES) {
+        enter(ASK);
+    } else if (samples >= config::STOP_SAMPLES) {
+        fail(TURNS_ON, NOBODY, now.rpm);
+    }
+}
+
+void keep_on() {
+    if (!commissioned::busy()) {
+        if (commissioned::passed()) {
+            enter(IDLE);
+        } else {
+            fail(UNWRITTEN);
+        }
+    }
+}
+
+void go_on() {
+    switch (phase) {
+        case COLD:
+            watch_cold();
+            break;
+        case WARM:
+            watch_warm();
+            break;
+        case LET_GO:
+            watch_let_go();
+            break;
+        case ARM:
+            watch_arm();
+            break;
+        case RUN:
+            watch_run();
+            break;
+        case STOP:
+            watch_stop();
+            break;
+        case ASK:
+        case OFFER:
+            if (samples >= config::PERSON_SAMPLES) {
+                fail(WAITED);
+            }
+            break;
+        default:
+            keep_on();
+            break;
+    }
+}
+
+}  // namespace
+
+void start() {
+    if (phase != IDLE) {
+        end();
+        return;
+    }
+    if (drive::pwm() != 0) {
+        console::event(F("commissioning: not begun, the motor is driven"));
+        return;
+    }
+    commissioned::set(false);
+    enter(COLD);
+}
+
+bool answer(bool yes) {
+    if (phase == IDLE) {
+        return false;
+    }
+    if (phase == ASK) {
+        if (!yes) {
+            fail(WRONG_WAY);
+        } else if (reverse) {
+            commissioned::set(true);
+            enter(KEEP);
+        } else {
+            reverse = true;
+            enter(OFFER);
+        }
+        return true;
+    }
+    if (phase == OFFER) {
+        if (yes) {
+            run();
+        } else {
+            commissioned::set(true);
+            enter(KEEP);
+        }
+        return true;
+    }
+    if (!yes) {
+        fail(ENDED);
+    }
+    return true;
+}
+
+void end() {
+    if (phase != IDLE) {
+        fail(ENDED);
+    }
+}
+
+bool drives() { return phase >= ARM; }
+
+void sample() {
+    commissioned::sample();
+    if (phase != IDLE) {
+        if (my1016_alarms()) {
+            fail(ALARM);
+        } else if (drive::pwm() != 0 && !drives()) {
+            fail(DRIVEN);
+        } else {
+            go_on();
+            samples = (uint16_t)(samples + (samples < 0xFFFFu));
+        }
+    }
+    say();
+}
+
+}  // namespace commissioning
