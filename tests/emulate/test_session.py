@@ -134,7 +134,7 @@ def test_an_unbelieved_sample_is_told_and_its_field_empty(make_board: MakeBoard)
     found = summary(results, board, session, {"seed": 0})
     assert found["seed"] == 0
     assert found["board"]["thermocouples"]["magnet"]["reads"] >= 15
-    assert 0.0 < found["board"]["awake_share"] < 0.05
+    assert 0.0 < found["board"]["awake_share"] < 0.1  # mostly the sum over the program at the start
 
 
 def test_noise_on_the_serial_line_hangs_nothing(make_board: MakeBoard) -> None:
