@@ -7,4 +7,4 @@ bash scripts/setup.sh test
 .venv/bin/ruff check .
 .venv/bin/mypy
 # worksteal: after a worker's crash the run ends (with loadgroup it waits for ever, pytest-xdist issue 1378)
-.venv/bin/python -m pytest -n 2 --dist worksteal --durations 25 "$@"
+.venv/bin/python -m pytest -n 2 --dist worksteal "$@"
