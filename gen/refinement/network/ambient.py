@@ -31,16 +31,19 @@ class MovingAmbient:
         Error on what was left out of the later runs, the file's numbers fitted to the rest with either.
     p_value
         That it is chance.
+    as_it_is
+        Whether the file as it is, its numbers not fitted, predicts better with it, too.
     """
 
     channel: str
     fixed_K: float
     measured_K: float
     p_value: float
+    as_it_is: bool
 
 
 def moving_ambient(
-    coefficients: Coefficients, runs: Sequence[tuple[str, Run]], data: Data, null: Judged
+    coefficients: Coefficients, runs: Sequence[tuple[str, Run]], data: Data, file: Judged, null: Judged
 ) -> MovingAmbient | None:
     """Compare the file's fixed ambient with the measured one.
 
@@ -53,8 +56,8 @@ def moving_ambient(
         The file.
     runs, data
         The later runs, and their bins with the measured ambient.
-    null
-        The file's numbers fitted to these, without any effect.
+    file, null
+        The file as it is, judged on these, and its numbers fitted to them, without any effect.
 
     Returns
     -------
@@ -67,9 +70,11 @@ def moving_ambient(
         return None
     fixed = make_data(coefficients, runs, as_declared=True)
     bench = Bench(fixed)
-    base = bench.first(Anchored(null.fitted.shape.network, null.fitted.shape.full_scale, fixed.columns))
+    shape = Anchored(null.fitted.shape.network, null.fitted.shape.full_scale, fixed.columns)
+    base = bench.first(shape)
     without = judged(fixed, base, bench.left_out(base))
     p = p_better(data, without, null)
     if p > LEVEL or null.score_K > (1.0 - LEAST_GAIN) * without.score_K:
         return None
-    return MovingAmbient(AMBIENT, without.score_K, null.score_K, p)
+    as_it_is = judged(fixed, base, bench.as_it_is(shape))
+    return MovingAmbient(AMBIENT, without.score_K, null.score_K, p, file.score_K < as_it_is.score_K)

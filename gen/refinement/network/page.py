@@ -61,13 +61,12 @@ def network_refinement_page(found: NetworkRefinement, baseline: Coefficients, re
 
 def _steps(found: NetworkRefinement) -> list[dict[str, Any]]:
     made = []
-    beside: list[str] = []
     for step in found.traced.steps:
         if step.considered:
+            # What was there then: it may have been dropped since.
+            beside = [f"{effect.name} ({effect.component})" for effect in step.without.fitted.shape.effects]
             without = f"{step.without.score_K:.2f}"
             made.append({"beside": " and ".join(beside) or "nothing", "without": without, "rows": _rows(step)})
-        if step.added is not None:
-            beside.append(f"{step.added.effect.name} ({step.added.effect.component})")
     return made
 
 

@@ -115,12 +115,16 @@ def refine_network(
         check_measured(coefficients, path)  # only whether it can be judged: its values stay unopened until the end
     runs, data, shape, warnings = prepared(coefficients, fit_paths, progress)
     traced = trace(data, shape, progress)
-    room = moving_ambient(coefficients, runs, data, traced.null)
+    room = moving_ambient(coefficients, runs, data, traced.file, traced.null)
     start = warm_start(data, traced.final)
     changes = [looks_like_a_change(found.effect, found.values, data) for found in traced.added]
     kept = [found.effect for found, change in zip(traced.added, changes, strict=True) if accept_change or not change]
     made = written(coefficients, raw, traced, kept, room, start.factors)
     warnings += [said for said in (*changes, made.refused) if said]
+    warnings += [
+        f"{one.effect.component}: {one.effect.name} was found first, and is not needed beside what was found after it"
+        for one in traced.dropped
+    ]
     effects = [] if room is None else [ambient_entry(room)]
     for step, change in zip(traced.steps, changes, strict=False):
         assert step.added is not None  # the last search alone may have added nothing

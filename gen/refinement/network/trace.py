@@ -111,6 +111,8 @@ class Traced:
         One for each search that found what is needed; the last one may have added nothing.
     final
         With all that was found.
+    dropped
+        What was found first, and is not needed beside what came after.
     """
 
     data: Data
@@ -118,6 +120,7 @@ class Traced:
     null: Judged
     steps: tuple[Step, ...]
     final: Judged
+    dropped: tuple[Considered, ...]
 
     @property
     def added(self) -> list[Considered]:
@@ -146,8 +149,9 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
         if looks_like_a_change(step.added.effect, again.shape.values(again.vector)[-1], data):
             # What is left beside a fault is the fault's, too.
             break
-    steps, now = needed(bench, steps, now, progress)
-    return Traced(data, judged(data, base, bench.as_it_is(shape)), null, tuple(steps), now)
+    left, now = needed(bench, steps, now, progress)
+    dropped = tuple(step.added for step in steps if step.added is not None and step not in left)
+    return Traced(data, judged(data, base, bench.as_it_is(shape)), null, tuple(left), now, dropped)
 
 
 def needed(

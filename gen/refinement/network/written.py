@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from gen.coefficients import Coefficients, parse, with_network
 from gen.coefficients.messages import building
@@ -16,6 +16,11 @@ from gen.refinement.network.judged import p_better
 from gen.refinement.network.trace import Traced
 from gen.refinement.network.writer import NetworkWriter
 from gen.refinement.verdict import NOTHING
+
+NOT_ALONE = (
+    "ambient: found, but the file follows a room that moves only once its numbers are fitted to it, and they are not "
+    "written without what was found beside it"
+)
 
 
 @dataclass(frozen=True)
@@ -68,10 +73,13 @@ def written(
     writer = NetworkWriter(network, document.input.full_scale, traced.data.offered.ranges, document.sample_time_s)
     for name, factor in factors.items():
         writer.start_factor(name, factor)
-    outside = [*([INITIAL_STATE] if factors else []), *([] if channel is None else ["ambient"])]
-    unchanged = Written(raw)
+    # Some files follow a room that moves only with numbers that were fitted to it.
+    alone = channel if room is None or room.as_it_is else None
+    outside = [*([INITIAL_STATE] if factors else []), *([] if alone is None else ["ambient"])]
+    unchanged = Written(raw, refused="" if alone == channel else NOT_ALONE)
     if outside:
-        unchanged = Written(with_network(raw, writer.entry, f"refined: {', '.join(outside)}", channel))
+        text = with_network(raw, writer.entry, f"refined: {', '.join(outside)}", alone)
+        unchanged = replace(unchanged, text=text)
     sound = room is not None or traced.null.floors <= NOTHING
     if not kept and (traced.added or not sound or not _file_is_worse(traced)):
         return unchanged

@@ -1,0 +1,46 @@
+"""A file that reads a moving room and holds nothing else that was found."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from gen.coefficients import parse
+from gen.refinement.network.ambient import MovingAmbient
+from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.data import make_data
+from gen.refinement.network.effects.schedule_error import ScheduleError
+from gen.refinement.network.fit import Bench
+from gen.refinement.network.judged import judged
+from gen.refinement.network.trace import Considered, Step, Traced
+from gen.refinement.network.written import written
+from tests.refinement.network.motor import read, run, tree
+
+
+@pytest.mark.parametrize("helps", [True, False])
+def test_beside_wear_the_room_is_read_only_where_the_file_as_it_is_gains_by_it(helps: bool) -> None:
+    fixed = tree()
+    fixed["ambient"] = {"fixed_degC": 24}
+    raw = json.dumps(fixed)
+    coefficients = parse(raw.encode())
+    network = coefficients.model.network
+    assert network is not None
+    data = make_data(coefficients, [(f"run {seed}", run(read(tree()), seed)) for seed in (1, 2)])
+    bench = Bench(data)
+    shape = Anchored(network, 255, data.columns)
+    wear = ScheduleError(shape.motor(), 0)
+    base, found = bench.first(shape), bench.first(shape.with_effects(wear))
+    null = judged(data, base, bench.left_out(base))
+    final = judged(data, found, bench.left_out(found))
+    step = Step(null, (), Considered(wear, final, 0.0, ()), ())
+    traced = Traced(data, judged(data, base, bench.as_it_is(shape)), null, (step,), final, ())
+    room = MovingAmbient("ambient_degC", 2.0, 0.2, 0.0, helps)
+    made = written(coefficients, raw, traced, [], room, {})
+    assert not made.refitted
+    if helps:
+        assert parse(made.text.encode()).model.ambient_channel == "ambient_degC"
+        assert made.refused == ""
+    else:
+        assert made.text == raw
+        assert made.refused.startswith("ambient: found")
