@@ -26,14 +26,7 @@ bool is_passed;
 
 uint8_t *place(uint8_t at) { return reinterpret_cast<uint8_t *>(config::COMMISSIONED_AT + at); }
 
-uint32_t crc_of(const Record &of) {
-    const uint8_t *const bytes = reinterpret_cast<const uint8_t *>(&of);
-    uint32_t crc = CRC32_START;
-    for (uint8_t i = 0; i < offsetof(Record, crc); ++i) {
-        crc = crc32(crc, bytes[i]);
-    }
-    return ~crc;
-}
+uint32_t crc_of(const Record &of) { return crc32_of(&of, offsetof(Record, crc)); }
 
 bool kept() {
     Record found;

@@ -4,8 +4,8 @@
 #include <my1016_alarms.h>
 #include <my1016_sensors_state.h>
 
-#include "commands.h"
 #include "commissioned.h"
+#include "commissioning_words.h"
 #include "config.h"
 #include "console.h"
 #include "device.h"
@@ -18,31 +18,6 @@ using device::now;
 namespace commissioning {
 
 namespace {
-
-// Its steps, in their order; WARM and LET_GO are gone through for each thermocouple, RUN to ASK for each direction.
-enum Phase : uint8_t { IDLE, COLD, WARM, LET_GO, ARM, RUN, STOP, ASK, OFFER, KEEP };
-
-enum Failure : uint8_t {
-    NONE,
-    UNREAD,    // a thermocouple is not believed, or not even read
-    APART,     // two of them are too far apart for a cold motor
-    UNSTEADY,  // one of them moves
-    WARMER,    // another one than the one that was asked for
-    COLDER,    // one that somebody warms
-    WAITED,    // the person's time is over
-    ALARM,
-    DRIVEN,    // by somebody else
-    ENDED,     // by another command
-    STOPPED,   // by what protects
-    WRONG_WAY,
-    SILENT,    // no pulse
-    NOISY,     // more pulses than the motor can give
-    TURNED,    // pulses before the motor was driven
-    TURNS_ON,  // pulses after it was stopped
-    UNWRITTEN  // the record in EEPROM
-};
-
-const uint8_t NOBODY = 0xFF;
 
 Phase phase = IDLE;
 uint16_t samples;  // in this phase
@@ -88,148 +63,11 @@ void fail(Failure why, uint8_t channel = NOBODY, uint16_t number = 0) {
     figure = number;
 }
 
-// ---- what it says -----------------------------------------------------------------------------------------------
-
-void put_channel(uint8_t channel) { output::put_name(commands::channel_name(channel)); }
-
-void put_instruction() {
-    switch (phase) {
-        case COLD:
-            output::put(F("touch nothing for 10 s"));
-            break;
-        case WARM:
-            output::put(F("warm "));
-            put_channel(asked);
-            output::put(F(" by hand"));
-            break;
-        case LET_GO:
-            put_channel(asked);
-            output::put(F(" is right, let go"));
-            break;
-        case ARM:
-            output::put(F("keep clear: `arm` drives the motor forward for 4 s"));
-            break;
-        case RUN:
-            output::put(reverse ? F("reverse, pwm -51") : F("forward, pwm 51"));
-            break;
-        case STOP:
-            output::put(F("stop"));
-            output::put(F(" from "));
-            output::put_number(figure);
-            output::put(F(" rpm"));
-            break;
-        case ASK:
-            output::put(reverse ? F("did it turn in reverse? yes or no") : F("did it turn forward? yes or no"));
-            break;
-        case OFFER:
-            output::put(F("keep clear: `yes` drives the motor in reverse, `no` leaves that out"));
-            break;
-        default:
-            output::put(phase == KEEP ? F("writing") : F("passed"));
-            break;
-    }
-}
-
-void put_step() {
-    switch (failed_in) {
-        case COLD:
-            output::put(F("cold"));
-            break;
-        case WARM:
-        case LET_GO:
-            put_channel(asked);
-            break;
-        case ARM:
-        case RUN:
-        case STOP:
-        case ASK:
-        case OFFER:
-            output::put(reverse ? F("reverse") : F("forward"));
-            break;
-        default:
-            output::put(F("eeprom"));
-            break;
-    }
-}
-
-void put_failure() {
-    if (culprit != NOBODY) {
-        put_channel(culprit);
-    }
-    switch (failure) {
-        case UNREAD:
-            output::put(F(" is not believed"));
-            break;
-        case APART:
-            output::put(F(" is "));
-            output::put_thousandths(250L * figure, 2);
-            output::put(F(" K warmer than another: let it cool"));
-            break;
-        case UNSTEADY:
-            output::put(F(" moves: let it cool"));
-            break;
-        case WARMER:
-            output::put(F(" warmed, not "));
-            put_channel(asked);
-            break;
-        case COLDER:
-            output::put(F(" got colder: leads exchanged"));
-            if (culprit != asked) {
-                output::put(F(", and not "));
-                put_channel(asked);
-            }
-            break;
-        case WAITED:
-            output::put(F("nothing for 120 s"));
-            break;
-        case ALARM:
-            output::put(F("alarm"));
-            break;
-        case DRIVEN:
-            output::put(F("the motor is driven"));
-            break;
-        case ENDED:
-            output::put(F("ended by a line"));
-            break;
-        case STOPPED:
-            output::put(F("the motor has to stand"));
-            break;
-        case WRONG_WAY:
-            output::put(F("the answer is no"));
-            break;
-        case SILENT:
-            output::put(F("no pulse of the encoder"));
-            break;
-        case NOISY:
-            output::put(F("the encoder's line is noisy"));
-            break;
-        case TURNED:
-        case TURNS_ON:
-            output::put_number(figure);
-            output::put(failure == TURNED ? F(" rpm before the motor is driven") : F(" rpm 10 s after PWM 0: it does not stop"));
-            break;
-        default:
-            output::put(F("the record does not hold"));
-            break;
-    }
-}
-
 void say() {
-    if (!unsaid || !output::takes_line()) {
-        return;
+    if (unsaid && output::takes_line()) {
+        unsaid = false;
+        put({failure == NONE ? phase : failed_in, failure, asked, culprit, figure, reverse});
     }
-    unsaid = false;
-    console::begin_event(F("commissioning"));
-    if (failure == NONE) {
-        output::put(phase == IDLE ? F(" ") : F(": "));
-        put_instruction();
-    } else {
-        output::put(F(" FAILED at "));
-        put_step();
-        output::put(F(": "));
-        put_failure();
-    }
-    output::end_line();
 }
 
 // ---- thermocouples ----------------------------------------------------------------------------------------------

@@ -12,3 +12,12 @@ uint32_t crc32(uint32_t crc, uint8_t byte) {
     crc = (crc >> 4) ^ pgm_read_dword(&remainders[crc & 0x0F]);
     return (crc >> 4) ^ pgm_read_dword(&remainders[crc & 0x0F]);
 }
+
+uint32_t crc32_of(const void *record, uint16_t bytes) {
+    const uint8_t *byte = static_cast<const uint8_t *>(record);
+    uint32_t crc = CRC32_START;
+    for (; bytes > 0; --bytes) {
+        crc = crc32(crc, *byte++);
+    }
+    return ~crc;
+}

@@ -28,14 +28,7 @@ bool failure;
 
 uint16_t address(uint8_t of_slot) { return (uint16_t)(config::LATCH_AT + of_slot * sizeof(Record)); }
 
-uint32_t crc_of(const Record &of) {
-    const uint8_t *const bytes = reinterpret_cast<const uint8_t *>(&of);
-    uint32_t crc = CRC32_START;
-    for (uint8_t i = 0; i < offsetof(Record, crc); ++i) {
-        crc = crc32(crc, bytes[i]);
-    }
-    return ~crc;
-}
+uint32_t crc_of(const Record &of) { return crc32_of(&of, offsetof(Record, crc)); }
 
 bool fetch(uint8_t of_slot, Record *to) {
     eeprom_read_block(to, reinterpret_cast<const void *>(address(of_slot)), sizeof *to);

@@ -43,14 +43,7 @@ uint16_t address(uint16_t of_slot) { return (uint16_t)(of_slot * sizeof(Copy)); 
 
 uint8_t *place(uint16_t at) { return reinterpret_cast<uint8_t *>(at); }
 
-uint32_t crc_of(const Copy &of) {
-    const uint8_t *const bytes = reinterpret_cast<const uint8_t *>(&of);
-    uint32_t crc = CRC32_START;
-    for (uint16_t i = 0; i < offsetof(Copy, crc); ++i) {
-        crc = crc32(crc, bytes[i]);
-    }
-    return ~crc;
-}
+uint32_t crc_of(const Copy &of) { return crc32_of(&of, offsetof(Copy, crc)); }
 
 uint32_t number_in(uint16_t of_slot) {
     const uint16_t at = address(of_slot);

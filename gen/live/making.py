@@ -72,15 +72,16 @@ def make_sources(
     for name in given:
         view = View(Known()) if known is None else View(known_of(known), HeatFromRows(known))
         if isinstance(name, Path):
-            sources.append(ReplaySource(name, known, pace, view, leads=not _led(sources)))
+            sources.append(ReplaySource(name, known, pace, view, leads=not _paced(sources)))
         else:
             sources.append(PortSource(name, baud, view))
     for emulation in emulations:
-        sources.append(_emulated(emulation, pace, leads=not _led(sources)))
+        sources.append(_emulated(emulation, pace, leads=not _paced(sources)))
     return sources
 
 
-def _led(sources: Sequence[Source]) -> bool:
+def _paced(sources: Sequence[Source]) -> bool:
+    """Whether one of them has the control of the pace already: a port's time is the world's."""
     return any(source.kind != "port" for source in sources)
 
 

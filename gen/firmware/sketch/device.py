@@ -72,6 +72,7 @@ def sketch_files(device: DeviceContext) -> dict[str, str]:
         ("latch", device["latch"]),
         ("commissioned", device["commissioning"]),
         ("commissioning", device["commissioning"]),
+        ("commissioning_words", device["commissioning"]),
         ("indicator", device["led"] is not None or device["button"] is not None),
     ):
         if wanted:
