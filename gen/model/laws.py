@@ -32,12 +32,12 @@ class Convection:
     def driving(self, one: ArrayLike, other: ArrayLike) -> FloatArray:
         """The difference in K that counts, of two temperatures in degC, any shape."""
         difference = np.asarray(one, dtype=np.float64) - np.asarray(other, dtype=np.float64)
-        return np.asarray(difference * np.polyval(np.asarray(self.polynomial), np.abs(difference)), dtype=np.float64)
+        return np.asarray(difference * _value(self.polynomial, np.abs(difference)), dtype=np.float64)
 
     def slope(self, one: ArrayLike, other: ArrayLike) -> FloatArray:
         """Its derivative by the first temperature; by the second it is the same with the other sign."""
         difference = np.asarray(one, dtype=np.float64) - np.asarray(other, dtype=np.float64)
-        return np.asarray(np.polyval(np.asarray(self.slopes), np.abs(difference)), dtype=np.float64)
+        return np.asarray(_value(self.slopes, np.abs(difference)), dtype=np.float64)
 
     @property
     def slopes(self) -> tuple[float, ...]:
@@ -97,6 +97,14 @@ Law = Convection | Radiation
 
 def _powers(polynomial: tuple[float, ...]) -> range:
     return range(len(polynomial) - 1, -1, -1)
+
+
+def _value(polynomial: tuple[float, ...], at: FloatArray) -> FloatArray:
+    """By Horner's scheme, any shape: what solutions are integrated with has no time for `np.polyval`."""
+    value = np.full_like(at, polynomial[0])
+    for coefficient in polynomial[1:]:
+        value = value * at + coefficient
+    return value
 
 
 def _turning(polynomial: tuple[float, ...], widest: float) -> FloatArray:

@@ -18,10 +18,13 @@ OWN = -2
 
 
 FASTEST_S, SLOWEST_S = 30.0, 40_000.0
+LEAST_EXPONENT, MOST_EXPONENT = -0.5, 4.0
+SLOWEST = 1e-3
+"""Share of full speed, of what has no logarithm."""
 
 
 class HiddenNode(NetworkEffect):
-    """A node of its own: a capacity, a path to a node, one to the ambient, and heat that goes with w^2."""
+    """A node of its own: a capacity, a path to a node, one to the ambient, and heat that goes with a power of w."""
 
     name = "hidden_node"
     nodes = 1
@@ -39,6 +42,8 @@ class HiddenNode(NetworkEffect):
             by_log("conductance_W_per_K", g if outside else 0.3 * g, g, 1.5),
             by_log("to_ambient_W_per_K", 0.3 * g if outside else 0.02 * g, 0.1 * g, 2.0),
             by_log("power_at_full_speed_W", 0.005 * p if outside else 0.02 * p, 0.03 * p, 2.0),
+            # Friction goes with w or somewhat more, iron with up to w^2, a load's current hardly changes with speed.
+            Number("exponent", 1.5, 1.5, 0.7, LEAST_EXPONENT, MOST_EXPONENT),
         )
 
     @property
@@ -47,15 +52,16 @@ class HiddenNode(NetworkEffect):
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         later = self._columns.later(levels)
-        _, inner, outer, power = np.exp(np.clip(values, -60.0, 60.0))
+        _, inner, outer, power = np.exp(np.clip(values[:4], -60.0, 60.0))
         columns = place.columns.tolist()
         draft.conductance.add(place.path, inner * later, [(columns[1], inner * later)])
         # In earlier runs the node stands apart: a way out keeps it at the ambient.
         draft.conductance.add(
             place.path + 1, np.full(levels.count, outer), [(columns[2], np.full(levels.count, outer))]
         )
-        heat = later * (1.0 - levels.rest) * levels.square * power
-        draft.heat.add(place.node, heat, [(columns[3], heat)])
+        speed = np.maximum(levels.speed, SLOWEST)
+        heat = later * (1.0 - levels.rest) * speed ** values[4] * power
+        draft.heat.add(place.node, heat, [(columns[3], heat), (columns[4], heat * np.log(speed))])
 
     def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
         settles = values[0] / (values[1] + values[2])
@@ -64,11 +70,11 @@ class HiddenNode(NetworkEffect):
         return [f"it would settle within {settles:.0f} s: such runs do not show that"]
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
-        capacity, inner, outer, power = values
+        capacity, inner, outer, power, exponent = values
         name = entry.node(capacity)
         entry.path(self.component, name, inner)
         entry.path(name, "ambient", outer)
-        entry.heat_over_speed(name, lambda w: power * w**2)
+        entry.heat_over_speed(name, lambda w: power * w**exponent)
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
