@@ -30,7 +30,7 @@ import psutil
 from benchmarks.made_fleet.draw import Made, Motor, fleet, ran
 from gen.coefficients import Coefficients, parse
 from gen.errors import CheckFailed, InputError
-from gen.fleet.identify import COMMON, model_path
+from gen.fleet.models import COMMON, model_path
 from gen.fleet.pooling import Pool, Told, pooled
 from gen.fleet.store import MODELS, RUNS, TASKS, Store
 from gen.fleet.watch import QUIET, read_watched
@@ -200,6 +200,7 @@ def main() -> None:
     parser.add_argument("--faulty", type=float, default=0.15, help="share of motors")
     parser.add_argument("--effect", type=float, default=1.0, help="factor on the heat of all windings in the last run")
     parser.add_argument("--alone", type=int, default=6, help="motors that are identified alone, too")
+    parser.add_argument("--refine", action="store_true", help="and gen fleet refine, and watch again")
     parser.add_argument("--quick", action="store_true", help="one job on two workers only")
     parser.add_argument("--pool", type=int, metavar="N", help="only what pooling N motors costs")
     options = parser.parse_args()
@@ -233,6 +234,11 @@ def main() -> None:
         peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
         print(f"watched in {watching:.0f} s; largest process {peak:.0f} MB", flush=True)
         faults(store, motors)
+        if options.refine:
+            refining = gen("refine", store.url, "--jobs", "2")
+            gen("watch", store.url, "--jobs", "2")
+            print(f"refined in {refining:.0f} s, and watched again", flush=True)
+            faults(store, motors)
         after_one_run(store, motors, options.alone)
 
 

@@ -17,7 +17,8 @@ import numpy as np
 from gen.coefficients import Coefficients, parse, with_rules
 from gen.coefficients.rules import read_rules
 from gen.errors import CheckFailed, InputError
-from gen.fleet.identify import model_path, models_of, runs_of
+from gen.fleet.identify import runs_of
+from gen.fleet.models import in_use, model_path, models_of
 from gen.fleet.motor_data import read
 from gen.fleet.residuals import learnt_by
 from gen.fleet.store import Kept, Store
@@ -64,7 +65,7 @@ class Derived:
 
 def healthy_residuals(store: Store, *, motor: str, run: list[str], model: str) -> Arrays:
     """Hold a run against its motor's model as alarm rules will (a task); `model` is the file's hash."""
-    coefficients = parse(store.read(model_path(motor)))
+    coefficients = parse(store.read(in_use(store, model_path(motor))))
     kept = Kept(*run)
     if f"{kept.name}.parquet" in learnt_by(coefficients):
         raise CheckFailed(f"{kept.path}: the model was fitted to it")

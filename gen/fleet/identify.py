@@ -7,7 +7,6 @@ where each motor is believed to be (Lindstrom and Bates, Biometrics 46, 1990).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,10 +15,11 @@ import numpy as np
 from gen.errors import CheckFailed, InputError
 from gen.fleet.common import Common, keep, kept
 from gen.fleet.fitting import fitted_in_common, mean_model, model_in_common
+from gen.fleet.models import COMMON, model_path, with_model, write_identified
 from gen.fleet.motor_data import data_of, usable
 from gen.fleet.pooling import Told, pooled
 from gen.fleet.scouting import as_lists, common_form, scouts_of
-from gen.fleet.store import MODELS, Kept, Store
+from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
 
 ROUNDS = 2
@@ -73,14 +73,6 @@ class Identified:
     lines: tuple[str, ...]
 
 
-def model_path(motor: str) -> str:
-    """Where in the store a motor's coefficient file is."""
-    return f"{MODELS}/motor={motor}.json"
-
-
-COMMON = f"{MODELS}/common.json"
-
-
 def identify_fleet(store: Store, options: Options, workers: Workers, progress: Progress) -> Identified:
     """Identify all motors of a store and write their coefficient files into it.
 
@@ -96,7 +88,7 @@ def identify_fleet(store: Store, options: Options, workers: Workers, progress: P
     with workers_of(store, workers) as client:
         if options.only_new:
             common = kept(store)
-            there = _with_model(store, runs)
+            there = with_model(store, runs)
             runs = {motor: own for motor, own in runs.items() if motor not in there}
         else:
             scouts = scouts_of(runs, options.scouts)
@@ -106,7 +98,7 @@ def identify_fleet(store: Store, options: Options, workers: Workers, progress: P
             progress("common model")
             sources = [s for motor in scouts for s in usable(store, runs[motor]).sources[-SHOWN_RUNS:]]
             text = mean_model(common, data_of(sources, options.ambient, common.structure.sensed))
-            store.write(COMMON, text.encode())
+            write_identified(store, COMMON, text)
             keep(store, common)
         said = common.as_json()
         tasks = {
@@ -132,16 +124,6 @@ def runs_of(store: Store, until: str | None = None) -> dict[str, list[Kept]]:
         when = "" if until is None else f" up to {until}"
         raise InputError(f"there are no runs{when}; expected a store that gen fleet add has filled", file=store.url)
     return chosen
-
-
-def models_of(store: Store, motors: Iterable[str]) -> dict[str, bytes]:
-    """Give the coefficient file of each motor that has one."""
-    return {motor: store.read(model_path(motor)) for motor in _with_model(store, motors)}
-
-
-def _with_model(store: Store, motors: Iterable[str]) -> list[str]:
-    there = set(store.names(MODELS))
-    return [motor for motor in motors if model_path(motor).removeprefix(f"{MODELS}/") in there]
 
 
 def _next_round(
@@ -170,7 +152,7 @@ def _written(store: Store, models: dict[str, Arrays | Failed], lines: list[str])
         if isinstance(model, Failed):
             refused[motor] = model.message
             continue
-        store.write(model_path(motor), str(model["text"]).encode())
+        write_identified(store, model_path(motor), str(model["text"]))
         errors[motor] = float(np.sqrt(np.nanmean(model["left_out_K"] ** 2)))
         lines += [f"{motor}: {line}" for line in model["lines"].tolist()]
     return Identified(errors, refused, tuple(lines))

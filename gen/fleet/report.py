@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from gen.errors import InputError
 from gen.files import MARK
-from gen.fleet.identify import model_path
+from gen.fleet.models import paths_in_use
 from gen.fleet.store import Store
 from gen.fleet.watch import FILE, QUIET, State, read_watched
 from gen.pages.environment import page_environment
@@ -61,7 +61,8 @@ def pages_of(store: Store) -> dict[str, str]:
     watched = read_watched(store)
     if watched is None:
         raise InputError("is missing; expected a fleet that gen fleet watch has seen", file=f"{store.url}/{FILE}")
-    rows = [_row(state) for state in watched.motors]
+    models = paths_in_use(store, [state.motor for state in watched.motors])
+    rows = [_row(state, models[state.motor]) for state in watched.motors]
     environment = page_environment()
     index, motor = (environment.get_template(f"fleet_{name}.html.j2") for name in ("index", "motor"))
     files = {
@@ -81,12 +82,12 @@ def pages_of(store: Store) -> dict[str, str]:
     return files
 
 
-def _row(state: State) -> Row:
+def _row(state: State, model: str) -> Row:
     points = _points(state.course_K)
     return Row(
         motor=state.motor,
         page=f"motors/{state.motor}.html",
-        model=model_path(state.motor),
+        model=model,
         state=state.state,
         said=state.said,
         last_alarm=state.last_alarm,

@@ -3,7 +3,8 @@
 ::
 
     runs/motor=ID/day=YYYY-MM-DD/NAME-<content>.parquet     what was measured
-    models/common.json, models/motor=ID.json                 coefficient files
+    models/common.json, models/motor=ID.json                 coefficient files, as identified
+    refined/common.json, refined/motor=ID.json               the same with effects that all motors show
     tasks/<kind>-<inputs>.npz                                what was computed, by what it was computed from
 """
 
@@ -11,7 +12,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -122,6 +123,18 @@ class Store:
                 if files.exists(beside):
                     files.rm_file(beside)
                 raise
+
+    def remove(self, path: str) -> None:
+        """Remove a file, where it is.
+
+        Raises
+        ------
+        InputError
+            When it cannot be removed.
+        """
+        files, root = self._reached
+        with self._naming(path), suppress(FileNotFoundError):
+            files.rm_file(f"{root}/{path}")
 
     def names(self, folder: str) -> list[str]:
         """Give the names of what is in a folder, sorted; none where it is missing."""

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from gen.errors import InputError
-from gen.fleet.identify import COMMON, models_of, runs_of
+from gen.fleet.identify import runs_of
 from gen.fleet.judging import FEWEST, LEAST_K, Finding, judge
+from gen.fleet.models import COMMON, in_use, models_of
 from gen.fleet.names import checked_motor
 from gen.fleet.patterns import Hypothesis
 from gen.fleet.pooling import FloatArray
@@ -93,7 +94,7 @@ def watch(store: Store, level: float, workers: Workers, progress: Progress) -> W
     runs = runs_of(store)
     if not store.exists(COMMON):
         raise InputError("is missing; expected a fleet that gen fleet identify has seen", file=f"{store.url}/{COMMON}")
-    mean = _hash(store.read(COMMON))
+    mean = _hash(store.read(in_use(store, COMMON)))
     tasks = {
         motor: {"motor": motor, "runs": as_lists(runs[motor][-SHOWN:]), "models": [_hash(model), mean]}
         for motor, model in models_of(store, runs).items()

@@ -161,12 +161,22 @@ def read_measured(coefficients: Coefficients, path: Path) -> Run:
     InputError
         When the file is not a run, is too short, or holds no temperature of any component.
     """
-    model = coefficients.model
-    run = believed_run(read_for(coefficients, path, most_rows=MOST_ROWS), _rates(coefficients))
+    return measured_in(coefficients, read_for(coefficients, path, most_rows=MOST_ROWS), str(path))
+
+
+def measured_in(coefficients: Coefficients, run: Run, name: str) -> Run:
+    """Keep the components that were measured in a run, without readings that none can have shown.
+
+    Raises
+    ------
+    InputError
+        When the run is too short, or holds no temperature of any component; `name` says which run.
+    """
+    run = believed_run(run, _rates(coefficients))
     measured = {name: values for name, values in run.temps.items() if np.any(np.isfinite(values))}
-    _check_measured(model, {f"{name}_degC" for name in measured}, run.time_s.size, str(path))
-    own = board_columns([*(f"{name}_degC" for name in run.temps), *run.extras])
-    extras = {name: values for name, values in run.extras.items() if name not in own}
+    _check_measured(coefficients.model, {f"{part}_degC" for part in measured}, run.time_s.size, name)
+    own = board_columns([*(f"{part}_degC" for part in run.temps), *run.extras])
+    extras = {column: values for column, values in run.extras.items() if column not in own}
     return replace(run, temps=measured, extras=extras)
 
 

@@ -53,7 +53,7 @@ def test_bad_input_is_one_line_and_nothing_is_written(tmp_path: Path, arguments:
     assert not (tmp_path / "store").exists()
 
 
-@pytest.mark.parametrize("command", [["identify"], ["watch"], ["report", "--out", "pages"]])
+@pytest.mark.parametrize("command", [["identify"], ["refine"], ["watch"], ["report", "--out", "pages"]])
 def test_a_store_that_is_none_is_told_and_nothing_is_written(tmp_path: Path, command: list[str]) -> None:
     done = gen("fleet", command[0], "nowhere", *command[1:], cwd=tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)

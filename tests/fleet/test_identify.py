@@ -13,7 +13,8 @@ from gen.coefficients import parse
 from gen.errors import InputError
 from gen.fleet.common import common_of, kept
 from gen.fleet.fitting import model_name
-from gen.fleet.identify import COMMON, Identified, identify_fleet, model_path, runs_of
+from gen.fleet.identify import Identified, identify_fleet, runs_of
+from gen.fleet.models import COMMON, model_path
 from gen.fleet.report import pages_of
 from gen.fleet.store import TASKS, Store
 from gen.fleet.watch import read_watched, watch

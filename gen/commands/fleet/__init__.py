@@ -6,6 +6,7 @@ import click
 
 from gen.commands.fleet.add import add
 from gen.commands.fleet.identify import identify
+from gen.commands.fleet.refine import refine
 from gen.commands.fleet.report import report
 from gen.commands.fleet.thresholds import thresholds
 from gen.commands.fleet.watch import watch
@@ -19,5 +20,5 @@ def fleet() -> None:
     """Keep the runs of many motors in one store, and work on all of them together."""
 
 
-for command in (add, identify, watch, thresholds, report):
+for command in (add, identify, refine, watch, thresholds, report):
     fleet.add_command(command)

@@ -137,8 +137,7 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
     steps: list[Step] = []
     every = candidates(shape.motor(), data.offered)
     while len(steps) < MOST_EFFECTS:
-        open_ = now.floors > ENOUGH_BESIDE if steps else now.floors > ENOUGH or bench.bent(now.fitted) > BENT
-        step = _search(bench, now, every if open_ else [], progress)
+        step = one_more(bench, now, every if leaves_some(bench, now) else [], progress)
         steps.append(step)
         if step.added is None:
             break
@@ -152,6 +151,13 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
     left, now = needed(bench, steps, now, progress)
     dropped = tuple(step.added for step in steps if step.added is not None and step not in left)
     return Traced(data, judged(data, base, bench.as_it_is(shape)), null, tuple(left), now, dropped)
+
+
+def leaves_some(bench: Bench, now: Judged) -> bool:
+    """Whether so much is left that one more effect is worth a search."""
+    if now.names:
+        return now.floors > ENOUGH_BESIDE
+    return now.floors > ENOUGH or bench.bent(now.fitted) > BENT
 
 
 def needed(
@@ -188,8 +194,8 @@ def needed(
     return steps, final
 
 
-def _search(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress: Callable[[str], None]) -> Step:
-    """One more effect."""
+def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress: Callable[[str], None]) -> Step:
+    """Search one more effect beside those that were found, among candidates."""
     data, base = bench.data, now.fitted
     found = base.shape.effects
     taken = {(effect.name, effect.component) for effect in found}
