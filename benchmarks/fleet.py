@@ -62,10 +62,11 @@ def filled(folder: Path, motors: list[Motor]) -> Store:
     return store
 
 
-def gen(*arguments: str, kill: bool = False) -> float:
+def gen(*arguments: str, kill: bool = False, shown: bool = False) -> float:
     """Run a command, and give the time it took in s; one of its workers is killed in the middle, if asked."""
     began = time.perf_counter()
-    process = subprocess.Popen([sys.executable, "-m", "gen", "fleet", *arguments], stdout=subprocess.DEVNULL)
+    stdout = None if shown else subprocess.DEVNULL
+    process = subprocess.Popen([sys.executable, "-m", "gen", "fleet", *arguments], stdout=stdout)
     if kill:
         _kill_one(process.pid, Path(arguments[1]) / TASKS)
     if process.wait():
@@ -235,7 +236,7 @@ def main() -> None:
         print(f"watched in {watching:.0f} s; largest process {peak:.0f} MB", flush=True)
         faults(store, motors)
         if options.refine:
-            refining = gen("refine", store.url, "--jobs", "2")
+            refining = gen("refine", store.url, "--jobs", "2", shown=True)
             gen("watch", store.url, "--jobs", "2")
             print(f"refined in {refining:.0f} s, and watched again", flush=True)
             faults(store, motors)
