@@ -28,7 +28,7 @@ AT = {
     "standstill_cooling": (0.3, -0.2),
     "direction": (0.3,),
     "temperature_dependent_loss": (0.004,),
-    "hidden_node": (4.0, -1.5, -3.0, 0.5),
+    "hidden_node": (4.0, -1.5, -3.0, 0.5, 1.3),
     "coupling": (-1.0,),
     "radiation": (-1.5,),
     "schedule_error": (0.1, 0.2, 0.3, 0.2, 0.1, 0.2),

@@ -65,6 +65,20 @@ def test_a_mass_that_the_model_lacks_is_found_and_written(tmp_path: Path) -> Non
     assert [node.name for node in network.hidden] == ["hidden1"]
 
 
+def test_a_hidden_part_may_heat_by_any_power_of_speed(tmp_path: Path) -> None:
+    """A load's current hardly changes with speed: heat that goes with the square would not do."""
+    motor = tree()
+    motor["network"]["nodes"].append({"name": "coil", "capacity_J_per_K": 90})
+    motor["network"]["paths"].append({"between": ["casing", "coil"], "conductance_W_per_K": {"poly": [0.15]}})
+    watts = {"power": {"constant": 0.0, "forced": 3.0, "exponent": 0.4}, "at_rest": 0.0}
+    motor["network"]["heats"].append({"node": "coil", "power_W": watts})
+    found = refined(motor, tmp_path)
+    effect = found.details()["effects"][0]
+    assert (effect["name"], effect["component"]) == ("hidden_node", "casing")
+    assert effect["parameters"]["exponent"] == pytest.approx(0.4, abs=0.15)
+    assert error_K(found, tmp_path) < 1.2 * NOISE_K
+
+
 def test_a_fan_is_found_by_its_channel(tmp_path: Path) -> None:
     motor = tree()
     motor["network"]["channels"] = [{"column": "fan_mps", "range": [0, 10], "neutral": 0}]
