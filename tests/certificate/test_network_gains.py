@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 
 import gen
-from gen.errors import CheckFailed
+from gen.errors import CheckFailed, InputError
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.reference.board import reference_of
+from gen.reference.network import ReferenceNetwork
 from tests.certificate.networks import chain, emitted, read
 from tests.certificate.test_network import ARITHMETICS, CERTIFICATE, MODEL, changed
 from tests.certificate.test_planted import Edit, added, planted, replaced
@@ -66,7 +67,7 @@ def test_the_statement_is_about_its_gains(projects: Projects, tmp_path: Path) ->
     assert gen.check(out, coefficients=gen.load(same))
     file["network"]["nodes"][0]["sensor"]["gain_error"] = -0.45 * (1.0 + 1e-9)
     other.write_text(json.dumps(file))
-    with pytest.raises(CheckFailed, match="about other equations"):
+    with pytest.raises(CheckFailed, match="about other components"):
         gen.check(out, coefficients=gen.load(other))
 
 
@@ -114,7 +115,6 @@ DEFECTS: dict[str, tuple[str, Edit]] = {
     "a base of its own": (MODEL, replaced(r"about_ambient \? ambient : 0", "about_ambient ? ambient : 1")),
     "a shift too short": (MODEL, replaced(r"over, gain\), 15\)", "over, gain), 14)")),
     "a start's shift too short": (MODEL, replaced(r"over, back\), 16\)", "over, back), 15)")),
-    "rounded by more than a half": (MODEL, replaced(r"sum\(16384u\), over, gain", "sum(65535u), over, gain")),
     "the offset before the gain": (
         MODEL,
         replaced(
@@ -127,9 +127,7 @@ DEFECTS: dict[str, tuple[str, Edit]] = {
     "another sign in the certificate": (CERTIFICATE, _component(0, gain_error=0.45)),
     "another base in the certificate": (CERTIFICATE, _component(0, gain_about="zero_degC")),
     "half of a gain in the certificate": (CERTIFICATE, _component(2, gain_error=0.75)),
-    "a gain about nothing": (CERTIFICATE, _component(0, gain_about=None)),
     "no gain in the certificate": (CERTIFICATE, changed(_nothing_of_the_gain)),
-    "a gain where none is": (CERTIFICATE, _component(1, gain_error=-1.0)),
 }
 
 
@@ -141,6 +139,12 @@ def test_a_defect_of_a_gain_is_refuted(projects: Projects, tmp_path: Path, defec
     name, edit = DEFECTS[defect]
     with pytest.raises(CheckFailed):
         gen.check(planted(projects[arithmetic][0], tmp_path, name, edit))
+
+
+@pytest.mark.parametrize("parts", [{"gain_about": None}, {"gain_error": -1.0}, {"gain_about": "room"}])
+def test_a_gain_that_means_nothing_is_no_certificate(projects: Projects, tmp_path: Path, parts: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match=r"is no certificate"):
+        gen.check(planted(projects["fixed"][0], tmp_path, CERTIFICATE, _component(0, **parts)))
 
 
 def test_what_the_reference_starts_from_and_shows_is_exact_to_a_few_words() -> None:
@@ -155,7 +159,8 @@ def test_what_the_reference_starts_from_and_shows_is_exact_to_a_few_words() -> N
     board = reference_of(
         program, {r.name: (a - told[0]).tolist() for r, a in zip(network.readings, asked, strict=True)}, told
     )
-    temperatures = board.temperatures  # type: ignore[union-attr]
+    assert isinstance(board, ReferenceNetwork)
+    temperatures = board.temperatures
     for number, (reading, sensor) in enumerate(zip(network.readings, SENSORS[0], strict=True)):
         g, offset = Fraction(sensor["gain_error"]), Fraction(sensor.get("offset_K", 0))
         for lane in range(lanes):

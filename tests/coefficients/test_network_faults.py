@@ -53,7 +53,7 @@ FORM: list[tuple[Path_, object, str, str]] = [
     ((*NODES, 0, "capacity_J_per_K"), DELETE, "$.network.nodes[0]", 'missing key "capacity_J_per_K"'),
     ((*NODES, 1, "sensor", "lag_s"), -1, "$.network.nodes[1].sensor.lag_s", "expected at least 0"),
     ((*NODES, 1, "sensor", "offset_K"), "x", "$.network.nodes[1].sensor.offset_K", "expected a number"),
-    ((*NODES, 1, "sensor", "gain_error"), -0.9, "$.network.nodes[1].sensor.gain_error", "expected more than -0.9"),
+    ((*NODES, 1, "sensor", "gain_error"), -0.9, "$.network.nodes[1].sensor.gain_error", "expected a number over -0.9"),
     ((*NODES, 1, "sensor", "gain_error"), 2.1, "$.network.nodes[1].sensor.gain_error", "expected at most 2"),
     ((*NODES, 1, "sensor", "gain_about"), "room", "$.network.nodes[1].sensor.gain_about", "ambient"),
     ((*NODES, 1, "sensor", "lag"), 3, "$.network.nodes[1].sensor.lag", 'did you mean "lag_s"?'),

@@ -138,13 +138,11 @@ def test_readings_whose_gains_are_wrong_stay_within_their_bounds(turn: int, arit
     parts = network.components()
     bounds = np.array([part.proof.bound_K for part in parts])[:, None]
     ends = np.array([part.proof.range_degC for part in parts])
-    lsb = 2.0**-network.fraction_bits
-    most, widest = np.zeros(len(parts)), np.zeros(len(parts))
+    most = np.zeros(len(parts))
     for sample in range(120):
         most = np.maximum(most, plant.error.max(axis=1))
         assert np.all(plant.error <= bounds)
         shown = plant.board.readings
-        widest = np.maximum(widest, np.abs(shown).max(axis=1))
         assert np.all(ends[:, :1] <= shown)
         assert np.all(shown <= ends[:, 1:])
         assert np.all(plant.states >= network.proof.low)
@@ -152,9 +150,21 @@ def test_readings_whose_gains_are_wrong_stay_within_their_bounds(turn: int, arit
         if sample % 7 == 0:
             plant.told = plant.draw()
         plant.advance(plant.random.choice([0, 255, -60], plant.lanes))
-    assert np.all(most > 0.4 * lsb)
-    # Nothing else makes such words wide: they are what may overflow.
-    assert widest.max() * 2.0**network.fraction_bits > 2.0**28
+    assert np.all(most > 0.4 * 2.0**-network.fraction_bits)
+
+
+@pytest.mark.parametrize("about", ["ambient", "zero_degC"])
+def test_what_a_large_gain_shows_fits_its_word(about: str) -> None:
+    """A reading up to three times as far from its base as the node is: words as fine as without would overflow."""
+    tree = network_tree(8, 1, plain=True)
+    without = lower(loaded(tree), "fixed", "table").network
+    tree["network"]["nodes"][0]["sensor"] = {"gain_error": 2.0, "gain_about": about}
+    network = lower(loaded(tree), "fixed", "table").network
+    assert network is not None
+    assert without is not None
+    low, high = network.components()[0].proof.range_degC
+    furthest = max(high - network.channels[0].low / 1000.0, network.channels[0].high / 1000.0 - low, high, -low)
+    assert furthest * 2.0**network.fraction_bits < 2.0**31 < furthest * 2.0**without.fraction_bits
 
 
 def test_a_start_is_read_back_through_every_gain() -> None:

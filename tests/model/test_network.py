@@ -114,7 +114,8 @@ def reading(node: Tree, temperature: Array, room: Array) -> Array:
     """What a node's sensor shows of a temperature behind its lag."""
     sensor = node["sensor"]
     base = room if sensor.get("gain_about", "ambient") == "ambient" else 0.0
-    return temperature + sensor.get("gain_error", 0.0) * (temperature - base) + sensor.get("offset_K", 0.0)
+    gain, offset = float(sensor.get("gain_error", 0.0)), float(sensor.get("offset_K", 0.0))
+    return np.asarray(temperature + gain * (temperature - base) + offset)
 
 
 def integrated(
@@ -283,7 +284,7 @@ def test_it_settles_where_all_flows_balance(name: str) -> None:
         found = NetworkSolution(model_of(name)).simulate_times(np.array([0.0, 1e7]), held, 30.0)
         for node in tree["network"]["nodes"]:
             if node.get("sensor") is not None:
-                shown = reading(node, settled[names.index(node["name"])], np.float64(30.0))
+                shown = reading(node, settled[names.index(node["name"])], np.array(30.0))
                 assert found[node["name"]][-1] == pytest.approx(float(shown), abs=1e-8)
 
 
