@@ -79,7 +79,7 @@ def network_statement(coefficients: Coefficients) -> dict[str, Any]:
 def _gain(sensor: Sensor) -> dict[str, Any]:
     if sensor.gain_error == 0.0:
         return {}
-    return {"gain_error": sensor.gain_error, "gain_about": "ambient" if sensor.about_ambient else "zero_degC"}
+    return {"shown_per_K": sensor.gain_error, "shown_about": "ambient" if sensor.about_ambient else "zero_degC"}
 
 
 def _equations(network: Network, model: ThermalModel) -> dict[str, Any]:

@@ -80,8 +80,8 @@ def _component(number: int, **parts: object) -> Edit:
 
 def _nothing_of_the_gain(tree: dict[str, Any]) -> None:
     for component in tree["components"]:
-        component.pop("gain_error", None)
-        component.pop("gain_about", None)
+        component.pop("shown_per_K", None)
+        component.pop("shown_about", None)
 
 
 def _flag(number: int, nth: int) -> Edit:
@@ -122,11 +122,11 @@ DEFECTS: dict[str, tuple[str, Edit]] = {
             "word = upper(reading.state) + reading.offset, ambient",
         ),
     ),
-    "another gain in the certificate": (CERTIFICATE, _component(0, gain_error=-0.45 + 2e-7)),
-    "another gain of degC in the certificate": (CERTIFICATE, _component(1, gain_error=0.07 + 2e-7)),
-    "another sign in the certificate": (CERTIFICATE, _component(0, gain_error=0.45)),
-    "another base in the certificate": (CERTIFICATE, _component(0, gain_about="zero_degC")),
-    "half of a gain in the certificate": (CERTIFICATE, _component(2, gain_error=0.75)),
+    "another gain in the certificate": (CERTIFICATE, _component(0, shown_per_K=-0.45 + 2e-7)),
+    "another gain of degC in the certificate": (CERTIFICATE, _component(1, shown_per_K=0.07 + 2e-7)),
+    "another sign in the certificate": (CERTIFICATE, _component(0, shown_per_K=0.45)),
+    "another base in the certificate": (CERTIFICATE, _component(0, shown_about="zero_degC")),
+    "half of a gain in the certificate": (CERTIFICATE, _component(2, shown_per_K=0.75)),
     "no gain in the certificate": (CERTIFICATE, changed(_nothing_of_the_gain)),
 }
 
@@ -141,7 +141,7 @@ def test_a_defect_of_a_gain_is_refuted(projects: Projects, tmp_path: Path, defec
         gen.check(planted(projects[arithmetic][0], tmp_path, name, edit))
 
 
-@pytest.mark.parametrize("parts", [{"gain_about": None}, {"gain_error": -1.0}, {"gain_about": "room"}])
+@pytest.mark.parametrize("parts", [{"shown_about": None}, {"shown_per_K": -1.0}, {"shown_about": "room"}])
 def test_a_gain_that_means_nothing_is_no_certificate(projects: Projects, tmp_path: Path, parts: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=r"is no certificate"):
         gen.check(planted(projects["fixed"][0], tmp_path, CERTIFICATE, _component(0, **parts)))

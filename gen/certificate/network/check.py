@@ -308,7 +308,7 @@ class NetworkProof:
         carried = self._error[part.state]
         if self._certificate.has_gains:
             word = self._sensors.reading(part, (float(low), float(high)))
-            carried = carried * (1.0 + (part.gain_error or 0.0))
+            carried = carried * (1.0 + (part.shown_per_K or 0.0))
         bound = (carried + word) * (1.0 + ROUGHLY)
         furthest = max(abs(low), abs(high), high - self._ambient[0], self._ambient[1] - low) + abs(offset) * self._unit
         if not furthest * (1.0 + ROUGHLY) < (2.0**31 - 8.0) * self._unit:

@@ -221,7 +221,7 @@ class Component(_Strict):
         What is measured; what is read, another one where the sensor lags.
     shown_K
         Added to what is shown at last.
-    gain_error, gain_about
+    shown_per_K, shown_about
         Of a sensor whose gain is wrong: g, which adds g (T - base), the base being the ambient or 0 degC.
     bound_K, reading_K
         Largest error of the reading's word, and of ``NAME_rise_mK`` against the ambient that was told last.
@@ -231,14 +231,14 @@ class Component(_Strict):
     node: Place
     state: Place
     shown_K: Number
-    gain_error: Annotated[Number, Field(gt=-1)] | None = None
-    gain_about: Literal["ambient", "zero_degC"] | None = None
+    shown_per_K: Annotated[Number, Field(gt=-1)] | None = None
+    shown_about: Literal["ambient", "zero_degC"] | None = None
     bound_K: Width
     reading_K: Width
 
     @model_validator(mode="after")
     def _about_something(self) -> Component:
-        if (self.gain_error is None) != (self.gain_about is None):
+        if (self.shown_per_K is None) != (self.shown_about is None):
             raise ValueError("a gain is about nothing, or nothing is about a base")
         return self
 
@@ -286,7 +286,7 @@ class NetworkCertificate(_Strict):
     @property
     def has_gains(self) -> bool:
         """Whether the gain of a sensor is wrong."""
-        return any(part.gain_error is not None for part in self.components)
+        return any(part.shown_per_K is not None for part in self.components)
 
     @property
     def hidden(self) -> list[int]:

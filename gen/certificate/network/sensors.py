@@ -73,7 +73,7 @@ class Sensors:
         for reading in (made, made - room):
             if not np.all(reading.largest * (1.0 + ROUGHLY) < 2.0**31 - 8.0):
                 raise Refuted(f"{part.name}: what is read may overflow")
-        exact = self._exact(part, space, Fraction(part.gain_error or 0.0)) + space.number(part.shown_K)
+        exact = self._exact(part, space, Fraction(part.shown_per_K or 0.0)) + space.number(part.shown_K)
         return self._away(made, exact)
 
     def start(self, part: Component, asked: tuple[float, float]) -> tuple[tuple[float, float], float]:
@@ -98,8 +98,8 @@ class Sensors:
         """
         own = self.measured.sensors[part.name]
         ends = (asked[0] - part.shown_K, asked[1] - part.shown_K)
-        back = Fraction(part.gain_error or 0.0) / (1 + Fraction(part.gain_error or 0.0))
-        bases = self.ambient if part.gain_about == "ambient" else (0.0,)
+        back = Fraction(part.shown_per_K or 0.0) / (1 + Fraction(part.shown_per_K or 0.0))
+        bases = self.ambient if part.shown_about == "ambient" else (0.0,)
         corners = [float((1 - back) * Fraction(x) + back * Fraction(base)) for x in ends for base in bases]
         space = Space([ends, self.ambient], [], 1)
         wrong = self.measured.start + abs(own.offset - part.shown_K / self.word_K)
@@ -128,7 +128,7 @@ class Sensors:
     def _exact(part: Component, space: Space, weight: Fraction) -> Form:
         """A temperature, and a share of its distance from the base, degC."""
         at = space.temperature(_FIRST)
-        over = at - space.temperature(_AMBIENT) if part.gain_about == "ambient" else at
+        over = at - space.temperature(_AMBIENT) if part.shown_about == "ambient" else at
         return (at + over.times(float(weight))).within(_WEIGHTS)
 
     def _away(self, words: Form, exact: Form) -> float:

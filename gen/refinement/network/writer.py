@@ -147,11 +147,15 @@ class NetworkWriter:
     def sensor(self, name: str, *, offset_K: float = 0.0, lag_s: float = 0.0) -> None:
         """Add to what stands between a node and its reading; an offset is one of readings with a right gain."""
         old = self._sensor(name)
-        offset_K = old.offset_K + offset_K * self._through.get(name, 1.0)
-        more = {"offset_K": six_digits(offset_K), "lag_s": six_digits(old.lag_s + lag_s)}
-        self._nodes(name, sensor=SensorEntry.model_validate(old.model_dump(exclude_unset=True) | more))
+        offset_K = six_digits(old.offset_K + offset_K * self._through.get(name, 1.0))
+        lag_s = six_digits(old.lag_s + lag_s)
+        if old.gain_error:
+            sensor = SensorEntry(offset_K=offset_K, lag_s=lag_s, gain_error=old.gain_error, gain_about=old.gain_about)
+        else:
+            sensor = SensorEntry(offset_K=offset_K, lag_s=lag_s)
+        self._nodes(name, sensor=sensor)
 
-    def sensor_gain(self, name: str, gain_error: float, about: Literal["ambient", "zero_degC"]) -> None:
+    def wrong_gain(self, name: str, error: float, about: Literal["ambient", "zero_degC"]) -> None:
         """Multiply what a sensor shows over a base.
 
         Raises
@@ -166,9 +170,9 @@ class NetworkWriter:
                 f'the gain of "{name}" is wrong about {place[old.gain_about]} in the file, and was found to be wrong '
                 f"about {place[about]} beside that; a file holds one of them"
             )
-        gain_error = (1.0 + old.gain_error) * (1.0 + gain_error) - 1.0
-        more = {"gain_error": six_digits(gain_error), "gain_about": about}
-        self._nodes(name, sensor=SensorEntry.model_validate(old.model_dump(exclude_unset=True) | more))
+        error = six_digits((1.0 + old.gain_error) * (1.0 + error) - 1.0)
+        sensor = SensorEntry(offset_K=old.offset_K, lag_s=old.lag_s, gain_error=error, gain_about=about)
+        self._nodes(name, sensor=sensor)
 
     def _sensor(self, name: str) -> SensorEntry:
         return next(node for node in self.entry.nodes if node.name == name).sensor or SensorEntry()

@@ -44,7 +44,7 @@ def writer_of(motor: Coefficients) -> NetworkWriter:
 @pytest.mark.parametrize("about", ["ambient", "zero_degC"])
 def test_a_gain_that_was_found_multiplies_the_one_that_is_there(about: str) -> None:
     writer = writer_of(with_sensor(gain_error=-0.4, gain_about=about, offset_K=0.5, lag_s=7.0))
-    made = writer.sensor_gain
+    made = writer.wrong_gain
     made("winding", 0.25, "ambient" if about == "ambient" else "zero_degC")
     # What is found of an offset lies before the gain of the file, not before the one that was found with it.
     writer.sensor("winding", offset_K=1.0)
@@ -56,13 +56,13 @@ def test_a_gain_that_was_found_multiplies_the_one_that_is_there(about: str) -> N
 def test_a_gain_about_another_base_is_refused_in_words() -> None:
     writer = writer_of(with_sensor(gain_error=-0.4))
     with pytest.raises(InputError, match=r'the gain of "winding" is wrong about the ambient in the file, .* 0 degC'):
-        writer.sensor_gain("winding", 0.1, "zero_degC")
+        writer.wrong_gain("winding", 0.1, "zero_degC")
 
 
 def test_a_gain_beyond_what_a_file_holds_is_refused() -> None:
     writer = writer_of(with_sensor(gain_error=-0.8))
     with pytest.raises(ValueError, match="gain_error"):
-        writer.sensor_gain("winding", -0.6, "ambient")
+        writer.wrong_gain("winding", -0.6, "ambient")
 
 
 @pytest.mark.parametrize("about", ["ambient", "zero_degC"])

@@ -63,7 +63,7 @@ class SensorGain(SensorEffect):
         return self._sensor, self._of(seen.temperature) - (seen.ambient if self._of_rise else 0.0)
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
-        entry.sensor_gain(self.component, values[0], "ambient" if self._of_rise else "zero_degC")
+        entry.wrong_gain(self.component, values[0], "ambient" if self._of_rise else "zero_degC")
 
 
 class SensorLag(SensorEffect):
