@@ -10,6 +10,7 @@ import pytest
 
 from gen.coefficients import Coefficients, parse, with_network
 from gen.errors import InputError
+from gen.lowering.lower import lower
 from gen.model.network_solution import NetworkSolution
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import make_data
@@ -108,6 +109,7 @@ def test_a_file_with_a_gain_predicts_runs_with_it_and_a_further_gain_is_found_be
     assert written["gain_about"] == about
     assert written["gain_error"] == pytest.approx(0.7 * 0.85 - 1.0, abs=0.02)
     refined = parse(with_network(json.dumps(tree()), writer.entry, "a test").encode())
+    assert lower(refined, "fixed", "table").network  # with a guaranteed bound, or it raises
     measured = run(further, 3, noise_K=0.0)
     assert measured.ambient is not None
     start = {name: float(values[0]) for name, values in measured.temps.items()}
