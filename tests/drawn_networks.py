@@ -51,7 +51,9 @@ def drawn(seed: int, size: int) -> dict[str, Any]:
         heats += [{"node": name(k), "power_W": power, **growth, **factors()}]
     nodes = []
     for k in range(size):
-        sensor = {"offset_K": float(np.round(rng.normal(), 2)), "lag_s": [0.0, 6.0][pick(3, 1)]}
+        sensor: dict[str, Any] = {"offset_K": float(np.round(rng.normal(), 2)), "lag_s": [0.0, 6.0][pick(3, 1)]}
+        gains: list[dict[str, Any]] = [{}, {"gain_error": -0.2}, {"gain_error": 0.1, "gain_about": "zero_degC"}]
+        sensor |= gains[(seed + k) % 3]
         hidden = {"start_factor": [1.0, 0.4, 1.7][seed % 3]}
         shown = {"sensor": sensor} if k == 0 or rng.random() < 0.7 else hidden
         nodes.append({"name": name(k), "capacity_J_per_K": float(np.round(rng.uniform(40, 900), 1)), **shown})

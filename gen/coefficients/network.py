@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -119,6 +119,17 @@ class SensorEntry(Part):
 
     offset_K: Annotated[Number, Field(ge=-50, le=50)] = 0.0
     lag_s: Annotated[NotNegative, Field(le=3600)] = 0.0
+    gain_error: Annotated[
+        Number,
+        Field(gt=-0.9, le=2, description="Relative: what is shown over where the reading is right is (1 + g) times."),
+    ] = 0.0
+    gain_about: Annotated[
+        Literal["ambient", "zero_degC"], Field(description="Where the reading is right: at the ambient, or at 0 degC.")
+    ] = "ambient"
+
+    def sensor(self) -> Sensor:
+        """Give the model's sensor."""
+        return Sensor(self.offset_K, self.lag_s, self.gain_error, self.gain_about == "ambient")
 
 
 class NodeEntry(Part):
@@ -277,7 +288,7 @@ class NetworkEntry(Part):
                 Node(
                     node.name,
                     node.capacity_J_per_K,
-                    None if node.sensor is None else Sensor(node.sensor.offset_K, node.sensor.lag_s),
+                    None if node.sensor is None else node.sensor.sensor(),
                     node.description,
                     node.start_factor,
                 )

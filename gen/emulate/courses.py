@@ -81,16 +81,20 @@ class NetworkCourse:
         self._solution = cache(lambda active: NetworkSolution(replace(model, network=faulty(network, active))))
         self._steps: dict[tuple[object, ...], Steps] = {}
         healthy = self._solution(())
-        offsets = {node.name: node.sensor.offset for node in network.nodes if node.sensor is not None}
-        first = {name: start_degC[name] + offset for name, offset in offsets.items() if name in start_degC}
+        first = {
+            node.name: float(node.sensor.shown(start_degC[node.name], ambient))
+            for node in network.nodes
+            if node.sensor is not None and node.name in start_degC
+        }
         self._states = healthy.start(first, ambient)
         for node in network.hidden:
             if node.name in start_degC:
                 self._states[network.index(node.name)] = start_degC[node.name]
-        self._readings = dict(zip(offsets, healthy.readings, strict=True))
+        self._healthy, self._ambient = healthy, ambient
 
     def step(self, pwm: int, dt_s: float, ambient: float, told: Mapping[str, float], active: Active) -> None:
         """See `Course.step`."""
+        self._ambient = ambient
         own = {channel.column: told[channel.column] for channel in self._network.channels}
         solution, counts, step = self._solution(active), np.array([abs(pwm)]), np.array([dt_s])
         if self._network.laws:
@@ -113,8 +117,8 @@ class NetworkCourse:
     @property
     def shown(self) -> dict[str, float]:
         """See `Course.shown`; of a hidden node its temperature."""
-        readings = {name: float(self._states[place]) + offset for name, (place, offset) in self._readings.items()}
-        return self.parts | readings
+        readings = self._healthy.shown(self._states, self._ambient)
+        return self.parts | {name: float(reading) for name, reading in readings.items()}
 
 
 class PartsCourse:

@@ -15,7 +15,7 @@ from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import ThermalModel
 from gen.model.laws import Convection, Law
 from gen.model.network import Network
-from gen.model.network_parts import Factor
+from gen.model.network_parts import Factor, Sensor
 
 _INSIDE_K = 0.004
 """By which ranges are claimed wider than the linear programme has them, at most: its tolerances lie far below."""
@@ -71,8 +71,15 @@ def network_statement(coefficients: Coefficients) -> dict[str, Any]:
             state = len(states)
             name = identifier(lagging_reading(node.name))
             states.append({"name": name, "lags": place, "time_constant_s": node.sensor.lag})
-        components.append({"name": node.name, "node": place, "state": state, "shown_K": node.sensor.offset})
+        shown = {"shown_K": node.sensor.offset, **_gain(node.sensor)}
+        components.append({"name": node.name, "node": place, "state": state, **shown})
     return {"equations": _equations(network, model), "states": states, "components": components}
+
+
+def _gain(sensor: Sensor) -> dict[str, Any]:
+    if sensor.gain_error == 0.0:
+        return {}
+    return {"shown_per_K": sensor.gain_error, "shown_about": "ambient" if sensor.about_ambient else "zero_degC"}
 
 
 def _equations(network: Network, model: ThermalModel) -> dict[str, Any]:

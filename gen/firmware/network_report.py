@@ -136,6 +136,11 @@ def network_constants(program: Program) -> list[Cells]:
             path = f"$.network.nodes[{reading.node}].sensor.offset_K"
             form = f"int32, Q{lowered.fraction_bits}"
             rows.append((reading.name, "sensor's offset", "K", form, path, f"{source}.cpp: READING"))
+        if reading.gain is not None and lowered.gains is not None:
+            path = f"$.network.nodes[{reading.node}].sensor.gain_error"
+            form = f"uint32, Q{lowered.gains.shown} and Q{lowered.gains.back}"
+            of = "of the rise" if reading.gain.about_ambient else "of degC"
+            rows.append((reading.name, f"sensor's gain, {of}", "1", form, path, f"{source}.cpp: READING"))
     return rows
 
 

@@ -172,15 +172,17 @@ def start_wait(model: ThermalModel, name: str, counts: range) -> int:
         if not model.network.hidden:
             return 0
         read = model.network.index(name)
+        sensor = model.network.nodes[read].sensor
+        times = 1.0 if sensor is None else 1.0 + sensor.gain_error
         matrices, inside, errors = *(model.network.matrices(at)[0] for at in (levels, inner)), _hidden(model, levels)
     else:
-        component, read = model.component(name), 0
+        component, read, times = model.component(name), 0, 1.0
         if component.order == 1:
             return 0
         (matrices, _), (inside, _) = component.state_matrices(levels), component.state_matrices(inner)
         errors = _slopes(component, levels, matrices)
     later = np.concatenate([np.hstack(list(_responses(matrix) @ errors)) for matrix in matrices], axis=1)
-    return max(_fading_time(matrix, later, model, read) for matrix in inside)
+    return max(_fading_time(matrix, times * later, model, read) for matrix in inside)
 
 
 def _slopes(component: Component, levels: NDArray[np.int64], matrices: Array) -> Array:

@@ -146,18 +146,41 @@ def _roots(a: float, b: float, c: float) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Sensor:
-    """What stands between a node and its reading.
+    """What stands between a node and its reading: first the lag, then the gain's error, then the offset.
 
     Parameters
     ----------
     offset
-        Reading less temperature at rest, K.
+        Added at last, K.
     lag
         Time constant of first order, s; 0 for none.
+    gain_error
+        Above -1: what is shown over the base is 1 + gain_error times what there is.
+    about_ambient
+        Whether that base is the ambient (a sensor that has come half off shows too little of the rise); else it is
+        0 degC (an amplifier's gain).
     """
 
     offset: float = 0.0
     lag: float = 0.0
+    gain_error: float = 0.0
+    about_ambient: bool = True
+
+    def base(self, ambient: ArrayLike) -> FloatArray:
+        """Where the gain's error shows nothing, degC, of the ambient's shape."""
+        room = np.asarray(ambient, dtype=np.float64)
+        return room if self.about_ambient else np.zeros_like(room)
+
+    def shown(self, temperature: ArrayLike, ambient: ArrayLike) -> FloatArray:
+        """Give the reading of a temperature behind the lag, all in degC, of shapes that fit together."""
+        at = np.asarray(temperature, dtype=np.float64)
+        return np.asarray(at + self.gain_error * (at - self.base(ambient)) + self.offset, dtype=np.float64)
+
+    def temperature(self, reading: ArrayLike, ambient: ArrayLike) -> FloatArray:
+        """Give the temperature at which a sensor in balance shows a reading, all in degC."""
+        seen = np.asarray(reading, dtype=np.float64) - self.offset
+        base = self.base(ambient)
+        return seen if self.gain_error == 0.0 else np.asarray(base + (seen - base) / (1.0 + self.gain_error))
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,7 @@ class NetworkSolution:
         lagging = [name for name, sensor in sensed if sensor.lag > 0.0]
         #: Of each sensor with a lag: its node's position, and its time constant in s.
         self._lags = [(self.network.index(name), sensor.lag) for name, sensor in sensed if name in lagging]
-        self._offsets = {name: sensor.offset for name, sensor in sensed}
+        self._sensors = dict(sensed)
         first = len(self.network.nodes)
         self._places = {
             name: first + lagging.index(name) if name in lagging else self.network.index(name) for name, _ in sensed
@@ -96,7 +96,7 @@ class NetworkSolution:
         ValueError
             If shapes differ, the time does not increase, or the PWM is none.
         """
-        return self._shown(self.states_along(time_s, pwm, ambient, channels, start))
+        return self.shown(self.states_along(time_s, pwm, ambient, channels, start), ambient)
 
     def states_along(
         self,
@@ -141,8 +141,17 @@ class NetworkSolution:
                 self._march(steps, own, room[part], out[part.start : part.stop + 1])
         return out
 
-    def _shown(self, states: FloatArray) -> dict[str, FloatArray]:
-        return {name: states[:, place] + self._offsets[name] for name, place in self._places.items()}
+    def shown(self, states: FloatArray, ambient: ArrayLike) -> dict[str, FloatArray]:
+        """Readings by sensed node, degC.
+
+        Parameters
+        ----------
+        states
+            As :meth:`start` and :meth:`advance` give them, degC, shape (..., states).
+        ambient
+            At the time of the reading, degC, a number or shape (...).
+        """
+        return {name: self._sensors[name].shown(states[..., place], ambient) for name, place in self._places.items()}
 
     def _integrate(self, inputs: FloatArray, names: tuple[str, ...], room: FloatArray, out: FloatArray) -> None:
         """Row by row, the inputs of equal rows looked up once."""
@@ -215,11 +224,6 @@ class NetworkSolution:
             state = state + (steps.increment[i] @ state + steps.ambient[i] * room[k] + steps.heat[i])
             out[k + 1] = state
 
-    @property
-    def readings(self) -> list[tuple[int, float]]:
-        """Of each sensed node: the position of its reading among the states, and what is added, K."""
-        return [(place, self._offsets[name]) for name, place in self._places.items()]
-
     def start(self, readings: Mapping[str, ArrayLike], ambient: ArrayLike) -> FloatArray:
         """States at the start.
 
@@ -246,8 +250,8 @@ class NetworkSolution:
             raise KeyError(f"no sensed node {', '.join(sorted(unknown))}")
         room = np.asarray(ambient, dtype=np.float64)
         sensed = [
-            np.asarray(readings[name], dtype=np.float64) - offset if name in readings else room
-            for name, offset in self._offsets.items()
+            sensor.temperature(readings[name], room) if name in readings else room
+            for name, sensor in self._sensors.items()
         ]
         given = np.stack(np.broadcast_arrays(*sensed, room), axis=-1)
         nodes = np.empty((*given.shape[:-1], len(network.nodes)))

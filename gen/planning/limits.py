@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,10 @@ from gen.coefficients import Coefficients
 from gen.coefficients.alarms import OverTemperature
 from gen.errors import InputError
 from gen.identification.network.bins import FloatArray
+from gen.model.network import Network
 from gen.model.network_parts import PWM
 from gen.planning.hypotheses import Remaining
+from gen.refinement.network.anchors import USUAL_AMBIENT
 from gen.refinement.network.data import Data
 
 SLOWEST = 0.15
@@ -109,11 +111,18 @@ def limits_of(coefficients: Coefficients, wishes: Wishes, data: Data, remaining:
     if wishes.limit_degC is not None:
         top = np.minimum(top, wishes.limit_degC)
     names = remaining.hypotheses[0].shape.names
+    room = coefficients.model.ambient_fixed if coefficients.model.ambient_fixed is not None else USUAL_AMBIENT
     for rule in document.alarms:
         if isinstance(rule, OverTemperature):
             at = names.index(rule.component)
-            top[at] = min(top[at], rule.limit_degC)
+            top[at] = min(top[at], rule.limit_degC, _shown_at(network, rule.component, rule.limit_degC, room))
     return Limits((*rest, *turning, *(-level for level in back)), top - wishes.margin_K)
+
+
+def _shown_at(network: Network, name: str, limit_degC: float, room: float) -> float:
+    """Where a node is whose sensor shows a limit, degC; its offset is small beside the margin."""
+    sensor = network.nodes[network.index(name)].sensor
+    return limit_degC if sensor is None else float(replace(sensor, offset=0.0).temperature(limit_degC, room))
 
 
 def _backwards(coefficients: Coefficients, wishes: Wishes, data: Data, remaining: Remaining) -> bool:

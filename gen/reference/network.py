@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from gen.lowering.network import fixed, float32
 from gen.lowering.network.factors import WORD_BITS, scaled
-from gen.lowering.network.program import NetworkProgram, StateProgram, TermProgram
+from gen.lowering.network.gains import share
+from gen.lowering.network.program import NetworkProgram, Reading, StateProgram, TermProgram
 from gen.lowering.network.series import FIRST, WEIGHT, WHOLE
 from gen.lowering.network.start import degrees, scale_of
 from gen.reference.flags import OUTSIDE_VALIDITY, PWM_CLAMPED, SATURATED, START_CLAMPED, STARTED
@@ -73,6 +74,8 @@ class ReferenceNetwork:
             asked = self.starts_mK[reading.name] + room
             self._flags |= np.where((asked < low_mC) | (asked > high_mC), START_CLAMPED, 0)
             word = degrees(np.clip(asked, low_mC, high_mC), scale_of(program.fraction_bits)) - reading.offset
+            if reading.gain is not None and program.gains is not None:
+                word = word - share(reading.gain.over(word, ambient), reading.gain.back, program.gains.back)
             high[reading.node] = high[reading.state] = word
             sensed.append(word)
         for weights, node in zip(program.rest, program.hidden, strict=True):
@@ -120,17 +123,21 @@ class ReferenceNetwork:
         self._state = self._sums.advance(self._state, upper, self._ambient(), within - first, factors)
 
     @property
-    def _rise_words(self) -> Integers:
-        upper = self._state >> self._low_bits
-        ambient = self._ambient()
-        return np.array([upper[r.state] + r.offset - ambient for r in self._program.readings])
+    def _reading_words(self) -> Integers:
+        upper, ambient = self._state >> self._low_bits, self._ambient()
+        return np.array([self._shown(r, upper[r.state], ambient) + r.offset for r in self._program.readings])
+
+    def _shown(self, reading: Reading, word: Integers, ambient: Integers) -> Integers:
+        """What a sensor shows of a temperature without its offset."""
+        gain, shape = reading.gain, self._program.gains
+        if gain is None or shape is None:
+            return word
+        return word + share(gain.over(word, ambient), gain.word, shape.shown)
 
     @property
     def readings(self) -> NDArray[np.float64]:
         """Reading of every component as its word, shape (components, L), in degC."""
-        upper = self._state >> self._low_bits
-        words = np.array([upper[r.state] + r.offset for r in self._program.readings])
-        return np.asarray(words * 2.0**-self._program.fraction_bits, dtype=np.float64)
+        return np.asarray(self._reading_words * 2.0**-self._program.fraction_bits, dtype=np.float64)
 
     @property
     def temperatures(self) -> NDArray[np.float64]:
@@ -146,12 +153,12 @@ class ReferenceNetwork:
     @property
     def rises(self) -> NDArray[np.float64]:
         """Reading of every component over the ambient that was told last, shape (components, L), in K."""
-        return np.asarray(self._rise_words * 2.0**-self._program.fraction_bits, dtype=np.float64)
+        return np.asarray((self._reading_words - self._ambient()) * 2.0**-self._program.fraction_bits, dtype=np.float64)
 
     @property
     def rises_mK(self) -> Integers:
         """The same in thousandths of a kelvin, to nearest."""
-        return thousandths(self._rise_words, self._program.fraction_bits)
+        return thousandths(self._reading_words - self._ambient(), self._program.fraction_bits)
 
     def node_mC(self, state: int) -> Integers:
         """A state's temperature in thousandths of a degree Celsius, to nearest, shape (L,): of a hidden node, too."""

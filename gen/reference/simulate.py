@@ -95,10 +95,12 @@ def _exact(
 
 
 def _shown_at_start(network: Network, inputs: Inputs, rise: dict[str, float], start: Start) -> dict[str, float]:
-    """What each sensor shows over the ambient: its offset, where nothing was measured and the node is at ambient."""
+    """What each sensor shows over the ambient: its errors, where nothing was measured and the node is at ambient."""
     measured = {} if start == "ambient" else inputs.first_rise
-    offsets = {node.name: node.sensor.offset for node in network.sensed if node.sensor is not None}
-    return {name: value if name in measured else offsets[name] for name, value in rise.items()}
+    room = float(inputs.ambient[0])
+    sensors = {node.name: node.sensor for node in network.sensed if node.sensor is not None}
+    shown = {name: s.offset + s.gain_error * (room - float(s.base(room))) for name, s in sensors.items()}
+    return {name: value if name in measured else shown[name] for name, value in rise.items()}
 
 
 def _on_board(
@@ -108,7 +110,7 @@ def _on_board(
     samples = (run.time_s - run.time_s[0]) / program.model.sample_time
     grid = np.floor(samples + _ON_GRID).astype(np.int64)
     length = int(grid[-1])
-    acting = np.searchsorted(samples, np.arange(length) + _ON_GRID, side="right") - 1
+    acting = np.searchsorted(samples, np.arange(length + 1) + _ON_GRID, side="right") - 1
     told = _told(inputs, program)
     # On the board rises count from what it measures.
     over = 0.0 if told is None else float(inputs.ambient[0] - told[0, 0] / 1000.0)
@@ -118,12 +120,15 @@ def _on_board(
     kept: dict[int, tuple[Array, np.void]] = {}
     holds_temperatures = program.network is not None or program.ambient is not None
     for step in range(length + 1):
+        if told is not None and program.network is not None:
+            # A gain of the rise shows a temperature by the ambient at its own time.
+            model.set_channels(told[:, acting[step] : acting[step] + 1])
         if step in wanted:
             # Temperatures are what is held, whatever the ambient was when they were reached.
             shown = model.readings if holds_temperatures else model.rises
             kept[step] = (shown[:, 0], model.state_record()[0])
         if step < length:
-            if told is not None:
+            if told is not None and program.network is None:
                 model.set_channels(told[:, acting[step] : acting[step] + 1])
             model.step(run.pwm[acting[step] : acting[step] + 1])
     rises = np.array([kept[int(step)][0] for step in grid])

@@ -59,7 +59,7 @@ def course_of_network(program: Program, lanes: int, length: int) -> ErrorCourse:
         else:
             columns = {channel.column: told[k] / 1000.0 for k, channel in enumerate(channels) if k}
             states = solution.advance(states, pwm, step_s, told[0] / 1000.0, columns)
-        shown = np.array([states[:, place] + offset for place, offset in solution.readings])
+        shown = np.array(list(solution.shown(states, told[0] / 1000.0).values()))
         worst[interval] = np.maximum(worst[interval], np.abs(board.readings - shown).max(axis=1))
         interval += step + 1 == ends[interval]
     return ErrorCourse(

@@ -65,7 +65,15 @@ def networks(draw: st.DrawFn) -> dict[str, Any]:
         for low, width in [draw(st.tuples(st.integers(0, 50), st.integers(1, 50)))]
     ]
     with_factors = st.fixed_dictionaries({}, optional={"factors": factors([str(c["column"]) for c in channels])})
-    sensor = st.fixed_dictionaries({}, optional={"offset_K": st.floats(-5, 5), "lag_s": st.just(0) | st.floats(5, 60)})
+    sensor = st.fixed_dictionaries(
+        {},
+        optional={
+            "offset_K": st.floats(-5, 5),
+            "lag_s": st.just(0) | st.floats(5, 60),
+            "gain_error": st.floats(-0.85, 2),
+            "gain_about": st.sampled_from(["ambient", "zero_degC"]),
+        },
+    )
     about = st.fixed_dictionaries({}, optional={"description": st.text(max_size=9), "sensor": st.none() | sensor})
     nodes = [{"name": n, "capacity_J_per_K": draw(st.floats(2e3, 5e3))} | draw(about) for n in names]
     nodes[draw(st.integers(0, len(names) - 1))]["sensor"] = draw(sensor)

@@ -93,6 +93,10 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
     "other_input.json": ("2b77de7de5b0fafd0eaf66a144457e8da798b797162eed3525d05dd0b688f3a9", FROZEN["my1016.json"][1]),
     "protected.json": ("1174edd0d5cccc8c3b5c6b0517b99b288a097d7133c0c3b416c7608259e75b59", FROZEN["my1016.json"][1]),
     "sensor_chips.json": ("bc2af1065eb6971b1fe9d72b0a30dddbfd935a7bf7d5701791b58aecc4d6d216", FROZEN["my1016.json"][1]),
+    "sensor_gains.json": (
+        "58920995e65c4f8a5e4c99bb304f7b9a3bba07bf0365039a67635a4ed812a07e",
+        {"brush": 41.2298205151, "casing": 36.7285283989, "mount": 29.8215747518},
+    ),
     "started.json": ("97708ee09880950acc8e84f5fbdfa7d16c4cf62f18a96b67a4ae9ebca487cf46", {"casing": 37.7854816146}),
 }
 

@@ -32,6 +32,7 @@ STRINGS = {
 IDENTIFIERS = STRINGS | {
     "about": "what a plot is about",
     "exponent": "of a power of two",
+    "gain_error": "of a network's sensor",
     "lag_s": "of a lowered lag",
     "offset_K": "of a sensor, as identification estimates it from cold starts",
     "tau_s": "of a lowered first-order state",

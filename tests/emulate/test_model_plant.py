@@ -258,6 +258,20 @@ def test_a_part_that_the_board_reads_and_the_plant_lacks() -> None:
     assert [degrees(words[name]) for name in ("gearbox_degC", "winding_degC")] == [48.0, 30.0]
 
 
+@pytest.mark.parametrize(("about", "first", "then"), [("ambient", 52.0, 58.0), ("zero_degC", 40.0, 40.0)])
+def test_a_sensor_whose_gain_is_wrong_shows_its_part_so(about: str, first: float, then: float) -> None:
+    """At 60 degC, in a room of 20 and then of 50 degC, for a moment: 0.8 of what lies over the base."""
+    tree = json.loads(TWO_NODES.read_bytes())
+    casing = next(node for node in tree["network"]["nodes"] if node["name"] == "casing")
+    casing["sensor"] = {"gain_error": -0.2, "gain_about": about, "offset_K": 0.0 if about == "ambient" else -8.0}
+    course = course_of(read(tree), (), {"casing": 60.0}, 20.0)
+    assert course.parts["casing"] == pytest.approx(60.0, abs=1e-9)
+    assert course.shown["casing"] == pytest.approx(first, abs=1e-9)
+    course.step(0, 1e-3, 50.0, {}, ())
+    assert course.parts["casing"] == pytest.approx(60.0, abs=1e-3)
+    assert course.shown["casing"] == pytest.approx(then, abs=1e-3)
+
+
 def test_an_ambient_that_acts_at_once_is_added_to_the_rise() -> None:
     tree = example("two_mass")
     tree["ambient"]["at_once"] = True

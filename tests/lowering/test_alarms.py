@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,7 @@ from gen.coefficients import Coefficients, parse
 from gen.errors import InputError
 from gen.lowering.alarms import START_MARGIN_K, Segment, lower_alarms, start_wait
 from gen.model.exact import ExactSolution
+from gen.model.network_parts import Sensor
 from gen.model.network_solution import NetworkSolution
 from gen.reference.alarms import ReferenceAlarms
 from tests.examples import ROOT, example
@@ -117,6 +119,22 @@ def test_the_wait_outlasts_what_unknown_hidden_nodes_can_do() -> None:
                 worst = max(worst, float(error.max()))
     assert worst > 1.0
     assert start_wait(example("two_nodes").model, "casing", range(150, 151)) > 0
+
+
+def test_a_sensor_that_shows_too_much_waits_until_that_much_of_an_error_has_faded() -> None:
+    """What is unknown fades with one time constant at last: three times as much takes ln 3 of it longer."""
+    model = example("two_nodes").model
+    network = model.network
+    assert network is not None
+    waits = []
+    for gain in (0.0, 2.0, -0.5):
+        sensor = Sensor(gain_error=gain)
+        nodes = tuple(replace(n, sensor=sensor) if n.sensor is not None else n for n in network.nodes)
+        changed_model = replace(model, network=replace(network, nodes=nodes))
+        waits.append(start_wait(changed_model, "casing", range(150, 151)) * model.sample_time)
+    slowest = 1.0 / np.abs(np.linalg.eigvals(network.matrices(np.array([150]))[0][0]).real).min()
+    assert waits[1] - waits[0] == pytest.approx(slowest * math.log(3.0), abs=61.0)
+    assert waits[2] < waits[0]
 
 
 def test_a_time_that_is_no_whole_number_of_samples_is_not_cut_short() -> None:

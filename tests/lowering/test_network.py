@@ -86,7 +86,7 @@ class Plant:
     @property
     def error(self) -> Array:
         """Of each component's reading, K, shape (components, lanes)."""
-        shown = np.array([self.states[:, place] + offset for place, offset in self.solution.readings])
+        shown = np.array(list(self.solution.shown(self.states, self.told[0] / 1000.0).values()))
         return np.asarray(np.abs(self.board.readings - shown))
 
 
@@ -112,6 +112,72 @@ def test_no_error_exceeds_the_bound_and_no_temperature_its_range(
         assert np.all(plant.states >= network.proof.low)
         assert np.all(plant.states <= network.proof.high)
     assert np.all(plant.board.saturations == 0)
+
+
+GAINS: list[Tree] = [
+    {"gain_error": -0.85},
+    {"gain_error": 1.9, "offset_K": -3.0},
+    {"gain_error": -0.3, "gain_about": "zero_degC", "lag_s": 9},
+    {"gain_error": 0.4, "gain_about": "zero_degC"},
+    {"gain_error": 1e-7},
+    {},
+]
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
+@pytest.mark.parametrize("turn", range(3))
+def test_readings_whose_gains_are_wrong_stay_within_their_bounds(turn: int, arithmetic: Arithmetic) -> None:
+    """From every start of the domain on, in rooms that jump; and a bound without the gain is none."""
+    tree = network_tree(5, 6)
+    sensed = [node for node in tree["network"]["nodes"] if "sensor" in node]
+    for k, node in enumerate(sensed):
+        node["sensor"] = GAINS[(k + 2 * turn) % len(GAINS)]
+    plant = Plant(loaded(tree), arithmetic, 400, turn)
+    network = plant.program.network
+    assert network is not None
+    parts = network.components()
+    bounds = np.array([part.proof.bound_K for part in parts])[:, None]
+    ends = np.array([part.proof.range_degC for part in parts])
+    most = np.zeros(len(parts))
+    for sample in range(120):
+        most = np.maximum(most, plant.error.max(axis=1))
+        assert np.all(plant.error <= bounds)
+        shown = plant.board.readings
+        assert np.all(ends[:, :1] <= shown)
+        assert np.all(shown <= ends[:, 1:])
+        assert np.all(plant.states >= network.proof.low)
+        assert np.all(plant.states <= network.proof.high)
+        if sample % 7 == 0:
+            plant.told = plant.draw()
+        plant.advance(plant.random.choice([0, 255, -60], plant.lanes))
+    assert np.all(most > 0.4 * 2.0**-network.fraction_bits)
+
+
+@pytest.mark.parametrize("about", ["ambient", "zero_degC"])
+def test_what_a_large_gain_shows_fits_its_word(about: str) -> None:
+    """A reading up to three times as far from its base as the node is: words as fine as without would overflow."""
+    tree = network_tree(8, 1, plain=True)
+    without = lower(loaded(tree), "fixed", "table").network
+    tree["network"]["nodes"][0]["sensor"] = {"gain_error": 2.0, "gain_about": about}
+    network = lower(loaded(tree), "fixed", "table").network
+    assert network is not None
+    assert without is not None
+    low, high = network.components()[0].proof.range_degC
+    furthest = max(high - network.channels[0].low / 1000.0, network.channels[0].high / 1000.0 - low, high, -low)
+    assert furthest * 2.0**network.fraction_bits < 2.0**31 < furthest * 2.0**without.fraction_bits
+
+
+def test_a_start_is_read_back_through_every_gain() -> None:
+    tree = network_tree(5, 6, plain=True)
+    sensed = [node for node in tree["network"]["nodes"] if "sensor" in node]
+    for k, node in enumerate(sensed):
+        node["sensor"] = GAINS[k % len(GAINS)]
+    program = lower(loaded(tree), "fixed", "table")
+    chance = np.random.default_rng(8)
+    rooms = chance.integers(0, 45_001, (1, 3000))
+    asked = {node["name"]: chance.integers(-10_000, 120_001, 3000) - rooms[0] for node in sensed}
+    board = reference_of(program, {name: rise.tolist() for name, rise in asked.items()}, rooms)
+    assert np.array_equal(board.rises_mK, np.array(list(asked.values())))
 
 
 def test_the_range_is_no_wider_than_what_is_reached() -> None:

@@ -29,6 +29,7 @@ FILES = {
     "two_nodes": ROOT / "examples" / "two_nodes" / "coeffs.json",
     "fan_motor": ROOT / "examples" / "network" / "coeffs.json",
     "every_key": ROOT / "tests" / "coefficients" / "version2" / "network_every_key.json",
+    "sensor_gains": ROOT / "tests" / "coefficients" / "version2" / "sensor_gains.json",
 }
 
 
@@ -109,6 +110,14 @@ def change(tree: Tree, pwm: int, room: float, told: dict[str, float]) -> Callabl
     return rate
 
 
+def reading(node: Tree, temperature: Array, room: Array) -> Array:
+    """What a node's sensor shows of a temperature behind its lag."""
+    sensor = node["sensor"]
+    base = room if sensor.get("gain_about", "ambient") == "ambient" else 0.0
+    gain, offset = float(sensor.get("gain_error", 0.0)), float(sensor.get("offset_K", 0.0))
+    return np.asarray(temperature + gain * (temperature - base) + offset)
+
+
 def integrated(
     tree: Tree, time: Array, pwm: NDArray[np.int64], room: Array, told: dict[str, Array], nodes: dict[str, float]
 ) -> dict[str, Array]:
@@ -128,7 +137,7 @@ def integrated(
     for k, node in enumerate(sensed):
         lag = node["sensor"].get("lag_s", 0.0)
         own = made[:, len(entries) + k] if lag else made[:, [n["name"] for n in entries].index(node["name"])]
-        readings[node["name"]] = own + node["sensor"].get("offset_K", 0.0)
+        readings[node["name"]] = reading(node, own, room)
     return readings
 
 
@@ -234,6 +243,32 @@ def test_a_reading_lags_by_its_closed_form_and_lies_off_by_its_offset() -> None:
     np.testing.assert_allclose(found, shown - 1.5, rtol=1e-13)
 
 
+@pytest.mark.parametrize(("about_ambient", "base"), [(True, 20.0), (False, 0.0)])
+@pytest.mark.parametrize("gain", [-0.6, 0.25])
+def test_a_reading_whose_gain_is_wrong_follows_its_closed_form(gain: float, about_ambient: bool, base: float) -> None:
+    """The same cooling: lag, then gain, then offset; the start undoes all of them."""
+    tau, lag, room, first = 400.0, 30.0, 20.0, 60.0
+    sensor = Sensor(-1.5, lag, gain, about_ambient)
+    model = made([Node("only", 800.0, sensor)], [Path("only", None, constant(2.0))], [])
+    time, pwm = np.array([0.0, 1.0, 30.0, 200.0, 3000.0]), np.zeros(5, dtype=np.int64)
+    begin = base + (1.0 + gain) * (first - base) - 1.5
+    solution = NetworkSolution(model)
+    np.testing.assert_allclose(solution.start({"only": begin}, room), [first, first], rtol=1e-14)
+    found = solution.simulate_times(time, pwm, room, start={"only": begin})["only"]
+    behind = room + (first - room) * (tau * np.exp(-time / tau) - lag * np.exp(-time / lag)) / (tau - lag)
+    np.testing.assert_allclose(found, base + (1.0 + gain) * (behind - base) - 1.5, rtol=1e-13)
+
+
+def test_a_gain_of_the_rise_counts_from_the_ambient_at_its_own_time() -> None:
+    """A mass that barely moves while the room does: the reading moves against the room, at the very row."""
+    model = made([Node("mass", 1e9, Sensor(gain_error=-0.5))], [Path("mass", None, constant(1.0))], [])
+    room = np.array([20.0, 30.0, 30.0, 10.0])
+    found = NetworkSolution(model).simulate_times(
+        np.arange(4.0), np.zeros(4, dtype=np.int64), room, start={"mass": 30.0}
+    )
+    np.testing.assert_allclose(found["mass"], 0.5 * 40.0 + 0.5 * room, atol=1e-6)
+
+
 @pytest.mark.parametrize("name", FILES)
 def test_it_settles_where_all_flows_balance(name: str) -> None:
     """A linear system written from the file: what flows in is what flows out, at every speed."""
@@ -249,8 +284,8 @@ def test_it_settles_where_all_flows_balance(name: str) -> None:
         found = NetworkSolution(model_of(name)).simulate_times(np.array([0.0, 1e7]), held, 30.0)
         for node in tree["network"]["nodes"]:
             if node.get("sensor") is not None:
-                offset = node["sensor"].get("offset_K", 0.0)
-                assert found[node["name"]][-1] == pytest.approx(settled[names.index(node["name"])] + offset, abs=1e-8)
+                shown = reading(node, settled[names.index(node["name"])], np.array(30.0))
+                assert found[node["name"]][-1] == pytest.approx(float(shown), abs=1e-8)
 
 
 def test_no_energy_is_lost() -> None:

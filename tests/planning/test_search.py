@@ -157,6 +157,11 @@ def test_an_over_temperature_alarm_is_a_limit_of_its_part() -> None:
     ]
     limits = limits_of(read(made), WISHES, data, left, None)
     assert limits.hottest.tolist() == [197.0, 57.0]
+    # Its sensor shows 60 degC where it is at 40: half as much again. One that shows too little allows no more.
+    for gain, about, limit in ((0.5, "zero_degC", 37.0), (0.25, "ambient", 50.0), (-0.5, "ambient", 57.0)):
+        made["network"]["nodes"][1]["sensor"] = {"gain_error": gain, "gain_about": about}
+        limits = limits_of(read(made), WISHES, data, left, None)
+        assert limits.hottest.tolist() == pytest.approx([197.0, limit])
 
 
 def test_it_turns_backwards_only_where_a_run_did_and_it_matters_or_as_asked() -> None:

@@ -50,7 +50,7 @@ def test_a_networks_words_stay_within_the_guaranteed_bound_of_the_exact_solution
             + step.ambient * (now[0] / 1000.0)[:, None]
             + step.heat
         )
-        shown = np.array([state[:, index] + offset for index, offset in exact.readings])
+        shown = np.array(list(exact.shown(state, now[0] / 1000.0).values()))
         error = np.abs(board.readings - shown).max(axis=1)
         assert (error <= bounds).all()
         largest = max(largest, float(error.max()))

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gen.coefficients import load
 from gen.errors import InputError
+from gen.lowering.kinds import Arithmetic
+from gen.lowering.lower import lower
 from gen.model.network_solution import NetworkSolution
 from gen.reference.simulate import simulate_run
 from gen.runs import Run
-from tests.examples import example
+from tests.examples import ROOT, example
 
 Array = NDArray[np.float64]
 NAN = float("nan")
@@ -67,3 +72,28 @@ def test_gaps_in_a_channel_are_held() -> None:
     expected = simulate_run(example("network"), run(ROOM, held), "exact", "auto", "run.csv")
     for name, values in expected.items():
         np.testing.assert_array_equal(shown[name], values)
+
+
+@pytest.mark.parametrize("arithmetic", ["fixed", "float"])
+@pytest.mark.parametrize("start", ["auto", "ambient"])
+def test_the_board_shows_wrong_gains_as_the_exact_solution_does(
+    start: Literal["auto", "ambient"], arithmetic: Arithmetic
+) -> None:
+    """In a room that jumps: a gain of the rise counts from the ambient of the row itself, also at the last one."""
+    motor = load(ROOT / "tests" / "coefficients" / "version2" / "sensor_gains.json")
+    room = np.array([20.0, 30.0, 24.0, 13.0, 22.0, 40.0])
+    given = run(room, brush=np.full(TIME.size, 31.0))
+    exact = simulate_run(motor, given, "exact", start, "run.csv")
+    board = simulate_run(motor, given, arithmetic, start, "run.csv")
+    on_grid = (TIME - TIME[0]) % 0.25 == 0.0
+    assert on_grid.all()
+    network = lower(motor, arithmetic, "table").network
+    assert network is not None
+    for part in network.components():
+        # A start is told in whole thousandths.
+        away = np.abs(board[f"{part.name}_degC"] - exact[f"{part.name}_degC"])
+        assert away.max() <= part.proof.bound_K + 0.0005
+    first = {"brush": 31.0 if start == "auto" else 20.7, "casing": 1.06 * 20.0, "mount": 19.7}
+    for name, reading in first.items():
+        assert exact[f"{name}_degC"][0] == pytest.approx(reading, abs=1e-9)
+        assert board[f"{name}_degC"][0] == pytest.approx(reading, abs=6e-4)

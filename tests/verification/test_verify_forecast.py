@@ -48,7 +48,17 @@ def network() -> str:
     return text
 
 
-MODELS: dict[str, Callable[[], str]] = {"parts": parts, "network": network}
+def gains() -> str:
+    """With sensors whose gains are wrong: one has come half off, another one's amplifier shows too much."""
+    tree = json.loads(network())
+    gains = {"near": {"gain_error": -0.45}, "limits": {"gain_error": 0.2, "gain_about": "zero_degC", "offset_K": -1.5}}
+    for node in tree["network"]["nodes"]:
+        if node["name"] in gains:
+            node["sensor"] |= gains[node["name"]]
+    return json.dumps(tree)
+
+
+MODELS: dict[str, Callable[[], str]] = {"parts": parts, "network": network, "gains": gains}
 
 
 def emitted(

@@ -32,6 +32,7 @@ from gen.certificate.network.memory import Cell, Model
 from gen.certificate.network.order import check_order
 from gen.certificate.network.rest import rest_weights
 from gen.certificate.network.rows import Rows
+from gen.certificate.network.sensors import Sensors
 from gen.certificate.network.source import Unit, tables
 from gen.certificate.network.words import low_bits
 from gen.certificate.refuted import Refuted
@@ -101,6 +102,7 @@ class NetworkProof:
         self._ranges = np.array([state.range_degC for state in certificate.states])
         ambient = certificate.equations.channels[0]
         self._ambient = (_degrees(ambient.low, -inf), _degrees(ambient.high, inf))
+        self._sensors = Sensors(self._interface, self._measured, self._unit, self._ambient)
         self._functions, ends = self._factors()
         box = [
             (float(np.nextafter(low - error, -inf)), float(np.nextafter(high + error, inf)))
@@ -255,11 +257,15 @@ class NetworkProof:
         room = certificate.equations.channels[0].neutral / 1000.0
         begin: dict[int, tuple[float, float, float]] = {}
         for part in certificate.components:
-            wrong = (off + abs(self._measured.offsets[part.name] * self._unit - part.shown_K)) * (1.0 + ROUGHLY)
+            offset = self._measured.sensors[part.name].offset
+            wrong = (off + abs(offset * self._unit - part.shown_K)) * (1.0 + ROUGHLY)
+            low, high = asked[0] - part.shown_K, asked[1] - part.shown_K
+            if certificate.has_gains:
+                (low, high), started = self._sensors.start(part, (asked[0], asked[1]))
+                wrong = max(wrong, started)
             # What is not started after a begin rests at the ambient.
-            ends = (min(asked[0] - part.shown_K, room), max(asked[1] - part.shown_K, room))
             for place in {part.node, part.state}:
-                begin[place] = (*ends, wrong)
+                begin[place] = (min(low, room), max(high, room), wrong)
         hidden = self._hidden(begin)
         for place, (low, high, wrong) in {**begin, **hidden}.items():
             slack = ROUGHLY * (abs(low) + abs(high))
@@ -296,10 +302,14 @@ class NetworkProof:
     def _read(self, number: int, inequalities: int) -> Verdict:
         """What a reading is off by."""
         part = self._certificate.components[number]
-        offset = self._measured.offsets[part.name]
+        offset = self._measured.sensors[part.name].offset
         word = abs(offset * self._unit - part.shown_K) + self._unit  # the word's upper half, rounded down
-        bound = (self._error[part.state] + word) * (1.0 + ROUGHLY)
         low, high = self._ranges[part.state] + (-self._error[part.state], self._error[part.state])
+        carried = self._error[part.state]
+        if self._certificate.has_gains:
+            word = self._sensors.reading(part, (float(low), float(high)))
+            carried = carried * (1.0 + (part.shown_per_K or 0.0))
+        bound = (carried + word) * (1.0 + ROUGHLY)
         furthest = max(abs(low), abs(high), high - self._ambient[0], self._ambient[1] - low) + abs(offset) * self._unit
         if not furthest * (1.0 + ROUGHLY) < (2.0**31 - 8.0) * self._unit:
             raise Refuted(f"{part.name}: what is read may overflow")

@@ -220,7 +220,9 @@ class Component(_Strict):
     node, state
         What is measured; what is read, another one where the sensor lags.
     shown_K
-        Reading less temperature.
+        Added to what is shown at last.
+    shown_per_K, shown_about
+        Of a sensor whose gain is wrong: g, which adds g (T - base), the base being the ambient or 0 degC.
     bound_K, reading_K
         Largest error of the reading's word, and of ``NAME_rise_mK`` against the ambient that was told last.
     """
@@ -229,8 +231,16 @@ class Component(_Strict):
     node: Place
     state: Place
     shown_K: Number
+    shown_per_K: Annotated[Number, Field(gt=-1)] | None = None
+    shown_about: Literal["ambient", "zero_degC"] | None = None
     bound_K: Width
     reading_K: Width
+
+    @model_validator(mode="after")
+    def _about_something(self) -> Component:
+        if (self.shown_per_K is None) != (self.shown_about is None):
+            raise ValueError("a gain is about nothing, or nothing is about a base")
+        return self
 
 
 class NetworkCertificate(_Strict):
@@ -272,6 +282,11 @@ class NetworkCertificate(_Strict):
     def rows(self) -> int:
         """How many |PWM| the domain has."""
         return self.domain_pwm[1] - self.domain_pwm[0] + 1
+
+    @property
+    def has_gains(self) -> bool:
+        """Whether the gain of a sensor is wrong."""
+        return any(part.shown_per_K is not None for part in self.components)
 
     @property
     def hidden(self) -> list[int]:

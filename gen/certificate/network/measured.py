@@ -102,12 +102,18 @@ _COMPONENT = """\
         for (long asked = {low} - 2; asked <= {high} + 2; ++asked) {{
             const long held = asked < {low} ? {low} : asked > {high} ? {high} : asked;
             {model}_start({number}, (int32_t)(asked - ({neutral})));
-            const int64_t word = ((int64_t)degrees((int32_t)held) - reading.offset) * (INT64_C(1) << {low_bits});
+            int64_t word = (int64_t)degrees((int32_t)held) - reading.offset;
+{less}            word *= INT64_C(1) << {low_bits};
             if (whole({node}) != word || whole({state}) != word) return failed("start of {name}", asked);
         }}
-        std::printf("%ld\\n", (long)reading.offset);
+        std::printf("%ld {words}\\n", (long)reading.offset{gain});
     }}
 """
+# What is taken off a reading for its gain, and what the program prints of it; how much that is, is proven elsewhere.
+_LESS = """\
+            word -= read_more(over_base(&reading, (int32_t)word, degrees({neutral})), reading.back);
+"""
+_GAIN = ", (unsigned long)reading.gain, (unsigned long)reading.back, (int)reading.about_ambient, (int)reading.opposite"
 
 _FACTORS = """\
 #include "sample.inc"
@@ -163,6 +169,27 @@ class Span:
 
 
 @dataclass(frozen=True)
+class Shown:
+    """What the C++ has of a component's sensor.
+
+    Attributes
+    ----------
+    offset
+        Added to what is read, in words.
+    gain, back
+        Of its gain: the unsigned words with which what is shown, and a start, are computed.
+    about_ambient, opposite
+        What these are multiplied with: the distance from the ambient, not from 0 degC; the other way round.
+    """
+
+    offset: int
+    gain: int = 0
+    back: int = 0
+    about_ambient: bool = False
+    opposite: bool = False
+
+
+@dataclass(frozen=True)
 class Measured:
     """What was found.
 
@@ -170,15 +197,15 @@ class Measured:
     ----------
     ambient, start
         Largest distance of ``degrees`` from what it is told, over the ambient's range and that of starts, in words.
-    offsets
-        What is added to a component's state, in words.
+    sensors
+        Of each component.
     reading_K
         Largest distance of ``thousandths_of`` from the word that it is told.
     """
 
     ambient: float
     start: float
-    offsets: dict[str, int]
+    sensors: dict[str, Shown]
     reading_K: float
 
 
@@ -212,6 +239,9 @@ def measure(project: Project, certificate: NetworkCertificate, low_bits: int) ->
                 high=certificate.start_mC[1],
                 neutral=ambient.neutral,
                 low_bits=low_bits,
+                less=_LESS.format(neutral=ambient.neutral) if certificate.has_gains else "",
+                words="%lu %lu %d %d" if certificate.has_gains else "",
+                gain=_GAIN if certificate.has_gains else "",
             )
         )
     program = _INTERFACE.format(
@@ -232,11 +262,19 @@ def measure(project: Project, certificate: NetworkCertificate, low_bits: int) ->
     )
     lines = _output(project, program, "interface.inc", "").split("\n")
     count = len(certificate.components)
-    offsets = {part.name: int(line) for part, line in zip(certificate.components, lines[:count], strict=True)}
+    sensors = {part.name: _sensor(line) for part, line in zip(certificate.components, lines[:count], strict=True)}
     told, start = (_up(int(word) / 1000) for word in lines[count].split())
     return Measured(
-        told, start, offsets, _up(float(Fraction(int(lines[count + 1]), 1000 << certificate.fraction_bits)))
+        told, start, sensors, _up(float(Fraction(int(lines[count + 1]), 1000 << certificate.fraction_bits)))
     )
+
+
+def _sensor(line: str) -> Shown:
+    offset, *of_gain = map(int, line.split())
+    if not of_gain:
+        return Shown(offset)
+    gain, back, about_ambient, opposite = of_gain
+    return Shown(offset, gain, back, bool(about_ambient), bool(opposite))
 
 
 def spans(

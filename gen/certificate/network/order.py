@@ -30,6 +30,20 @@ def check_order(project: Project, certificate: NetworkCertificate) -> None:
         for name, told in zip(_channels(project), certificate.equations.channels, strict=False)
     )
     word = "N_model.state.T[state]"
+    seen = "const int32_t word = degrees(ambient + rise_mK) - reading.offset; "
+    shown = (
+        "return thousandths_of(upper(reading.state) + reading.offset - degrees(N_model.channel[M_CHANNEL_AMBIENT]));"
+    )
+    if certificate.has_gains:
+        seen = (
+            "const int32_t seen = degrees(ambient + rise_mK) - reading.offset; "
+            "const int32_t word = seen - read_more(over_base(&reading, seen, degrees(ambient)), reading.back); "
+        )
+        shown = (
+            "const int32_t word = upper(reading.state), ambient = degrees(N_model.channel[M_CHANNEL_AMBIENT]); "
+            "return thousandths_of(word + shown_more(over_base(&reading, word, ambient), reading.gain) + "
+            "reading.offset - ambient);"
+        )
     expected = {
         "begin": (
             f"N_model.flags = 0;{neutral} const int32_t ambient = degrees(N_model.channel[M_CHANNEL_AMBIENT]); "
@@ -42,8 +56,7 @@ def check_order(project: Project, certificate: NetworkCertificate) -> None:
             "uint8_t flags = N_model.flags; if (rise_mK < low) { rise_mK = low; flags |= M_START_CLAMPED; } "
             "else if (rise_mK > high) { rise_mK = high; flags |= M_START_CLAMPED; } N_model.flags = flags; "
             "const Reading reading = reading_of(component); "
-            "const int32_t word = degrees(ambient + rise_mK) - reading.offset; "
-            f"rest_at(reading.node, word); rest_at(reading.state, word);{rest}"
+            f"{seen}rest_at(reading.node, word); rest_at(reading.state, word);{rest}"
         ),
         "reading_of": "Reading reading; memcpy_P(&reading, &READING[component], sizeof reading); return reading;",
         "rest_at": f"{word}.lo = 0; {word}.hi = word;",
@@ -63,11 +76,14 @@ def check_order(project: Project, certificate: NetworkCertificate) -> None:
         ),
         "resume": ("N_model.command = pwm; N_model.flags = (uint8_t)(STARTED | pwm_flags(pwm, magnitude(pwm)));"),
         "rise_mK": (
-            "if (component >= M_COMPONENTS) { return 0; } const Reading reading = reading_of(component); "
-            "return thousandths_of(upper(reading.state) + reading.offset - "
-            "degrees(N_model.channel[M_CHANNEL_AMBIENT]));"
+            f"if (component >= M_COMPONENTS) {{ return 0; }} const Reading reading = reading_of(component); {shown}"
         ),
     }
+    if certificate.has_gains:
+        expected["over_base"] = (
+            "const int32_t base = reading->about_ambient ? ambient : 0; "
+            "return reading->opposite ? base - word : word - base;"
+        )
     for name, wanted in expected.items():
         if name not in project.functions:
             raise Refuted(f"the C++ has no function {name}")

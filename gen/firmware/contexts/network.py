@@ -32,6 +32,7 @@ class NetworkContext(TypedDict):
     start_mC: tuple[int, int]
     scale: dict[str, int]
     readings: list[dict[str, Any]]
+    gains: dict[str, int] | None
     hidden: list[dict[str, Any]]
     states: list[dict[str, Any]]
     terms: list[dict[str, Any]]
@@ -73,6 +74,7 @@ def network_context(program: Program) -> NetworkContext:
             "make some conductances constant, or leave nodes out"
         )
     scale = scale_of(network.fraction_bits)
+    gains = None if network.gains is None else network.gains.describe()
     return {
         "fraction_bits": network.fraction_bits,
         "output_bits": OUTPUT_BITS,
@@ -82,11 +84,13 @@ def network_context(program: Program) -> NetworkContext:
             {
                 "name": reading.name,
                 "offset": reading.offset,
+                "gain": reading.gain,
                 "state": network.states[reading.state].identifier,
                 "node": network.states[reading.node].identifier,
             }
             for reading in network.readings
         ],
+        "gains": gains,
         "hidden": _hidden(network),
         "states": made.states,
         "terms": made.terms,
@@ -104,7 +108,9 @@ def network_context(program: Program) -> NetworkContext:
             "lines": ["tst %D[d]", *network_words.multiply(WHOLE, network_words.operands())],
         },
         "downs": sorted(
-            {scale.shift, 16} | ({WORD_BITS - 8 * WHOLE.least} if network.factors or network.laws else set())
+            {scale.shift, 16}
+            | ({WORD_BITS - 8 * WHOLE.least} if network.factors or network.laws else set())
+            | ({gains["shown"], gains["back"]} if gains else set())
         ),
         "ups": sorted(
             {

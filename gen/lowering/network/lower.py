@@ -14,9 +14,10 @@ from gen.lowering.kinds import Arithmetic
 from gen.lowering.network import fixed
 from gen.lowering.network.choose import Told, fixed_form, float_form
 from gen.lowering.network.factors import lower_factor
+from gen.lowering.network.gains import GainFormat, lower_gains
 from gen.lowering.network.laws import limited, lower_law, widest_word
 from gen.lowering.network.program import NetworkProgram, NetworkProof, Reading
-from gen.lowering.network.ranges import MARGIN_K, reachable, speeds, widest_start
+from gen.lowering.network.ranges import MARGIN_K, reachable, speeds, widest_shown, widest_start
 from gen.lowering.network.terms import terms_of
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import ThermalModel
@@ -47,7 +48,7 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
         lower_factor(factor, channels, float(terms.spans[k, 1]), k) for k, factor in enumerate(terms.factors)
     )
     offsets = [node.sensor.offset for node in model.network.sensed if node.sensor]
-    widest = max(widest_word(terms, ranges), widest_start(model.network, ranges))
+    widest = max(widest_word(terms, ranges), widest_start(model.network, ranges), widest_shown(model.network, ranges))
     bits = fixed.fraction_bits(ranges, offsets, widest)
     laws = tuple(lower_law(law, ranges, bits) for law in terms.laws)
     first = speeds(terms, ranges)
@@ -56,7 +57,12 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
         terms, ranges, bits, Told(factors, laws), first, limit
     )
     bound = found.bound * _CLAIMED
-    bound = np.maximum(bound, bound * (_START_WORDS * 2.0**-bits / bound.min()))
+    readings, gains = _readings(model, bits)
+    weights = model.network.hidden_at_start
+    most = max((float(own[:-1].sum()) for own in weights), default=0.0)
+    starts = [reading.gain.start_error(gains.back) for reading in readings if reading.gain is not None and gains]
+    words = max(_START_WORDS, *(max(1.0, most) * own + 1.0 for own in starts), 0.0)
+    bound = np.maximum(bound, bound * (words * 2.0**-bits / bound.min()))
     if laws and bound.max() > MARGIN_K:
         raise CheckFailed(
             f"$.network: with convection or radiation no error above {MARGIN_K:g} K can be proven, and it would be "
@@ -69,8 +75,9 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
         found.products,
         found.series,
         found.states,
-        _readings(model, bits),
-        *_at_start(model.network.hidden_at_start),
+        readings,
+        gains,
+        *_at_start(weights),
         tuple(model.network.index(node.name) for node in model.network.hidden),
         factors,
         laws,
@@ -89,17 +96,19 @@ def _at_start(weights: NDArray[np.float64]) -> tuple[NDArray[np.int64], int]:
     return np.minimum(np.rint(weights[:, :-1] * 2.0**bits).astype(np.int64), 2**32 - 1), bits
 
 
-def _readings(model: ThermalModel, bits: int) -> tuple[Reading, ...]:
+def _readings(model: ThermalModel, bits: int) -> tuple[tuple[Reading, ...], GainFormat | None]:
     network = model.network
     assert network is not None
     made, lagging = [], len(network.nodes)
-    for node in network.sensed:
+    gains, shape = lower_gains([node.sensor for node in network.sensed if node.sensor is not None])
+    for node, gain in zip(network.sensed, gains, strict=True):
         assert node.sensor is not None
         state = network.index(node.name)
         if node.sensor.lag > 0.0:
             state, lagging = lagging, lagging + 1
-        made.append(Reading(node.name, network.index(node.name), state, round(node.sensor.offset * 2.0**bits)))
-    return tuple(made)
+        offset = round(node.sensor.offset * 2.0**bits)
+        made.append(Reading(node.name, network.index(node.name), state, offset, gain))
+    return tuple(made), shape
 
 
 def _channels(model: ThermalModel) -> tuple[Channel, ...]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gen.lowering.effects.program import Channel
 from gen.lowering.kinds import Arithmetic, Integers
 from gen.lowering.network.factors import FactorProgram
+from gen.lowering.network.gains import Gain, GainFormat
 from gen.lowering.network.laws import LawProgram
 from gen.lowering.network.series import Product
 from gen.lowering.network.terms import Term, Warmth, identifier
@@ -110,12 +111,15 @@ class Reading:
         The node that is measured, and the state that is read: another one where the sensor lags.
     offset
         Added to what is read, in words of a state.
+    gain
+        None for a sensor without an error of its gain.
     """
 
     name: str
     node: int
     state: int
     offset: int
+    gain: Gain | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,6 +213,8 @@ class NetworkProgram:
         Nodes, then readings that lag.
     readings
         By component.
+    gains
+        Of the gains' words; None where no sensor has an error of its gain.
     rest
         Weights of the sensed nodes' rises in each hidden node's rise at the start, shape (hidden, sensed).
     rest_bits
@@ -229,6 +235,7 @@ class NetworkProgram:
     series_bits: tuple[int, ...]
     states: tuple[StateProgram, ...]
     readings: tuple[Reading, ...]
+    gains: GainFormat | None
     rest: Integers
     rest_bits: int
     hidden: tuple[int, ...]
@@ -249,14 +256,27 @@ class NetworkProgram:
         made = []
         for reading in self.readings:
             offset = reading.offset * lsb
-            low, high = (float(ends[reading.state]) + offset for ends in (self.proof.low, self.proof.high))
+            low, high = (shown + offset for shown in self._shown(reading))
             bound = (
                 float(self.proof.error[reading.state]) + 1.5 * lsb
             )  # the upper word alone, and the offset's rounding
+            if reading.gain is not None and self.gains is not None:
+                bound += reading.gain.error * float(self.proof.error[reading.state])
+                bound += reading.gain.reading_error(self.gains.shown) * lsb
             room = self.channels[0].neutral
             start = (self.start_mC[0] - room, self.start_mC[1] - room)
             made.append(NodeComponent(reading.name, NodeProof(bound, (low, high)), self.fraction_bits, start))
         return tuple(made)
+
+    def _shown(self, reading: Reading) -> tuple[float, float]:
+        """Least and largest of what a sensor shows without its offset, degC."""
+        low, high = (float(ends[reading.state]) for ends in (self.proof.low, self.proof.high))
+        if reading.gain is None:
+            return low, high
+        told = self.channels[0]
+        bases = (told.low / 1000.0, told.high / 1000.0) if reading.gain.about_ambient else (0.0,)
+        shown = [at + reading.gain.error * (at - base) for at in (low, high) for base in bases]
+        return min(shown), max(shown)
 
     def describe(self) -> dict[str, Any]:
         """For the manifest."""

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.network.terms import Term, Terms, scaled, slope_of
+from gen.lowering.network.terms import Term, Terms, lagging_reading, scaled, slope_of
 from gen.model import ThermalModel
 from gen.model.network import Network
+from gen.model.network_parts import Node
 
 Array = NDArray[np.float64]
 _NEWTON_STEPS = 60
@@ -64,7 +65,7 @@ def reachable(model: ThermalModel, terms: Terms) -> Ranges | None:
     ambient, shown = model.domain_ambient, model.domain_temperature
     offsets = [0.0, *(node.sensor.offset for node in model.network.sensed if node.sensor)] if model.network else [0.0]
     start = min(ambient[0], shown[0] - max(offsets)), max(ambient[1], shown[1] - min(offsets))
-    first = _starts(model, len(terms.states), start)
+    first = _starts(model, terms, start)
     high = _bounding(terms, ambient[1], first[1])
     low = _bounding(terms, ambient[0], first[0], upper=False)
     if high is None or low is None:
@@ -72,16 +73,48 @@ def reachable(model: ThermalModel, terms: Terms) -> Ranges | None:
     return Ranges(low - MARGIN_K, high + MARGIN_K, ambient)
 
 
-def _starts(model: ThermalModel, states: int, sensed: tuple[float, float]) -> tuple[Array, Array]:
+def _starts(model: ThermalModel, terms: Terms, sensed: tuple[float, float]) -> tuple[Array, Array]:
     """Least and largest start of each state, degC; hidden nodes may start outside of what sensed ones do."""
+    states = len(terms.states)
     low, high = np.full(states, sensed[0]), np.full(states, sensed[1])
     network = model.network
+    # By how much further nodes may start whose sensors' gains are wrong: below, and above.
+    further = np.array([_further(model, node, sensed) for node in network.sensed]) if network else np.zeros((0, 2))
+    for node, (below, above) in zip(network.sensed, further, strict=True) if network else ():
+        for name in (node.name, lagging_reading(node.name)):
+            if name in terms.states:
+                place = terms.states.index(name)
+                low[place], high[place] = low[place] + below, high[place] + above
     for node, weights in zip(network.hidden, network.hidden_at_start, strict=True) if network else ():
         rise, room = float(weights[:-1].sum()), sorted(weights[-1] * end for end in model.domain_ambient)
         place = network.index(node.name) if network else 0
-        low[place] = min(low[place], rise * sensed[0] + room[0])
-        high[place] = max(high[place], rise * sensed[1] + room[1])
+        below, above = weights[:-1] @ further
+        low[place] = min(low[place], rise * sensed[0] + room[0] + below)
+        high[place] = max(high[place], rise * sensed[1] + room[1] + above)
     return low, high
+
+
+def _further(model: ThermalModel, node: Node, sensed: tuple[float, float]) -> tuple[float, float]:
+    """By how much a node may start below and above what sensors without an error of their gain let others start, K."""
+    sensor = node.sensor
+    if sensor is None or sensor.gain_error == 0.0:
+        return 0.0, 0.0
+    shown = [float(sensor.temperature(end, at)) for end in model.domain_temperature for at in model.domain_ambient]
+    return min(0.0, min(shown) - sensed[0]), max(0.0, max(shown) - sensed[1])
+
+
+def widest_shown(network: Network, ranges: Ranges) -> float:
+    """Largest magnitude of a reading, and of its difference to the ambient, of sensors with an error of their gain."""
+    ends = (*ranges.low, *ranges.high, *ranges.ambient, 0.0)
+    span = float(max(ends) - min(ends))
+    return max(
+        (
+            (1.0 + abs(s.gain_error)) * span + abs(s.offset)
+            for s in (n.sensor for n in network.sensed)
+            if s and s.gain_error
+        ),
+        default=0.0,
+    )
 
 
 def widest_start(network: Network, ranges: Ranges) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 from gen.coefficients import Coefficients
 from gen.identification.network.bins import FloatArray
 from gen.model.network_solution import NetworkSolution
+from gen.refinement.network.freed import gains
 from gen.runs import Run
 
 SPEEDS = 5
@@ -46,9 +47,10 @@ def anchors(coefficients: Coefficients) -> list[Run]:
 
 
 def declared_density(coefficients: Coefficients) -> FloatArray:
-    """Give the density of the errors that the file declares, shape (sensed nodes,), K^2 s."""
+    """Give the density of the errors that the file declares, shape (sensed nodes,), K^2 s, as freed of wrong gains."""
     provenance = coefficients.document.provenance
     fit = provenance.fit if provenance is not None else {}
     names = coefficients.model.component_names
     off = [fit.get(name, {}).get("left_out_rms_K", USUAL_K) for name in names]
-    return np.asarray(np.maximum(np.array(off), 0.1) ** 2 * LASTS_S)
+    assert coefficients.model.network is not None
+    return np.asarray((np.maximum(np.array(off), 0.1) / gains(coefficients.model.network)) ** 2 * LASTS_S)

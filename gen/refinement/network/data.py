@@ -17,6 +17,7 @@ from gen.refinement.network import excess
 from gen.refinement.network.anchors import anchors, declared_density
 from gen.refinement.network.columns import Columns
 from gen.refinement.network.effects import Offered
+from gen.refinement.network.freed import freed
 from gen.replay import Inputs as Driven
 from gen.replay import inputs_of as driven_by
 from gen.runs import Run
@@ -84,18 +85,22 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
     longest = max(BIN_S, 1.5 * total / MOST_BINS)
     made: list[Binned] = []
     for (name, run), inputs in zip(runs, driven, strict=True):
+        ambient = np.asarray(inputs.ambient, dtype=np.float64)
+        run = freed(run, model.network, ambient)
         carried = excess.excesses(coefficients, run, inputs)
         further = columns.of_run(run.pwm.astype(np.float64), inputs.channels, carried, later=True)
-        ambient = np.asarray(inputs.ambient, dtype=np.float64)
         made.append(binned(name, run, names, ambient, full_scale, longest, further))
     neutral = model.network.neutral()
     for number, run in enumerate(anchors(coefficients)):
         name = f"the file itself, {number + 1}"
         told = {column: np.full(run.time_s.size, neutral.get(column, 0.0)) for column in columns.channels}
-        carried = excess.excesses(coefficients, run, driven_by(coefficients, run, name, as_declared=as_declared))
-        further = columns.of_run(run.pwm.astype(np.float64), told, carried, later=False)
+        inputs = driven_by(coefficients, run, name, as_declared=as_declared)
         assert run.ambient is not None
-        made.append(binned(name, run, names, run.ambient, full_scale, 2.0 * BIN_S, further))
+        ambient = run.ambient
+        run = freed(run, model.network, ambient)
+        carried = excess.excesses(coefficients, run, inputs)
+        further = columns.of_run(run.pwm.astype(np.float64), told, carried, later=False)
+        made.append(binned(name, run, names, ambient, full_scale, 2.0 * BIN_S, further))
     return Data(inputs_of(made), len(runs), columns, _offered(runs, driven, columns), declared_density(coefficients))
 
 

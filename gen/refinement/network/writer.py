@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Literal
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from gen.coefficients.network import (
     SensorEntry,
 )
 from gen.coefficients.network_curves import points_of, six_digits, tabulated, values_of
+from gen.errors import InputError
 from gen.identification.network.bins import FloatArray
 from gen.model.laws import ZERO_C
 from gen.model.network_parts import AMBIENT, PWM
@@ -55,6 +57,8 @@ class NetworkWriter:
         self.full_scale = full_scale
         self._ranges = ranges
         self._sample_time = sample_time
+        #: What is found lies before the gains that the entry began with.
+        self._through = {node.name: 1.0 + node.sensor.gain_error for node in entry.nodes if node.sensor is not None}
 
     def _replace(self, **parts: object) -> None:
         self.entry = self.entry.model_copy(update=parts)
@@ -141,11 +145,37 @@ class NetworkWriter:
         self._nodes(name, start_factor=six_digits(factor))
 
     def sensor(self, name: str, *, offset_K: float = 0.0, lag_s: float = 0.0) -> None:
-        """Add to what stands between a node and its reading."""
-        node = next(node for node in self.entry.nodes if node.name == name)
-        old = node.sensor or SensorEntry()
-        sensor = SensorEntry(offset_K=six_digits(old.offset_K + offset_K), lag_s=six_digits(old.lag_s + lag_s))
+        """Add to what stands between a node and its reading; an offset is one of readings with a right gain."""
+        old = self._sensor(name)
+        offset_K = six_digits(old.offset_K + offset_K * self._through.get(name, 1.0))
+        lag_s = six_digits(old.lag_s + lag_s)
+        if old.gain_error:
+            sensor = SensorEntry(offset_K=offset_K, lag_s=lag_s, gain_error=old.gain_error, gain_about=old.gain_about)
+        else:
+            sensor = SensorEntry(offset_K=offset_K, lag_s=lag_s)
         self._nodes(name, sensor=sensor)
+
+    def wrong_gain(self, name: str, error: float, about: Literal["ambient", "zero_degC"]) -> None:
+        """Multiply what a sensor shows over a base.
+
+        Raises
+        ------
+        InputError
+            If its gain is wrong about another base already: the file holds one of them.
+        """
+        old = self._sensor(name)
+        if old.gain_error and old.gain_about != about:
+            place = {"ambient": "the ambient", "zero_degC": "0 degC"}
+            raise InputError(
+                f'the gain of "{name}" is wrong about {place[old.gain_about]} in the file, and was found to be wrong '
+                f"about {place[about]} beside that; a file holds one of them"
+            )
+        error = six_digits((1.0 + old.gain_error) * (1.0 + error) - 1.0)
+        sensor = SensorEntry(offset_K=old.offset_K, lag_s=old.lag_s, gain_error=error, gain_about=about)
+        self._nodes(name, sensor=sensor)
+
+    def _sensor(self, name: str) -> SensorEntry:
+        return next(node for node in self.entry.nodes if node.name == name).sensor or SensorEntry()
 
     def _nodes(self, name: str, **parts: object) -> None:
         self._replace(

@@ -110,10 +110,10 @@ def test_what_is_written_is_what_was_fitted(effect: NetworkEffect) -> None:
     one = run(motor, 1, {name: wave(k, *ends) for k, (name, ends) in enumerate(CHANNELS.items())})
     told = {**one.extras, "pwm": one.pwm.astype(np.float64)}
     assert one.ambient is not None
-    start = {n: float(one.ambient[0]) for n in written.model.component_names}
-    offsets = [node.sensor.offset for node in written.model.network.sensed if node.sensor]  # type: ignore[union-attr]
-    for name, offset in zip(start, offsets, strict=True):
-        start[name] += offset
+    assert written.model.network is not None
+    room = float(one.ambient[0])
+    sensors = {node.name: node.sensor for node in written.model.network.sensed if node.sensor is not None}
+    start = {name: float(sensor.shown(room, room)) for name, sensor in sensors.items()}
     shown = NetworkSolution(written.model).simulate_times(one.time_s, one.pwm, one.ambient, told, start)
     inputs = problem.inputs
     row = inputs.rows[0]

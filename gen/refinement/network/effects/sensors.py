@@ -52,7 +52,6 @@ class SensorGain(SensorEffect):
 
     name = "sensor_gain"
     numbers = (Number("gain_error", 0.0, 0.0, 0.1, -0.6, 1.0),)
-    held_by_the_file = False
     least = 0.01
 
     def __init__(self, motor: Motor, sensor: int, *, of_rise: bool) -> None:
@@ -62,6 +61,9 @@ class SensorGain(SensorEffect):
 
     def read(self, seen: Seen) -> tuple[int, FloatArray]:  # noqa: D102
         return self._sensor, self._of(seen.temperature) - (seen.ambient if self._of_rise else 0.0)
+
+    def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
+        entry.wrong_gain(self.component, values[0], "ambient" if self._of_rise else "zero_degC")
 
 
 class SensorLag(SensorEffect):
