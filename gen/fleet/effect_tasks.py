@@ -37,7 +37,7 @@ from gen.refinement.network.trace import PRICE, leaves_some
 from gen.refinement.network.writer import NetworkWriter
 
 Key = dict[str, Any]
-"""`name`, `component` and `acts_by` of an effect, and whether a coefficient file can hold it (`held`)."""
+"""An effect: `what` it is, `where`, and what it `acts_by`; and whether a coefficient file can hold it (`held`)."""
 HELD = 1e-6
 """Standard deviation of what a file says, while an effect on top of it is measured."""
 AT_EACH = 10
@@ -47,8 +47,8 @@ AT_EACH = 10
 def key_of(effect: NetworkEffect) -> Key:
     """Say which effect it is, whatever the motor."""
     return {
-        "name": effect.name,
-        "component": effect.component,
+        "what": effect.name,
+        "where": effect.component,
         "acts_by": dict(sorted(effect.acts_by.items())),
         "held": effect.held_by_the_file,
     }
@@ -57,7 +57,7 @@ def key_of(effect: NetworkEffect) -> Key:
 def said(key: Key) -> str:
     """Name an effect."""
     by = ", ".join(f"{name} {value}" for name, value in key["acts_by"].items())
-    return f"{key['name']} at {key['component']}" + (f" ({by})" if by else "")
+    return f"{key['what']} at {key['where']}" + (f" ({by})" if by else "")
 
 
 @dataclass(frozen=True, eq=False)

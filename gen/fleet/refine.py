@@ -262,7 +262,7 @@ def _promising(good: Sequence[Arrays], found: Sequence[Key]) -> list[Key]:
     best: list[Key] = []
     for name in sorted(every, key=lambda name: (-every[name], name)):
         key = json.loads(name)
-        same = sum(other["name"] == key["name"] for other in best)
+        same = sum(other["what"] == key["what"] for other in best)
         if every[name] > 0.0 and key not in found and same < OF_EACH and len(best) < MOST_KEYS:
             best.append(key)
     return best

@@ -59,7 +59,7 @@ def refined(
 
 def test_what_all_show_is_named_and_what_one_shows_is_told(refined: tuple[Store, RefinedFleet, Watched]) -> None:
     _, found, watched = refined
-    assert [(one.key["name"], one.key["component"]) for one in found.common] == [("schedule_error", "brush")]
+    assert [(one.key["what"], one.key["where"]) for one in found.common] == [("schedule_error", "brush")]
     assert (found.common[0].motors, found.common[0].better) == (6, 6)
     states = {state.motor: state.state for state in watched.motors}
     assert states[f"m{SHIFTED}"] == "sensor differs"

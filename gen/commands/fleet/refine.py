@@ -46,8 +46,8 @@ def refine(store: str, scheduler: str | None, jobs: int | None, scouts: int) -> 
     if not found.refined:
         click.echo(f"{store}: no effect is in common that files can hold; their models stay as they were identified")
         return
-    before, after = np.median(list(found.error_K.values()), axis=0)
-    click.echo(
-        f"{store}: {len(found.refined)} model(s) refined; {before:.2f} -> {after:.2f} K in the median of "
-        f"{len(found.error_K)} motors' newer runs"
-    )
+    said = ""
+    if found.error_K:
+        before, after = np.median(list(found.error_K.values()), axis=0)
+        said = f"; {before:.2f} -> {after:.2f} K in the median of {len(found.error_K)} motors' newer runs"
+    click.echo(f"{store}: {len(found.refined)} model(s) refined{said}")
