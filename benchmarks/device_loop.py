@@ -147,7 +147,7 @@ def commissioned(folder: Path, effect: str, kind: str, seed: int, given: Path | 
         runs.append(folder / f"cold{speed}.csv")
         profile = step(counts(speed)) if kind == "parts" else cut_off(counts(speed), 10_800.0, 3600.0)
         make_run(profile, setup).write(runs[-1])
-    gen("identify", *runs, "--out", out, "--name", "commissioned", "--model", kind)
+    gen("identify", *runs, "--out", out, "--name", "as_commissioned", "--model", kind)
     document = json.loads(out.read_text(encoding="utf-8"))
     example = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
     wiring = example["wiring"] | ({"channels": CHANNELS} if effect in SURROUNDED else {})

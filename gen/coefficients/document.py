@@ -29,7 +29,7 @@ from gen.model.dynamics import MAX_PWM
 
 SKETCH_FILES = frozenset(["board", "commands", "config", "console", "crc32", "device", "drive", "encoder"])
 SKETCH_FILES |= {"channels", "guard", "indicator", "memory", "observer", "output", "relay", "selftest", "snapshot"}
-SKETCH_FILES |= {"thermocouples", "warm"}
+SKETCH_FILES |= {"commissioned", "commissioning", "commissioning_words", "latch", "thermocouples", "warm"}
 """Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
 
 CelsiusRange = tuple[Celsius, Celsius]
