@@ -27,9 +27,33 @@ from gen.coefficients.schedule import ScheduleEntry
 from gen.coefficients.wiring import Wiring
 from gen.model.dynamics import MAX_PWM
 
-SKETCH_FILES = frozenset(["board", "commands", "config", "console", "crc32", "device", "drive", "encoder"])
-SKETCH_FILES |= {"channels", "guard", "indicator", "memory", "observer", "output", "relay", "selftest", "snapshot"}
-SKETCH_FILES |= {"commissioned", "commissioning", "commissioning_words", "latch", "thermocouples", "warm"}
+SKETCH_FILES = frozenset(
+    [
+        "board",
+        "channels",
+        "commands",
+        "commissioned",
+        "commissioning",
+        "commissioning_words",
+        "config",
+        "console",
+        "crc32",
+        "device",
+        "drive",
+        "encoder",
+        "guard",
+        "indicator",
+        "latch",
+        "memory",
+        "observer",
+        "output",
+        "relay",
+        "selftest",
+        "snapshot",
+        "thermocouples",
+        "warm",
+    ]
+)
 """Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
 
 CelsiusRange = tuple[Celsius, Celsius]

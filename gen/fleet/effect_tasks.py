@@ -1,7 +1,4 @@
-"""Tasks of `gen fleet refine`: one motor's newer runs against its network with effects on it.
-
-An effect is known by its name, what it acts on and what it acts by; the same one is put on each motor's own network.
-"""
+"""Tasks of `gen fleet refine`: one motor's newer runs against its network with the fleet's effects on it."""
 
 from __future__ import annotations
 
@@ -12,52 +9,28 @@ from typing import Any
 
 import numpy as np
 
-from gen.coefficients import Coefficients, parse, with_network
-from gen.coefficients.messages import building
+from gen.coefficients import Coefficients, parse
 from gen.errors import CheckFailed
 from gen.fleet.models import model_path
 from gen.fleet.motor_data import usable
 from gen.fleet.patterns import residual_of
-from gen.fleet.pooling import FloatArray
+from gen.fleet.pooling import integrated_out
+from gen.fleet.shared_effects import Key, bare, key_of, network_of, variants, with_means
 from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays
 from gen.identification.network.fit import settle
 from gen.identification.network.priors import Prior
 from gen.identification.sources import Source
-from gen.model.network import Network
 from gen.refinement.condense import measured_in
-from gen.refinement.network import excess
 from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.columns import Columns
 from gen.refinement.network.data import Data, make_data
 from gen.refinement.network.effects import NetworkEffect, Offered, candidates
-from gen.refinement.network.fit import GOOD, Bench, Fitted
+from gen.refinement.network.fit import AT_EACH, GOOD, Bench, Fitted
 from gen.refinement.network.judged import Judged, judged
 from gen.refinement.network.trace import PRICE, leaves_some
-from gen.refinement.network.writer import NetworkWriter
 
-Key = dict[str, Any]
-"""An effect: `what` it is, `where`, and what it `acts_by`; and whether a coefficient file can hold it (`held`)."""
 HELD = 1e-6
 """Standard deviation of what a file says, while an effect on top of it is measured."""
-AT_EACH = 10
-"""Linearisations."""
-
-
-def key_of(effect: NetworkEffect) -> Key:
-    """Say which effect it is, whatever the motor."""
-    return {
-        "what": effect.name,
-        "where": effect.component,
-        "acts_by": dict(sorted(effect.acts_by.items())),
-        "held": effect.held_by_the_file,
-    }
-
-
-def said(key: Key) -> str:
-    """Name an effect."""
-    by = ", ".join(f"{name} {value}" for name, value in key["acts_by"].items())
-    return f"{key['what']} at {key['where']}" + (f" ({by})" if by else "")
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,12 +53,7 @@ class Beside:
 
     def with_one(self, key: Key) -> Judged:
         """Put one more effect on it."""
-        shape = self.now.fitted.shape
-        fits = [
-            self.bench.fit(shape.with_effects(*shape.effects, one), self.now.fitted)
-            for one in _variants(self.every, key)
-        ]
-        best = min(fits, key=lambda fitted: fitted.fit.cost)
+        best = _with_one(self.bench, self.now.fitted, self.every, key)
         return judged(self.bench.data, best, self.bench.left_out(best))
 
 
@@ -141,11 +109,8 @@ def numbers_told(
     own = problem.prior.precision[np.ix_(columns, columns)]
     matrix[np.ix_(columns, columns)] -= own
     right[columns] += own @ (fitted.vector[columns] - mean)
-    others = np.setdiff1d(np.arange(problem.size), columns)
-    gain = np.linalg.solve(matrix[np.ix_(others, others)], matrix[np.ix_(others, columns)])
-    told = matrix[np.ix_(columns, columns)] - matrix[np.ix_(columns, others)] @ gain
-    told = 0.5 * (told + told.T)
-    vector = told @ (fitted.vector[columns] - mean) + right[columns] - gain.T @ right[others]
+    told, step = integrated_out(matrix, right, columns)
+    vector = told @ (fitted.vector[columns] - mean) + step
     return {"matrix": scale[:, None] * told * scale, "vector": scale * vector}
 
 
@@ -168,61 +133,10 @@ def errors_with(
     return {"error_K": np.sqrt([np.nanmean(each) for each in squares])}
 
 
-def with_means(text: str, found: Sequence[Key], mean: FloatArray, offered: Offered) -> str:
-    """Give the text of a file with effects, their numbers the fleet's.
-
-    Parameters
-    ----------
-    text
-        The coefficient file.
-    found
-        The effects; those that no file can hold are passed over.
-    mean
-        Their numbers, in standard deviations from their priors' means.
-    offered
-        What the fleet's runs have.
-
-    Raises
-    ------
-    CheckFailed
-        Where one of them cannot act on this network.
-    InputError
-        When the file with them is none that can be built.
-    """
-    coefficients = parse(text.encode())
-    shape = _bare(coefficients, Columns(tuple(offered.ranges), excess.count(_network(coefficients))))
-    every = candidates(shape.motor(), offered)
-    effects = [_variants(every, key)[0] for key in found]
-    document, first = coefficients.document, 0
-    assert document.network is not None
-    writer = NetworkWriter(document.network, document.input.full_scale, offered.ranges, document.sample_time_s)
-    with building():
-        for effect in effects:
-            own = mean[first : first + len(effect.numbers)]
-            first += len(effect.numbers)
-            numbers = zip(effect.numbers, own.tolist(), strict=True)
-            effect.write(writer, [number.value(number.mean + number.deviation * z) for number, z in numbers])
-        named = ", ".join(said(key) for key in found if key["held"])
-        made = with_network(text, writer.entry, f"refined with its fleet: {named}")
-    parse(made.encode())
-    return made
-
-
-def together(each: Sequence[Offered]) -> Offered:
-    """Give what several motors' runs have: channels that all of them have, in the widest range."""
-    names = [name for name in each[0].ranges if all(name in one.ranges for one in each)]
-    return Offered(
-        ranges={n: (min(o.ranges[n][0] for o in each), max(o.ranges[n][1] for o in each)) for n in names},
-        typical={name: float(np.median([one.typical[name] for one in each])) for name in names},
-        backwards=any(one.backwards for one in each),
-        rests=any(one.rests for one in each),
-    )
-
-
 def _read(store: Store, motor: str, runs: list[list[str]]) -> tuple[Coefficients, Data]:
     """A motor's file as it was identified, and its newer runs."""
     coefficients = parse(store.read(model_path(motor)))
-    _network(coefficients)
+    network_of(coefficients)
     sources = _sources(store, runs)
     named = [(source.name, measured_in(coefficients, source.run, source.name)) for source in sources]
     return coefficients, make_data(coefficients, named)
@@ -235,45 +149,31 @@ def _sources(store: Store, runs: list[list[str]]) -> tuple[Source, ...]:
     return sources
 
 
-def _network(coefficients: Coefficients) -> Network:
-    network = coefficients.model.network
-    if network is None:
-        raise CheckFailed("the model is no network")
-    return network
-
-
-def _bare(coefficients: Coefficients, columns: Columns) -> Anchored:
-    return Anchored(_network(coefficients), coefficients.document.input.full_scale, columns)
-
-
-def _variants(every: Sequence[NetworkEffect], key: Key) -> list[NetworkEffect]:
-    """The candidates that are one effect: they differ in where their search begins."""
-    found = [effect for effect in every if key_of(effect) == key]
-    if not found:
-        raise CheckFailed(f"{said(key)} cannot act on this motor, or its runs do not show it")
-    return found
-
-
 def _beside(store: Store, motor: str, runs: list[list[str]], found: Sequence[Key]) -> Beside:
     """Fit the file with what was found, all free that the file leaves open."""
     coefficients, data = _read(store, motor, runs)
     bench = Bench(data)
-    shape = _bare(coefficients, data.columns)
+    shape = bare(coefficients, data.columns)
     fitted = bench.first(shape)
     every = candidates(shape.motor(), data.offered)
     for key in found:
-        effects = fitted.shape.effects
-        fits = [bench.fit(shape.with_effects(*effects, one), fitted) for one in _variants(every, key)]
-        best = min(fits, key=lambda one: one.fit.cost)
+        best = _with_one(bench, fitted, every, key)
         fitted = bench.tightened(best.shape, best.vector)
     return Beside(bench, judged(data, fitted, bench.left_out(fitted)), tuple(every))
 
 
+def _with_one(bench: Bench, fitted: Fitted, every: Sequence[NetworkEffect], key: Key) -> Fitted:
+    """Fit one more effect, from wherever its search ends best."""
+    shape = fitted.shape
+    fits = [bench.fit(shape.with_effects(*shape.effects, one), fitted) for one in variants(every, key)]
+    return min(fits, key=lambda one: one.fit.cost)
+
+
 def _with_effects(coefficients: Coefficients, data: Data, found: Sequence[Key], offered: Offered) -> Anchored:
     """The file with effects whose numbers mean the same in the whole fleet."""
-    shape = _bare(coefficients, data.columns)
+    shape = bare(coefficients, data.columns)
     every = candidates(shape.motor(), offered)
-    return shape.with_effects(*(_variants(every, key)[0] for key in found))
+    return shape.with_effects(*(variants(every, key)[0] for key in found))
 
 
 def _on_top(data: Data, shape: Anchored) -> Fitted:

@@ -12,7 +12,7 @@ from gen.coefficients import dump, parse
 from gen.coefficients.names import name_fault
 from gen.fleet.common import Common, common_of
 from gen.fleet.motor_data import data_of, usable
-from gen.fleet.pooling import FloatArray
+from gen.fleet.pooling import FloatArray, integrated_out
 from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays
 from gen.identification.coefficient_file import Settings
@@ -86,8 +86,7 @@ def mean_model(form: Common, data: NetworkData) -> str:
 def told_by(found: Found) -> tuple[FloatArray, FloatArray]:
     """Give what runs say of the shared parameters alone, as a normal matrix and its right-hand side.
 
-    What is a run's own (starts, an unmeasured room) is integrated out with its prior: with blocks s and o of the
-    normal equations at the fit, N = N_ss - N_so (N_oo + P_oo)^-1 N_os, and the vector likewise.
+    What is a run's own (starts, an unmeasured room) is integrated out with its prior.
 
     Returns
     -------
@@ -105,10 +104,7 @@ def told_by(found: Found) -> tuple[FloatArray, FloatArray]:
     prior = problem.prior
     matrix[own, own] += prior.precision[own, own]
     right[own] -= prior.precision[own, own] @ (fit.vector[own] - prior.mean[own])
-    gain = np.linalg.solve(matrix[own, own], matrix[own, :shared])
-    told = matrix[:shared, :shared] - matrix[:shared, own] @ gain
-    told = 0.5 * (told + told.T)
-    step = right[:shared] - gain.T @ right[own]
+    told, step = integrated_out(matrix, right, np.arange(shared))
     return told, told @ fit.vector[:shared] + step
 
 

@@ -52,6 +52,6 @@ def with_model(store: Store, motors: Iterable[str]) -> list[str]:
 
 
 def write_identified(store: Store, path: str, text: str) -> None:
-    """Write a file that was identified; what was found beside the one before is gone with it."""
-    store.write(path, text.encode())
+    """Write a file that was identified; what was found beside the one before goes first, lest it stays in use."""
     store.remove(refined_path(path))
+    store.write(path, text.encode())

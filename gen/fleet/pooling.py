@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
 USUAL_SPREAD, DEGREES = 0.1, 4.0
 """What motors of one series are taken to differ by, as standard deviation of a logarithm, and as how many motors that
 counts."""
@@ -76,6 +77,29 @@ class Sums:
     precision: FloatArray
     vector: FloatArray
     square: FloatArray
+
+
+def integrated_out(matrix: FloatArray, right: FloatArray, kept: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Take all but some parameters out of normal equations, with what the equations say of them.
+
+    With blocks k and o, N = N_kk - N_ko N_oo^-1 N_ok, and the right-hand side likewise.
+
+    Parameters
+    ----------
+    matrix, right
+        Shapes (P, P) and (P,).
+    kept
+        Which parameters stay, shape (p,).
+
+    Returns
+    -------
+    matrix, right
+        Shapes (p, p) and (p,).
+    """
+    others = np.setdiff1d(np.arange(right.size), kept)
+    gain = np.linalg.solve(matrix[np.ix_(others, others)], matrix[np.ix_(others, kept)])
+    told = matrix[np.ix_(kept, kept)] - matrix[np.ix_(kept, others)] @ gain
+    return 0.5 * (told + told.T), right[kept] - gain.T @ right[others]
 
 
 def pooled(told: Told, first: Pool, fixed: BoolArray) -> Pool:

@@ -20,21 +20,13 @@ from numpy.typing import NDArray
 
 from gen.coefficients import parse
 from gen.errors import CheckFailed, InputError
-from gen.fleet.effect_tasks import (
-    Key,
-    compared,
-    errors_with,
-    numbers_told,
-    promised,
-    said,
-    together,
-    with_means,
-)
+from gen.fleet.effect_tasks import compared, errors_with, numbers_told, promised
 from gen.fleet.identify import runs_of
 from gen.fleet.models import COMMON, identified_models_of, model_path, refined_path
 from gen.fleet.pooling import FloatArray, Pool, Told, pooled
 from gen.fleet.residuals import learnt_by
 from gen.fleet.scouting import as_lists
+from gen.fleet.shared_effects import Key, said, together, with_means
 from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
 from gen.refinement.judgement import LEAST_GAIN, LEVEL, p_of_gains

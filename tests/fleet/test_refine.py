@@ -27,16 +27,15 @@ WORN, SHIFTED = 5, 2
 """Motors with more heat than that, and with a sensor that has shifted."""
 
 
-def later(number: int, seed: int, *, worn: bool = False) -> dict[str, float]:
+def later(number: int, seed: int, *, offset: float = 0.0, worn: bool = False) -> Run:
+    """A run of a motor as it is now."""
     rng = np.random.default_rng(1000 + number)
     heat, capacity = np.exp(rng.normal(0.0, 0.08, 2)).tolist()
-    return {"seed": seed, "heat": heat * GROWN * (1.4 if worn else 1.0), "capacity": capacity}
+    return run_of(seed, heat=heat * GROWN * (1.4 if worn else 1.0), capacity=capacity, offset=offset)
 
 
 def add_later(store: Store, number: int, *, offset: float = 0.0, worn: bool = False) -> None:
-    seed, heat, capacity = later(number, 700 + number, worn=worn).values()
-    run = run_of(int(seed), heat=heat, capacity=capacity, offset=offset)
-    store.add(f"m{number}", "2026-02-01", "later", run)
+    store.add(f"m{number}", "2026-02-01", "later", later(number, 700 + number, offset=offset, worn=worn))
 
 
 def error_K(store: Store, path: str, run: Run) -> float:
@@ -73,9 +72,7 @@ def test_every_file_predicts_later_runs_as_the_motors_are_now(refined: tuple[Sto
     store, found, _ = refined
     assert set(found.refined) == {f"m{number}" for number in range(MOTORS)}
     for number in (0, WORN, 7):
-        seed, heat, capacity = later(number, 900 + number).values()  # the worn one as it would be without its fault
-        run = run_of(int(seed), heat=heat, capacity=capacity)
-
+        run = later(number, 900 + number)  # the worn one as it would be without its fault
         path = model_path(f"m{number}")
         assert error_K(store, refined_path(path), run) < 0.6
         assert error_K(store, path, run) > 3.0
