@@ -7,18 +7,17 @@ over the fleet. Runs that the models were fitted to take no part, nor motors tha
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from gen.coefficients import Coefficients, parse, with_rules
+from gen.coefficients import parse, with_rules
 from gen.coefficients.rules import read_rules
 from gen.errors import CheckFailed, InputError
 from gen.fleet.identify import runs_of
-from gen.fleet.models import in_use, model_path, models_of
+from gen.fleet.models import Model, in_use, model_path, paths_in_use, read_model, sound, with_model
 from gen.fleet.motor_data import read
 from gen.fleet.residuals import learnt_by
 from gen.fleet.store import Kept, Store
@@ -34,14 +33,6 @@ OTHERS = 40
 """Runs of other motors that count as a motor's own."""
 NEWEST = 3
 """Runs of each motor that may take part."""
-
-
-@dataclass(frozen=True, eq=False)
-class Model:
-    """A motor's coefficient file, as written and as read."""
-
-    text: str
-    coefficients: Coefficients
 
 
 @dataclass(frozen=True)
@@ -65,7 +56,7 @@ class Derived:
 
 def healthy_residuals(store: Store, *, motor: str, run: list[str], model: str) -> Arrays:
     """Hold a run against its motor's model as alarm rules will (a task); `model` is the file's hash."""
-    coefficients = parse(store.read(in_use(store, model_path(motor))))
+    coefficients = read_model(store, in_use(store, model_path(motor)))
     kept = Kept(*run)
     if f"{kept.name}.parquet" in learnt_by(coefficients):
         raise CheckFailed(f"{kept.path}: the model was fitted to it")
@@ -105,22 +96,24 @@ def derive_all(store: Store, rules: Path, hours: float, workers: Workers, progre
     InputError
         When the rules have a fault, or the fleet was not identified yet.
     CheckFailed
-        When no healthy run is newer than its motor's model.
+        When no healthy run is newer than its motor's model, or no model can be read.
     """
     runs = runs_of(store)
-    texts = models_of(store, runs)
-    if not texts:
+    paths = paths_in_use(store, with_model(store, runs))
+    if not paths:
         raise InputError("no motor has a model; expected a fleet that gen fleet identify has seen", file=store.url)
-    models = {motor: Model(text.decode(), parse(text)) for motor, text in texts.items()}
+    models, broken = sound(store, paths)
+    if not models:
+        raise CheckFailed(f"no motor's model can be read: {next(iter(broken.values()))}")
     read_rules(rules, next(iter(models.values())).coefficients.model.component_names)
     different = _different(store)
     tasks = {
         f"{motor}/{run.day}/{run.name}": {
             "motor": motor,
             "run": [run.motor, run.day, run.name],
-            "model": hashlib.sha256(text).hexdigest(),
+            "model": model.hash,
         }
-        for motor, text in texts.items()
+        for motor, model in models.items()
         if motor not in different
         for run in runs[motor][-NEWEST:]
     }
@@ -135,7 +128,7 @@ def derive_all(store: Store, rules: Path, hours: float, workers: Workers, progre
     result = _derived(store, rules, hours, models, healthy, progress)
     if not result.own and len(set(result.refused.values())) == 1:
         raise InputError(next(iter(result.refused.values())), file=str(rules))  # it is the rules' fault
-    return result
+    return replace(result, refused={**broken, **result.refused})
 
 
 def _derived(

@@ -11,7 +11,7 @@ import numpy as np
 
 from gen.coefficients import Coefficients, parse
 from gen.errors import CheckFailed
-from gen.fleet.models import model_path
+from gen.fleet.models import model_path, read_model
 from gen.fleet.motor_data import usable
 from gen.fleet.patterns import residual_of
 from gen.fleet.pooling import integrated_out
@@ -135,7 +135,7 @@ def errors_with(
 
 def _read(store: Store, motor: str, runs: list[list[str]]) -> tuple[Coefficients, Data]:
     """A motor's file as it was identified, and its newer runs."""
-    coefficients = parse(store.read(model_path(motor)))
+    coefficients = read_model(store, model_path(motor))
     network_of(coefficients)
     sources = _sources(store, runs)
     named = [(source.name, measured_in(coefficients, source.run, source.name)) for source in sources]

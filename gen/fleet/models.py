@@ -2,14 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
+from gen.coefficients import Coefficients, parse
+from gen.errors import InputError
 from gen.fleet.store import MODELS, Store
 
 REFINED = "refined"
 """Files with what `gen fleet refine` found: in use in the place of those in `models`."""
 COMMON = f"{MODELS}/common.json"
 """Of the fleet's mean."""
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A motor's coefficient file, as written and as read."""
+
+    text: str
+    coefficients: Coefficients
+
+    @property
+    def hash(self) -> str:
+        """What stands for it in a task's arguments."""
+        return hashlib.sha256(self.text.encode()).hexdigest()
 
 
 def model_path(motor: str) -> str:
@@ -40,9 +57,45 @@ def paths_in_use(store: Store, motors: Iterable[str]) -> dict[str, str]:
     return {motor: new if new.removeprefix(f"{REFINED}/") in there else old for motor, (old, new) in paths.items()}
 
 
-def identified_models_of(store: Store, motors: Iterable[str]) -> dict[str, bytes]:
-    """Give the coefficient file of each motor that has one, as it was identified."""
-    return {motor: store.read(model_path(motor)) for motor in with_model(store, motors)}
+def identified_paths(store: Store, motors: Iterable[str]) -> dict[str, str]:
+    """Give where the file of each motor that was identified is, as it was identified."""
+    return {motor: model_path(motor) for motor in with_model(store, motors)}
+
+
+def read_model(store: Store, path: str) -> Coefficients:
+    """Read a coefficient file of the store.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read or is none, with its name.
+    """
+    return _parsed(store, path, store.read(path))
+
+
+def sound(store: Store, paths: Mapping[str, str]) -> tuple[dict[str, Model], dict[str, str]]:
+    """Read motors' coefficient files: one that is broken costs a line.
+
+    Returns
+    -------
+    models, broken
+        By motor; of the broken ones why, with the file's name.
+    """
+    models, broken = {}, {}
+    for motor, path in paths.items():
+        try:
+            text = store.read(path)
+            models[motor] = Model(text.decode(errors="replace"), _parsed(store, path, text))
+        except InputError as error:
+            broken[motor] = str(error)
+    return models, broken
+
+
+def _parsed(store: Store, path: str, text: bytes) -> Coefficients:
+    try:
+        return parse(text)
+    except InputError as error:
+        raise InputError(error.message, file=f"{store.url}/{path}", place=error.place) from error
 
 
 def with_model(store: Store, motors: Iterable[str]) -> list[str]:

@@ -9,7 +9,6 @@ one motor shows alone is still seen, and not learnt.
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,11 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.coefficients import parse
+from gen.coefficients import Coefficients
 from gen.errors import CheckFailed, InputError
 from gen.fleet.effect_tasks import compared, errors_with, numbers_told, promised
 from gen.fleet.identify import runs_of
-from gen.fleet.models import COMMON, identified_models_of, model_path, refined_path
+from gen.fleet.models import COMMON, identified_paths, model_path, read_model, refined_path, sound
 from gen.fleet.pooling import FloatArray, Pool, Told, pooled
 from gen.fleet.residuals import learnt_by
 from gen.fleet.scouting import as_lists
@@ -114,15 +113,17 @@ def refine_fleet(store: Store, scouts: int, workers: Workers, progress: Progress
     Raises
     ------
     InputError
-        When the store has no runs, or the fleet was not identified yet.
+        When the store has no runs, the fleet was not identified yet, or the mean's file is broken.
     CheckFailed
         When too few motors have a newer run than their model.
     """
     runs = runs_of(store)
-    texts = identified_models_of(store, runs)
-    if not texts or not store.exists(COMMON):
+    paths = identified_paths(store, runs)
+    if not paths or not store.exists(COMMON):
         raise InputError("no motor has a model; expected a fleet that gen fleet identify has seen", file=store.url)
-    newer = {motor: _newer(text, runs[motor]) for motor, text in texts.items()}
+    read_model(store, COMMON)
+    models, broken = sound(store, paths)
+    newer = {motor: _newer(model.coefficients, runs[motor]) for motor, model in models.items()}
     newer = {motor: own for motor, own in newer.items() if own}
     if len(newer) < FEWEST:
         raise CheckFailed(
@@ -130,8 +131,7 @@ def refine_fleet(store: Store, scouts: int, workers: Workers, progress: Progress
             "identify with --until, and add newer runs"
         )
     tasks = {
-        motor: {"motor": motor, "runs": as_lists(own), "model": hashlib.sha256(texts[motor]).hexdigest()}
-        for motor, own in newer.items()
+        motor: {"motor": motor, "runs": as_lists(own), "model": models[motor].hash} for motor, own in newer.items()
     }
     chosen = _evenly(sorted(newer), max(scouts, FEWEST))
     with workers_of(store, workers) as client:
@@ -139,19 +139,19 @@ def refine_fleet(store: Store, scouts: int, workers: Workers, progress: Progress
         common, offered, refused = fleet.search(chosen)
         keys = [one.key for one in common]
         if not any(key["held"] for key in keys):
-            _written(store, {}, sorted(texts))  # what was found another time is not found now
-            return RefinedFleet(tuple(common), {}, (), refused)
+            _written(store, {}, sorted(paths))  # what was found another time is not found now
+            return RefinedFleet(tuple(common), {}, (), {**broken, **refused})
         mean, silent = fleet.numbers(keys, offered)
         errors = fleet.errors(keys, offered, mean)
     made, wrong = {COMMON: with_means(store.read(COMMON).decode(), keys, mean, offered)}, {}
-    for motor, text in texts.items():
+    for motor, model in models.items():
         try:
-            made[model_path(motor)] = with_means(text.decode(), keys, mean, offered)
+            made[model_path(motor)] = with_means(model.text, keys, mean, offered)
         except (CheckFailed, InputError) as error:
             wrong[motor] = str(error)
-    _written(store, made, sorted(texts))
-    refined = tuple(motor for motor in texts if model_path(motor) in made)
-    return RefinedFleet(tuple(common), errors, refined, {**refused, **silent, **wrong})
+    _written(store, made, sorted(paths))
+    refined = tuple(motor for motor in paths if model_path(motor) in made)
+    return RefinedFleet(tuple(common), errors, refined, {**broken, **refused, **silent, **wrong})
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,9 +236,9 @@ def _written(store: Store, made: Mapping[str, str], motors: Sequence[str]) -> No
             store.remove(refined_path(path))
 
 
-def _newer(text: bytes, runs: Sequence[Kept]) -> list[Kept]:
+def _newer(model: Coefficients, runs: Sequence[Kept]) -> list[Kept]:
     """A motor's runs that did not teach its model."""
-    seen = learnt_by(parse(text))
+    seen = learnt_by(model)
     return [run for run in runs if f"{run.name}.parquet" not in seen]
 
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from gen.coefficients import Coefficients, parse
+from gen.coefficients import Coefficients
 from gen.errors import CheckFailed, InputError
-from gen.fleet.models import COMMON, in_use, model_path
+from gen.fleet.models import COMMON, in_use, model_path, read_model
 from gen.fleet.motor_data import read
 from gen.fleet.patterns import Products, hypotheses_of, products_of, residual_of
 from gen.fleet.store import Kept, Store
@@ -31,7 +31,7 @@ def newest_residuals(store: Store, *, motor: str, runs: list[list[str]], models:
     models
         Hashes of both coefficient files: with other ones it is another task.
     """
-    own, mean = (parse(store.read(in_use(store, path))) for path in (model_path(motor), COMMON))
+    own, mean = (read_model(store, in_use(store, path)) for path in (model_path(motor), COMMON))
     *earlier, last = [Kept(*each) for each in runs]
     run = read(store, last)
     hours = float(run.time_s[-1] - run.time_s[0]) / 3600.0

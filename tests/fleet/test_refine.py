@@ -10,7 +10,7 @@ import pytest
 
 from gen.coefficients import parse
 from gen.fleet.identify import Identified, identify_fleet
-from gen.fleet.models import COMMON, model_path, models_of, refined_path
+from gen.fleet.models import COMMON, identified_paths, model_path, models_of, refined_path, sound
 from gen.fleet.refine import RefinedFleet, refine_fleet
 from gen.fleet.store import Store
 from gen.fleet.watch import Watched, watch
@@ -106,4 +106,18 @@ def test_too_few_newer_runs_are_told(fleet: Store, tmp_path: Path) -> None:
     done = gen("fleet", "refine", "store", "--jobs", "1", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (1, "")
     assert "3 motor(s) have a newer run than their model; expected 6 at least" in done.stderr
+    assert not fleet.exists("refined")
+
+
+def test_a_broken_file_of_a_motor_is_a_line_and_of_the_mean_the_end(fleet: Store, tmp_path: Path) -> None:
+    fleet.write(model_path("m3"), fleet.read(model_path("m3"))[:200])
+    models, broken = sound(fleet, identified_paths(fleet, fleet.motors()))
+    assert sorted(models) == [f"m{number}" for number in range(MOTORS) if number != 3]
+    assert broken["m3"].startswith(f"{fleet.url}/models/motor=m3.json: line ")
+    for number in range(6):
+        add_later(fleet, number)
+    fleet.write(COMMON, b"{")
+    done = gen("fleet", "refine", "store", "--jobs", "1", cwd=tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert done.stderr.startswith("error: store/models/common.json: line 1, column 2: not valid JSON")
     assert not fleet.exists("refined")
