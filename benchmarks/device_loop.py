@@ -6,7 +6,7 @@
         --speeds 70 --judged 3600
 
 1. `gen identify` on steps from cold of the simulated motor as it was commissioned: the baseline, with rules of alarm;
-   with ``--model network`` it is a network, and the steps end with an hour at rest.
+   with ``--model network`` it is a network, the steps end with an hour at rest, and thresholds come later (5.).
 2. The motor at work has an effect that this model lacks. By default the lack is real: the motor was commissioned at
    three speeds only, and works at those between (`schedule_error`); with ``--baseline
    examples/my1016/coeffs.json`` the study's own model, its schedules and its rules. Others change the motor's physics.
@@ -16,8 +16,11 @@
 3. Its logs: from the rig at once (`rig`), or printed by the baseline's firmware on the emulated Mega (`emulated`, some
    60 s of this machine for an hour).
 4. `gen refine` on the logs, `gen build` of the refined file.
-5. Healthy, with a degreased bearing and with a chipped brush, at held speeds: the rules' alarms before and after, by
-   the bit-exact references of the board (`twin`), or by both firmwares on the emulated Mega (`emulated`).
+5. With ``--model network``: `gen thresholds` gives either file the rules of `examples/my1016_rig/rules.json`, from
+   twelve more hours of the healthy motor at work.
+6. Healthy, with a degreased bearing and with a chipped brush, at held speeds: the rules' alarms before and after, by
+   the bit-exact references of the board (`twin`), or by both firmwares on the emulated Mega (`emulated`). The faults
+   are there from the start on; with derived thresholds they begin after a third of the time.
 
 The second and the third line run the firmware itself wherever it can, on few hours of the motor: some 15 minutes.
 
@@ -54,7 +57,7 @@ from gen.emulate.twin import alarm_times  # noqa: E402
 from gen.record.port import write_parts  # noqa: E402
 from gen.refinement.run_errors import run_errors, total  # noqa: E402
 from gen.rig import Fault, MotorConfig, Profile, Setup, make_run, sensors  # noqa: E402
-from gen.rig.config import HiddenPart  # noqa: E402
+from gen.rig.config import FaultKind, HiddenPart  # noqa: E402
 from gen.rig.parameters import HeatPath  # noqa: E402
 from gen.rig.profiles import counts, cut_off, staircase, step  # noqa: E402
 from gen.rig.signals import Signal, sine, steps  # noqa: E402
@@ -85,9 +88,14 @@ STEADY_TESTS = ((40, 80, 60, 30), (70, 50, 90, 80))
 WORK = ((30, 80, 50, 90), (70, 40, 100, 0), (90, 30, 0, 70), (50, -80, 40, 0), (80, 0, 60, 30), (-60, 90, 0, 50))
 TESTS = ((40, 80, 0, 30), (70, 50, 90, -40))
 """The same with stops and reversals, for effects that show there."""
+HEALTHY = ((60, 0, 30, 90), (80, 40, -70, 50), (0, 100, 60, 20), (30, -50, 0, 80), (90, 70, 0, 40), (50, 20, 100, 0))
+HEALTHY_HOLD_S = 1800.0
+"""Of further logs, from which thresholds come: a rate of false alarms wants ten hours and more."""
 SPEEDS = (30, 40, 50, 60, 70, 80, 90, 100)
-CASES: dict[str, tuple[Fault, ...]] = {"healthy": (), "bearing": (Fault("bearing"),), "brush": (Fault("brush"),)}
-JUDGED_S = 9000.0
+KINDS: tuple[FaultKind | None, ...] = (None, "bearing", "brush")
+"""The motors that are judged; None is healthy."""
+JUDGED_S, BEGINS_AT = 9000.0, 1.0 / 3.0
+"""How long motors are judged, s, and at which share of it faults begin where thresholds are derived."""
 
 
 @dataclass(frozen=True)
@@ -151,8 +159,18 @@ def commissioned(folder: Path, effect: str, kind: str, seed: int, given: Path | 
     document = json.loads(out.read_text(encoding="utf-8"))
     example = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
     wiring = example["wiring"] | ({"channels": CHANNELS} if effect in SURROUNDED else {})
-    document |= {"wiring": wiring, "alarms": RULES}
+    document |= {"wiring": wiring, "alarms": RULES if kind == "parts" else []}
     out.write_text(json.dumps(document, indent=1), encoding="utf-8")
+    return out
+
+
+def with_thresholds(model: Path, healthy: Sequence[Path]) -> Path:
+    """The file with the rules of the simulated motor's example, their numbers derived from healthy logs."""
+    example = json.loads((ROOT / "examples" / "my1016_rig" / "rules.json").read_text(encoding="utf-8"))
+    rules = model.with_name("rules.json")
+    rules.write_text(json.dumps({"alarms": example["alarms"]}, indent=1), encoding="utf-8")
+    out = model.with_name(f"{model.stem}-alarms.json")
+    gen("thresholds", model, "--rules", rules, *healthy, "--out", out)
     return out
 
 
@@ -236,10 +254,16 @@ def for_the_board(refined: Path) -> tuple[Path, list[str]]:
 
 
 def judged(
-    coefficients: Coefficients, effect: str, seed: int, speeds: Sequence[int], duration_s: float, emulated: bool
+    coefficients: Coefficients,
+    effect: str,
+    seed: int,
+    speeds: Sequence[int],
+    duration_s: float,
+    begins_s: float,
+    emulated: bool,
 ) -> np.ndarray:
-    """Time of each rule's first alarm, s, NaN without; shape (speeds, cases, rules)."""
-    runs = [(speed, faults) for speed in speeds for faults in CASES.values()]
+    """Time of each rule's first alarm, s since the fault began, NaN without; shape (speeds, kinds, rules)."""
+    runs = [(speed, () if kind is None else (Fault(kind, begins_s),)) for speed in speeds for kind in KINDS]
     plants = [
         plant(
             coefficients,
@@ -258,7 +282,7 @@ def judged(
         first = np.array(rows)
     else:
         first = alarm_times(coefficients, plants, pwm, duration_s)
-    return first.reshape(len(speeds), len(CASES), -1)
+    return first.reshape(len(speeds), len(KINDS), -1) - begins_s
 
 
 def test_errors(
@@ -294,24 +318,35 @@ def lines(
     ]
     called_at = min(speeds, key=lambda speed: abs(speed - 70))
     row = speeds.index(called_at)
-    for c, case in enumerate(CASES):
-        told = []
-        for first in (before, after):
-            earliest = np.min(np.where(np.isnan(first[:, c]), np.inf, first[:, c]), axis=-1)
-            raised = np.isfinite(earliest)
-            text = f"at {raised.sum()} of {len(speeds)} speeds"
-            if case == "healthy" and raised.any():
-                text += f" ({', '.join(f'{s} %' for s, r in zip(speeds, raised, strict=True) if r)})"
-            if case != "healthy" and raised.any():
-                text += f", after {np.median(earliest[raised]):.0f} s"
-            told.append(text)
-        made.append(("false alarms" if case == "healthy" else f"{case} fault detected", *told))
+    false = [[_false_at(first, c) for c in range(len(KINDS))] for first in (before, after)]
+    made.append(("false alarms", *(_at({s for own in each for s in own}, speeds) for each in false)))
+    for c, kind in enumerate(KINDS):
         called = [
-            ", ".join(n for n, t in zip(names, first[row, c], strict=True) if not np.isnan(t)) or "nothing"
+            ", ".join(n for n, t in zip(names, first[row, c], strict=True) if not np.isnan(t))
             for first in (before, after)
         ]
-        made.append((f"said at {called_at} %, {case}", *called))
+        made.append((f"said at {called_at} %, {kind or 'healthy'}", *(text or "nothing" for text in called)))
+        if kind is None:
+            continue
+        told = []
+        for first, wrong in zip((before, after), false, strict=True):
+            earliest = np.min(np.where(np.isnan(first[:, c]), np.inf, first[:, c]), axis=-1)
+            heard = np.isfinite(earliest) & ~np.isin(np.arange(len(speeds)), list(wrong[c]))
+            text = f"at {heard.sum()} of {len(speeds)} speeds"
+            told.append(text + (f", after {np.median(earliest[heard]):.0f} s" if heard.any() else ""))
+        made.append((f"{kind} fault detected", *told))
     return [(a, b, c) for a, b, c in made]
+
+
+def _false_at(first: np.ndarray, case: int) -> set[int]:
+    """Places of the speeds with an alarm of a healthy motor, or before the fault."""
+    limit = np.inf if KINDS[case] is None else 0.0
+    return {int(place) for place in np.flatnonzero(np.any(first[:, case] < limit, axis=-1))}
+
+
+def _at(places: set[int], speeds: Sequence[int]) -> str:
+    which = f" ({', '.join(f'{speeds[place]} %' for place in sorted(places))})" if places else ""
+    return f"at {len(places)} of {len(speeds)} speeds{which}"
 
 
 def main() -> None:
@@ -331,33 +366,49 @@ def main() -> None:
     options = parser.parse_args()
     emulated = options.logs == "emulated"
     work = (STEADY, STEADY_TESTS) if options.effect == "schedule_error" else (WORK, TESTS)
+    derived = options.model == "network"
+    begins_s = BEGINS_AT * options.judged if derived else 0.0
     with tempfile.TemporaryDirectory() as name:
         folder = options.keep or Path(name)
         folder.mkdir(parents=True, exist_ok=True)
         baseline = commissioned(folder, options.effect, options.model, options.seed, options.baseline)
         model = load(baseline)
-        fit, test = (
-            [
-                logged(folder / f"{key}{i}.csv", speeds, options.hold, model, options.effect, options.seed, emulated)
-                for i, speeds in enumerate(group[: max(1, round(options.scale * len(group)))])
-            ]
+        groups = [
+            (key, group[: max(1, round(options.scale * len(group)))], options.hold)
             for key, group in zip(("fit", "test"), work, strict=True)
+        ]
+        fit, test, healthy = (
+            [
+                logged(folder / f"{key}{i}.csv", speeds, hold, model, options.effect, options.seed, emulated)
+                for i, speeds in enumerate(group)
+            ]
+            for key, group, hold in (*groups, ("healthy", HEALTHY if derived else (), HEALTHY_HOLD_S))
         )
-        files: list[str | Path] = ["--fit", *fit, "--test", *test, "--out", folder / "refined.json"]
+        runs: list[str | Path] = ["--fit", *fit, "--test", *test, "--out", folder / "refined.json"]
         said = gen(
-            "refine", baseline, *files, "--report", folder / "report.html", "--json", folder / "refined-found.json"
+            "refine", baseline, *runs, "--report", folder / "report.html", "--json", folder / "refined-found.json"
         )
         print(said)
         board, dropped = for_the_board(folder / "refined.json")
         if dropped:
             print(f"not in the firmware: {', '.join(dropped)}")
         errors = test_errors(model, [baseline, board], test, folder / "refined-found.json")
+        files = [with_thresholds(path, healthy) if derived else path for path in (baseline, board)]
+        judges = [load(path) for path in files]
         before, after = (
-            judged(load(p), options.effect, options.seed, options.speeds, options.judged, options.judge == "emulated")
-            for p in (baseline, board)
+            judged(
+                one,
+                options.effect,
+                options.seed,
+                options.speeds,
+                options.judged,
+                begins_s,
+                emulated=options.judge == "emulated",
+            )
+            for one in judges
         )
     table = Table(options.effect, "baseline", "refined", title=f"logs: {options.logs}; alarms: {options.judge}")
-    for line in lines(before, after, errors, [rule.name for rule in model.document.alarms], options.speeds):
+    for line in lines(before, after, errors, [rule.name for rule in judges[0].document.alarms], options.speeds):
         table.add_row(*line)
     Console(width=110).print(table)
 
