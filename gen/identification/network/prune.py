@@ -26,9 +26,9 @@ SHOWN = 2.0
 HARM = 1.02
 """Factor on the left-out error within which a cut does no harm."""
 OBJECTION = 4.0
-"""Increase of the runs' own weighed squares for each number that is cut, beyond which the runs speak against a cut. What
-is left out of five steps at five speeds is predicted to a kelvin or two at best: next to that the left-out error does not
-see that a part is torn from the rest of the motor."""
+"""Increase of the runs' own weighed squares for each number that is cut, beyond which the runs speak against a cut.
+Of five steps at five speeds, one left out is missed by a kelvin or two at best: next to that the left-out error does
+not see that a part is torn from the rest of the motor."""
 
 
 def pruned(found: Found, judged: LeftOut, folds: list[Mask], scale: Scale, slack_K: float) -> tuple[Found, LeftOut]:
