@@ -118,6 +118,8 @@ class March:
         at = np.empty((bins, runs, sensors))
         change = np.empty_like(at)
         slopes = np.empty((bins, runs, sensors, slope.shape[-1]))
+        lagging = list(shape.lagging)
+        changing = np.empty((bins, runs, len(lagging), slope.shape[-1]))
         for k, now in enumerate(index.T):
             after = np.einsum("kij,kj->ki", self._matrix[now], state) + self._driven[now]
             known = np.concatenate([state, np.ones((runs, 1))], axis=1)
@@ -125,13 +127,17 @@ class March:
             at[k] = 0.5 * (state + after)[:, :sensors]
             change[k] = (after - state)[:, :sensors] / self._stage.bin_s
             slopes[k] = 0.5 * (slope + grown)[:, :sensors]
+            changing[k] = (grown - slope)[:, lagging] / self._stage.bin_s
             state, slope = after, grown
             np.maximum(hottest, state, out=hottest)
         inputs = self._stage.inputs(self._levels[index])
         flat, changes = at.reshape(-1, sensors), change.reshape(-1, sensors)
         reading = shape.shown(inputs, self._hypothesis.shared, flat, changes).reshape(bins, runs, sensors)
         every = slopes.reshape(bins * runs, sensors, -1)
-        for sensor, column, each in shape.by_reading(inputs, flat, changes):
+        shape.through_sensors(
+            inputs, self._hypothesis.shared, every, changing.reshape(bins * runs, len(lagging), slope.shape[-1])
+        )
+        for sensor, column, each in shape.by_reading(inputs, self._hypothesis.shared, flat, changes):
             every[:, sensor, column] += each
         return Predicted(
             np.swapaxes(reading, 0, 1).reshape(runs, -1),

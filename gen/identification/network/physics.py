@@ -141,9 +141,26 @@ class Shape(Protocol):
         """
 
     def by_reading(
-        self, inputs: Inputs, temperature: FloatArray, change: FloatArray
+        self, inputs: Inputs, vector: FloatArray, temperature: FloatArray, change: FloatArray
     ) -> Sequence[tuple[int, int, FloatArray | float]]:
         """Derivatives of what sensors show by their own parameters: sensor, place of the parameter, shape (N,)."""
+
+    @property
+    def lagging(self) -> tuple[int, ...]:
+        """Sensors that lag, or may."""
+
+    def through_sensors(self, inputs: Inputs, vector: FloatArray, slopes: NDArray[Any], changes: NDArray[Any]) -> None:
+        """Turn derivatives of temperatures into those of what sensors show.
+
+        Parameters
+        ----------
+        inputs, vector
+            As for `shown`.
+        slopes
+            Of the sensed nodes' temperatures at the readings' time, shape (N, S, p); turned in place.
+        changes
+            Of the lagging sensors' temperatures, of their changes in each bin, shape (N, lagging, p).
+        """
 
     def implausible(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         """How far off what is known of the whole, in standard deviations, shape (k,), and derivatives, shape (k, p)."""

@@ -138,10 +138,11 @@ class Problem(Generic[S_co]):
         steps = steps_of(structure, inputs.levels, found)
         start, room = self._begin(vector)
         before, after = simulate(inputs, steps, found, start, room)
-        slopes = sensitivities(structure, inputs, found, steps, before, room)
+        slopes, changes = sensitivities(structure, inputs, found, steps, before, room)
         old, new = before[:, : structure.sensors], after[:, : structure.sensors]
         at, change = old + inputs.share * (new - old), (new - old) / inputs.width[:, None]
-        for sensor, column, each in structure.by_reading(inputs, at, change):
+        structure.through_sensors(inputs, vector, slopes, changes)
+        for sensor, column, each in structure.by_reading(inputs, vector, at, change):
             slopes[:, sensor, column] += each
         return self._evaluated(vector, before, after), slopes
 

@@ -117,14 +117,16 @@ def sensitivities(
     steps: Steps,
     before: FloatArray,
     room: FloatArray,
-) -> Slopes:
+) -> tuple[Slopes, Slopes]:
     """Derivatives of the sensed nodes' temperatures at the readings' time.
 
     Returns
     -------
-    array
+    slopes
         Shape (N, S, p): by the parameters that all runs share, in the structure's order, then by each node's start and
         by the hats of the room. Single precision: they only point the way.
+    changes
+        The same of the changes in each bin of what lagging sensors read, shape (N, lagging, p), 1/s.
     """
     sources = sources_of(structure, inputs, found, steps, before, room)
     nodes, sensors = structure.nodes, structure.sensors
@@ -132,15 +134,22 @@ def sensitivities(
     current = np.zeros((len(inputs.runs), nodes, sources.shape[-1]), dtype=np.float32)
     current[:, :, structure.size : structure.size + nodes] = np.eye(nodes)
     matrix = steps.matrix.astype(np.float32)[inputs.level]
+    lagging = list(structure.lagging)
+    changes = np.empty((inputs.level.size, len(lagging), sources.shape[-1]), dtype=np.float32)
     late = inputs.share.astype(np.float32)[:, :, None]
     early = np.float32(1.0) - late
     for low, high in pairwise(inputs.first.tolist()):
         shown = made[low:high]
-        np.multiply(early[low:high], current[: high - low, :sensors], out=shown)
-        current = np.matmul(matrix[low:high], current[: high - low])
+        earlier = current[: high - low]
+        np.multiply(early[low:high], earlier[:, :sensors], out=shown)
+        current = np.matmul(matrix[low:high], earlier)
         current += sources[low:high]
         shown += late[low:high] * current[:, :sensors]
-    return made
+        if lagging:
+            changes[low:high] = current[:, lagging] - earlier[:, lagging]
+    if lagging:
+        changes /= inputs.width.astype(np.float32)[:, None, None]
+    return made, changes
 
 
 def sources_of(

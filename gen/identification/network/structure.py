@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.identification.network.bins import FloatArray, IntArray
 from gen.identification.network.inputs import Inputs, Levels
@@ -153,11 +155,20 @@ class Structure:
     def by_reading(
         self,
         inputs: Inputs,
+        vector: FloatArray,
         temperature: FloatArray,
         change: FloatArray,
     ) -> list[tuple[int, int, FloatArray | float]]:
         """Every sensor's offset adds to what it shows."""
         return [(s, int(place), 1.0) for s, place in enumerate(self.offsets)]
+
+    @property
+    def lagging(self) -> tuple[int, ...]:
+        """None: sensors show what is there now."""
+        return ()
+
+    def through_sensors(self, inputs: Inputs, vector: FloatArray, slopes: NDArray[Any], changes: NDArray[Any]) -> None:
+        """Nothing changes."""
 
     def implausible(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         """How far hidden nodes are off what they may be (see `plausible`)."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.identification.network.bins import FloatArray, IntArray
 from gen.identification.network.inputs import Inputs, Levels
@@ -20,6 +22,7 @@ from gen.refinement.network.draft import Draft, Slope
 from gen.refinement.network.effects import Motor, NetworkEffect
 from gen.refinement.network.effects.base import Place, Seen
 from gen.refinement.network.forms import HEAT, OUTSIDE, WITHIN, Form
+from gen.refinement.network.lagged import Lagged
 from gen.refinement.network.writer import NetworkWriter, Scale
 
 CAPACITY, LEVEL, BEND_SHARE, AT_REST, SLOPE_OVER_SPEED, OFFSET_K = 0.15, 0.15, 0.15, 0.05, 0.2, 0.15
@@ -277,28 +280,57 @@ class Anchored:
 
     def shown(self, inputs: Inputs, vector: FloatArray, temperature: FloatArray, change: FloatArray) -> FloatArray:
         """Give what sensors show, shape (N, S), degC."""
-        sensors = [node.sensor for node in self.network.sensed if node.sensor is not None]
-        # A sensor that lags reads what was, to first order.
-        made = temperature - change * np.array([sensor.lag for sensor in sensors])
-        made += vector[self.offsets] + np.array([sensor.offset for sensor in sensors])
+        own = [node.sensor.offset for node in self.network.sensed if node.sensor is not None]
+        made = temperature + vector[self.offsets] + np.array(own)
+        for one in self._lagged(inputs, vector):
+            made[:, one.sensor] += one.behind(change[:, one.sensor])
         later = self.columns.later(inputs.levels)[inputs.level]
         for effect, place in zip(self.effects, self.places, strict=True):
-            read = effect.read(Seen(temperature, change, inputs.ambient, inputs.begins / 3600.0))
+            read = effect.read(Seen(temperature, inputs.ambient, inputs.begins / 3600.0))
             if read is not None:
                 sensor, unit = read
                 made[:, sensor] += vector[place.columns[0]] * later * unit
         return np.asarray(made)
 
+    @cached_property
+    def lagging(self) -> tuple[int, ...]:
+        """Sensors that lag as the file says, or as an effect on top does."""
+        lags = {s for s, node in enumerate(self.network.sensed) if node.sensor is not None and node.sensor.lag}
+        return tuple(sorted(lags | {effect.lagging for effect in self.effects if effect.lagging is not None}))
+
+    def _lagged(self, inputs: Inputs, vector: FloatArray) -> list[Lagged]:
+        """The lagging sensors, with the lag in each bin: effects act in later runs alone."""
+        later = self.columns.later(inputs.levels)[inputs.level]
+        made = []
+        for s in self.lagging:
+            sensor = self.network.sensed[s].sensor
+            lag = np.full(inputs.level.size, 0.0 if sensor is None else sensor.lag)
+            for effect, place in zip(self.effects, self.places, strict=True):
+                if effect.lagging == s:
+                    lag += later * vector[place.columns[0]]
+            made.append(Lagged(inputs, s, lag))
+        return made
+
+    def through_sensors(self, inputs: Inputs, vector: FloatArray, slopes: NDArray[Any], changes: NDArray[Any]) -> None:
+        """Turn derivatives of temperatures into those of readings, where sensors lag."""
+        for one, change in zip(self._lagged(inputs, vector), np.swapaxes(changes, 0, 1), strict=True):
+            slopes[:, one.sensor] += one.behind(change)
+
     def by_reading(
-        self, inputs: Inputs, temperature: FloatArray, change: FloatArray
+        self, inputs: Inputs, vector: FloatArray, temperature: FloatArray, change: FloatArray
     ) -> list[tuple[int, int, FloatArray | float]]:
         """Derivatives of what sensors show by offsets and by effects on readings."""
         made: list[tuple[int, int, FloatArray | float]] = [(s, int(at), 1.0) for s, at in enumerate(self.offsets)]
         later = self.columns.later(inputs.levels)[inputs.level]
         for effect, place in zip(self.effects, self.places, strict=True):
-            read = effect.read(Seen(temperature, change, inputs.ambient, inputs.begins / 3600.0))
+            read = effect.read(Seen(temperature, inputs.ambient, inputs.begins / 3600.0))
             if read is not None:
                 made.append((read[0], int(place.columns[0]), later * read[1]))
+        lags = {one.sensor: one for one in self._lagged(inputs, vector)}
+        for effect, place in zip(self.effects, self.places, strict=True):
+            if effect.lagging is not None:
+                by_lag = lags[effect.lagging].by_lag(change[:, effect.lagging])
+                made.append((effect.lagging, int(place.columns[0]), later * by_lag))
         return made
 
     def implausible(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -122,8 +122,8 @@ class Seen:
 
     Attributes
     ----------
-    temperature, change
-        Of the sensed nodes, degC and K/s, shape (N, S).
+    temperature
+        Of the sensed nodes, degC, shape (N, S).
     ambient
         degC, shape (N,).
     hours
@@ -131,7 +131,6 @@ class Seen:
     """
 
     temperature: FloatArray
-    change: FloatArray
     ambient: FloatArray
     hours: FloatArray
 
@@ -156,6 +155,8 @@ class NetworkEffect(ABC):
     """What else it takes to say what it is: the channel, the other node."""
     held_by_the_file = True
     """Whether a coefficient file has a place for it."""
+    lagging: int | None = None
+    """The sensor to whose lag its one number adds."""
     nodes = 0
     """Nodes of its own: none or one, whose capacity (J/K) is then its first number."""
 

@@ -67,14 +67,15 @@ class SensorGain(SensorEffect):
 
 
 class SensorLag(SensorEffect):
-    """A time constant, to first order: readings as they were so long ago."""
+    """A time constant with which readings follow (`gen.refinement.network.lagged`)."""
 
     name = "sensor_lag"
     numbers = (Number("lag_s", 0.0, 0.0, 60.0, 0.0, 3600.0),)
     least = 15.0
 
-    def read(self, seen: Seen) -> tuple[int, FloatArray]:  # noqa: D102
-        return self._sensor, -self._of(seen.change)
+    def __init__(self, motor: Motor, sensor: int) -> None:
+        super().__init__(motor, sensor)
+        self.lagging = sensor
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         entry.sensor(self.component, lag_s=max(values[0], 0.0))
