@@ -70,7 +70,9 @@ _FILE = click.Path(path_type=Path)
 @click.option("--report", type=_FILE, help="Write the story with pictures, one HTML file.")
 @click.option("--json", "json_file", type=_FILE, help="Write what was found as JSON.")
 @click.option(
-    "--accept-change", is_flag=True, help="Of a network: learn, too, what looks as if the motor had changed since."
+    "--accept-change",
+    is_flag=True,
+    help="Of a network: learn, too, what looks as if the motor had changed since, or what nothing explains.",
 )
 def refine(
     coefficients: Path,

@@ -21,7 +21,7 @@ from gen.refinement.network.folds import described
 from gen.refinement.network.planned import Settled, settled
 from gen.refinement.network.prepared import prepared
 from gen.refinement.network.trace import Traced, trace
-from gen.refinement.network.written import written
+from gen.refinement.network.written import offered_anew, written
 from gen.refinement.run_errors import compared
 from gen.refinement.verdict import EXPLAINED, NOTHING, Verdict
 
@@ -119,8 +119,9 @@ def refine_network(
     start = warm_start(data, traced.final)
     changes = [looks_like_a_change(found.effect, found.values, data) for found in traced.added]
     kept = [found.effect for found, change in zip(traced.added, changes, strict=True) if accept_change or not change]
-    made = written(coefficients, raw, traced, kept, room, start.factors)
-    warnings += [said for said in (*changes, made.refused) if said]
+    made = written(coefficients, raw, traced, kept, room, start.factors, accept_change=accept_change)
+    anew = "" if made.refitted else offered_anew(traced)
+    warnings += [said for said in (*changes, made.refused, anew) if said]
     warnings += [
         f"{one.effect.component}: {one.effect.name} was found first, and is not needed beside what was found after it"
         for one in traced.dropped

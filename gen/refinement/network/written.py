@@ -49,6 +49,8 @@ def written(
     kept: Sequence[NetworkEffect],
     room: MovingAmbient | None,
     factors: Mapping[str, float],
+    *,
+    accept_change: bool = False,
 ) -> Written:
     """Write what was found into a file.
 
@@ -66,6 +68,8 @@ def written(
         That the measured ambient is to be read from now on, or None.
     factors
         What hidden nodes start at from now on, by name.
+    accept_change
+        Write the file's own numbers, fitted anew, although they leave more than noise.
     """
     network, channel = coefficients.document.network, None if room is None else room.channel
     assert network is not None
@@ -80,7 +84,7 @@ def written(
     if outside:
         text = with_network(raw, writer.entry, f"refined: {', '.join(outside)}", alone)
         unchanged = replace(unchanged, text=text)
-    sound = room is not None or traced.null.floors <= NOTHING
+    sound = room is not None or accept_change or traced.null.floors <= NOTHING
     if not kept and (traced.added or not sound or not _file_is_worse(traced)):
         return unchanged
     named = [f"{effect.name} at {effect.component}" for effect in kept] + ([] if room is None else ["ambient"])
@@ -94,6 +98,24 @@ def written(
     except InputError as error:
         return Written(unchanged.text, refused=f"{said}: found, but a file with it is none that can be built ({error})")
     return Written(text, refitted=True)
+
+
+def offered_anew(traced: Traced) -> str:
+    """Say what the file's own numbers, fitted anew, would bring where nothing was named and they are not written.
+
+    Returns
+    -------
+    str
+        A sentence; empty where they would bring nothing, or are written anyway.
+    """
+    if traced.added or traced.null.floors <= NOTHING or not _file_is_worse(traced):
+        return ""
+    return (
+        "no effect explains the error, but the file's own numbers, fitted anew to the rest, predict what was left out "
+        f"to {traced.null.score_K:.2g} K instead of {traced.file.score_K:.2g} K: the motor is another than the one "
+        "that was identified, or the file was wrong. They are not written without --accept-change: it would learn a "
+        "fault, too"
+    )
 
 
 def _file_is_worse(traced: Traced) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -14,7 +15,7 @@ from gen.refinement.network.effects.schedule_error import ScheduleError
 from gen.refinement.network.fit import Bench
 from gen.refinement.network.judged import judged
 from gen.refinement.network.trace import Considered, Step, Traced
-from gen.refinement.network.written import written
+from gen.refinement.network.written import offered_anew, written
 from tests.refinement.network.motor import read, run, tree
 
 
@@ -44,3 +45,30 @@ def test_beside_wear_the_room_is_read_only_where_the_file_as_it_is_gains_by_it(h
     else:
         assert made.text == raw
         assert made.refused.startswith("ambient: found")
+
+
+def test_numbers_that_leave_more_than_noise_are_offered_and_written_only_on_demand() -> None:
+    """Every path of the motor carries a tenth more than the file says: no effect of the library, and no wear either."""
+    raw = json.dumps(tree())
+    coefficients = parse(raw.encode())
+    network = coefficients.model.network
+    assert network is not None
+    other = tree()
+    other["network"]["paths"][0]["conductance_W_per_K"] = {"poly": [0.55]}
+    other["network"]["paths"][1]["conductance_W_per_K"]["power"] = {"constant": 0.22, "forced": 0.33, "exponent": 0.8}
+    data = make_data(coefficients, [(f"run {seed}", run(read(other), seed)) for seed in (1, 2)])
+    bench = Bench(data)
+    shape = Anchored(network, 255, data.columns)
+    base = bench.first(shape)
+    null, file = judged(data, base, bench.left_out(base)), judged(data, base, bench.as_it_is(shape))
+    # As if sensors were so good that the rest is no noise.
+    traced = Traced(data, file, replace(null, noise_K=null.score_K / 3.0), (), null, ())
+    held = written(coefficients, raw, traced, [], None, {})
+    assert held.text == raw
+    assert not held.refitted
+    said = offered_anew(traced)
+    assert f"to {null.score_K:.2g} K instead of {file.score_K:.2g} K" in said
+    accepted = written(coefficients, raw, traced, [], None, {}, accept_change=True)
+    assert accepted.refitted
+    assert accepted.text != raw
+    assert offered_anew(replace(traced, null=replace(null, noise_K=null.score_K))) == ""
