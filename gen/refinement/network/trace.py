@@ -8,7 +8,7 @@ the same again beside it.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from gen.refinement.judgement import LEAST_GAIN, LEVEL, TOO_LITTLE
 from gen.refinement.network.anchored import Anchored
@@ -35,6 +35,7 @@ ENOUGH, ENOUGH_BESIDE, BENT = 1.1, 1.25, 25.0
 bent by more than this (weighed squares)."""
 PRICE = 15.0
 """Decrease of the weighed squares that each number of an effect must bring for itself."""
+NOT_BY_THE_CHANNEL = "predicts no better than with its channel held at its median"
 TOO_LITTLE_BESIDE = f"lowers the error on left-out runs by less than {LEAST_GAIN_BESIDE:.0%} beside what was found"
 RELIEF, AS_BEFORE, EVEN = 80.0, 1.02, 0.5
 """The first effect may also count because the file need not be bent: by this decrease beside what its numbers cost,
@@ -217,6 +218,7 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
         progress(f"{fitted.shape.effects[-1].name}: left-out error")
         one = judged(data, fitted, bench.left_out(fitted))
         considered.append(_considered(data, now, one, len(promised), bench.bent(base)))
+    considered = [_moved(bench, now, one) for one in considered]
     considered.sort(key=lambda one: one.judged.score_K)
     # What is much worse than something that cannot be the reason is not the reason either.
     accepted = [
@@ -260,6 +262,20 @@ def _considered(data: Data, without: Judged, one: Judged, tried: int, bent: floa
     if p > LEVEL / tried and not _plain(without, one, p):
         reasons.append("not more than chance")
     return Considered(one.fitted.shape.effects[-1], one, p, tuple(reasons))
+
+
+def _moved(bench: Bench, now: Judged, one: Considered) -> Considered:
+    """Doubt what a channel does that hardly moves: held at its median, it is only a change of the whole motor."""
+    held = one.effect.unmoved()
+    if one.reasons or held is None:
+        return one
+    base = now.fitted
+    fitted = bench.fit(base.shape.with_effects(*base.shape.effects, held), base)
+    still = judged(bench.data, fitted, bench.left_out(fitted))
+    p = p_better(bench.data, still, one.judged)
+    if p <= LEVEL or _plain(still, one.judged, p):
+        return one
+    return replace(one, reasons=(NOT_BY_THE_CHANNEL,))
 
 
 def _plain(without: Judged, one: Judged, p_value: float) -> bool:

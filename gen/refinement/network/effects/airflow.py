@@ -30,21 +30,38 @@ class Airflow(NetworkEffect):
     name = "airflow"
 
     def __init__(
-        self, motor: Motor, channel: str, largest: float, power: float, paths: Sequence[int], component: str
+        self,
+        motor: Motor,
+        channel: str,
+        ends_at: tuple[float, float],
+        power: float,
+        paths: Sequence[int],
+        component: str,
+        *,
+        held: bool = False,
     ) -> None:
         self.component = component
         self.acts_by = {"channel": channel}
-        self.channel, self._largest, self._power, self._acts = channel, largest, power, tuple(paths)
+        self.channel, self._power, self._acts = channel, power, tuple(paths)
+        self._usual, self._largest = ends_at
+        self._held = held
+        self._as_made = (motor, channel, ends_at, power, paths, component)
         self._between = [ends(motor.paths[q], motor.names) for q in paths]
         self._columns: Columns = motor.columns
         self.numbers = (Number("gain_at_most_flow", 0.0, 0.0, 2.0, 0.0, 30.0),)
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
-        flow = self._columns.power(levels, self.channel, self._power) / self._largest**self._power
+        if self._held:
+            flow = np.full(levels.count, (self._usual / self._largest) ** self._power)
+        else:
+            flow = self._columns.power(levels, self.channel, self._power) / self._largest**self._power
         unit = self._columns.later(levels) * flow
         factor = (1.0 + values[0] * unit).clip(0.02)
         for q in self._acts:
             draft.conductance.scale(q, factor, place.slopes(unit))
+
+    def unmoved(self) -> NetworkEffect | None:  # noqa: D102
+        return Airflow(*self._as_made, held=True)
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         if self._power == 1.0:
@@ -68,8 +85,9 @@ def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
         low, largest = data.ranges[channel]
         if low < 0.0:
             continue
+        ends_at = (data.typical[channel], largest)
         for power in (1.0, 0.5):
-            yield Airflow(motor, channel, largest, power, motor.outer, WHOLE)
+            yield Airflow(motor, channel, ends_at, power, motor.outer, WHOLE)
             if len(motor.outer) > 1:
                 for q in motor.outer:
-                    yield Airflow(motor, channel, largest, power, [q], motor.names[motor.paths[q][0]])
+                    yield Airflow(motor, channel, ends_at, power, [q], motor.names[motor.paths[q][0]])

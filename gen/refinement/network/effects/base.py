@@ -190,6 +190,10 @@ class NetworkEffect(ABC):
         """
         return None
 
+    def unmoved(self) -> NetworkEffect | None:
+        """Give the same effect with what it acts by held at its median; None where there is no such thing."""
+        return None
+
     def doubts(self, values: Sequence[float]) -> list[str]:
         """Say what is not as it would be if this were the reason, for numbers within their limits."""
         return []
