@@ -120,7 +120,7 @@ class Anchored:
 
     def motor(self) -> Motor:
         """What effects need to know of the file's network."""
-        full = self._levels_at_full_speed()
+        full = self._levels_at(np.ones(1))
         conductance = np.array([self._curve(p.curve, p.factors, full)[0][0] for p in self.network.paths])
         heat = sum(float(self._curve(h.curve, h.factors, full)[0][0]) for h in self.network.heats)
         return Motor(
@@ -129,6 +129,7 @@ class Anchored:
             outer=tuple(q for q, path in enumerate(self.network.paths) if path.second is None and path.law is None),
             paths=self.base_paths,
             heated=tuple(dict.fromkeys(self.base_heats)),
+            heat_powers=self._heat_powers(),
             columns=self.columns,
             typical_W=max(heat, 1e-6),
             typical_W_per_K=float(np.median(conductance[conductance > 0.0])),
@@ -143,13 +144,25 @@ class Anchored:
         settled = np.linalg.solve(-m[0], a[0] * USUAL_AMBIENT + f[0])
         return tuple(float(settled[k]) for k in self.order)
 
-    def _levels_at_full_speed(self) -> Levels:
-        one = np.ones(1)
+    def _heat_powers(self) -> tuple[float, ...]:
+        """The power of speed that each heated node's heat goes with from a third of full speed on, in the middle."""
+        speed = np.geomspace(0.3, 1.0, 8)
+        levels = self._levels_at(speed)
+        made = []
+        for node in dict.fromkeys(self.base_heats):
+            own = [h for n, h in zip(self.base_heats, self.network.heats, strict=True) if n == node]
+            given = sum((self._curve(h.curve, h.factors, levels)[0] for h in own), np.zeros(speed.size))
+            steady = bool(np.all(given > 0.0))
+            made.append(float(np.polyfit(np.log(speed), np.log(given), 1)[0]) if steady else 1.0)
+        return tuple(made)
+
+    def _levels_at(self, speed: FloatArray) -> Levels:
+        """Give the inputs of speeds that are held, channels neutral, shape (L,)."""
         neutral = self.network.neutral()
-        zero = {name: np.array([neutral.get(name, 0.0)]) for name in self.columns.channels}
-        none = [np.zeros(1)] * self.columns.excesses
-        further = np.column_stack(self.columns.of_run(one, zero, none, later=False))
-        return Levels(one, np.zeros(1), one, one, further)
+        usual = {name: np.full(speed.size, neutral.get(name, 0.0)) for name in self.columns.channels}
+        none = [np.zeros(speed.size)] * self.columns.excesses
+        further = np.column_stack(self.columns.of_run(speed, usual, none, later=False))
+        return Levels(np.ones_like(speed), np.zeros_like(speed), speed, speed**2, further)
 
     # Places in the vector.
 

@@ -24,7 +24,7 @@ CHANNELS = {"fan_mps": (0.0, 6.0), "current_A": (1.0, 5.0), "supply_V": (20.0, 2
 AT = {
     "airflow": (0.4,),
     "load_heating": (0.3, -0.2),
-    "supply_voltage": (1.2, 0.5, 0.2),
+    "supply_voltage": (1.2, 0.5, 0.2, 23.5),
     "standstill_cooling": (0.3, -0.2),
     "direction": (0.3,),
     "temperature_dependent_loss": (0.004,),

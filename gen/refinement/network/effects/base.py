@@ -70,6 +70,8 @@ class Motor:
         Those to the ambient that conduct, without a law.
     heated
         Nodes with heat.
+    heat_powers
+        Of each of these: the power of speed that its heat goes with.
     columns
         What else drives the motor.
     typical_W, typical_W_per_K, typical_J_per_K
@@ -85,6 +87,7 @@ class Motor:
     paths: tuple[tuple[int, int], ...]
     outer: tuple[int, ...]
     heated: tuple[int, ...]
+    heat_powers: tuple[float, ...]
     columns: Columns
     typical_W: float
     typical_W_per_K: float
