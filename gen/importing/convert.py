@@ -101,13 +101,15 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
     rows = np.flatnonzero(usable)
     labels = evidence.facts[mapping.runs].columns[index].cells if mapping.runs else None
     for label, stretch in _labelled(rows, labels):
-        order = sequence.order(time[stretch], stretch, mapping.duplicates or "first")
+        # rows that are counted and not timed are counted anew in each run
+        begin = time[stretch[0]] if mapping.time.interval_s is not None and labels is not None else 0.0
+        order = sequence.order(time[stretch] - begin, stretch, mapping.duplicates or "first")
         _report(order, stretch, mapping, made)
         pieces = _pieces(order, splitting, made)
-        for number, (begin, end) in enumerate(pieces, start=1):
-            kept = order.kept[begin:end]
+        for number, (first, end) in enumerate(pieces, start=1):
+            kept = order.kept[first:end]
             name = "_".join(filter(None, (label, str(number) if len(pieces) > 1 else "")))
-            run = _run(kept, order.time_s[begin:end], drive, channels, table, begun)
+            run = _run(kept, order.time_s[first:end], drive, channels, table, begun)
             made.runs.append((name, run))
     _suspect(made)
     return made

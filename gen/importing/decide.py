@@ -20,6 +20,8 @@ from gen.importing.text import shown_delimiter
 from gen.importing.units import unit_of
 
 _MOST_RUNS = 1000
+_LEAST_ROWS = 2
+"""Of a run, on average."""
 _MOST_SERIES = 200
 _PERCENT = 100.0
 
@@ -99,7 +101,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     runs = choices.runs or _runs(evidence)
     if runs:
         confidence = CERTAIN if choices.runs else 0.9
-        why = "--runs" if choices.runs else "by its name; each text in rows of its own"
+        why = "--runs" if choices.runs else "by its name; each value in rows of its own"
         guesses.append(Guess(runs, "a run for each value", confidence, why))
     _check_wide(evidence)
     reserved = {runs} - {""}
@@ -181,13 +183,16 @@ def _of_text(evidence: Evidence, choices: Choices) -> list[Guess]:
 
 
 def _runs(evidence: Evidence) -> str:
-    """A column of texts, each in rows of its own, that says by its name that it parts runs."""
+    """A column of texts or whole numbers, each in rows of its own, that says by its name that it parts runs."""
     for name, facts in evidence.facts.items():
-        if facts.kind != "text" or not RUNS.fullmatch(name.casefold()):
+        if not RUNS.fullmatch(name.casefold()) or (
+            facts.kind != "text" and not (facts.kind == "number" and facts.whole)
+        ):
             continue
-        texts = facts.texts
-        changes = sum(1 for before, after in pairwise(texts) if before != after) + 1
-        if 1 < len(set(texts)) == changes <= _MOST_RUNS:
+        values: Sequence[object] = facts.texts if facts.kind == "text" else facts.values.tolist()
+        changes = sum(1 for before, after in pairwise(values) if before != after) + 1
+        # a number that counts rows is none
+        if 1 < len(set(values)) == changes <= min(_MOST_RUNS, len(values) // _LEAST_ROWS):
             return name
     return ""
 

@@ -24,6 +24,8 @@ _STAMPED = re.compile(r"\s*(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*->\s?(.*)")
 _SAMPLE = 400
 _LEAST_CONSISTENT = 0.8
 _MOST_LOST = 0.5
+_LONGEST_PREAMBLE = 100
+"""Lines that come before a header, at most."""
 _SHOWN = 40
 MOST_COLUMNS = 2000
 _HEAD_LINES = 20
@@ -204,6 +206,9 @@ def table_of_rows(
             place=f"{word} {numbers[-1] if numbers else 1}",
         )
     names, units = _head(rows[:first], width, comments)
+    if not names:
+        first = _behind_a_preamble(rows, first, width)
+        names, units = _head(rows[:first], width, comments)
     good, counted = _sorted_out(rows, numbers, first, width, names, word)
     if len(good) < _MOST_LOST * (len(rows) - first):
         raise InputError(
@@ -284,8 +289,11 @@ def _is_units(row: Sequence[str]) -> bool:
 
 
 def _head(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Names and units; no names where there is no header."""
-    heads = [_padded(row, width) for row in before[-4:] if len(row) in (width, width - 1) and _is_head(row)]
+    """Names and units; no names where there is no header.
+
+    A header may lack the last name, or have one more: a column of comments that no row has (LabVIEW's files).
+    """
+    heads = [_padded(row, width) for row in before[-4:] if abs(len(row) - width) <= 1 and _is_head(row)]
     if heads and len(heads) > 1 and _is_units(heads[-1]) and not _is_units(heads[-2]):
         return heads[-2], heads[-1]
     if heads:
@@ -298,8 +306,18 @@ def _head(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> t
     return [], [""] * width
 
 
+def _behind_a_preamble(rows: Sequence[list[str]], first: int, width: int) -> int:
+    """The first row of the table where lines of a preamble (`Samples 120`) look like rows: behind a later header."""
+    for i in range(first, min(first + _LONGEST_PREAMBLE, len(rows))):
+        if not _is_data(rows[i], width):
+            continue
+        if _is_number(rows[i][0]):
+            return i if i > first and abs(len(rows[i - 1]) - width) <= 1 and _is_head(rows[i - 1]) else first
+    return first
+
+
 def _padded(row: list[str], width: int) -> list[str]:
-    return [*row, *[""] * (width - len(row))]
+    return [*row, *[""] * (width - len(row))][:width]
 
 
 def _sorted_out(

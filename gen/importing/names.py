@@ -16,7 +16,7 @@ def _words(text: str) -> re.Pattern[str]:
 
 
 TIME = re.compile(
-    r"t|ts|(?:.*[^a-z])?(?:time|times|zeit|uhrzeit|timestamp|zeitstempel|datum|date|datetime|elapsed|epoch|unix|clock|"
+    r"t|ts|x_value|(?:.*[^a-z])?(?:time|times|zeit|uhrzeit|timestamp|zeitstempel|datum|date|datetime|elapsed|epoch|unix|clock|"
     r"millis|micros|seconds?|secs?|ms|minutes?|minuten|hours?|stunden|sekunden)(?:[^a-z].*)?|.*time|.*zeit",
 )
 PWM = _words(r"pwm\d*")

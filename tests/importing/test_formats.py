@@ -59,6 +59,32 @@ def test_rows_without_a_header_are_taken_when_they_are_named(tmp_path: Path) -> 
     same(run, TRUE)
 
 
+_LVM = """LabVIEW Measurement\t
+Writer_Version\t2
+Separator\tTab
+X_Columns\tOne
+Date\t2024/03/01
+Time\t10:11:12.1230000000000000000
+***End_of_Header***\t
+\t
+Channels\t4\t\t\t\t
+Samples\t120\t120\t120\t120
+Date\t2024/03/01\t2024/03/01\t2024/03/01\t2024/03/01
+Time\t10:11:12.12\t10:11:12.12\t10:11:12.12\t10:11:12.12
+X_Dimension\tTime\tTime\tTime\tTime
+X0\t0.0E+0\t0.0E+0\t0.0E+0\t0.0E+0
+Delta_X\t0.500000\t0.500000\t0.500000\t0.500000
+***End_of_Header***\t\t\t\t
+X_Value\tPWM\tWinding\tCasing\tAmbient\tComment
+"""
+
+
+def test_a_labview_measurement(tmp_path: Path) -> None:
+    """Its preamble holds rows of numbers, and its header a column of comments that no row has."""
+    rows = TRUE.to_csv(index=False, header=False, sep="\t", lineterminator="\n")
+    same(taken(write(tmp_path, _LVM + rows, name="log.lvm"), tmp_path / "runs"), TRUE)
+
+
 def test_json_lines(tmp_path: Path) -> None:
     records = TRUE.to_dict("records")
     nested = [{"time_s": r.pop("time_s"), "pwm": r.pop("pwm"), "temps": r} for r in records]

@@ -156,3 +156,20 @@ def test_several_runs_in_one_file_are_parted_by_their_label(tmp_path: Path) -> N
     assert [path.name for path in found.runs] == ["log_cold_start.csv", "log_warm.csv"]
     for path in found.runs:
         same(read_run(path), TRUE)
+
+
+def test_runs_that_are_numbered_are_parted_by_their_number(tmp_path: Path) -> None:
+    """As in the log of a motor that most people know: no time, a row each half second, and the number of a profile."""
+    frame = pd.concat([TRUE.assign(profile_id=17), TRUE.assign(profile_id=4)]).drop(columns="time_s")
+    found = take(write(tmp_path, csv(frame)), tmp_path / "runs", time="0.5")
+    assert [path.name for path in found.runs] == ["log_17.csv", "log_4.csv"]
+    for path in found.runs:
+        same(read_run(path), TRUE)
+        assert "profile_id" not in read_run(path).extras
+
+
+@pytest.mark.parametrize("numbers", [np.arange(120), np.full(120, 3), np.arange(120) % 2])
+def test_a_number_that_counts_rows_or_comes_back_parts_no_runs(numbers: np.ndarray, tmp_path: Path) -> None:
+    run = taken(write(tmp_path, csv(TRUE.assign(test=numbers))), tmp_path / "runs")
+    same(run, TRUE)
+    np.testing.assert_array_equal(run.extras["test"], numbers)
