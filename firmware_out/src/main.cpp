@@ -66,6 +66,7 @@ static void read_thermocouples(uint32_t time) {
         if (component < MY1016_COMPONENTS && my1016_sensors_plausible(channel)) {
             now.sample.plausible = (uint16_t)(now.sample.plausible | 1u << component);
             now.sample.measured_mC[component] = my1016_sensors_plausible_mC(channel);
+            now.sample.rising_mK[component] = my1016_sensors_rising_mK(channel);
         }
         if (code != MY1016_SAMPLE_OK) {
             continue;

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gen.lowering.program import Program
 from gen.lowering.protection import LoweredProtection, Word
 from gen.reference.protection import ReferenceProtection, protection_fields
+from gen.verification.sample import sample_fields
 
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
@@ -32,8 +33,7 @@ class ProtectionCampaign:
 def input_type(components: int, entries: Sequence[LoweredProtection]) -> np.dtype[np.void]:
     """The harnesses' input record; the structure at its end is what a lane begins with."""
     words = [("lost", "<u4"), ("alarms", "<u2"), ("device", "<u2")]
-    sample = [("measured_mC", "<i4", (components,)), ("ambient_mC", "<i4"), ("valid", "<u2"), ("plausible", "<u2")]
-    return np.dtype([("op", "u1"), *words, *sample, *protection_fields(entries)])
+    return np.dtype([("op", "u1"), *words, *sample_fields(components), *protection_fields(entries)])
 
 
 def output_type(entries: Sequence[LoweredProtection]) -> np.dtype[np.void]:
