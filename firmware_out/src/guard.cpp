@@ -20,6 +20,8 @@ namespace guard {
 
 namespace {
 
+uint32_t unseen = config::UNSEEN;  // thermocouples that no sample was believed of since the start
+
 uint32_t lost() {
     uint32_t channels = 0;
     for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {
@@ -42,6 +44,7 @@ uint16_t of_the_encoder() {
 uint16_t of_the_device() {
     uint16_t causes = bit(now.flags & device::LATE, MY1016_DEVICE_LATE_LOOP);
     causes |= of_the_encoder();
+    causes |= bit(unseen, MY1016_DEVICE_SENSOR_UNSEEN);
     causes |= bit(selftest::flash_is_damaged(), MY1016_DEVICE_FLASH_CHECK);
     causes |= bit(selftest::ram_is_damaged(), MY1016_DEVICE_RAM_CHECK);
     causes |= bit(memory::failed() || latch::failed(), MY1016_DEVICE_EEPROM_CHECK);
@@ -54,6 +57,7 @@ uint16_t of_the_device() {
 uint8_t sample() {
     my1016_Conditions conditions = my1016_Conditions();
     conditions.lost = lost();
+    unseen &= conditions.lost;
     conditions.alarms = my1016_alarms();
     conditions.device = of_the_device();
     my1016_protection_step(&conditions, &now.sample);
