@@ -12,6 +12,7 @@
 #include "encoder.h"
 #include "latch.h"
 #include "memory.h"
+#include "oscillator.h"
 #include "selftest.h"
 
 using device::now;
@@ -47,6 +48,8 @@ uint16_t of_the_device() {
     causes |= bit(unseen, MY1016_DEVICE_SENSOR_UNSEEN);
     causes |= bit(selftest::flash_is_damaged(), MY1016_DEVICE_FLASH_CHECK);
     causes |= bit(selftest::ram_is_damaged(), MY1016_DEVICE_RAM_CHECK);
+    causes |= bit(selftest::cpu_is_damaged(), MY1016_DEVICE_CPU_CHECK);
+    causes |= bit(oscillator::clock_is_off(), MY1016_DEVICE_CLOCK_CHECK);
     causes |= bit(memory::failed() || latch::failed(), MY1016_DEVICE_EEPROM_CHECK);
     causes |= bit(!commissioned::passed() && !commissioning::drives(), MY1016_DEVICE_NOT_COMMISSIONED);
     return causes;

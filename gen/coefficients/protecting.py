@@ -125,6 +125,9 @@ def _of_wiring(document: Document) -> list[Protection]:
         found.append(Protection(cause="command_timeout", action="stop"))
     found.append(Protection(cause="flash_check", action=hard, until="command"))
     found.append(Protection(cause="ram_check", action=hard, until="command"))
+    found.append(Protection(cause="cpu_check", action=hard, until="command"))
+    if wiring.led_pin is not None:  # the data sheet promises no limits for the watchdog's oscillator
+        found.append(Protection(cause="clock_check", action="led"))
     return found
 
 

@@ -23,6 +23,8 @@ Cause = Literal[
     "command_timeout",
     "flash_check",
     "ram_check",
+    "cpu_check",
+    "clock_check",
     "eeprom_check",
     "not_commissioned",
 ]

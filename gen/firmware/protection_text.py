@@ -17,6 +17,8 @@ _CAUSES: dict[Cause, str] = {
     "command_timeout": "no command for the time in $.wiring.command_timeout_s",
     "flash_check": "the program in flash is not what was built",
     "ram_check": "a cell of the RAM does not hold what is written to it",
+    "cpu_check": "a register of the CPU does not hold what is written to it",
+    "clock_check": "the clock and the watchdog's oscillator disagree",
     "eeprom_check": "a copy in EEPROM could not be written",
     "not_commissioned": "nobody has commissioned this wiring",
 }

@@ -31,6 +31,8 @@ DEVICE: Final = (
     "limit_near",
     "not_commissioned",
     "sensor_unseen",
+    "cpu_check",
+    "clock_check",
 )
 """Causes that the sketch finds by itself; bit b of the word `device` is the b-th."""
 

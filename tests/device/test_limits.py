@@ -79,7 +79,8 @@ def test_a_limit_that_looks_ahead_is_passed_by_little_however_fast_the_rise(
     """One that does not is passed by what comes in its persistence, a second and the reading that begins it."""
     board = limited(power_up, 100.0, "foresighted", casing_degC=100.0)
     board.send("rows 1")
-    celsius, raised = 100.0, {}
+    celsius = 100.0
+    raised: dict[str, float] = {}
     while len(raised) < 2:
         celsius += rate_K_per_s * READING_S
         for channel in ("brush", "casing"):

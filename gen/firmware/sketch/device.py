@@ -24,7 +24,7 @@ from gen.lowering.program import Program
 from gen.lowering.samples import samples
 from gen.lowering.sensors import CONFIRMATIONS
 
-_ALWAYS = ("board", "commands", "console", "crc32", "drive", "output", "selftest")
+_ALWAYS = ("board", "commands", "console", "cpu", "crc32", "drive", "oscillator", "output", "selftest")
 _START_MS = 5000
 """How long the model's start waits for thermocouples that are not believed yet."""
 

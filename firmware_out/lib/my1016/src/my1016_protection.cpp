@@ -47,11 +47,15 @@ const Entry ENTRIES[MY1016_PROTECTIONS] PROGMEM = {
     {32UL, 0L, 0u, DEVICE, 1, BY_COMMAND, 0, 0, 0u},
     // ram_check: a cell of the RAM does not hold what is written to it: the motor stops; ends by command
     {64UL, 0L, 0u, DEVICE, 1, BY_COMMAND, 0, 0, 0u},
+    // cpu_check: a register of the CPU does not hold what is written to it: the motor stops; ends by command
+    {2048UL, 0L, 0u, DEVICE, 1, BY_COMMAND, 0, 0, 0u},
+    // clock_check: the clock and the watchdog's oscillator disagree: an event and the LED; ends by itself
+    {4096UL, 0L, 0u, DEVICE, 1, BY_ITSELF, 0, 255, 0u},
 };
 
-const uint32_t LASTING = 3215UL;  // only a command ends them
+const uint32_t LASTING = 7311UL;  // only a command ends them
 const uint32_t OPENING = 0UL;  // they open the relay
-const uint32_t SHOWING = 4095UL;  // the LED tells of them
+const uint32_t SHOWING = 16383UL;  // the LED tells of them
 
 const uint16_t FORGOTTEN = 2400;  // samples without an entry after which one of its times is forgotten
 const uint8_t MOST_TIMES = 6;      // more are not counted
@@ -177,6 +181,8 @@ static const char name_overspeed[] PROGMEM = "overspeed";
 static const char name_turning_without_command[] PROGMEM = "turning_without_command";
 static const char name_flash_check[] PROGMEM = "flash_check";
 static const char name_ram_check[] PROGMEM = "ram_check";
+static const char name_cpu_check[] PROGMEM = "cpu_check";
+static const char name_clock_check[] PROGMEM = "clock_check";
 
 extern "C" const char *my1016_protection_name(uint8_t entry) {
     switch (entry) {
@@ -202,6 +208,10 @@ extern "C" const char *my1016_protection_name(uint8_t entry) {
             return name_flash_check;
         case MY1016_PROTECTION_RAM_CHECK:
             return name_ram_check;
+        case MY1016_PROTECTION_CPU_CHECK:
+            return name_cpu_check;
+        case MY1016_PROTECTION_CLOCK_CHECK:
+            return name_clock_check;
         default:
             return name_brush_limit;
     }

@@ -27,7 +27,9 @@ enum {
     MY1016_PROTECTION_TURNING_WITHOUT_COMMAND = 9,  // the motor turns at PWM 0 for 60 s: an event and the LED; ends by itself
     MY1016_PROTECTION_FLASH_CHECK = 10,  // the program in flash is not what was built: the motor stops; ends by command
     MY1016_PROTECTION_RAM_CHECK = 11,  // a cell of the RAM does not hold what is written to it: the motor stops; ends by command
-    MY1016_PROTECTIONS = 12,
+    MY1016_PROTECTION_CPU_CHECK = 12,  // a register of the CPU does not hold what is written to it: the motor stops; ends by command
+    MY1016_PROTECTION_CLOCK_CHECK = 13,  // the clock and the watchdog's oscillator disagree: an event and the LED; ends by itself
+    MY1016_PROTECTIONS = 14,
     MY1016_PAUSES = 1  // entries that have to wait when they come again soon
 };
 
@@ -43,7 +45,9 @@ enum {
     MY1016_DEVICE_EEPROM_CHECK = 128,
     MY1016_DEVICE_LIMIT_NEAR = 256,
     MY1016_DEVICE_NOT_COMMISSIONED = 512,
-    MY1016_DEVICE_SENSOR_UNSEEN = 1024
+    MY1016_DEVICE_SENSOR_UNSEEN = 1024,
+    MY1016_DEVICE_CPU_CHECK = 2048,
+    MY1016_DEVICE_CLOCK_CHECK = 4096
 };
 
 // What may be wrong at a sample.
