@@ -11,6 +11,7 @@
 #include "config.h"
 #include "console.h"
 #include "drive.h"
+#include "output.h"
 #include "selftest.h"
 
 namespace commands {
@@ -171,6 +172,13 @@ void receive() {
 void reset() {
     my1016_alarms_reset();
     my1016_protection_ask();
+    const uint32_t waiting_ms = (uint32_t)my1016_protection_waiting() * MY1016_SAMPLE_MS;
+    if (waiting_ms) {
+        console::begin_event(F("to be reset in "));
+        output::put_number((int32_t)((waiting_ms + 999) / 1000));
+        output::put(F(" s: it came again"));
+        output::end_line();
+    }
 }
 
 const char *channel_name(uint8_t channel) { return reinterpret_cast<const char *>(pgm_read_ptr(&channels[channel])); }

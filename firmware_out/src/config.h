@@ -19,6 +19,7 @@ const uint8_t READ_SAMPLES = 1;           // samples from one reading of the the
 const uint16_t CONVERSION_MS = 222;       // .. because a chip needs 220 ms for a conversion, and millis() may be 2 ms ahead
 const int32_t COLD_MK = 2000;             // within so much of ambient at the start, a part is cold
 const uint16_t START_SAMPLES = 20;        // so long the model's start waits for the thermocouples
+const uint32_t UNSEEN = 15;              // bit i: thermocouple i has to be believed once after a start, as a limit watches its part
 const uint16_t PAUSE_SAMPLES = 2;          // $.wiring.drive.reversal_pause_s
 const uint16_t OVERSPEED_RPM = 3180;        // 120 % of $.input.nominal_speed_rpm
 const uint16_t TURNING_RPM = 133;          // 5 % of it: the motor turns

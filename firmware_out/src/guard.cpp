@@ -12,6 +12,7 @@
 #include "encoder.h"
 #include "latch.h"
 #include "memory.h"
+#include "oscillator.h"
 #include "selftest.h"
 
 using device::now;
@@ -19,6 +20,8 @@ using device::now;
 namespace guard {
 
 namespace {
+
+uint32_t unseen = config::UNSEEN;  // thermocouples that no sample was believed of since the start
 
 uint32_t lost() {
     uint32_t channels = 0;
@@ -42,8 +45,11 @@ uint16_t of_the_encoder() {
 uint16_t of_the_device() {
     uint16_t causes = bit(now.flags & device::LATE, MY1016_DEVICE_LATE_LOOP);
     causes |= of_the_encoder();
+    causes |= bit(unseen, MY1016_DEVICE_SENSOR_UNSEEN);
     causes |= bit(selftest::flash_is_damaged(), MY1016_DEVICE_FLASH_CHECK);
     causes |= bit(selftest::ram_is_damaged(), MY1016_DEVICE_RAM_CHECK);
+    causes |= bit(selftest::cpu_is_damaged(), MY1016_DEVICE_CPU_CHECK);
+    causes |= bit(oscillator::clock_is_off(), MY1016_DEVICE_CLOCK_CHECK);
     causes |= bit(memory::failed() || latch::failed(), MY1016_DEVICE_EEPROM_CHECK);
     causes |= bit(!commissioned::passed() && !commissioning::drives(), MY1016_DEVICE_NOT_COMMISSIONED);
     return causes;
@@ -54,6 +60,7 @@ uint16_t of_the_device() {
 uint8_t sample() {
     my1016_Conditions conditions = my1016_Conditions();
     conditions.lost = lost();
+    unseen &= conditions.lost;
     conditions.alarms = my1016_alarms();
     conditions.device = of_the_device();
     my1016_protection_step(&conditions, &now.sample);

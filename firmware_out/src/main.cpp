@@ -23,6 +23,7 @@
 #include "indicator.h"
 #include "latch.h"
 #include "memory.h"
+#include "oscillator.h"
 #include "output.h"
 #include "selftest.h"
 #include "thermocouples.h"
@@ -66,6 +67,7 @@ static void read_thermocouples(uint32_t time) {
         if (component < MY1016_COMPONENTS && my1016_sensors_plausible(channel)) {
             now.sample.plausible = (uint16_t)(now.sample.plausible | 1u << component);
             now.sample.measured_mC[component] = my1016_sensors_plausible_mC(channel);
+            now.sample.rising_mK[component] = my1016_sensors_rising_mK(channel);
         }
         if (code != MY1016_SAMPLE_OK) {
             continue;
@@ -266,7 +268,10 @@ void loop() {
     const bool keep_now = to_be_kept;  // a pass after the sample's own, so that nothing else waits for both
     if (is_due(tick_due, time)) {
         tick(time);
-        wdt_reset();  // only here: a board that takes no samples is reset
+        if (!oscillator::measures()) {
+            wdt_reset();  // only here: a board that takes no samples is reset
+        }
+        oscillator::sample();
     }
     if (is_due(indicator_due, time)) {
         indicator_due = time + indicator::SLOT_MS;

@@ -8,9 +8,11 @@
 #include "board.h"
 #include "config.h"
 #include "console.h"
+#include "cpu.h"
 #include "crc32.h"
 #include "memory.h"
 #include "latch.h"
+#include "oscillator.h"
 #include "output.h"
 
 // The CRC of the program as it was built, written behind the linker by seal.py (all ones: nobody has). It is left out of itself.
@@ -23,7 +25,7 @@ namespace selftest {
 
 namespace {
 
-enum Part : uint8_t { NONE, FLASH, RAM, SENSORS, EEPROM, VERDICT };
+enum Part : uint8_t { NONE, FLASH, RAM, CPU, CLOCK, SENSORS, EEPROM, VERDICT };
 
 const uint16_t SLICE = 256;       // bytes of flash
 const uint8_t SAMPLE_SLICE = 16;  // bytes of flash, and of RAM, in each sample's share of the tests that never end
@@ -42,7 +44,7 @@ uint32_t at_start;  // CRC of the flash
 Sum asked;          // by `test`
 Sum always;         // goes on and on
 uint16_t ram_next;  // address of the byte that is tried next
-bool bad_flash, bad_ram;
+bool bad_flash, bad_ram, bad_cpu;
 uint16_t slot;
 uint16_t copies;
 
@@ -111,7 +113,10 @@ bool flash_is_damaged() { return bad_flash; }
 
 bool ram_is_damaged() { return bad_ram; }
 
+bool cpu_is_damaged() { return bad_cpu; }
+
 void sample() {
+    bad_cpu = bad_cpu || !cpu::registers_hold();
     if (summed(&always, SAMPLE_SLICE)) {
         bad_flash = bad_flash || ~always.crc != expected();
         begin_sum(&always);
@@ -148,9 +153,20 @@ bool work() {
             finding(F("ram"), untouched >= config::STACK_RESERVE && !bad_ram);
             output::put_number(untouched);
             output::put(F(" bytes untouched"));
-            end_finding(SENSORS);
+            end_finding(CPU);
             break;
         }
+        case CPU:
+            finding(F("cpu"), !bad_cpu);
+            output::put(F("r0..r31, SREG"));
+            end_finding(CLOCK);
+            break;
+        case CLOCK:
+            finding(F("clock"), !oscillator::clock_is_off());
+            output::put_number(oscillator::took_us());
+            output::put(F(" us of 16 ms"));
+            end_finding(SENSORS);
+            break;
         case SENSORS: {
             bool good = true;
             for (uint8_t channel = 0; channel < MY1016_SENSORS; ++channel) {

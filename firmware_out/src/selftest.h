@@ -15,10 +15,11 @@ uint32_t crc();
 // Whether seal.py has written what the program should sum up to. Without it later tests compare with the start.
 bool is_sealed();
 
-// Once a sample: a few bytes of flash and RAM, round and round, whatever else is tested. What was found stays found.
+// Once a sample: the CPU's registers, and a few bytes of flash and RAM, round and round, whatever else is tested. What was found stays found.
 void sample();
 bool flash_is_damaged();
 bool ram_is_damaged();
+bool cpu_is_damaged();
 
 // The test that somebody asks for.
 void start();

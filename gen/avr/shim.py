@@ -31,6 +31,7 @@ _SIGNATURES: dict[str, tuple[object, list[object]]] = {
     "gen_mega_open": (_handle, [_bytes]),
     "gen_mega_close": (None, [_handle]),
     "gen_mega_reset": (None, [_handle, _u8, _int, _u64, _u32]),
+    "gen_mega_watchdog_hz": (_int, [_handle, _u32]),
     "gen_mega_boot_loader": (_int, [_handle, _u32, _bytes, _u32]),
     "gen_mega_message": (_bytes, [_handle]),
     "gen_mega_cycle": (_u64, [_handle]),

@@ -81,6 +81,13 @@ class OverTemperature(Rule):
     kind: Literal["over_temperature"]
     limit_degC: Celsius
     hysteresis_K: NotNegative = 0.0
+    look_ahead: Annotated[
+        bool,
+        Field(
+            description="What rises faster than noise counts as what it will soon be, and each kelvin over the limit "
+            "shortens persistence_s; false: persistence_s holds however far over the limit the part is."
+        ),
+    ] = True
 
 
 class Cusum(ModelRule):

@@ -15,6 +15,8 @@ BLIND_S = 10.0
 TURNING_S = 60.0
 """So long a motor may run on at PWM 0, where the file says nothing: a flywheel, a fan."""
 OVERSPEED_S = 2.0
+PAUSE_S = 15.0
+"""So long a rotor that locks again soon has to stand, twice as long each further time, where the file says nothing."""
 
 
 def protections(document: Document) -> tuple[Protection, ...]:
@@ -107,10 +109,14 @@ def _of_wiring(document: Document) -> list[Protection]:
         found.append(
             Protection(cause="sensor_lost", delay_s=BLIND_S, action=soft, until="itself" if wiring.drive else "command")
         )
+        # Nobody drives blind from the start: whose file lets a motor run on without a sensor is taken at its word.
+        lost = [entry for entry in document.protection if entry.cause == "sensor_lost"]
+        if not lost or any(entry.stops for entry in lost):
+            found.append(Protection(cause="sensor_unseen", action=soft, until="itself" if wiring.drive else "command"))
     if any(chip.channel == "ambient" for chip in wiring.thermocouples):
         found.append(Protection(cause="ambient_lost", delay_s=BLIND_S, action="led"))
     if wiring.encoder is not None:
-        found.append(Protection(cause="stall", action=soft, until="command"))
+        found.append(Protection(cause="stall", action=soft, until="command", pause_s=PAUSE_S))
         found.append(Protection(cause="overspeed", delay_s=OVERSPEED_S, action="led"))
         if wiring.drive is not None:
             action: Action = "open_relay" if wiring.relay_pin is not None else "led"
@@ -119,6 +125,9 @@ def _of_wiring(document: Document) -> list[Protection]:
         found.append(Protection(cause="command_timeout", action="stop"))
     found.append(Protection(cause="flash_check", action=hard, until="command"))
     found.append(Protection(cause="ram_check", action=hard, until="command"))
+    found.append(Protection(cause="cpu_check", action=hard, until="command"))
+    if wiring.led_pin is not None:  # the data sheet promises no limits for the watchdog's oscillator
+        found.append(Protection(cause="clock_check", action="led"))
     return found
 
 

@@ -12,6 +12,7 @@ from gen.model.dynamics import MAX_PWM
 Cause = Literal[
     "alarm",
     "sensor_lost",
+    "sensor_unseen",
     "ambient_lost",
     "too_few_sensors",
     "stall",
@@ -22,11 +23,14 @@ Cause = Literal[
     "command_timeout",
     "flash_check",
     "ram_check",
+    "cpu_check",
+    "clock_check",
     "eeprom_check",
     "not_commissioned",
 ]
-"""An alarm rule that is raised; thermocouples whose samples are not believed; what the encoder says; what the model
-says of the time to come; the sketch's own time, line and self tests; nobody has commissioned this wiring."""
+"""An alarm rule that is raised; thermocouples whose samples are not believed, or were not since the start; what the
+encoder says; what the model says of the time to come; the sketch's own time, line and self tests; nobody has
+commissioned this wiring."""
 
 Action = Literal["log", "led", "derate", "stop", "open_relay"]
 """An event on the serial line; the LED; a lower PWM; PWM 0; the relay's opening: each beside those before it."""
@@ -72,6 +76,13 @@ class Protection(Part):
     restart_below_degC: Annotated[
         Celsius | None, Field(description="The part has cooled down once it is measured below this.")
     ] = None
+    pause_s: Annotated[
+        NotNegative,
+        Field(
+            le=1e5,
+            description="No command ends what comes again soon before this long, in s; each time twice as long.",
+        ),
+    ] = 0.0
     note: Note | None = None
 
     @property
@@ -101,6 +112,8 @@ class Protection(Part):
             raise fault('expected "derate_pwm" with the action "derate", and with no other', "derate_pwm")
         if (self.until == "cool") != (self.restart_below_degC is not None):
             raise fault('expected "restart_below_degC" with "until": "cool", and with no other', "restart_below_degC")
+        if self.pause_s and self.until == "itself":
+            raise fault('expected only with "until": "command" or "cool"', "pause_s")
         if self.component is not None and self.until != "cool":
             raise fault('expected only with "until": "cool"', "component")
         if self.cause == "not_commissioned" and self.until != "itself":

@@ -58,10 +58,9 @@ def check_protection(
                 "cause",
             )
         _check_action(entry, i, board, full_scale)
-        if entry.delay_s > MOST_SAMPLES * sample_time_s:
-            raise fault(
-                f"found {entry.delay_s:g}, expected at most {MOST_SAMPLES * sample_time_s:g}", _AT, i, "delay_s"
-            )
+        for key, value in (("delay_s", entry.delay_s), ("pause_s", entry.pause_s)):
+            if value > MOST_SAMPLES * sample_time_s:
+                raise fault(f"found {value:g}, expected at most {MOST_SAMPLES * sample_time_s:g}", _AT, i, key)
         part = entry.component
         if part is not None and part not in _channels(board):
             raise fault(
@@ -83,6 +82,7 @@ def _check_cause(entry: Protection, i: int, alarms: Sequence[AlarmRule], wiring:
         "ambient_lost": None if "ambient" in channels else "a thermocouple of the ambient",
         "too_few_sensors": None if channels else "thermocouples",
         "sensor_lost": None if channels else "thermocouples",
+        "sensor_unseen": None if channels else "thermocouples",
         "stall": None if wiring.encoder else "an encoder",
         "overspeed": None if wiring.encoder else "an encoder",
         "turning_without_command": None if wiring.encoder and wiring.drive else "an encoder and a drive",
@@ -99,10 +99,11 @@ def _check_cause(entry: Protection, i: int, alarms: Sequence[AlarmRule], wiring:
         raise fault(
             f'found "{entry.channel}", expected a thermocouple\'s channel: {listed(channels)}', _AT, i, "channel"
         )
-    if entry.cause == "sensor_lost" and entry.channel is None:
+    if entry.cause == "sensor_unseen" or (entry.cause == "sensor_lost" and entry.channel is None):
         limited = {rule.component for rule in alarms if isinstance(rule, OverTemperature)}
         if not limited.intersection(channels):
-            raise fault('no limit watches a part with a thermocouple; expected a "channel"', _AT, i)
+            expected = '; expected a "channel"' if entry.cause == "sensor_lost" else ""
+            raise fault(f"no limit watches a part with a thermocouple{expected}", _AT, i)
     parts = [channel for channel in channels if channel != "ambient"]
     if entry.least is not None and entry.least > len(parts):
         raise fault(f"found {entry.least}, expected at most {len(parts)}, as many parts are measured", _AT, i, "least")

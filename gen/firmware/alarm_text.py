@@ -55,7 +55,8 @@ def _condition(document: Document, rule: AlarmRule) -> str:
     low, high = rule.speed_percent
     parts = [f"{_compared(rule)}, at {low:g} to {high:g} % speed"]
     if rule.persistence_s:
-        parts.append(f"for {rule.persistence_s:g} s")
+        sooner = ", sooner the farther over it or the faster it rises" if _looks_ahead(rule) else ""
+        parts.append(f"for {rule.persistence_s:g} s{sooner}")
     if rule.settle_s:
         parts.append(f"from {rule.settle_s:g} s after PWM came there")
     if rule.requires is not None:
@@ -65,6 +66,10 @@ def _condition(document: Document, rule: AlarmRule) -> str:
     if any(entry.rule == rule.name and entry.stops for entry in protections(document)):
         parts.append("stops the motor")
     return ", ".join(parts)
+
+
+def _looks_ahead(rule: AlarmRule) -> bool:
+    return isinstance(rule, OverTemperature) and rule.look_ahead
 
 
 def _compared(rule: AlarmRule) -> str:

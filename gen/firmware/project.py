@@ -19,6 +19,7 @@ from gen.firmware.context import LibraryContext, Names, project_context
 from gen.firmware.contexts.identity import ROOM_degC
 from gen.firmware.contexts.tests import tests_context
 from gen.firmware.report import report_html
+from gen.firmware.sketch.chip_checks import chip_checks
 from gen.firmware.sketch.device import DeviceContext, device_context, sketch_files
 from gen.firmware.wiring_svg import parts, wiring_svg
 from gen.lowering.program import Program
@@ -118,6 +119,7 @@ def _of_sketch(coefficients: Coefficients, library: LibraryContext, device: Devi
         **library.protection,
         "forecast": library.forecast,
         "device": {**device, "parts": parts(device)},
+        **chip_checks(coefficients.model.sample_time),
         "ambient_given": ambient is not None,
         "ambient": f"{ambient if ambient is not None else ROOM_degC:g}",
     }

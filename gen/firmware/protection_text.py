@@ -5,6 +5,7 @@ from __future__ import annotations
 from gen.coefficients.document import Document
 from gen.coefficients.protecting import cooling_part, watched_channels
 from gen.coefficients.protection import Action, Cause, Protection
+from gen.lowering.protection import FORGOTTEN_S
 
 _CAUSES: dict[Cause, str] = {
     "ambient_lost": "the ambient's thermocouple is not believed",
@@ -16,6 +17,8 @@ _CAUSES: dict[Cause, str] = {
     "command_timeout": "no command for the time in $.wiring.command_timeout_s",
     "flash_check": "the program in flash is not what was built",
     "ram_check": "a cell of the RAM does not hold what is written to it",
+    "cpu_check": "a register of the CPU does not hold what is written to it",
+    "clock_check": "the clock and the watchdog's oscillator disagree",
     "eeprom_check": "a copy in EEPROM could not be written",
     "not_commissioned": "nobody has commissioned this wiring",
 }
@@ -44,9 +47,14 @@ def end_text(document: Document, entry: Protection) -> str:
     """How it ends."""
     if entry.until == "itself":
         return "by itself"
-    if entry.until == "command":
-        return "by command"
-    return f"by command, once {cooling_part(document, entry)} is below {entry.restart_below_degC:g} degC"
+    end = "by command"
+    if entry.until == "cool":
+        end += f", once {cooling_part(document, entry)} is below {entry.restart_below_degC:g} degC"
+    if entry.pause_s:
+        end += (
+            f", when it came again within {FORGOTTEN_S:g} s not before {entry.pause_s:g} s, then twice that, and so on"
+        )
+    return end
 
 
 def protection_text(document: Document, entry: Protection) -> str:
@@ -60,6 +68,8 @@ def _cause(document: Document, entry: Protection) -> str:
     if entry.cause == "sensor_lost":
         channels = [entry.channel] if entry.channel is not None else watched_channels(document)
         return f"no believed sample of {' or '.join(map(str, channels))}"
+    if entry.cause == "sensor_unseen":
+        return f"no believed sample of {' or '.join(watched_channels(document))} since the start"
     if entry.cause == "too_few_sensors":
         return f"fewer than {entry.least} parts with a believed sample"
     return _CAUSES[entry.cause]

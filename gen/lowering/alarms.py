@@ -35,6 +35,10 @@ Array = NDArray[np.float64]
 START_MARGIN_K = 0.5
 #: A part that is within so much of ambient at the start is cold, in thousandths of a kelvin.
 COLD_mK = 2000
+#: A limit that looks ahead adds so many times what the part rose by over two readings: what it does in the next four.
+AHEAD_TIMES = 2
+#: With each of these over its limit a sample of it counts for one more of its persistence, in thousandths of a kelvin.
+HASTE_mK = 1000
 _START_STEP_S = 30.0
 _START_LEVELS = 9
 _START_TIMES = 12
@@ -87,6 +91,8 @@ class LoweredRule:
         A CUSUM's threshold in thousandths of a kelvin times samples, or None for other rules.
     heat
         Of a rule on missing heat, else None.
+    looks_ahead
+        A limit that counts what rises as what it will soon be, and waits the less the farther it is passed.
     """
 
     name: str
@@ -102,6 +108,7 @@ class LoweredRule:
     unless: int | None
     sum_limit: int | None
     heat: LoweredHeat | None = None
+    looks_ahead: bool = False
 
     @property
     def needs_model(self) -> bool:
@@ -145,6 +152,7 @@ def lower_alarms(coefficients: Coefficients) -> tuple[LoweredRule, ...]:
                 unless=None if rule.unless is None else names.index(rule.unless),
                 sum_limit=sum_limit,
                 heat=lower_heat(document, model, rule) if isinstance(rule, MissingHeat) else None,
+                looks_ahead=isinstance(rule, OverTemperature) and rule.look_ahead,
             )
         )
     return tuple(rules)

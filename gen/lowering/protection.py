@@ -11,6 +11,11 @@ from gen.coefficients.protecting import cooling_part, protections, watched_chann
 from gen.coefficients.protection import Protection, Until
 from gen.lowering.samples import samples
 
+FORGOTTEN_S: Final = 600.0
+"""Of an entry with a pause: after each such time without it one of its times is forgotten."""
+MOST_TIMES: Final = 6
+"""More are not counted: the longest pause is the first one doubled five times."""
+
 Word = Literal["alarms", "lost", "device"]
 """The word of a sample that says whether a cause is there: latched rules, sensors not believed, the sketch's own."""
 
@@ -25,6 +30,9 @@ DEVICE: Final = (
     "eeprom_check",
     "limit_near",
     "not_commissioned",
+    "sensor_unseen",
+    "cpu_check",
+    "clock_check",
 )
 """Causes that the sketch finds by itself; bit b of the word `device` is the b-th."""
 
@@ -46,6 +54,9 @@ class LoweredProtection:
     component, restart_mC
         Of one that waits for cooling: the part's index and the temperature below which it has cooled down, in
         thousandths of a degree Celsius; else 0.
+    pause, forgotten
+        In samples: how long it has to act, at its second time, before a command may end it, twice as long each
+        further time; and after how long without it one time is forgotten. 0 of one without a pause.
     source
         The entry itself.
     """
@@ -58,6 +69,8 @@ class LoweredProtection:
     pwm: int
     component: int
     restart_mC: int
+    pause: int
+    forgotten: int
     source: Protection
 
     @property
@@ -106,6 +119,8 @@ def _lowered(document: Document, entry: Protection) -> LoweredProtection:
         pwm=0 if entry.stops else pwm,
         component=0 if part is None else document.component_names.index(part),
         restart_mC=round(entry.restart_below_degC * 1000.0) if entry.restart_below_degC is not None else 0,
+        pause=samples(entry.pause_s, document.sample_time_s),
+        forgotten=samples(FORGOTTEN_S, document.sample_time_s) if entry.pause_s else 0,
         source=entry,
     )
 

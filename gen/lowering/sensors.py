@@ -26,6 +26,8 @@ PLAUSIBLE_SAMPLES = 3
 make two such above a limit once in 6 000 pairs, three once in four million."""
 FASTER = 4
 """By how much a part that fails may outrun its largest physical change."""
+MOST_RISING_COUNTS = 262
+"""More than this is no more told of a rise over two readings: 65.5 K, which 16 bits hold in thousandths."""
 _JITTER_MS = 5
 """By what two samples may follow one another sooner than planned: steps of millis() and work between them."""
 _LARGEST_STEP = 4095

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.alarms import LoweredRule
+from gen.lowering.alarms import AHEAD_TIMES, HASTE_mK, LoweredRule
 from gen.model.dynamics import MAX_PWM
 from gen.reference.heat import ReferenceHeat, fields
 
@@ -82,6 +82,7 @@ class ReferenceAlarms:
         model_mC: Integers,
         valid: Integers,
         plausible: Integers | None = None,
+        rising_mK: Integers | None = None,
     ) -> None:
         """Evaluate every rule after a sample.
 
@@ -96,6 +97,9 @@ class ReferenceAlarms:
         plausible
             Bit masks of those whose measurement may be the truth, believed or not, shape (L,): limits of a temperature
             heed them too. None: what is valid.
+        rising_mK
+            By how much each part rose over the last two readings, beyond what noise is, shape (components, L); None:
+            not at all. Limits that look ahead heed it.
         """
         heeded = valid if plausible is None else valid | plausible
         magnitude = np.minimum(np.abs(pwm), MAX_PWM)
@@ -108,10 +112,11 @@ class ReferenceAlarms:
             seen = ~asleep & ((((valid if rule.needs_model else heeded) >> rule.component) & 1) == 1)
             if rule.relative_to is not None:
                 seen &= ((valid >> rule.relative_to) & 1) == 1
-            value = compared(rule, measured_mC, model_mC)
+            value = compared(rule, measured_mC, model_mC, rising_mK)
             holds = seen & self._holds(number, rule, value, trip, clear, seen)
             released = asleep | (seen & ~holds)
-            self._held[number] = np.where(released, 0, np.minimum(self._held[number] + holds, rule.persistence + 1))
+            held = self._held[number] + np.where(holds, counted(rule, value, trip), 0)
+            self._held[number] = np.where(released, 0, np.minimum(held, rule.persistence + 1))
             self._mark(number, "asleep", on=asleep, off=~asleep)
             raised = holds & (self._held[number] > rule.persistence)
             self._mark(number, "active", on=raised, off=released)
@@ -172,15 +177,27 @@ def alarm_record_type(rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
     return np.dtype([*timers, *fields([rule.heat for rule in rules]), *masks])
 
 
-def compared(rule: LoweredRule, measured_mC: Integers, model_mC: Integers) -> Integers:
-    """What a rule compares with its threshold, shape (L,): a deviation or the temperature itself."""
+def compared(
+    rule: LoweredRule, measured_mC: Integers, model_mC: Integers, rising_mK: Integers | None = None
+) -> Integers:
+    """What a rule compares with its threshold, shape (L,): a deviation, or the temperature as it is or soon will be."""
     value: Integers = measured_mC[rule.component]
     if not rule.needs_model:
+        if rule.looks_ahead and rising_mK is not None:
+            value = value + AHEAD_TIMES * rising_mK[rule.component]
         return value
     value = measured_mC[rule.component] - model_mC[rule.component]
     if rule.relative_to is not None:
         value = value - (measured_mC[rule.relative_to] - model_mC[rule.relative_to])
     return -value if rule.quantity == "below" else value
+
+
+def counted(rule: LoweredRule, value: Integers, trip: Integers) -> Integers:
+    """For how many samples of its persistence a sample counts at which a rule's condition holds, shape (L,)."""
+    if not rule.looks_ahead:
+        return np.ones_like(value)
+    beyond: Integers = 1 + np.maximum(value - trip, 0) // HASTE_mK
+    return beyond
 
 
 def thresholds(rule: LoweredRule, magnitude: Integers) -> tuple[NDArray[np.bool_], Integers, Integers]:

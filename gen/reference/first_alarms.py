@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gen.lowering.alarms import LoweredRule
 from gen.model.dynamics import MAX_PWM
-from gen.reference.alarms import compared, thresholds
+from gen.reference.alarms import compared, counted, thresholds
 from gen.reference.heat import watched
 from gen.reference.heat_blocks import blocks_of, sums_after
 
@@ -42,7 +42,7 @@ def first_raised(
         Measured and modelled temperatures after each sample, shape (components, K), in thousandths of a degree Celsius.
     valid
         Bit masks of the components whose measurement passed its checks, shape (K,). A run file holds no others: what
-        a board took as plausible only is missing.
+        a board took as plausible only is missing, and so is how fast it rose from one reading to the next.
     trusted
         Whether the model starts with the right slopes.
 
@@ -68,7 +68,7 @@ def first_raised(
         else:
             begins, ends = seen & (value > trip), ~awake | (seen & (value <= clear))
             holds = seen & (_latest(begins) > _latest(ends))
-        held = np.cumsum(holds)
+        held = np.cumsum(np.where(holds, counted(rule, value, trip), 0))
         released = _latest(~awake | (seen & ~holds))
         held -= np.where(released >= 0, held[released], 0)
         raised = holds & (held > rule.persistence)

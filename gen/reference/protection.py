@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.protection import LoweredProtection, Word
+from gen.lowering.protection import MOST_TIMES, LoweredProtection, Word
 
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -36,11 +36,16 @@ class ReferenceProtection:
         self.holding = np.zeros(lanes, dtype=np.int64)
         self._asked = np.zeros(lanes, dtype=bool)
         self._held = np.zeros((len(entries), lanes), dtype=np.int64)
+        self._left = np.zeros((len(entries), lanes), dtype=np.int64)
+        self._times = np.zeros((len(entries), lanes), dtype=np.int64)
 
     def advance(self, record: Record) -> None:
         """Go on from what a board keeps, shape (L,), see :func:`protection_fields`."""
         for number in range(len(self._entries)):
             self._held[number] = record[f"protection.{number}.held"]
+        for number in _pausing(self._entries):
+            self._left[number] = record[f"protection.{number}.left"]
+            self._times[number] = record[f"protection.{number}.times"]
         self.acting = record["protection.acting"].astype(np.int64)
         self.holding = record["protection.holding"].astype(np.int64)
         self._asked = record["protection.asked"] != 0
@@ -79,11 +84,32 @@ class ReferenceProtection:
             if entry.until == "cool":
                 seen = ((valid >> entry.component) & 1) == 1
                 cooled = seen & (measured_mC[entry.component] < entry.restart_mC)
-            ends = ~there & (cooled & self._asked if entry.lasts else np.ones_like(there))
+            acted = (self.acting & bit) != 0
+            ends = ~there & (cooled & self._asked & (self._left[number] == 0) if entry.lasts else np.ones_like(there))
             self.holding = np.where(there, self.holding | bit, self.holding & ~bit)
             self.acting = np.where(ends, self.acting & ~bit, self.acting)
             self.acting = np.where(self._held[number] > entry.delay, self.acting | bit, self.acting)
+            if entry.pause:
+                self._pause(number, entry, acted, (self.acting & bit) != 0)
         self._asked[:] = False
+
+    @property
+    def waiting(self) -> Integers:
+        """Samples before a command may end all that acts, shape (L,)."""
+        waiting = np.zeros(len(self.acting), dtype=np.int64)
+        for number in _pausing(self._entries):
+            waiting = np.where((self.acting >> number) & 1, np.maximum(waiting, self._left[number]), waiting)
+        return waiting
+
+    def _pause(self, number: int, entry: LoweredProtection, acted: Flags, acts: Flags) -> None:
+        """What comes again soon has to wait, each time twice as long; what stays away is forgotten bit by bit."""
+        left, times = self._left[number], self._times[number]
+        pause = np.where(times > 0, np.minimum(entry.pause << np.maximum(times - 1, 0), 0xFFFF), 0)
+        forgets = ~acts & ~acted & (left == 0) & (times > 0)
+        self._left[number] = np.select(
+            [acts & ~acted, (acted & ~acts) | forgets], [pause, entry.forgotten], np.maximum(left - 1, 0)
+        )
+        self._times[number] = np.select([acts & ~acted, forgets], [np.minimum(times + 1, MOST_TIMES), times - 1], times)
 
     def most_pwm(self, full_scale: int) -> Integers:
         """The largest |PWM| that is allowed, shape (L,), in counts."""
@@ -104,9 +130,17 @@ class ReferenceProtection:
             return
         for number in range(len(self._entries)):
             record[f"protection.{number}.held"] = self._held[number]
+        for number in _pausing(self._entries):
+            record[f"protection.{number}.left"] = self._left[number]
+            record[f"protection.{number}.times"] = self._times[number]
         record["protection.acting"] = self.acting
         record["protection.holding"] = self.holding
         record["protection.asked"] = self._asked
+
+
+def _pausing(entries: Sequence[LoweredProtection]) -> list[int]:
+    """Numbers of the entries that have a pause."""
+    return [number for number, entry in enumerate(entries) if entry.pause]
 
 
 def _set_bits(values: Integers, mask: int) -> Integers:
@@ -121,4 +155,13 @@ def protection_fields(entries: Sequence[LoweredProtection]) -> list[tuple[str, s
     if not entries:
         return []
     held = [(f"protection.{number}.held", "<u2") for number in range(len(entries))]
-    return [*held, ("protection.acting", "<u4"), ("protection.holding", "<u4"), ("protection.asked", "u1")]
+    left = [(f"protection.{number}.left", "<u2") for number in _pausing(entries)]
+    times = [(f"protection.{number}.times", "u1") for number in _pausing(entries)]
+    return [
+        *held,
+        *left,
+        *times,
+        ("protection.acting", "<u4"),
+        ("protection.holding", "<u4"),
+        ("protection.asked", "u1"),
+    ]

@@ -8,6 +8,7 @@ from gen.lowering.sensors import (
     CONFIRMATIONS,
     FASTER,
     LONGEST_SAMPLES,
+    MOST_RISING_COUNTS,
     NOISE_COUNTS,
     PLAUSIBLE_SAMPLES,
     COUNT_mK,
@@ -58,6 +59,18 @@ class SensorCheck:
     def plausible_mC(self) -> int:
         """The last sample with a sound word in thousandths of a degree Celsius; 0 before the first."""
         return self._latest[0] * COUNT_mK
+
+    @property
+    def rising_mK(self) -> int:
+        """By how much the part rose over the last two readings and over the two before the last, the smaller of both.
+
+        In thousandths of a kelvin and without what noise is; 0 where the last four readings could not be one part's.
+        So neither noise nor one reading that is off makes a rise.
+        """
+        if not self.plausible or self._agreed < CONFIRMATIONS:
+            return 0
+        rise = min(self._latest[0] - self._latest[2], self._latest[1] - self._latest[3]) - NOISE_COUNTS
+        return max(0, min(rise, MOST_RISING_COUNTS)) * COUNT_mK
 
     def model_set(self) -> None:
         """The model was started anew: what it moved before says nothing about a sensor."""

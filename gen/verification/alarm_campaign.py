@@ -16,6 +16,7 @@ from gen.reference.alarms import ReferenceAlarms, alarm_record_type
 from gen.reference.board import reference_of
 from gen.reference.heat import watched
 from gen.verification.profiles import Profile
+from gen.verification.sample import sample_fields
 
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
@@ -45,8 +46,7 @@ class AlarmCampaign:
 
 def input_type(components: int, rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
     """The harnesses' input record; the alarm structure at its end is what a lane begins with."""
-    sample = [("measured_mC", "<i4", (components,)), ("ambient_mC", "<i4"), ("valid", "<u2"), ("plausible", "<u2")]
-    return np.dtype([("op", "u1"), ("pwm", "<i2"), *sample, *_fields(alarm_record_type(rules))])
+    return np.dtype([("op", "u1"), ("pwm", "<i2"), *sample_fields(components), *_fields(alarm_record_type(rules))])
 
 
 def output_type(program: Program, rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
@@ -121,14 +121,23 @@ def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, s
             ambient = np.asarray(random.integers(-10_000, 50_000, lanes), dtype=np.int64)
         modelled = model.rises_mK + ambient
         measured, valid, plausible = source.next(modelled)
+        rising = _rising(random, measured.shape)
         alarms.reset(resets)
-        alarms.step(pwm, measured, modelled, valid, plausible)
+        alarms.step(pwm, measured, modelled, valid, plausible, rising)
         row = inputs[:, step + 1]
         row["op"] = np.where(resets, RESET_AND_STEP, STEP)
         row["pwm"], row["ambient_mC"], row["measured_mC"] = pwm, ambient, measured.T
-        row["valid"], row["plausible"] = valid, plausible
+        row["valid"], row["plausible"], row["rising_mK"] = valid, plausible, rising.T
         _keep(expected[:, step], program, modelled, alarms)
     return AlarmCampaign(inputs, expected)
+
+
+def _rising(random: np.random.Generator, shape: tuple[int, ...]) -> Integers:
+    """How fast parts rise, shape (components, L): mostly not at all, or by kelvins, or as far as words go."""
+    near = 250 * random.integers(0, 12, shape)
+    far = random.integers(0, 1 << 16, shape)
+    rising: Integers = np.select([random.random(shape) < 0.8, random.random(shape) < 0.9], [0 * near, near], far)
+    return rising
 
 
 def _keep(row: Records, program: Program, modelled: Integers, alarms: ReferenceAlarms) -> None:

@@ -12,6 +12,7 @@ from gen.lowering.forecast import LoweredForecast
 from gen.lowering.program import Program
 from gen.reference.board import reference_of
 from gen.reference.forecast import FORECAST_FIELDS, ReferenceForecast
+from gen.verification.sample import sample_fields
 
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
@@ -37,8 +38,7 @@ class ForecastCampaign:
 def input_type(program: Program) -> np.dtype[np.void]:
     """The harnesses' input record; without channels it has none."""
     told = [("channel", "<i4", (len(program.channels),))] if program.channels else []
-    sample = [("measured_mC", "<i4", (len(program.parts),)), ("ambient_mC", "<i4")]
-    return np.dtype([("op", "u1"), ("pwm", "<i2"), *told, *sample, ("valid", "<u2"), ("plausible", "<u2")])
+    return np.dtype([("op", "u1"), ("pwm", "<i2"), *told, *sample_fields(len(program.parts))])
 
 
 def output_type(program: Program) -> np.dtype[np.void]:

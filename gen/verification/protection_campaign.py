@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.program import Program
-from gen.lowering.protection import LoweredProtection, Word
+from gen.lowering.protection import MOST_TIMES, LoweredProtection, Word
 from gen.reference.protection import ReferenceProtection, protection_fields
+from gen.verification.sample import sample_fields
 
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
@@ -32,13 +33,12 @@ class ProtectionCampaign:
 def input_type(components: int, entries: Sequence[LoweredProtection]) -> np.dtype[np.void]:
     """The harnesses' input record; the structure at its end is what a lane begins with."""
     words = [("lost", "<u4"), ("alarms", "<u2"), ("device", "<u2")]
-    sample = [("measured_mC", "<i4", (components,)), ("ambient_mC", "<i4"), ("valid", "<u2"), ("plausible", "<u2")]
-    return np.dtype([("op", "u1"), *words, *sample, *protection_fields(entries)])
+    return np.dtype([("op", "u1"), *words, *sample_fields(components), *protection_fields(entries)])
 
 
 def output_type(entries: Sequence[LoweredProtection]) -> np.dtype[np.void]:
     """The harnesses' output record: the structure, and what follows from it."""
-    results = [("lasting", "<u4"), ("most_pwm", "u1"), ("opens_relay", "u1"), ("shows", "u1")]
+    results = [("lasting", "<u4"), ("most_pwm", "u1"), ("opens_relay", "u1"), ("shows", "u1"), ("waiting", "<u2")]
     return np.dtype([*protection_fields(entries), *results])
 
 
@@ -91,6 +91,7 @@ def _keep(row: Records, reference: ReferenceProtection, entries: Sequence[Lowere
     row["lasting"] = reference.acting & lasting
     row["most_pwm"] = reference.most_pwm(full_scale)
     row["opens_relay"] = reference.any_of([entry.opens_relay for entry in entries])
+    row["waiting"] = reference.waiting
     row["shows"] = reference.any_of([entry.shows for entry in entries])
 
 
@@ -98,6 +99,9 @@ def _begun(random: np.random.Generator, entries: Sequence[LoweredProtection], la
     record = np.zeros(lanes, dtype=protection_fields(entries))
     for number, entry in enumerate(entries):
         record[f"protection.{number}.held"] = np.maximum(entry.delay + 1 - random.integers(0, 4, lanes), 0)
+        if entry.pause:  # pauses and what is forgotten are long: they begin close to their ends
+            record[f"protection.{number}.left"] = random.integers(0, 40, lanes)
+            record[f"protection.{number}.times"] = random.integers(0, MOST_TIMES + 1, lanes)
     every = (1 << len(entries)) - 1
     record["protection.acting"] = random.integers(0, every + 1, lanes)
     record["protection.holding"] = random.integers(0, every + 1, lanes)

@@ -48,6 +48,17 @@ def test_a_driven_motor_is_protected_by_a_file_that_says_nothing_of_it() -> None
     assert 0 < found["sensor_lost"].delay_s <= 10
 
 
+def test_a_rotor_that_locks_again_has_to_stand() -> None:
+    assert table()["stall"].pause_s > 0
+
+
+def test_nobody_drives_blind_from_the_start_unless_the_file_lets_a_motor_run_on_without_a_sensor() -> None:
+    assert (table()["sensor_unseen"].action, table()["sensor_unseen"].until) == ("stop", "itself")
+    assert "sensor_unseen" in table(protection=[{"cause": "sensor_lost", "action": "stop", "delay_s": 4}])
+    assert "sensor_unseen" not in table(protection=[{"cause": "sensor_lost", "action": "log"}])
+    assert table(protection=[{"cause": "sensor_unseen", "action": "led"}])["sensor_unseen"].action == "led"
+
+
 def test_a_relay_opens_where_there_is_one() -> None:
     found = table(wiring={"relay_pin": 12})
     for name in (*LIMITS, "flash_check", "ram_check", "turning_without_command"):
@@ -115,6 +126,13 @@ def test_a_stop_that_can_never_act_is_warned_of() -> None:
 
 
 REFUSED = {
+    "a pause of what ends by itself": ({}, {"cause": "stall", "action": "stop", "pause_s": 5}, "pause_s"),
+    "a pause that is too long": (
+        {},
+        {"cause": "stall", "action": "stop", "until": "command", "pause_s": 2e4},
+        "at most 16383.5",
+    ),
+    "unseen by no limit": ({"alarms": []}, {"cause": "sensor_unseen", "action": "stop"}, "no limit watches a part"),
     "no drive": ({"wiring": {"drive": None}}, {"cause": "late_loop", "action": "stop"}, 'no "drive"'),
     "no relay": ({}, {"cause": "late_loop", "action": "open_relay"}, 'no "relay_pin"'),
     "no LED": ({"wiring": {"led_pin": None}}, {"cause": "late_loop", "action": "led"}, 'no "led_pin"'),

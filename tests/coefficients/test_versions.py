@@ -83,6 +83,10 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
         "f537c879ede233f20f8291be150526a2d52800dfa9ce1f0df3bca059b19f7f3f",
         FROZEN["identified.json"][1],
     ),
+    "looking_ahead.json": (
+        "313fbdb8a2869b7b40282f00002db297aef1a8ded72594103576620eea5cfcbf",
+        FROZEN["my1016.json"][1],
+    ),
     "missing_heat.json": ("8a79541d1321ba5c0ffca53dca50bce6461397fc02ab89c9f16db440a72773f1", FROZEN["my1016.json"][1]),
     "my1016.json": ("02aca1a40681f8b1200c5c59221d1935af03134e909873686f2855deb247131f", FROZEN["my1016.json"][1]),
     "network_every_key.json": (

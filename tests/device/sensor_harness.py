@@ -71,7 +71,9 @@ int main() {
         const long value = my1016_sensors_mC(in[0]);
         const int plausible = my1016_sensors_plausible(in[0]);
         const long plausible_mC = my1016_sensors_plausible_mC(in[0]);
-        printf("%d %ld %d %ld\\n", code == my1016_sensors_code(in[0]) ? code : -1, value, plausible, plausible_mC);
+        const unsigned rising_mK = my1016_sensors_rising_mK(in[0]);
+        const int told = code == my1016_sensors_code(in[0]) ? code : -1;
+        printf("%d %ld %d %ld %u\\n", told, value, plausible, plausible_mC, rising_mK);
     }
     return 0;
 }
@@ -91,6 +93,7 @@ struct Output {
     int32_t value;
     uint8_t plausible;
     int32_t plausible_mC;
+    uint16_t rising_mK;
 } gen_output;
 int main() {
     cli();
@@ -103,6 +106,7 @@ int main() {
             gen_output.value = my1016_sensors_mC(in.channel);
             gen_output.plausible = my1016_sensors_plausible(in.channel);
             gen_output.plausible_mC = my1016_sensors_plausible_mC(in.channel);
+            gen_output.rising_mK = my1016_sensors_rising_mK(in.channel);
         }
         GEN_MAILBOX_DONE();
     }
@@ -111,9 +115,9 @@ int main() {
 RECORD = np.dtype([("channel", "u1"), ("word", "<u4"), ("finished", "u1"), ("model_mC", "<i4")])
 FORGET, MODEL_SET, ACCEPT, KEEP, RESTORE = 0xFF, 0xFE, 0xFD, 0xFC, 0xFB
 LIMITS = SensorLimits("brush", lowest=0, highest=1000, step=5, stuck_samples=12, stuck_mK=3000)
-JUDGED = np.dtype([("code", "u1"), ("mC", "<i4"), ("plausible", "u1"), ("plausible_mC", "<i4")])
+JUDGED = np.dtype([("code", "u1"), ("mC", "<i4"), ("plausible", "u1"), ("plausible_mC", "<i4"), ("rising_mK", "<u2")])
 Step = tuple[int, int, bool, int]
-Judged = tuple[int, int, int, int]
+Judged = tuple[int, int, int, int, int]
 
 
 def word(counts: int) -> int:
@@ -152,7 +156,7 @@ class Cpp:
         records = np.array(list(steps), dtype=RECORD)
         done = subprocess.run([str(self._binary)], input=records.tobytes(), capture_output=True, check=True)
         numbers = [int(number) for number in done.stdout.split()]
-        return list(zip(numbers[::4], numbers[1::4], numbers[2::4], numbers[3::4], strict=True))
+        return list(zip(*(numbers[place::5] for place in range(5)), strict=True))
 
     def run_on_board(self, steps: Sequence[Step]) -> tuple[list[Judged], int]:
         """The same on the emulated Mega, and the most cycles of a check."""
@@ -190,5 +194,6 @@ def by_reference(limits: Sequence[SensorLimits], steps: Sequence[Step]) -> list[
         else:
             check = checks[channel]
             code = check.check(given_word, finished, model_mC)
-            found.append((int(code), check.temperature_mC, int(check.plausible), check.plausible_mC))
+            judged = int(code), check.temperature_mC, int(check.plausible), check.plausible_mC, check.rising_mK
+            found.append(judged)
     return found

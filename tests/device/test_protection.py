@@ -115,6 +115,59 @@ def test_a_locked_rotor_stops_the_motor_until_somebody_resets_it(power_up: Open)
     assert pwm(board) == 200
 
 
+def test_a_rotor_that_locks_again_has_to_stand_longer_each_time(power_up: Open) -> None:
+    """Whoever resets and arms it again at once gives it two seconds of current each time."""
+    board = started(power_up)
+    stood = []
+    for _ in range(4):
+        board.drive(200)
+        events = board.hear(3.0).events  # no pulse
+        assert any("protection stall begins" in event for event in events)
+        assert pwm(board) == 0
+        waited, refused = 0, 0
+        while not any("protection stall ends" in event for event in events):
+            board.send("reset")
+            events = board.hear(1.0).events
+            waited += 1
+            told = [event for event in events if "to be reset in" in event]
+            refused += len(told)
+            assert len(told) <= 1
+            assert waited < 70
+        assert refused >= waited - 1, "each time it is said how long it still takes"
+        stood.append(waited)
+    assert stood[0] == 1
+    for waited, pause_s in zip(stood[1:], (15, 30, 60), strict=True):
+        assert pause_s - 2 <= waited <= pause_s + 1
+
+
+def test_a_motor_with_a_sensor_that_was_never_believed_is_not_driven_at_all(power_up: Open) -> None:
+    board = power_up("protected")
+    board.encoder.attach(2)
+    board.set_celsius("brush", 260.0)  # beyond its range: plausible, and never believed
+    board.drive(200)
+    events = board.started().events
+    assert any("protection sensor_unseen begins" in event for event in events)
+    for _ in range(3):
+        board.drive(200)
+        assert any("not armed: " in event for event in turning(board, 1))
+        assert pwm(board) == 0
+
+
+def test_once_each_sensor_was_believed_the_motor_is_driven(power_up: Open) -> None:
+    board = power_up("protected")
+    board.encoder.attach(2)
+    board.chips["magnet"].set_word(OPEN)
+    board.started()
+    board.drive(200)
+    turning(board, 2)
+    assert pwm(board) == 0
+    board.set_celsius("magnet", 30.0)
+    assert any("protection sensor_unseen ends" in event for event in turning(board, 2))
+    board.drive(200)
+    turning(board, 4)
+    assert pwm(board) == 200
+
+
 def test_a_motor_is_not_driven_blind(power_up: Open) -> None:
     board = running(power_up)
     board.chips["bearing"].set_word(OPEN)

@@ -72,7 +72,7 @@ def test_the_boards_checks_equal_the_reference(cpp: Cpp, seed: int) -> None:
     found = cpp.run(steps)
     assert found == by_reference(cpp.limits, steps)
     assert {code for code, *_ in found} == set(range(9))
-    assert {(code, plausible) for code, _, plausible, _ in found} >= {
+    assert {(code, plausible) for code, _, plausible, *_ in found} >= {
         (4, 0),
         (4, 1),
         (5, 0),
@@ -283,3 +283,34 @@ def test_limits_come_from_the_file_or_the_domain() -> None:
     assert (brush.step, brush.stuck_samples, brush.stuck_mK) == (5, 1200, 3000)
     assert ambient.stuck_samples == 0
     assert [reading_samples(t) for t in (0.05, 0.1, 0.22, 0.25, 3.0)] == [5, 3, 2, 1, 1]
+
+
+def rises(counts: list[int]) -> list[int]:
+    check = SensorCheck(LIMITS)
+    found = []
+    for item in counts:
+        check.check(word(item), True, 60_000)
+        found.append(check.rising_mK)
+    return found
+
+
+def test_a_rise_is_told_from_its_fourth_reading_on_less_the_noise_of_a_kelvin() -> None:
+    """8 K/s are 8 counts a reading, 16 over two: 4 K, of which 1 K may be noise."""
+    assert rises([240, 248, 256, 264, 272]) == [0, 0, 0, 3000, 3000]
+    assert rises([240] * 4 + [248, 256, 264]) == [0] * 5 + [1000, 3000]
+
+
+@pytest.mark.parametrize("off", [-20, -8, 8, 20])
+def test_one_reading_that_is_off_makes_no_rise(off: int) -> None:
+    assert set(rises([240] * 6 + [240 + off] + [240] * 6)) == {0}
+
+
+def test_what_falls_or_says_nothing_does_not_rise() -> None:
+    assert set(rises([400, 392, 384, 376, 368])) == {0}
+    check = SensorCheck(LIMITS)
+    for item in (word(240), word(248), word(256), word(264), 4):  # the last one: open
+        check.check(item, True, 60_000)
+    assert check.rising_mK == 0
+    for item in (272, 280, 288):
+        check.check(word(item), True, 60_000)
+        assert check.rising_mK == 0, "the four readings are no longer one after another"

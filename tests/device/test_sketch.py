@@ -370,6 +370,8 @@ def test_the_self_test_knows_the_flash(power_up: Open, tmp_path: Path) -> None:
     said = board.hear(5.0)
     findings = [event.split(" ", 1)[1] for event in said.events]
     assert f"test flash ok {crc} not sealed" in findings
+    assert "test cpu ok r0..r31, SREG" in findings
+    assert any(re.fullmatch(r"test clock ok (\d+) us of 16 ms", finding) for finding in findings)
     assert "test sensors ok 00000" in findings
     assert "test passed" in findings
     assert not any(int(row["flags"]) & LATE for row in said.rows)

@@ -147,7 +147,16 @@ def _prompt(tree: Tree) -> None:
 def _limited(tree: Tree) -> None:
     """One rule that protects: the brush's limit, at once."""
     rule = {"name": "limit", "kind": "over_temperature", "component": "brush", "limit_degC": 120, "hysteresis_K": 5}
-    tree["alarms"] = [{**rule, "persistence_s": 0, "stop_motor": True}]
+    tree["alarms"] = [{**rule, "persistence_s": 0, "stop_motor": True, "look_ahead": False}]
+
+
+def _foresighted(tree: Tree) -> None:
+    """The brush's limit with a second of persistence, which looks ahead; the casing's, which does not."""
+    rule = {"kind": "over_temperature", "limit_degC": 120, "hysteresis_K": 5, "persistence_s": 1}
+    tree["alarms"] = [
+        {"name": "limit", "component": "brush", **rule},
+        {"name": "patient", "component": "casing", "look_ahead": False, **rule},
+    ]
 
 
 def _locked(tree: Tree) -> None:
@@ -199,6 +208,7 @@ FURTHER: Mapping[str, Callable[[Tree], None]] = {
     "watched_brush": _watched_brush,
     "prompt": _prompt,
     "limited": _limited,
+    "foresighted": _foresighted,
     "locked": _locked,
     "watched": _watched,
 }

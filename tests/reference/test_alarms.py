@@ -50,6 +50,41 @@ def test_a_condition_must_exceed_its_threshold_and_then_ends_at_the_clear_level(
     assert Bench(EAGER).run([5000, 5001, 4001, 4000, 4001, 5000, 5001]) == [0, 1, 1, 0, 0, 0, 1]
 
 
+LIMIT = replace(
+    EAGER, quantity="measured", segments=(Segment(0, 255, 120_000, 115_000),), persistence=4, looks_ahead=True
+)
+
+
+def sooner(rule: LoweredRule, measured_mC: list[int], rising_mK: int = 0) -> int | None:
+    """The sample at which a limit's alarm is raised."""
+    alarms = ReferenceAlarms([rule], np.array([True]))
+    for number, value in enumerate(measured_mC):
+        one = np.array([100]), np.array([[value]]), np.array([[0]]), np.array([1])
+        alarms.step(*one, rising_mK=np.array([[rising_mK]]))
+        if alarms.latched[0]:
+            return number
+    return None
+
+
+def test_each_kelvin_over_a_limit_that_looks_ahead_shortens_its_persistence() -> None:
+    for beyond_K, samples in ((0.25, 5), (0.75, 5), (1.0, 3), (2.0, 2), (3.75, 2), (4.0, 1), (90.0, 1)):
+        over = [120_000 + round(1000.0 * beyond_K)] * 6
+        assert sooner(LIMIT, over) == samples - 1, beyond_K
+        assert sooner(replace(LIMIT, looks_ahead=False), over) == 4
+
+
+def test_what_rises_counts_as_what_it_will_be_four_readings_later() -> None:
+    """2 K in two readings beyond noise: 4 K in the next four."""
+    assert sooner(LIMIT, [116_000] * 6, 2000) is None
+    assert sooner(LIMIT, [116_250] * 6, 2000) == 4
+    assert sooner(LIMIT, [118_000] * 6, 2000) == 1  # 2 K over: three samples of five each
+    assert sooner(replace(LIMIT, looks_ahead=False), [120_000] * 6, 60_000) is None
+
+
+def test_between_clear_and_limit_a_sample_counts_once() -> None:
+    assert sooner(LIMIT, [120_250, 116_000, 116_000, 116_000, 116_000]) == 4
+
+
 def test_a_limit_of_a_temperature_heeds_what_is_plausible_and_rules_on_the_model_do_not() -> None:
     limit = replace(EAGER, quantity="measured", segments=(Segment(0, 255, 120_000, 118_000),))
     bench = Bench(limit, EAGER)

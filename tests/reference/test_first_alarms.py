@@ -61,6 +61,7 @@ def rule(draw: st.DrawFn, number: int) -> LoweredRule:
         unless=draw(earlier),
         sum_limit=draw(st.integers(1, 10_000)) if is_sum else None,
         heat=draw(heat(component, low, high)) if quantity == "heat" else None,
+        looks_ahead=quantity == "measured" and draw(st.booleans()),
     )
 
 

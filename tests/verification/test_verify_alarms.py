@@ -57,7 +57,10 @@ def test_no_word_differs_on_any_target(tmp_path: Path) -> None:
 FAULTS = {
     "threshold met counts": ("return value > (timers", "return value >= (timers"),
     "no hysteresis": ("timers->held ? segment.clear : segment.trip", "segment.trip"),
-    "late by a sample": ("timers->held <= rule.persistence) {", "timers->held < rule.persistence) {"),
+    "late by a sample": ("if (timers->held > rule.persistence) {", "if (timers->held > rule.persistence + 1u) {"),
+    "limits look no further ahead than they see": ("AHEAD * sample->rising_mK", "0 * sample->rising_mK"),
+    "what is far over a limit waits": ("(value - segment.trip) / HASTE_MK", "(value - value) / HASTE_MK"),
+    "what is a kelvin over a limit waits": ("1u + (uint32_t)(value", "(uint32_t)(value"),
     "16-bit sum": ("const int32_t sum = timers->sum + (value", "const int32_t sum = (int16_t)timers->sum + (value"),
     "sum below zero": ("sum < 0 ? 0 : ", ""),
     "missing samples are used": (

@@ -13,7 +13,7 @@ from gen.coefficients import parse
 from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.lower import lower
-from gen.lowering.protection import LoweredProtection, lower_protection
+from gen.lowering.protection import MOST_TIMES, LoweredProtection, lower_protection
 from gen.verification.comparisons import compare_protection
 from gen.verification.protection_campaign import protection_campaign
 from gen.verification.runners import Library, write_library
@@ -36,6 +36,7 @@ TABLE: list[dict[str, Any]] = [
         "until": "cool",
         "component": "bearing",
         "restart_below_degC": 40.0,
+        "pause_s": 1.0,
     },
 ]
 
@@ -65,6 +66,10 @@ def test_every_entry_begins_ends_and_is_waited_for(tmp_path: Path) -> None:
         assert (acting > holding).any() == entry.lasts, f"{entry.label}: only a command ends what lasts"
         if entry.delay:
             assert (holding > acting).any(), f"{entry.label} does not wait"
+        if entry.pause:
+            times = expected[f"protection.{number}.times"].astype(np.int8)
+            assert set(np.unique(times)) == set(range(MOST_TIMES + 1))
+            assert (np.diff(times, axis=1) < 0).any(), f"{entry.label} never forgets"
     assert set(np.unique(expected["most_pwm"])) == {0, 90, 255}
     assert set(np.unique(expected["opens_relay"])) == {0, 1}
 
@@ -85,8 +90,20 @@ FAULTS = {
     "any bit is enough": ("return set >= entry.least;", "return set > 0;"),
     "other causes count": ("for (bits &= entry.mask; bits;", "for (; bits;"),
     "16-bit sensors": ("entry.word == LOST ? conditions->lost", "entry.word == LOST ? conditions->lost & 0x3"),
-    "ends unasked": ("if (!my1016_protection_state.asked)", "if (false)"),
+    "ends unasked": ("if (!my1016_protection_state.asked ||", "if (false ||"),
     "asked once for ever": ("    state->asked = 0;\n", ""),
+    "the first time waits": ("? (uint32_t)pause << (*times - 1) : 0;", "? (uint32_t)pause << (*times - 1) : pause;"),
+    "a pause does not grow": ("(uint32_t)pause << (*times - 1)", "(uint32_t)pause"),
+    "a pause is not kept": ("_state.left[slot])", "_state.left[slot] > 60000u)"),
+    "times are not forgotten": ("        --*times;\n", ""),
+    "times grow for ever": ("(*times < MOST_TIMES)", "(*times < 255)"),
+    "what goes on is forgotten": ("} else if (!acts && *times > 0) {", "} else if (*times > 0) {"),
+    "what has ended is forgotten at once": (
+        "*left = FORGOTTEN;\n    } else if (*left > 0) {",
+        "*left = 0;\n    } else if (*left > 0) {",
+    ),
+    "one pause for all": ("            ++slot;\n", ""),
+    "what stands is not waited for": ("acts && left > waiting", "!acts && left > waiting"),
     "ends hot": ("entry.until == BY_COMMAND ||", "true ||"),
     "cool at the limit": (
         "sample->measured_mC[entry.component] < entry",

@@ -148,6 +148,15 @@ static int load_firmware(struct gen_mega *mega, elf_firmware_t *firmware)
 	return 0;
 }
 
+int gen_mega_watchdog_hz(struct gen_mega *mega, uint32_t hz)
+{
+	if (hz == 0)
+		return -1;
+	/* simavr takes the watchdog's time from what it takes for the clock; nothing else here does once it runs. */
+	mega->avr->frequency = (uint32_t)((uint64_t)FREQUENCY_HZ * 128000 / hz);
+	return 0;
+}
+
 static void attach_parts(struct gen_mega *mega)
 {
 	mega->parts = parts;

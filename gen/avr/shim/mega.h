@@ -34,6 +34,9 @@ struct gen_mega *gen_mega_open(const char *elf);
 void gen_mega_close(struct gen_mega *mega);
 const char *gen_mega_message(const struct gen_mega *mega);
 
+/* How fast the watchdog's own oscillator runs, from when it is set next on: 128 000 Hz until told otherwise. */
+int gen_mega_watchdog_hz(struct gen_mega *mega, uint32_t hz);
+
 /* Reset the chip. MCUSR tells the firmware why: bit 0 power-on, 1 external, 2 brown-out, 3 watchdog. With power_lost
  * the SRAM holds noise afterwards, an EEPROM write under way is left half done, and off cycles pass before the reset.
  */

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TypedDict
 
 from gen.firmware.contexts.heat import HeatContext, heat_context
-from gen.lowering.alarms import LoweredRule, Segment
+from gen.lowering.alarms import AHEAD_TIMES, HASTE_mK, LoweredRule, Segment
 from gen.model import ThermalModel
 
 _QUANTITIES = {"above": "ABOVE_MODEL", "below": "BELOW_MODEL", "measured": "MEASURED", "heat": "HEAT"}
@@ -30,13 +30,17 @@ class Rule(TypedDict):
     persistence: int
     sum_limit: int
     heat: int
+    ahead: int
     threshold_source: str
 
 
 class AlarmsContext(HeatContext):
-    """The rules, and what is summed of missing heat."""
+    """The rules, and what is summed of missing heat; how limits look ahead, if any (`ahead_rules`) does."""
 
     alarms: list[Rule]
+    ahead_rules: bool
+    ahead_times: int
+    haste_mK: int
 
 
 def alarms_context(rules: Sequence[LoweredRule], model: ThermalModel) -> AlarmsContext:
@@ -70,8 +74,15 @@ def alarms_context(rules: Sequence[LoweredRule], model: ThermalModel) -> AlarmsC
                 "persistence": rule.persistence,
                 "sum_limit": rule.sum_limit or 0,
                 "heat": places.get(number, 0),
+                "ahead": int(rule.looks_ahead),
                 "threshold_source": source,
             }
         )
         first += len(rule.segments)
-    return {"alarms": entries, **heat_context(rules, model)}
+    return {
+        "alarms": entries,
+        "ahead_rules": any(rule.looks_ahead for rule in rules),
+        "ahead_times": AHEAD_TIMES,
+        "haste_mK": HASTE_mK,
+        **heat_context(rules, model),
+    }

@@ -8,7 +8,7 @@ from typing import TypedDict
 from gen.coefficients.document import Document
 from gen.coefficients.protection import Until
 from gen.firmware.protection_text import action_text, cause_text, end_text, protection_text
-from gen.lowering.protection import DEVICE, LoweredProtection
+from gen.lowering.protection import DEVICE, MOST_TIMES, LoweredProtection
 
 _WORDS = {"alarms": "ALARMS", "lost": "LOST", "device": "DEVICE"}
 _ENDS: dict[Until, str] = {"itself": "BY_ITSELF", "command": "BY_COMMAND", "cool": "BY_COMMAND_ONCE_COOL"}
@@ -26,6 +26,7 @@ class ProtectionEntry(TypedDict):
     pwm: int
     component: int
     restart_mC: int
+    pause: int
     text: str
     cause: str
     action: str
@@ -36,12 +37,16 @@ class ProtectionEntry(TypedDict):
 class ProtectionContext(TypedDict):
     """The table; masks of the entries that only a command ends, that open the relay, and of which the LED tells.
 
-    `protection_device` are the causes that the sketch finds, in the order of their bits.
+    `protection_pauses` is how many entries have a pause, `protection_forgotten` and `protection_times` what ends it
+    and how far it grows. `protection_device` are the causes that the sketch finds, in the order of their bits.
     """
 
     protection: list[ProtectionEntry]
     protections: int
     protection_device: Sequence[str]
+    protection_pauses: int
+    protection_forgotten: int
+    protection_times: int
     protection_lasting: int
     protection_opening: int
     protection_showing: int
@@ -69,6 +74,7 @@ def protection_context(document: Document, entries: Sequence[LoweredProtection])
                 "pwm": entry.pwm,
                 "component": entry.component,
                 "restart_mC": entry.restart_mC,
+                "pause": entry.pause,
                 "text": protection_text(document, entry.source),
                 "cause": cause_text(document, entry.source),
                 "action": action_text(entry.source),
@@ -79,6 +85,9 @@ def protection_context(document: Document, entries: Sequence[LoweredProtection])
         ],
         "protections": len(entries),
         "protection_device": DEVICE,
+        "protection_pauses": sum(entry.pause > 0 for entry in entries),
+        "protection_forgotten": max((entry.forgotten for entry in entries), default=0),
+        "protection_times": MOST_TIMES,
         "protection_lasting": _mask([entry.lasts for entry in entries]),
         "protection_opening": _mask([entry.opens_relay for entry in entries]),
         "protection_showing": _mask([entry.shows for entry in entries]),

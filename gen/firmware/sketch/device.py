@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from gen.coefficients import Coefficients
-from gen.coefficients.protecting import protections
+from gen.coefficients.document import Document
+from gen.coefficients.protecting import protections, watched_channels
+from gen.coefficients.protection import Protection
 from gen.coefficients.wiring import Wiring
 from gen.firmware.alarm_text import AlarmText, alarm_texts
 from gen.firmware.sketch.commissioning import CommissioningContext, commissioning_context
@@ -21,7 +24,7 @@ from gen.lowering.program import Program
 from gen.lowering.samples import samples
 from gen.lowering.sensors import CONFIRMATIONS
 
-_ALWAYS = ("board", "commands", "console", "crc32", "drive", "output", "selftest")
+_ALWAYS = ("board", "commands", "console", "cpu", "crc32", "drive", "oscillator", "output", "selftest")
 _START_MS = 5000
 """How long the model's start waits for thermocouples that are not believed yet."""
 
@@ -44,6 +47,7 @@ class DeviceContext(SensorsContext, InputsContext, RowsContext):
     commissioning: CommissioningContext | None
     relay: Pin | None
     protects: bool
+    unseen: int
     timeout_samples: int
     idle_timers: list[int]
     alarms: list[str]
@@ -123,8 +127,17 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
         "commissioning": commissioning_context(wiring, driver, program) if memory else None,
         "relay": pin_context(wiring.relay_pin, "$.wiring.relay_pin") if wiring.relay_pin is not None else None,
         "protects": bool(entries),
+        "unseen": _unseen(document, entries),
         "timeout_samples": samples(wiring.command_timeout_s or 0.0, sample_time),
         "idle_timers": idle_timers(wiring),
         "alarms": [alarm.name for alarm in document.alarms],
         "alarm_texts": alarm_texts(coefficients),
     }
+
+
+def _unseen(document: Document, entries: Sequence[Protection]) -> int:
+    """A bit for each thermocouple that has to be believed once after a start; 0 where no entry asks for it."""
+    if document.wiring is None or all(entry.cause != "sensor_unseen" for entry in entries):
+        return 0
+    watched = watched_channels(document)
+    return sum(1 << number for number, chip in enumerate(document.wiring.thermocouples) if chip.channel in watched)

@@ -14,6 +14,7 @@ from gen.lowering.sensors import (
     CONFIRMATIONS,
     FASTER,
     LONGEST_SAMPLES,
+    MOST_RISING_COUNTS,
     NOISE_COUNTS,
     PLAUSIBLE_SAMPLES,
     COUNT_mK,
@@ -72,6 +73,7 @@ class SensorsContext(TypedDict):
     conversion_millis: int
     confirmations: int
     plausible_samples: int
+    most_rising_counts: int
     faster: int
     noise_counts: int
     longest_samples: int
@@ -102,6 +104,7 @@ def sensors_context(
         "conversion_millis": longest_ms + MILLIS_STEP,
         "confirmations": CONFIRMATIONS,
         "plausible_samples": PLAUSIBLE_SAMPLES,
+        "most_rising_counts": MOST_RISING_COUNTS,
         "faster": FASTER,
         "noise_counts": NOISE_COUNTS,
         "longest_samples": LONGEST_SAMPLES,

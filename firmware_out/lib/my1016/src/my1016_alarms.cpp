@@ -10,6 +10,8 @@ my1016_AlarmState my1016_alarm_state;
 enum { ABOVE_MODEL, BELOW_MODEL, MEASURED };
 
 static const uint8_t NONE = 255;
+static const int32_t AHEAD = 2;        // so many times what a part rose by over two readings is added: what it does in the next 4
+static const uint32_t HASTE_MK = 1000;  // with each of these over a limit a sample counts for one more of its persistence
 
 // A range of |PWM| with a threshold, in thousandths of a kelvin (of a degree for MEASURED).
 struct Segment {
@@ -29,6 +31,7 @@ struct Rule {
     uint16_t start_wait;      // samples within the segments after a start whose slopes are not known
     uint16_t persistence;     // samples before the alarm
     int32_t sum_limit;        // thousandths of a kelvin times samples; 0: not a sum
+    uint8_t ahead;            // 1: it counts what rises as what it will soon be, and waits the less the farther it is passed
 };
 
 static const Segment SEGMENTS[] PROGMEM = {
@@ -52,21 +55,21 @@ static const Segment SEGMENTS[] PROGMEM = {
 
 static const Rule RULES[MY1016_ALARMS] PROGMEM = {
     // fault: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
-    {ABOVE_MODEL, MY1016_CASING, NONE, 0, 1, NONE, NONE, 2400u, 0u, 240u, 0L},
+    {ABOVE_MODEL, MY1016_CASING, NONE, 0, 1, NONE, NONE, 2400u, 0u, 240u, 0L, 0},
     // fault_at_rated_speed: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
-    {ABOVE_MODEL, MY1016_BRUSH, NONE, 1, 1, NONE, NONE, 2400u, 36600u, 240u, 0L},
+    {ABOVE_MODEL, MY1016_BRUSH, NONE, 1, 1, NONE, NONE, 2400u, 36600u, 240u, 0L, 0},
     // bearing_fault: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
-    {ABOVE_MODEL, MY1016_BRUSH, NONE, 2, 1, 0, NONE, 2400u, 31080u, 240u, 0L},
+    {ABOVE_MODEL, MY1016_BRUSH, NONE, 2, 1, 0, NONE, 2400u, 31080u, 240u, 0L, 0},
     // brush_fault: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
-    {BELOW_MODEL, MY1016_BRUSH, NONE, 3, 1, 0, NONE, 2400u, 31080u, 240u, 0L},
+    {BELOW_MODEL, MY1016_BRUSH, NONE, 3, 1, 0, NONE, 2400u, 31080u, 240u, 0L, 0},
     // brush_limit: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
-    {MEASURED, MY1016_BRUSH, NONE, 4, 1, NONE, NONE, 0u, 0u, 4u, 0L},
+    {MEASURED, MY1016_BRUSH, NONE, 4, 1, NONE, NONE, 0u, 0u, 4u, 0L, 1},
     // bearing_limit: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
-    {MEASURED, MY1016_BEARING, NONE, 5, 1, NONE, NONE, 0u, 0u, 4u, 0L},
+    {MEASURED, MY1016_BEARING, NONE, 5, 1, NONE, NONE, 0u, 0u, 4u, 0L, 1},
     // magnet_limit: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
-    {MEASURED, MY1016_MAGNET, NONE, 6, 1, NONE, NONE, 0u, 0u, 4u, 0L},
+    {MEASURED, MY1016_MAGNET, NONE, 6, 1, NONE, NONE, 0u, 0u, 4u, 0L, 1},
     // casing_limit: .settle_s, the wait after a start (from the model's own poles), .persistence_s, in samples of 0.25 s
-    {MEASURED, MY1016_CASING, NONE, 7, 1, NONE, NONE, 0u, 0u, 4u, 0L},
+    {MEASURED, MY1016_CASING, NONE, 7, 1, NONE, NONE, 0u, 0u, 4u, 0L, 1},
 };
 
 // |PWM|; what does not fit a byte is in no segment but the last.
@@ -93,7 +96,8 @@ static int32_t deviation(uint8_t component, const my1016_Sample *sample) {
 
 static int32_t compared(const Rule &rule, const my1016_Sample *sample) {
     if (rule.quantity == MEASURED) {
-        return sample->measured_mC[rule.component];
+        const int32_t soon = rule.ahead ? AHEAD * sample->rising_mK[rule.component] : 0;
+        return sample->measured_mC[rule.component] + soon;
     }
     int32_t above = deviation(rule.component, sample);
     if (rule.relative_to != NONE) {
@@ -121,6 +125,11 @@ static bool holds(const Rule &rule, const Segment &segment, my1016_AlarmTimers *
     const int32_t sum = timers->sum + (value - segment.trip);
     timers->sum = sum < 0 ? 0 : sum > rule.sum_limit ? rule.sum_limit : sum;
     return timers->sum == rule.sum_limit;
+}
+
+// For how many samples of the rule's persistence this one counts: far over its limit a part has no time left.
+static uint32_t counted(const Rule &rule, const Segment &segment, int32_t value) {
+    return rule.ahead && value > segment.trip ? 1u + (uint32_t)(value - segment.trip) / HASTE_MK : 1u;
 }
 
 // Counts the waiting times; false while the rule sleeps.
@@ -157,14 +166,14 @@ static void evaluate(uint8_t number, int16_t pwm, const my1016_Sample *sample) {
     if (!is_measured(rule, sample)) {
         return;
     }
-    if (!holds(rule, segment, timers, compared(rule, sample))) {
+    const int32_t value = compared(rule, sample);
+    if (!holds(rule, segment, timers, value)) {
         timers->held = 0;
         my1016_alarm_state.active &= (uint16_t)~bit;
         return;
     }
-    if (timers->held <= rule.persistence) {
-        ++timers->held;
-    }
+    const uint32_t held = timers->held + counted(rule, segment, value);
+    timers->held = held > rule.persistence ? (uint16_t)(rule.persistence + 1u) : (uint16_t)held;
     if (timers->held > rule.persistence) {
         my1016_alarm_state.active |= bit;
         my1016_alarm_state.latched |= bit;

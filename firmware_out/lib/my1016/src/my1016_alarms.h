@@ -32,6 +32,8 @@ typedef struct {
     uint16_t valid;      // bit i: component i has a sample that passed its checks
     uint16_t plausible;  // bit i: its sample may be the truth, believed or not; limits of a temperature heed it. All bits of `valid`
                          // belong here too: my1016_alarms_step() takes them so
+    uint16_t rising_mK[MY1016_COMPONENTS];  // by how much it rose over the last two readings, beyond what noise is; limits that
+                                                // look ahead heed it. 0 where that is not known
 } my1016_Sample;
 
 // Clears every alarm and timer. `trusted`: the model's state is right in its slopes too (a cold motor, or a checked

@@ -20,13 +20,17 @@ enum {
     MY1016_PROTECTION_MAGNET_LIMIT = 2,  // alarm magnet_limit: the motor stops; ends by command, once magnet is below 100 degC
     MY1016_PROTECTION_CASING_LIMIT = 3,  // alarm casing_limit: the motor stops; ends by command, once casing is below 100 degC
     MY1016_PROTECTION_SENSOR_LOST = 4,  // no believed sample of brush or bearing or magnet or casing for 10 s: the motor stops; ends by itself
-    MY1016_PROTECTION_AMBIENT_LOST = 5,  // the ambient's thermocouple is not believed for 10 s: an event and the LED; ends by itself
-    MY1016_PROTECTION_STALL = 6,  // PWM, and the motor does not turn: the motor stops; ends by command
-    MY1016_PROTECTION_OVERSPEED = 7,  // more than 120 % of the nominal speed for 2 s: an event and the LED; ends by itself
-    MY1016_PROTECTION_TURNING_WITHOUT_COMMAND = 8,  // the motor turns at PWM 0 for 60 s: an event and the LED; ends by itself
-    MY1016_PROTECTION_FLASH_CHECK = 9,  // the program in flash is not what was built: the motor stops; ends by command
-    MY1016_PROTECTION_RAM_CHECK = 10,  // a cell of the RAM does not hold what is written to it: the motor stops; ends by command
-    MY1016_PROTECTIONS = 11
+    MY1016_PROTECTION_SENSOR_UNSEEN = 5,  // no believed sample of brush or bearing or magnet or casing since the start: the motor stops; ends by itself
+    MY1016_PROTECTION_AMBIENT_LOST = 6,  // the ambient's thermocouple is not believed for 10 s: an event and the LED; ends by itself
+    MY1016_PROTECTION_STALL = 7,  // PWM, and the motor does not turn: the motor stops; ends by command, when it came again within 600 s not before 15 s, then twice that, and so on
+    MY1016_PROTECTION_OVERSPEED = 8,  // more than 120 % of the nominal speed for 2 s: an event and the LED; ends by itself
+    MY1016_PROTECTION_TURNING_WITHOUT_COMMAND = 9,  // the motor turns at PWM 0 for 60 s: an event and the LED; ends by itself
+    MY1016_PROTECTION_FLASH_CHECK = 10,  // the program in flash is not what was built: the motor stops; ends by command
+    MY1016_PROTECTION_RAM_CHECK = 11,  // a cell of the RAM does not hold what is written to it: the motor stops; ends by command
+    MY1016_PROTECTION_CPU_CHECK = 12,  // a register of the CPU does not hold what is written to it: the motor stops; ends by command
+    MY1016_PROTECTION_CLOCK_CHECK = 13,  // the clock and the watchdog's oscillator disagree: an event and the LED; ends by itself
+    MY1016_PROTECTIONS = 14,
+    MY1016_PAUSES = 1  // entries that have to wait when they come again soon
 };
 
 // Bits of my1016_Conditions.device: what the sketch itself finds.
@@ -40,7 +44,10 @@ enum {
     MY1016_DEVICE_RAM_CHECK = 64,
     MY1016_DEVICE_EEPROM_CHECK = 128,
     MY1016_DEVICE_LIMIT_NEAR = 256,
-    MY1016_DEVICE_NOT_COMMISSIONED = 512
+    MY1016_DEVICE_NOT_COMMISSIONED = 512,
+    MY1016_DEVICE_SENSOR_UNSEEN = 1024,
+    MY1016_DEVICE_CPU_CHECK = 2048,
+    MY1016_DEVICE_CLOCK_CHECK = 4096
 };
 
 // What may be wrong at a sample.
@@ -52,6 +59,8 @@ typedef struct {
 
 typedef struct {
     uint16_t held[MY1016_PROTECTIONS];  // samples that the cause has held, up to one more than its delay
+    uint16_t left[MY1016_PAUSES];    // samples before a command may end it; while it does not act: before a time is forgotten
+    uint8_t times[MY1016_PAUSES];    // how often it came that is not forgotten
     uint32_t acting;                        // entries that act
     uint32_t holding;                       // entries whose cause is there, for however long
     uint8_t asked;                          // somebody has asked for the end of what only a command ends
@@ -70,6 +79,9 @@ void my1016_protection_step(const my1016_Conditions *conditions, const my1016_Sa
 // Asks for the end of what only a command ends. It ends at the next sample if its cause is gone by then, and, where
 // that is waited for, the part has cooled down.
 void my1016_protection_ask(void);
+
+// Samples that have to pass before a command may end all that acts.
+uint16_t my1016_protection_waiting(void);
 
 // Entries that act; of them those that only a command ends, which therefore outlive a reset of the board.
 uint32_t my1016_protection(void);

@@ -15,6 +15,7 @@ const uint8_t PLAUSIBLE = 3;  // sound samples in a row that could be one part's
 const uint8_t FASTER = 4;  // by how much a part that fails may outrun its largest physical change
 const uint16_t NOISE = 4;  // counts (1 K): what two samples of a constant temperature may differ by
 const int32_t COUNT_MK = 250;  // what a count is, in thousandths of a kelvin
+const int16_t MOST_RISING = 262;  // counts: what 16 bits hold in thousandths of a kelvin
 const uint16_t LONGEST = 9000;  // samples after which every count is within reach
 
 // Counts are quarters of a degree Celsius, samples are readings (250 ms).
@@ -244,3 +245,14 @@ extern "C" uint8_t my1016_sensors_plausible(uint8_t channel) {
 }
 
 extern "C" int32_t my1016_sensors_plausible_mC(uint8_t channel) { return (int32_t)my1016_sensors[channel].latest[0] * COUNT_MK; }
+
+// One reading that is off makes no rise: it is in one of the two alone, or lowers it.
+extern "C" uint16_t my1016_sensors_rising_mK(uint8_t channel) {
+    const Sensor *const sensor = &my1016_sensors[channel];
+    if (!my1016_sensors_plausible(channel) || sensor->agreed < CONFIRMATIONS) {
+        return 0;
+    }
+    const int16_t last = (int16_t)(sensor->latest[0] - sensor->latest[2]), before = (int16_t)(sensor->latest[1] - sensor->latest[3]);
+    const int16_t rise = (int16_t)((last < before ? last : before) - (int16_t)NOISE);
+    return rise <= 0 ? 0 : (uint16_t)((uint16_t)(rise < MOST_RISING ? rise : MOST_RISING) * (uint16_t)COUNT_MK);
+}

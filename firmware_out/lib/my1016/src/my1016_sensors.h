@@ -64,6 +64,10 @@ uint8_t my1016_sensors_plausible(uint8_t channel);
 // The last sample with a sound word in thousandths of a degree Celsius: of a plausible one what it says.
 int32_t my1016_sensors_plausible_mC(uint8_t channel);
 
+// By how much it rose over the last two readings and over the two before the last one, the smaller of both, without what noise
+// is, in thousandths of a kelvin: what a limit that protects looks ahead with. 0 unless the last four readings could be one part's.
+uint16_t my1016_sensors_rising_mK(uint8_t channel);
+
 #ifdef __cplusplus
 }
 #endif
