@@ -9,30 +9,45 @@ import random
 import signal
 import subprocess
 import sys
+import time
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from benchmarks.mutants import of_python, of_templates
 from benchmarks.mutants.defects import Mutant, drawn, known
 from benchmarks.mutants.nearest import nearest, recorded
+from benchmarks.mutants.recording import Limits
 from benchmarks.mutants.trials import Verdict, run
 
 ROOT = Path(__file__).parents[2]
 RECORDINGS = ROOT / "build" / "mutants"
 EQUIVALENT = Path(__file__).parent / "equivalent.json"
 RECORDED = (
-    "model lowering effects reference coefficients firmware runs replay record thresholds rig identification "
-    "refinement verification interface cli emulate study avr"
+    "model lowering effects reference coefficients firmware identification refinement verification emulate runs replay "
+    "record thresholds rig certificate live fleet importing planning proposal drawing interface cli study avr device"
 )
 CAUGHT = "caught"
 
 
-def record(rooms: Iterable[str]) -> None:
-    """Run the tests of these rooms once and note which lines each runs."""
-    for room in rooms:
+def record(rooms: Sequence[str], limits: Limits, jobs: int) -> None:
+    """Run the quick tests of these rooms once, `jobs` rooms at a time, and note which lines each test runs."""
+
+    def one(room: str) -> int:
         plugin = ["-p", "benchmarks.mutants.recording", "--mutants-map", str(RECORDINGS / f"{room}.json")]
-        subprocess.run([sys.executable, "-m", "pytest", "-q", *plugin, f"tests/{room}"], cwd=ROOT, check=True)
+        for name, value in (("test", limits.test_s), ("file", limits.file_s), ("cases", limits.cases)):
+            plugin += [f"--mutants-{name}", str(value)]
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *plugin, f"tests/{room}"]
+        return subprocess.run(command, cwd=ROOT, check=False, stdout=subprocess.DEVNULL).returncode
+
+    with ThreadPoolExecutor(jobs) as pool:
+        began = time.perf_counter()
+        for room, status in zip(rooms, pool.map(one, rooms), strict=True):
+            print(
+                f"{time.perf_counter() - began:6.0f} s  {room}" + (f": pytest says {status}" if status else ""),
+                flush=True,
+            )
 
 
 def sample(count: int, seed: int, only: list[str]) -> list[Mutant]:
@@ -89,7 +104,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.mutants", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     recording = commands.add_parser("record", help="note which test runs which line")
+    usual = Limits()
     recording.add_argument("rooms", nargs="*", default=RECORDED.split())
+    recording.add_argument("--jobs", type=int, default=1, help="rooms at a time")
+    recording.add_argument("--test", type=float, default=usual.test_s, help="seconds after which a test is left out")
+    recording.add_argument("--file", type=float, default=usual.file_s, help="seconds that a file of tests may take")
+    recording.add_argument("--cases", type=int, default=usual.cases, help="cases of one test function")
     trial = commands.add_parser("run", help="plant, test, print the score and the survivors")
     trial.add_argument("--count", type=int, default=300)
     trial.add_argument("--seed", type=int, default=11)
@@ -102,7 +122,7 @@ def main() -> int:
     trial.add_argument("--json", type=Path, default=RECORDINGS / "verdicts.jsonl")
     options = parser.parse_args()
     if options.command == "record":
-        record(options.rooms)
+        record(options.rooms, Limits(options.test, options.file, options.cases), options.jobs)
         return 0
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # the copies are removed then, too

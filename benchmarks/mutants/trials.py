@@ -32,7 +32,8 @@ _HEAVY: tuple[str, ...] = (
     "pandas",
 )
 _HEAVY += ("pydantic", "jinja2", "click", "rich.console", "pytest", "jsonschema", "serial")
-_LEFT_OUT = shutil.ignore_patterns(".venv", ".git", "build", "__pycache__", ".*_cache", ".hypothesis", ".pio")
+# what Python has compiled goes along: it is used again only for files of the same time and size
+_LEFT_OUT = shutil.ignore_patterns(".venv", ".git", "build", ".*_cache", ".hypothesis", ".pio")
 _NO_PROGRAM = re.compile(r"\.(?:cpp|h|c):\d+:\d+: error:|does not compile|ImportError while importing|SyntaxError:")
 
 
