@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 from benchmarks.mutants import of_python, of_templates
 from benchmarks.mutants.defects import Mutant, drawn, known
@@ -77,9 +78,14 @@ def sample(count: int, seed: int, only: list[str]) -> list[Mutant]:
     return chosen
 
 
+def said_in(verdicts: Path) -> list[dict[str, Any]]:
+    """What a run wrote about each mutant; nothing where it has not begun."""
+    return [json.loads(line) for line in verdicts.read_text("utf-8").splitlines()] if verdicts.exists() else []
+
+
 def not_caught(verdicts: Path) -> list[Mutant]:
     """What survived an earlier run, was too slow for it or met no test."""
-    said = [json.loads(line) for line in verdicts.read_text(encoding="utf-8").splitlines()]
+    said = said_in(verdicts)
     open_ = [each for each in said if each["outcome"] not in (CAUGHT, "no program")]
     found = (known(ROOT, each["path"], each["line"], each["before"], each["after"]) for each in open_)
     return [mutant for mutant in found if mutant is not None]
@@ -116,6 +122,7 @@ def main() -> int:
     trial.add_argument("--only", nargs="*", default=[], help="files, or beginnings of their paths")
     trial.add_argument("--tests", nargs="*", default=[], help="run these for every mutant, not the nearest recorded")
     trial.add_argument("--again", type=Path, help="instead of drawing: what an earlier run's file has as not caught")
+    trial.add_argument("--resume", action="store_true", help="go on with a run that was ended: keep what --json holds")
     trial.add_argument("--jobs", type=int, default=1)
     trial.add_argument("--budget", type=float, default=40.0, help="recorded seconds of tests for one mutant")
     trial.add_argument("--limit", type=float, default=240.0, help="seconds for one mutant")
@@ -130,15 +137,18 @@ def main() -> int:
     mutants = not_caught(options.again) if options.again else sample(options.count, options.seed, options.only)
     random.Random(options.seed).shuffle(mutants)
     same = reasons()
+    earlier = (
+        {(e["path"], e["before"], e["after"]): e["outcome"] for e in said_in(options.json)} if options.resume else {}
+    )
     equivalent = [mutant for mutant in mutants if mutant.key in same]
     planned = [
         (mutant, options.tests or nearest(mutant, notes, ROOT, options.budget))
         for mutant in mutants
-        if mutant.key not in same
+        if mutant.key not in same and mutant.key not in earlier
     ]
-    counts: Counter[str] = Counter()
+    counts = Counter(earlier[mutant.key] for mutant in mutants if mutant.key in earlier and mutant.key not in same)
     options.json.parent.mkdir(parents=True, exist_ok=True)
-    with options.json.open("w", encoding="utf-8") as file:
+    with options.json.open("a" if options.resume else "w", encoding="utf-8") as file:
         for verdict in run(planned, ROOT, options.jobs, options.limit):
             counts[verdict.outcome] += 1
             print(told(verdict), flush=True)
