@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
@@ -56,6 +57,19 @@ BY_TEMPLATE: tuple[tuple[str, tuple[str, ...]], ...] = tuple(
         ("*/harness/*forecast*", "verification/test_verify_forecast"),
         ("*/harness/*", "verification/test_verify verification/test_shapes verification/test_saturation"),
     )
+)
+
+#: Modules of `gen/` whose emitted code or whose lowering slow tests of other rooms judge.
+BY_MODULE: tuple[tuple[str, str], ...] = (
+    ("gen/*effect*", "effects/test_equality effects/test_hand_written_equations effects/test_accuracy"),
+    ("gen/*network*", "verification/test_network"),
+    ("gen/*alarms*", "verification/test_verify_alarms"),
+    ("gen/*forecast*", "verification/test_verify_forecast"),
+    ("gen/*heat*", "verification/test_verify_heat"),
+    ("gen/*protection*", "verification/test_verify_protection"),
+    ("gen/firmware/sketch/*", "device/test_sketch"),
+    ("gen/*onboard*", "lowering/onboard/test_onboard_primitives verification/test_verify"),
+    ("gen/firmware/*", "verification/test_verify"),
 )
 
 
@@ -126,8 +140,8 @@ def nearest(mutant: Mutant, recording: Recording, root: Path, budget_s: float) -
     mutant, recording, root
         What was planted, what ran where, and the repository.
     budget_s
-        What the tests may take together by the recording. Test files that were not recorded are taken whole,
-        as if each took `UNKNOWN_S`.
+        What the tests may take together by the recording. Where it leaves room, files with tests that were too
+        slow to record are taken whole, as if each took `UNKNOWN_S`.
     """
     if mutant.path.startswith("templates/"):
         files = next((files for pattern, files in BY_TEMPLATE if fnmatch(mutant.path, pattern)), ())
@@ -137,7 +151,9 @@ def nearest(mutant: Mutant, recording: Recording, root: Path, budget_s: float) -
         return _of_files(_by_name(mutant.path, root), recording, budget_s)
     own = sorted(test for test in tests if _is_near(test, mutant.path))
     chosen = _affordable(own, recording, OWN_SHARE * budget_s)
-    return [*chosen, *_affordable(sorted(tests.difference(chosen)), recording, budget_s, chosen)]
+    chosen += _affordable(sorted(tests.difference(chosen)), recording, budget_s, chosen)
+    whole = int((budget_s - _seconds(chosen, recording)) / UNKNOWN_S)
+    return [*chosen, *_importing(mutant.path, root)[:whole]] if whole > 0 else chosen
 
 
 def _is_near(test: str, path: str) -> bool:
@@ -152,7 +168,7 @@ def _affordable(tests: Iterable[str], recording: Recording, budget_s: float, bef
     One case of each test function comes before the second of any.
     """
     made = {key for test in before for key in recording.needs.get(test, ())}
-    spent = sum(recording.seconds[test] for test in before) + sum(recording.shared[key] for key in made)
+    spent = _seconds(before, recording)
     cost = {test: recording.cost(test) for test in tests}
     by_function: dict[str, list[str]] = {}
     for test in sorted(cost, key=lambda name: (cost[name], name)):
@@ -169,15 +185,33 @@ def _affordable(tests: Iterable[str], recording: Recording, budget_s: float, bef
     return chosen
 
 
+def _seconds(tests: Iterable[str], recording: Recording) -> float:
+    """What tests take together, and what they share once."""
+    tests = list(tests)
+    made = {key for test in tests for key in recording.needs.get(test, ())}
+    return sum(recording.seconds[test] for test in tests) + sum(recording.shared[key] for key in made)
+
+
 def _of_files(files: Sequence[str], recording: Recording, budget_s: float) -> list[str]:
     """Recorded tests of these files, file by file in turns; then whole files, for what was too slow to record."""
     chosen: list[str] = []
     for file in files:
         mine = [test for test in recording.seconds if test.startswith(f"{file}::")]
         chosen += _affordable(mine, recording, budget_s / len(files)) if mine else []
-    spent = sum(recording.seconds[test] for test in chosen)
-    whole = max(int((budget_s - spent) / UNKNOWN_S), 0 if chosen else 1)
+    whole = max(int((budget_s - _seconds(chosen, recording)) / UNKNOWN_S), 0 if chosen else 1)
     return [*chosen, *files[:whole]]
+
+
+def _importing(path: str, root: Path) -> list[str]:
+    """Test files that are named after a module or import it by its name, then those that judge what it makes."""
+    module = path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+    named = re.compile(rf"\b{re.escape(module)}\b|from {re.escape(module.rpartition('.')[0])} import")
+    found = {file for file in (root / "tests").rglob("test_*.py") if named.search(file.read_text(encoding="utf-8"))}
+    files = {file.relative_to(root).as_posix() for file in found}
+    own = {file for file in _by_name(path, root) if Path(path).stem in Path(file).stem}
+    judged = next((names.split() for pattern, names in BY_MODULE if fnmatch(path, pattern)), [])
+    first = sorted(files | own, key=lambda file: (file not in own, not _is_near(file, path), file))
+    return list(dict.fromkeys([*first, *(f"tests/{name}.py" for name in judged)]))
 
 
 def _by_name(path: str, root: Path) -> list[str]:
