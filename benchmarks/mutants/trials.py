@@ -31,7 +31,7 @@ _HEAVY: tuple[str, ...] = (
     "scipy.integrate",
     "pandas",
 )
-_HEAVY += ("pydantic", "jinja2", "click", "rich.console", "pytest", "jsonschema", "serial")
+_HEAVY += ("openpyxl", "PIL.Image", "pydantic", "jinja2", "click", "rich.console", "pytest", "jsonschema", "serial")
 # what Python has compiled goes along: it is used again only for files of the same time and size
 _LEFT_OUT = shutil.ignore_patterns(".venv", ".git", "build", ".*_cache", ".hypothesis", ".pio")
 CCACHE = Path("/usr/lib/ccache")
