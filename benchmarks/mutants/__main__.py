@@ -134,7 +134,8 @@ def main() -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # the copies are removed then, too
     notes = recorded(RECORDINGS)
-    mutants = not_caught(options.again) if options.again else sample(options.count, options.seed, options.only)
+    mutants = sample(options.count, options.seed, options.only) if options.again is None else not_caught(options.again)
+    mutants = [mutant for mutant in mutants if not options.only or mutant.path.startswith(tuple(options.only))]
     random.Random(options.seed).shuffle(mutants)
     same = reasons()
     earlier = (
