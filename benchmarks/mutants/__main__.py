@@ -18,6 +18,7 @@ from typing import Any
 
 from benchmarks.mutants import of_python, of_templates
 from benchmarks.mutants.defects import Mutant, drawn, known
+from benchmarks.mutants.named import named
 from benchmarks.mutants.nearest import nearest, recorded
 from benchmarks.mutants.recording import Limits
 from benchmarks.mutants.trials import Verdict, run
@@ -105,8 +106,8 @@ def reasons() -> dict[tuple[str, str, str], str]:
     return {(e["path"], e["before"], e["after"]): e["reason"] for e in json.loads(EQUIVALENT.read_text("utf-8"))}
 
 
-def main() -> int:
-    """Run the command line."""
+def parsed() -> argparse.Namespace:
+    """Read the command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.mutants", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     recording = commands.add_parser("record", help="note which test runs which line")
@@ -119,37 +120,56 @@ def main() -> int:
     trial = commands.add_parser("run", help="plant, test, print the score and the survivors")
     trial.add_argument("--count", type=int, default=300)
     trial.add_argument("--seed", type=int, default=11)
-    trial.add_argument("--only", nargs="*", default=[], help="files, or beginnings of their paths")
     trial.add_argument("--tests", nargs="*", default=[], help="run these for every mutant, not the nearest recorded")
     trial.add_argument("--again", type=Path, help="instead of drawing: what an earlier run's file has as not caught")
     trial.add_argument("--resume", action="store_true", help="go on with a run that was ended: keep what --json holds")
-    trial.add_argument("--jobs", type=int, default=1)
     trial.add_argument("--budget", type=float, default=40.0, help="recorded seconds of tests for one mutant")
-    trial.add_argument("--limit", type=float, default=240.0, help="seconds for one mutant")
-    trial.add_argument("--json", type=Path, default=RECORDINGS / "verdicts.jsonl")
-    options = parser.parse_args()
-    if options.command == "record":
-        record(options.rooms, Limits(options.test, options.file, options.cases), options.jobs)
-        return 0
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # the copies are removed then, too
+    by_name = commands.add_parser("named", help="plant those of named.json, each with the tests named there")
+    for each, file in ((trial, "verdicts.jsonl"), (by_name, "named.jsonl")):
+        each.add_argument("--only", nargs="*", default=[], help="files, or beginnings of their paths")
+        each.add_argument("--jobs", type=int, default=1)
+        each.add_argument("--limit", type=float, default=240.0, help="seconds for one mutant")
+        each.add_argument("--json", type=Path, default=RECORDINGS / file)
+    return parser.parse_args()
+
+
+Planned = list[tuple[Mutant, list[str]]]
+
+
+def planned_of(options: argparse.Namespace) -> tuple[Planned, Counter[str], int]:
+    """What `run` has to try, what an earlier run said of the others, and how many compute the same."""
     notes = recorded(RECORDINGS)
     mutants = sample(options.count, options.seed, options.only) if options.again is None else not_caught(options.again)
     mutants = [mutant for mutant in mutants if not options.only or mutant.path.startswith(tuple(options.only))]
     random.Random(options.seed).shuffle(mutants)
     same = reasons()
-    earlier = (
-        {(e["path"], e["before"], e["after"]): e["outcome"] for e in said_in(options.json)} if options.resume else {}
-    )
-    equivalent = [mutant for mutant in mutants if mutant.key in same]
+    told_before = said_in(options.json) if options.resume else []
+    earlier = {(each["path"], each["before"], each["after"]): each["outcome"] for each in told_before}
+    different = [mutant for mutant in mutants if mutant.key not in same]
     planned = [
         (mutant, options.tests or nearest(mutant, notes, ROOT, options.budget))
-        for mutant in mutants
-        if mutant.key not in same and mutant.key not in earlier
+        for mutant in different
+        if mutant.key not in earlier
     ]
-    counts = Counter(earlier[mutant.key] for mutant in mutants if mutant.key in earlier and mutant.key not in same)
+    counts = Counter(earlier[mutant.key] for mutant in different if mutant.key in earlier)
+    return planned, counts, len(mutants) - len(different)
+
+
+def main() -> int:
+    """Run the command line."""
+    options = parsed()
+    if options.command == "record":
+        record(options.rooms, Limits(options.test, options.file, options.cases), options.jobs)
+        return 0
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # the copies are removed then, too
+    goes_on = options.command == "run" and options.resume
+    if options.command == "run":
+        planned, counts, equivalent = planned_of(options)
+    else:
+        planned, counts, equivalent = named(ROOT, tuple(options.only)), Counter(), 0
     options.json.parent.mkdir(parents=True, exist_ok=True)
-    with options.json.open("a" if options.resume else "w", encoding="utf-8") as file:
+    with options.json.open("a" if goes_on else "w", encoding="utf-8") as file:
         for verdict in run(planned, ROOT, options.jobs, options.limit):
             counts[verdict.outcome] += 1
             print(told(verdict), flush=True)
@@ -161,7 +181,7 @@ def main() -> int:
     caught = counts[CAUGHT]
     judged = sum(counts.values()) - counts["no program"] - counts["too slow"]
     apart = ", ".join(f"{counts[name]} {name}" for name in ("no program", "too slow"))
-    print(f"{caught} of {judged} caught; beside these {apart}, {len(equivalent)} compute the same")
+    print(f"{caught} of {judged} caught; beside these {apart}, {equivalent} compute the same")
     return 0 if caught == judged else 1
 
 
