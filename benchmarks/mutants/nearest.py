@@ -38,7 +38,7 @@ BY_TEMPLATE: tuple[tuple[str, tuple[str, ...]], ...] = tuple(
         ("*/src/snapshot*", "warm memory"),
         ("*/src/crc32*", "memory warm"),
         ("*/src/observer*", "observed_pwm sketch"),
-        ("*/src/selftest*", "hardware sketch"),
+        ("*/src/selftest*", "sketch hardware"),
         ("*/src/channels*", "effects/test_sketch hardware sketch"),
         ("*/src/thermocouples*", "chips sketch hardware"),
         ("*/src/board*", "hardware sketch boot_loader"),

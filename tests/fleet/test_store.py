@@ -133,9 +133,14 @@ def test_a_dataset_of_all_motors_can_be_asked(tmp_path: Path) -> None:
 
 def test_a_run_that_an_earlier_gen_stored_is_read(tmp_path: Path) -> None:
     """As a store on disk has it, written down here and not by today's writer."""
-    said = {"version": 1, "components": ["brush"], "ambient": True, "comments": [["fault", "none"]]}
+    said: dict[str, Any] = {"version": 1, "components": ["brush"], "ambient": True, "comments": [["fault", "none"]]}
     said |= {"rows_in_file": 40, "doubted": []}
-    columns = {"time_s": [0.0, 1.0], "pwm": [0, 90], "brush_degC": [21.0, 21.5], "ambient_degC": [20.0, 20.0]}
+    columns: dict[str, Any] = {
+        "time_s": [0.0, 1.0],
+        "pwm": [0, 90],
+        "brush_degC": [21.0, 21.5],
+        "ambient_degC": [20.0, 20.0],
+    }
     table = pa.table({**columns, "fan_percent": [0.0, 50.0]})
     pq.write_table(table.replace_schema_metadata({b"gen.run": json.dumps(said)}), tmp_path / "run")
     run = from_bytes((tmp_path / "run").read_bytes(), "run")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gen.identification.network.bins import binned
+from gen.identification.network.bins import FloatArray, binned
 from gen.identification.network.inputs import Inputs, inputs_of
 from gen.refinement.network.lagged import Lagged
 from gen.runs import Run
@@ -17,13 +17,15 @@ def two_runs() -> Inputs:
     """Of different lengths, whose PWM changes so that bins are of several widths."""
     made = []
     for rows in (300, 170):
-        time = np.arange(rows) * 2.0
-        run = Run(time, np.where(time % 130.0 < 50.0, 200, 0).astype(np.int64), {"part": 25.0 + 0.01 * time})
+        time = np.arange(0.0, 2.0 * rows, 2.0, dtype=np.float64)
+        run = Run(
+            time, np.where(time % 130.0 < 50.0, 200, 0).astype(np.int64), {"part": np.asarray(25.0 + 0.01 * time)}
+        )
         made.append(binned(f"run {rows}", run, ["part"], 25.0, 255))
     return inputs_of(made)
 
 
-def behind(inputs: Inputs, lag_s: float, change: np.ndarray) -> np.ndarray:
+def behind(inputs: Inputs, lag_s: float, change: FloatArray) -> FloatArray:
     return Lagged(inputs, 0, np.full(change.shape[0], lag_s)).behind(change)
 
 
