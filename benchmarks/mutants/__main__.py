@@ -167,7 +167,9 @@ def main() -> int:
     if options.command == "run":
         planned, counts, equivalent = planned_of(options)
     else:
-        planned, counts, equivalent = named(ROOT, tuple(options.only)), Counter(), 0
+        planned, gone = named(ROOT, tuple(options.only))
+        counts, equivalent = Counter(), 0
+        print("\n".join(gone), end="\n" if gone else "")
     options.json.parent.mkdir(parents=True, exist_ok=True)
     with options.json.open("a" if goes_on else "w", encoding="utf-8") as file:
         for verdict in run(planned, ROOT, options.jobs, options.limit):
