@@ -19,6 +19,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
 import serial
 
@@ -287,7 +288,10 @@ def test_a_board_that_never_says_its_header_is_given_up_but_not_before_the_durat
         clock[0] += 0.1
         return b""
 
-    line = SimpleNamespace(in_waiting=0, read=read, write=len)
+    asked: list[float] = []
+    line = SimpleNamespace(in_waiting=0, read=read, write=lambda _: asked.append(clock[0] - 100.0))
     recording = Recording()
     _listen(cast(serial.Serial, line), recording, 10.0, (), lambda _: None, threading.Event())
     assert 13.0 <= recording.seconds <= 18.0
+    assert asked[0] == pytest.approx(3.0, abs=0.11)
+    assert np.diff(asked) == pytest.approx(2.0, abs=0.11)
