@@ -31,7 +31,7 @@ LOOKS = ("gen/pages/", "_charts.py", "_svg.py", "plot.py", "/page.py", "step_res
 
 
 def mutants_of(path: Path, root: Path) -> list[Callable[[], Mutant | None]]:
-    """All mutants of a module whose change is in code that runs: no annotations, no `frozen=True`.
+    """All mutants of a module whose change is in code that runs: no annotations, no `frozen=True`, no bare `*`.
 
     Parameters
     ----------
@@ -55,8 +55,10 @@ def mutants_of(path: Path, root: Path) -> list[Callable[[], Mutant | None]]:
     return [
         partial(make, label, operator, occurrence)
         for label, operator in _operators()
-        for occurrence, (start, _) in enumerate(p for node in tree for p in operator.mutation_positions(node))
-        if not any(first <= start < last for first, last in dead)
+        for occurrence, (node, start) in enumerate(
+            (node, start) for node in tree for start, _ in operator.mutation_positions(node)
+        )
+        if not any(first <= start < last for first, last in dead) and not _marks_keywords(node)
     ]
 
 
@@ -79,12 +81,17 @@ def _declarations(text: str) -> list[tuple[Place, Place]]:
     return [_span(node) for found in ast.walk(ast.parse(text)) for node in _not_run(found)]
 
 
+def _marks_keywords(node: parso.tree.NodeOrLeaf) -> bool:
+    """The `*` after which parameters have to be named: no product."""
+    return node.parent is not None and node.parent.type == "parameters"
+
+
 def _not_run(node: ast.AST) -> Iterator[ast.AST]:
     if isinstance(node, ast.AnnAssign | ast.arg) and node.annotation is not None:
         yield node.annotation
     if isinstance(node, ast.FunctionDef) and node.returns is not None:
         yield node.returns
-    if isinstance(node, ast.keyword) and node.arg in ("frozen", "eq", "strict", "slots"):
+    if isinstance(node, ast.keyword) and node.arg in ("frozen", "eq", "strict", "slots", "show_default"):
         yield node.value
     if isinstance(node, ast.Assign) and isinstance(node.value, ast.BinOp) and isinstance(node.value.op, ast.BitOr):
         yield node.value  # an alias of a union of types

@@ -46,6 +46,12 @@ def test_of_two_rules_on_a_part_the_lower_limit_holds() -> None:
     assert ahead(asked(PARTS, {"horizon_s": 600}, alarms=rules)) == {"brush": 80}
 
 
+def test_one_sample_ahead_is_the_least_that_can_be_asked_for() -> None:
+    document = parse(asked(PARTS, {"horizon_s": PARTS["sample_time_s"]})).document
+    assert document.forecast is not None
+    assert document.forecast.horizon_s == 0.25
+
+
 @pytest.mark.parametrize(
     ("forecast", "others", "said"),
     [

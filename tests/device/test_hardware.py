@@ -202,3 +202,18 @@ def test_a_reading_never_comes_before_the_longest_conversion_has_ended(power_up:
     counts = [chip.counts for chip in board.chips.values()]
     assert all(count.early == 0 for count in counts)
     assert counts[0].reads - before >= 24
+
+
+@pytest.mark.parametrize("pulses_per_s", [0, 4000])
+def test_the_share_of_sleep_that_it_tells_is_the_emulator_s(power_up: Open, pulses_per_s: int) -> None:
+    """With nothing to wake it but its timer, and with an encoder that does."""
+    board = power_up()
+    board.started()
+    board.encoder.attach(2)
+    if pulses_per_s:
+        board.encoder.send(15 * pulses_per_s, 15.0)
+    board.hear(15.0)
+    share = board.asleep / board.cycle
+    board.send("?")
+    status = next(event for event in board.hear(1.0).events if "sleep_permille" in event)
+    assert int(status.split("sleep_permille ")[1].split()[0]) == pytest.approx(1000.0 * share, abs=25.0)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import uuid
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.dataset as ds
+import pyarrow.parquet as pq
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -126,3 +129,24 @@ def test_a_dataset_of_all_motors_can_be_asked(tmp_path: Path) -> None:
     table = data.to_table(filter=ds.field("motor") == "b", columns=["time_s", "casing_degC", "motor", "day"])
     assert set(table.column("motor").to_pylist()) == {"b"}
     assert set(table.column("day").to_pylist()) == {"2026-01-01"}
+
+
+def test_a_run_that_an_earlier_gen_stored_is_read(tmp_path: Path) -> None:
+    """As a store on disk has it, written down here and not by today's writer."""
+    said: dict[str, Any] = {"version": 1, "components": ["brush"], "ambient": True, "comments": [["fault", "none"]]}
+    said |= {"rows_in_file": 40, "doubted": []}
+    columns: dict[str, Any] = {
+        "time_s": [0.0, 1.0],
+        "pwm": [0, 90],
+        "brush_degC": [21.0, 21.5],
+        "ambient_degC": [20.0, 20.0],
+    }
+    table = pa.table({**columns, "fan_percent": [0.0, 50.0]})
+    pq.write_table(table.replace_schema_metadata({b"gen.run": json.dumps(said)}), tmp_path / "run")
+    run = from_bytes((tmp_path / "run").read_bytes(), "run")
+    assert run.pwm.tolist() == [0, 90]
+    assert run.temps["brush"].tolist() == [21.0, 21.5]
+    assert run.ambient is not None
+    assert run.ambient.tolist() == [20.0, 20.0]
+    assert run.extras["fan_percent"].tolist() == [0.0, 50.0]
+    assert (run.comments, run.rows_in_file) == ({"fault": "none"}, 40)

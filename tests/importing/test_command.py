@@ -36,6 +36,12 @@ def test_the_table_says_what_was_taken_how_sure_and_why(tmp_path: Path) -> None:
     assert (tmp_path / "again" / "bench.csv").read_bytes() == (tmp_path / "runs" / "bench.csv").read_bytes()
 
 
+def test_folders_above_the_new_one_are_made(tmp_path: Path) -> None:
+    (tmp_path / "bench.csv").write_text(TEXT)
+    import_runs([tmp_path / "bench.csv"], out=tmp_path / "motors" / "third" / "runs")
+    assert (tmp_path / "motors" / "third" / "runs" / "bench.csv").is_file()
+
+
 def test_a_doubt_is_one_line_on_stderr_and_nothing_is_written(tmp_path: Path) -> None:
     (tmp_path / "bench.csv").write_text(TEXT.replace(",204,", ",80,").replace("time_s", "t [s]"))
     done = gen("import", "bench.csv", "--out", "runs", "--mapping", "map.toml", cwd=tmp_path)

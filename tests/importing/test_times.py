@@ -103,6 +103,12 @@ def test_a_clock_of_whole_seconds_can_be_spread(tmp_path: Path) -> None:
     same(taken(path, tmp_path / "runs", duplicates="spread"), TRUE)
 
 
+def test_a_clock_of_every_twenty_seconds_is_spread_just_as_evenly(tmp_path: Path) -> None:
+    slow = TRUE.assign(time_s=20.0 * TRUE.time_s)  # two rows for each time
+    path = write(tmp_path, csv(slow.assign(time_s=(20 * np.floor(TRUE.time_s)).astype(int))))
+    same(taken(path, tmp_path / "runs", duplicates="spread"), slow)
+
+
 def test_backward_times_are_left_out_and_counted(tmp_path: Path) -> None:
     lines = csv().splitlines()
     late = lines.pop(20)

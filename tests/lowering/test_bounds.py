@@ -129,6 +129,22 @@ def test_a_disturbance_alone_stays_below_what_the_bound_counts_for_it(name: str)
     assert bound.bound_K < slack * found
 
 
+def test_of_one_pole_an_error_in_q_adds_up_as_a_geometric_series() -> None:
+    """x' = (1 - C0) x + e ends at e / C0, the worst where C0 is least; nothing else hides it."""
+    model = example("my1016").model
+    exact = dynamics(model, model.component("bearing"), 1)
+    recursion = SwitchedRecursion(exact.exact)
+    ranges = bounds.state_ranges(recursion, exact)
+    none, e = np.zeros_like(exact.c), 1e-8
+    with_it, without = (
+        bounds.worst_error(
+            recursion, exact, ranges, changed_c=none, q_error=none[:, 0] + q, chain_error=none, start_error=0.0
+        ).bound_K
+        for q in (e, 0.0)
+    )
+    assert with_it - without == pytest.approx(e / exact.c.min(), rel=0.01)
+
+
 def test_the_form_s_own_rest_is_counted_beside_how_x1_differs_from_the_rise() -> None:
     """The second is much the larger: alone it would cover both here, but not for every model."""
     exact, recursion, ranges = brush()

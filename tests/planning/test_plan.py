@@ -83,6 +83,7 @@ def test_a_healthy_motor_well_known_leaves_nothing_to_be_decided(tmp_path: Path)
     ("options", "message"),
     [
         (("--hours", "0"), "--hours"),
+        (("--hours", "48.5"), "--hours"),
         (("--hours", "2", "--limit-degC", "20"), "degC at PWM 0 already"),
         (("--hours", "2", "--max-pwm", "300"), "--max-pwm"),
         (("--hours", "2", "--out", "missing/next.csv"), "missing/next.csv"),

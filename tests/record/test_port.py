@@ -19,6 +19,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
 import serial
 
@@ -274,3 +275,23 @@ def test_the_duration_counts_from_the_board_s_header(monkeypatch: pytest.MonkeyP
     _listen(cast(serial.Serial, line), recording, 5.0, (), lambda _: None, threading.Event())
     assert recording.seconds == pytest.approx(8.0, abs=0.21)
     assert recording.recorder.rows == pytest.approx(50, abs=2)
+
+
+def test_a_board_that_never_says_its_header_is_given_up_but_not_before_the_duration(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It may check itself for three seconds, and is asked again every two."""
+    clock = [100.0]
+    monkeypatch.setattr("gen.record.port.time.monotonic", lambda: clock[0])
+
+    def read(_: int) -> bytes:
+        clock[0] += 0.1
+        return b""
+
+    asked: list[float] = []
+    line = SimpleNamespace(in_waiting=0, read=read, write=lambda _: asked.append(clock[0] - 100.0))
+    recording = Recording()
+    _listen(cast(serial.Serial, line), recording, 10.0, (), lambda _: None, threading.Event())
+    assert 13.0 <= recording.seconds <= 18.0
+    assert asked[0] == pytest.approx(3.0, abs=0.11)
+    assert np.diff(asked) == pytest.approx(2.0, abs=0.11)
