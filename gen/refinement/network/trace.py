@@ -85,7 +85,7 @@ class Step:
     considered
         The best of each name, the best first.
     added
-        What was accepted, on all parts where that predicts better; None for nothing.
+        What was accepted; None for nothing.
     lookalikes
         Others that predict what was left out as well, by name.
     """
@@ -230,8 +230,7 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
     likeliest = min(near, key=lambda one: _priced(one.judged.fitted))
     added = next((one for one in accepted if may_be_a_fault(data, accepted[0], one)), likeliest)
     alike = [one for one in accepted if one is not added and p_better(data, one.judged, added.judged) > LEVEL]
-    wider = _spread(bench, now, added)
-    return Step(now, tuple(wider if one is added else one for one in considered), wider, tuple(alike))
+    return Step(now, tuple(considered), added, tuple(alike))
 
 
 def may_be_a_fault(data: Data, best: Considered, one: Considered) -> bool:
@@ -277,23 +276,6 @@ def _moved(bench: Bench, now: Judged, one: Considered) -> Considered:
     if p <= LEVEL or _plain(still, one.judged, p):
         return one
     return replace(one, reasons=(NOT_BY_THE_CHANNEL,))
-
-
-def _spread(bench: Bench, now: Judged, found: Considered) -> Considered:
-    """Give what was found on all parts that it may act on, where that predicts better; else as it is.
-
-    A load warms windings and brushes, a fan blows at the whole motor. Of that one part alone explains most, and what
-    it leaves would be taken for a further effect.
-    """
-    wider = found.effect.spread()
-    if wider is None:
-        return found
-    base = now.fitted
-    fitted = bench.fit(base.shape.with_effects(*base.shape.effects, wider), base)
-    one = judged(bench.data, fitted, bench.left_out(fitted))
-    if doubts(fitted) or one.score_K > (1.0 - LEAST_GAIN) * found.judged.score_K:
-        return found
-    return Considered(wider, one, p_better(bench.data, now, one), ())
 
 
 def _plain(without: Judged, one: Judged, p_value: float) -> bool:

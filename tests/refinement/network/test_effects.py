@@ -17,7 +17,7 @@ from gen.refinement.network.effects import NetworkEffect, candidates
 from gen.refinement.network.effects.sensors import SensorEffect
 from gen.refinement.network.fit import Bench
 from gen.refinement.network.writer import NetworkWriter
-from tests.refinement.network.motor import Tree, read, run, tree, wave
+from tests.refinement.network.motor import read, run, tree, wave
 
 CHANNELS = {"fan_mps": (0.0, 6.0), "current_A": (1.0, 5.0), "supply_V": (20.0, 26.0)}
 #: Numbers at which every effect does something, by its name.
@@ -37,25 +37,11 @@ AT = {
     "sensor_lag": (20.0,),
     "drift": (0.3,),
 }
-#: The same of effects that act on several parts, each by its own numbers.
-SPREAD = {
-    "airflow": (-1.0, -0.5),
-    "load_heating": (-1.5, -2.5, -0.2, 0.1),
-    "direction": (0.3, 0.2),
-}
-
-
-def two_ways_out() -> Tree:
-    """The file, with a path from each of both nodes to the ambient."""
-    motor = tree()
-    way = {"between": ["winding", "ambient"], "conductance_W_per_K": {"poly": [0.1]}}
-    motor["network"]["paths"] = [*motor["network"]["paths"], way]
-    return motor
 
 
 @cache
 def bench() -> tuple[Bench, Anchored]:
-    motor = read(two_ways_out())
+    motor = read(tree())
     told = {name: wave(k, *ends) for k, (name, ends) in enumerate(CHANNELS.items())}
     data = make_data(motor, [("one", run(motor, 1, told)), ("two", run(motor, 2, told))])
     assert motor.model.network is not None
@@ -66,14 +52,7 @@ def bench() -> tuple[Bench, Anchored]:
 
 def every() -> list[NetworkEffect]:
     made, shape = bench()
-    alone = candidates(shape.motor(), made.data.offered)
-    wider = {effect.name: effect.spread() for effect in alone}
-    return [*alone, *(effect for effect in wider.values() if effect is not None)]
-
-
-def numbers_at(effect: NetworkEffect) -> tuple[float, ...]:
-    several = effect.spread() is None and effect.name in SPREAD
-    return (SPREAD if several else AT)[effect.name][: len(effect.numbers)]
+    return candidates(shape.motor(), made.data.offered)
 
 
 def name_of(effect: NetworkEffect) -> str:
@@ -84,18 +63,13 @@ def test_the_whole_library_is_offered() -> None:
     assert {effect.name for effect in every()} == set(AT)
 
 
-def test_what_may_act_on_several_parts_does_so_by_a_number_of_each() -> None:
-    wider = [effect for effect in every() if effect.spread() is None and effect.name in SPREAD]
-    assert {effect.name: len(effect.numbers) for effect in wider} == {name: len(at) for name, at in SPREAD.items()}
-
-
 @pytest.mark.parametrize("effect", every(), ids=name_of)
 def test_derivatives_agree_with_differences(effect: NetworkEffect) -> None:
     made, base = bench()
     shape = base.with_effects(effect)
     problem = made.problem(shape)
     vector = problem.prior.mean + np.random.default_rng(3).normal(0.0, 0.02, problem.size)
-    vector[shape.places[0].columns] = numbers_at(effect)
+    vector[shape.places[0].columns] = AT[effect.name][: len(effect.numbers)]
     _, slopes = problem.slopes(vector)
     later = made.data.is_later
     step = 1e-4
@@ -126,12 +100,12 @@ def test_what_is_written_is_what_was_fitted(effect: NetworkEffect) -> None:
     chance = np.random.default_rng(4)
     vector = problem.prior.mean.copy()
     vector[: shape.size] += chance.normal(0.0, 0.05, shape.size)
-    vector[shape.places[0].columns] = numbers_at(effect)
-    motor = read(two_ways_out())
+    vector[shape.places[0].columns] = AT[effect.name][: len(effect.numbers)]
+    motor = read(tree())
     assert motor.document.network is not None
     writer = NetworkWriter(motor.document.network, 255, made.data.offered.ranges, 0.25)
     shape.write(writer, vector, [effect])
-    text = with_network(json.dumps(two_ways_out()), writer.entry, "a test")
+    text = with_network(json.dumps(tree()), writer.entry, "a test")
     written = parse(text.encode())
     one = run(motor, 1, {name: wave(k, *ends) for k, (name, ends) in enumerate(CHANNELS.items())})
     told = {**one.extras, "pwm": one.pwm.astype(np.float64)}

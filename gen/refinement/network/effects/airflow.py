@@ -18,12 +18,10 @@ from gen.refinement.network.writer import NetworkWriter, ends
 
 POINTS = 9
 """Of the table that a file holds for a root."""
-USUAL_GAIN, MOST_GAIN = 0.5, 30.0
-"""What a flow adds at its most, as a share of what a path conducts without it."""
 
 
 class Airflow(NetworkEffect):
-    """G (1 + a v^m), v a channel over its largest value; on one path to the ambient, all alike, or each by its own a.
+    """G (1 + a v^m), v a channel over its largest value; on one path to the ambient, or on all.
 
     m is 1, or 1/2 (laminar flow along a plate and across a cylinder, Incropera et al., Fundamentals of Heat and Mass
     Transfer, 7.2 and 7.4).
@@ -41,23 +39,16 @@ class Airflow(NetworkEffect):
         component: str,
         *,
         held: bool = False,
-        alike: bool = True,
     ) -> None:
         self.component = component
         self.acts_by = {"channel": channel}
         self.channel, self._power, self._acts = channel, power, tuple(paths)
         self._usual, self._largest = ends_at
-        self._held, self._motor = held, motor
+        self._held = held
+        self._as_made = (motor, channel, ends_at, power, paths, component)
         self._between = [ends(motor.paths[q], motor.names) for q in paths]
         self._columns: Columns = motor.columns
-        self._number = [0 if alike else k for k in range(len(self._acts))]
-        if alike:
-            self.numbers = (Number("gain_at_most_flow", 0.0, 0.0, 2.0, 0.0, MOST_GAIN),)
-        else:
-            names = [f"gain_at_most_flow_of_{node}" for node, _ in self._between]
-            self.numbers = tuple(
-                Number(n, USUAL_GAIN, np.log(USUAL_GAIN), 1.0, 0.0, MOST_GAIN, log=True) for n in names
-            )
+        self.numbers = (Number("gain_at_most_flow", 0.0, 0.0, 2.0, 0.0, 30.0),)
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         if self._held:
@@ -65,36 +56,27 @@ class Airflow(NetworkEffect):
         else:
             flow = self._columns.power(levels, self.channel, self._power) / self._largest**self._power
         unit = self._columns.later(levels) * flow
-        for q, k in zip(self._acts, self._number, strict=True):
-            number = self.numbers[k]
-            gain = number.value(float(values[k]))
-            slope = (int(place.columns[k]), gain * unit if number.log else unit)
-            draft.conductance.scale(q, (1.0 + gain * unit).clip(0.02), [slope])
+        factor = (1.0 + values[0] * unit).clip(0.02)
+        for q in self._acts:
+            draft.conductance.scale(q, factor, place.slopes(unit))
 
     def unmoved(self) -> NetworkEffect | None:  # noqa: D102
-        ends_at = (self._usual, self._largest)
-        return Airflow(self._motor, self.channel, ends_at, self._power, self._acts, self.component, held=True)
-
-    def spread(self) -> NetworkEffect | None:  # noqa: D102
-        motor, ends_at = self._motor, (self._usual, self._largest)
-        if len(motor.outer) < 2 or len(self.numbers) > 1:
-            return None
-        return Airflow(motor, self.channel, ends_at, self._power, motor.outer, WHOLE, alike=False)
+        return Airflow(*self._as_made, held=True)
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
-        for between, k in zip(self._between, self._number, strict=True):
-            entry.factor_on_path(between, self._factor(values[k]))
-
-    def _factor(self, gain: float) -> FactorEntry:
         if self._power == 1.0:
-            return FactorEntry(channel=self.channel, poly=(six_digits(gain / self._largest), 1.0))
-        # Closer together where the root is steep.
-        share = np.linspace(0.0, 1.0, POINTS) ** 2
-        points = FactorPoints(
-            at=tuple(six_digits(float(x)) for x in share * self._largest),
-            value=tuple(six_digits(1.0 + gain * float(x) ** self._power) for x in share),
-        )
-        return FactorEntry(channel=self.channel, table=points)
+            poly = (six_digits(values[0] / self._largest), 1.0)
+            factor = FactorEntry(channel=self.channel, poly=poly)
+        else:
+            # Closer together where the root is steep.
+            share = np.linspace(0.0, 1.0, POINTS) ** 2
+            points = FactorPoints(
+                at=tuple(six_digits(float(x)) for x in share * self._largest),
+                value=tuple(six_digits(1.0 + values[0] * float(x) ** self._power) for x in share),
+            )
+            factor = FactorEntry(channel=self.channel, table=points)
+        for between in self._between:
+            entry.factor_on_path(between, factor)
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:

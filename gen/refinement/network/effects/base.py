@@ -197,10 +197,6 @@ class NetworkEffect(ABC):
         """Give the same effect with what it acts by held at its median; None where there is no such thing."""
         return None
 
-    def spread(self) -> NetworkEffect | None:
-        """Give the same effect on all parts that it may act on, each by its own number; None where it has one place."""
-        return None
-
     def doubts(self, values: Sequence[float]) -> list[str]:
         """Say what is not as it would be if this were the reason, for numbers within their limits."""
         return []
