@@ -19,7 +19,7 @@ from gen.verification.protection_campaign import protection_campaign
 from gen.verification.runners import Library, write_library
 from tests.examples import ROOT
 
-LANES, LENGTH = 12, 400
+LANES, LENGTH = 32, 400
 LIMITS: list[dict[str, Any]] = [
     {"name": f"{part}_limit", "kind": "over_temperature", "component": part, "limit_degC": limit}
     for part, limit in (("brush", 120.0), ("casing", 90.0))
