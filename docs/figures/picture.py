@@ -13,8 +13,9 @@ import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-_TOLERANCE = 2e-3
-"""By how much of its panel's range the mean of a curve may differ on another machine, where fits end elsewhere."""
+_TOLERANCE = 8e-3
+"""By how much of its panel's range the mean of a curve may differ on another machine, where fits end elsewhere: one and
+the same code differed by 5.2e-3 between two processors, at a model of the second heater."""
 
 
 @dataclass(frozen=True)
