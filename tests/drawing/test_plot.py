@@ -246,18 +246,27 @@ def bars(section: Section, kind: str) -> dict[str, float]:
     return {bar.name: bar.from_s for bar in section.bars if bar.kind == kind}
 
 
+def with_rule(path: Path, rule: dict[str, object]) -> Path:
+    path.write_text(json.dumps(json.loads(RIG.read_text()) | {"alarms": [{"name": "too_hot", **rule}]}))
+    return path
+
+
 def test_the_rules_alarms_come_after_the_fault_and_never_without_one(tmp_path: Path) -> None:
-    rules = json.loads(RIG.read_text())
     limit = {"kind": "over_temperature", "component": "casing", "limit_degC": 60.0, "persistence_s": 30.0}
-    rules["alarms"] = [{"name": "too_hot", **limit}]
-    (tmp_path / "rules.json").write_text(json.dumps(rules))
-    model = load(tmp_path / "rules.json")
+    model = load(with_rule(tmp_path / "rules.json", limit | {"look_ahead": False}))
     healthy = section_of(rig_run(tmp_path / "healthy.csv"), model)
     assert bars(healthy, "derived") == {}
-    faulty = section_of(rig_run(tmp_path / "faulty.csv", fault_K=40.0), model)
+    run = rig_run(tmp_path / "faulty.csv", fault_K=40.0)
+    faulty = section_of(run, model)
     # Beyond the limit from the row after 3600 s on; the condition holds in a further 120 samples.
     assert bars(faulty, "derived") == {"too_hot": pytest.approx(3631.0, abs=0.25)}
     assert bars(faulty, "fault") == {"fault: bearing": 3600.0}
+    # By default each whole kelvin beyond the limit lets a sample count for one more of the 121.
+    log = pd.read_csv(run, comment="#")
+    beyond_K = int(log.loc[log["time_s"] == 3601.0, "casing_degC"].item() - 60.0)
+    assert beyond_K > 10
+    early = section_of(run, load(with_rule(tmp_path / "early.json", limit)))
+    assert bars(early, "derived") == {"too_hot": pytest.approx(3601.0 + 0.25 * (121 / (1 + beyond_K) - 1), abs=0.25)}
 
 
 def test_recorded_alarms_have_the_names_that_the_board_said(tmp_path: Path) -> None:
