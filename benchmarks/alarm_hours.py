@@ -1,6 +1,6 @@
 """False alarms in many hours of a healthy motor, delays over a fault's severity, and faults where life is not steady.
 
-    python -m benchmarks.alarm_hours [COEFFS] [--hours 1000] [--seed 1] [--jobs 2] [--only healthy faults lives]
+    python -m benchmarks.alarm_hours [COEFFS] [--hours 1000] [--seed 1] [--jobs 2] [--only healthy faults lives] ..
 
 The motor is the simulated one (`gen.rig`), the model the exact solution of COEFFS (`examples/my1016_rig/coeffs.json`),
 and the rules are the reference's: `gen verify` proves them the board's on the words that the board is given; those
@@ -10,6 +10,8 @@ here differ from the board's by the error that `gen build` guarantees.
 A load that comes on is heat like a fault's: its alarms are counted, but no model of PWM alone can tell.
 `faults`: delay of the first alarm and the verdict for both faults at every speed, whole and at a half, a quarter and
 an eighth of their severity.
+`--zeroed`: each set of sensors had its offsets learnt by the board before (`$.wiring.zero`); give it a COEFFS that was
+made of such runs (`examples/my1016_rig/make.py --zeroed`).
 `lives`: faults in duty cycles, at changing speed, growing over hours, both at once, in a moving room, after a start.
 """
 
@@ -33,7 +35,7 @@ from gen.coefficients import Coefficients, load
 from gen.lowering.alarms import lower_alarms
 from gen.reference.run_alarms import raised_s
 from gen.reference.simulate import simulate_run
-from gen.rig import Fault, MotorConfig, Profile, Setup, make_run, sensors, warm_start
+from gen.rig import Fault, MotorConfig, Profile, Setup, make_run, sensors, warm_start, zeroed
 from gen.rig.config import FaultKind
 from gen.rig.profiles import counts, random_levels, staircase, step
 from gen.rig.signals import Signal, sine, steps, total
@@ -44,6 +46,7 @@ SPEEDS = tuple(range(10, 101, 10))
 SEVERITIES = (1.0, 0.5, 0.25, 0.125)
 KINDS: tuple[FaultKind, ...] = get_args(FaultKind)
 TABLES = ("healthy", "faults", "lives")
+ROOM_DEGC = 24.0
 TRAINED_LOAD_NM = 0.02
 """Of the healthy runs that the example's thresholds come from."""
 
@@ -94,11 +97,13 @@ class Campaign:
     hours: float
     seed: int
     each: int
+    zeroed: bool = False
+    kinds: tuple[str, ...] = ()
 
     def lives(self, name: str) -> list[Life]:
         """Lives of one of the three tables."""
         if name == "healthy":
-            return list(healthy_lives(self.hours, self.seed))
+            return list(healthy_lives(self.hours, self.seed, self.kinds))
         return list(fault_lives(self.seed)) if name == "faults" else list(other_lives(self.seed, self.each))
 
 
@@ -111,7 +116,10 @@ def _lives(campaign: Campaign, name: str) -> list[Life]:
 def judge(campaign: Campaign, name: str, number: int) -> Heard:
     """Run the motor, and the rules on what its sensors read."""
     coefficients, life = _coefficients(campaign.path), _lives(campaign, name)[number]
-    run = make_run(life.profile, life.setup).run
+    setup = life.setup
+    if campaign.zeroed:
+        setup = replace(setup, sensors=zeroed(setup.sensors, ROOM_DEGC, setup.seed))
+    run = make_run(life.profile, setup).run
     shown = simulate_run(coefficients, run, "exact", "auto", life.kind)
     degrees = {part: shown[f"{part}_degC"].astype(np.float64) for part in coefficients.model.component_names}
     return Heard(life.kind, life.fault_s, raised_s(coefficients, run, degrees))
@@ -194,10 +202,11 @@ HEALTHY: dict[str, tuple[Making, Setting]] = {
 }
 
 
-def healthy_lives(hours: float, seed: int) -> Iterable[Life]:
-    """Runs of three hours, as many of each kind."""
-    runs = max(1, round(hours / (RUN_S / HOUR_S) / len(HEALTHY)))
-    for kind, (making, setting) in HEALTHY.items():
+def healthy_lives(hours: float, seed: int, kinds: Sequence[str] = ()) -> Iterable[Life]:
+    """Runs of three hours, as many of each kind; `kinds`: of these alone."""
+    kept = {kind: how for kind, how in HEALTHY.items() if not kinds or kind in kinds}
+    runs = max(1, round(hours / (RUN_S / HOUR_S) / len(kept)))
+    for kind, (making, setting) in kept.items():
         for number in range(runs):
             rng = np.random.default_rng([seed, *kind.encode(), number])
             yield Life(kind, making(rng), setting(rng))
@@ -244,7 +253,7 @@ def healthy_table(path: Path, heard: Sequence[Heard]) -> Table:
     heat = _is_heat(path)
     table = Table("healthy motor", "hours", "level rules: runs with an alarm", "missing heat: runs with an alarm",
                   "a verdict among them", box=MARKDOWN)  # fmt: skip
-    for kind in HEALTHY:
+    for kind in dict.fromkeys(item.life for item in heard):
         own = [item for item in heard if item.life == kind]
         levels = sum(any(not heat[name] for name in item.first_s) for item in own)
         heats = sum(any(heat[name] for name in item.first_s) for item in own)
@@ -293,9 +302,12 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--each", type=int, default=10, help="runs of each life with a fault")
     parser.add_argument("--only", nargs="+", choices=TABLES, default=TABLES)
+    parser.add_argument("--zeroed", action="store_true", help="the board has learnt its sensors' offsets before")
+    parser.add_argument("--kinds", nargs="+", choices=[*HEALTHY], default=[], help="of healthy hours; without it all")
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
-    campaign = Campaign(options.coefficients, options.hours, options.seed, options.each)
+    kinds = tuple(options.kinds)
+    campaign = Campaign(options.coefficients, options.hours, options.seed, options.each, options.zeroed, kinds)
     console, found = Console(width=250), {}
     with ProcessPoolExecutor(options.jobs) as pool:
         for name in options.only:

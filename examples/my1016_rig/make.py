@@ -1,6 +1,6 @@
 """Make coeffs.json as one would for a motor of one's own: runs, `gen identify`, healthy runs, `gen thresholds`.
 
-    python examples/my1016_rig/make.py [--folder RUNS] [--out COEFFS] [--network NETWORK]
+    python examples/my1016_rig/make.py [--folder RUNS] [--out COEFFS] [--network NETWORK] [--zeroed]
 
 And network.json, with `gen identify --model network`, of the same eight runs and four at changing speeds: a transfer
 function wants speeds that are held, a network takes what there is, and only changes from speed to speed tell it what
@@ -26,7 +26,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gen.rig import Profile, Setup, make_run, sensors, warm_start
+from gen.rig import Profile, SensorConfig, Setup, make_run, sensors, warm_start, zeroed
 from gen.rig.profiles import counts, cut_off, random_levels, step
 from gen.rig.signals import Signal, sine, steps, total
 
@@ -40,12 +40,21 @@ SURROUNDED = 4
 RUN_S, PAUSE_S = 10_800.0, 60.0
 LOAD_NM = 0.02
 SWING_K, PERIOD_S = 1.0, 7200.0
+ROOM_DEGC, ZERO_SEED = 24.0, 7
+Sensors = Mapping[str, SensorConfig]
+
+
+def board_sensors(*, has_learnt: bool) -> Sensors:
+    """Give the motor's sensors, or as they are once the board has learnt their offsets."""
+    own = sensors(SENSORS)
+    return zeroed(own, ROOM_DEGC, ZERO_SEED) if has_learnt else own
 
 
 def record(
     path: Path,
     profile: Profile,
     seed: int,
+    fitted: Sensors,
     *,
     warm: bool = False,
     moving: bool = False,
@@ -54,7 +63,7 @@ def record(
     """Make one run file of the healthy motor; `inputs` of the bench over time, by their names in its setup."""
     random = np.random.default_rng(seed)
     setup = Setup(
-        sensors=sensors(SENSORS),
+        sensors=fitted,
         seed=seed,
         start_degC=warm_start(step(counts(60), 3600.0)) if warm else {},
         ambient=sine(30.0, SWING_K, PERIOD_S, float(random.uniform(0.0, PERIOD_S))) if moving else 30.0,
@@ -66,24 +75,24 @@ def record(
     return path
 
 
-def identification_runs(folder: Path) -> list[Path]:
+def identification_runs(folder: Path, fitted: Sensors) -> list[Path]:
     """Steps from cold, then cooling."""
     return [
-        record(folder / f"identify_{percent}.csv", cut_off(counts(percent), 10_800.0, 3600.0), 1000 + percent)
+        record(folder / f"identify_{percent}.csv", cut_off(counts(percent), 10_800.0, 3600.0), 1000 + percent, fitted)
         for percent in IDENTIFIED
     ]
 
 
-def changing_runs(folder: Path) -> list[Path]:
+def changing_runs(folder: Path, fitted: Sensors) -> list[Path]:
     """Speeds held for 10 to 45 minutes, for the network."""
     return [
-        record(folder / f"identify_changing_{number}.csv", random_levels(seed, hold_s=(600.0, 2700.0)), seed)
+        record(folder / f"identify_changing_{number}.csv", random_levels(seed, hold_s=(600.0, 2700.0)), seed, fitted)
         for number in range(CHANGING_IDENTIFIED)
         for seed in (5000 + number,)
     ]
 
 
-def healthy_runs(folder: Path) -> list[Path]:
+def healthy_runs(folder: Path, fitted: Sensors) -> list[Path]:
     """What a healthy motor does."""
     made = []
     for percent in IDENTIFIED:
@@ -91,14 +100,15 @@ def healthy_runs(folder: Path) -> list[Path]:
             for moving in (False, True):
                 name = f"healthy_{percent}_{'warm' if warm else 'cold'}{'_moving' if moving else ''}.csv"
                 seed = 2000 + 10 * percent + 2 * warm + moving
-                made.append(record(folder / name, step(counts(percent)), seed, warm=warm, moving=moving))
+                made.append(record(folder / name, step(counts(percent)), seed, fitted, warm=warm, moving=moving))
     for number in range(CHANGING):
         profile = random_levels(3000 + number, hold_s=(900.0, 2700.0))
-        made.append(record(folder / f"healthy_changing_{number}.csv", profile, 3000 + number, moving=number % 2 == 1))
-    return made + surrounded_runs(folder)
+        path, moving = folder / f"healthy_changing_{number}.csv", number % 2 == 1
+        made.append(record(path, profile, 3000 + number, fitted, moving=moving))
+    return made + surrounded_runs(folder, fitted)
 
 
-def surrounded_runs(folder: Path) -> list[Path]:
+def surrounded_runs(folder: Path, fitted: Sensors) -> list[Path]:
     """What else is normal where the motor stands: pauses, and a room whose door opens."""
     made = []
     for number in range(SURROUNDED):
@@ -117,7 +127,7 @@ def surrounded_runs(folder: Path) -> list[Path]:
             ),
         }
         for kind, (profile, inputs) in kinds.items():
-            made.append(record(folder / f"healthy_{kind}_{number}.csv", profile, 6000 + number, inputs=inputs))
+            made.append(record(folder / f"healthy_{kind}_{number}.csv", profile, 6000 + number, fitted, inputs=inputs))
     return made
 
 
@@ -132,12 +142,14 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, help="keep the runs here")
     parser.add_argument("--out", type=Path, default=HERE / "coeffs.json")
     parser.add_argument("--network", type=Path, default=HERE / "network.json")
+    parser.add_argument("--zeroed", action="store_true", help="the board had learnt its sensors' offsets before")
     options = parser.parse_args()
+    fitted = board_sensors(has_learnt=options.zeroed)
     with tempfile.TemporaryDirectory() as scratch:
         folder = options.folder or Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)
-        runs, healthy = identification_runs(folder), healthy_runs(folder)
-        all_runs = [*runs, *changing_runs(folder)]
+        runs, healthy = identification_runs(folder, fitted), healthy_runs(folder, fitted)
+        all_runs = [*runs, *changing_runs(folder, fitted)]
         for model, taken, out in (("parts", runs, options.out), ("network", all_runs, options.network)):
             identified = folder / f"{model}.json"
             gen("identify", *taken, "--model", model, "--name", "my1016_rig", "--out", identified)

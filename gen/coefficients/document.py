@@ -54,6 +54,8 @@ SKETCH_FILES = frozenset(
         "snapshot",
         "thermocouples",
         "warm",
+        "writing",
+        "zero",
     ]
 )
 """Headers of the emitted sketch; the model's own header would hide behind one of the same name."""
@@ -269,6 +271,7 @@ class Document(Part):
         check_effects(self.effects, names)
         if self.wiring is not None:
             check_wiring_references(self.wiring, names, self.ambient.channel, full_scale)
+            self._check_zero(self.wiring)
         check_alarm_references(self.alarms, names, full_scale, self.sample_time_s)
         check_protection(
             self.protection,
@@ -283,6 +286,15 @@ class Document(Part):
             nodes = self.network.nodes if self.network is not None else ()
             parts = dict.fromkeys([*names, *(node.name for node in nodes)])
             check_forecast(self.forecast, self.alarms, list(parts), self.sample_time_s)
+
+    def _check_zero(self, wiring: Wiring) -> None:
+        """What is learnt at a cold start needs something to compare, and a place to stay."""
+        if wiring.zero is None:
+            return
+        if not self._commissions:
+            raise fault('found it without "memory", or without a thermocouple at a part', "wiring", "zero")
+        if all(chip.channel != "ambient" for chip in wiring.thermocouples):
+            raise fault("found it without a thermocouple at the ambient, which says what cold is", "wiring", "zero")
 
     @property
     def _foresees(self) -> bool:

@@ -13,7 +13,8 @@ ARMED_S = 300.0
 FULL_PWM = 255
 _LONGEST = 60
 _WORDS = re.compile(
-    r"(?P<drives>-?\d{1,3}|profile on)|\?|arm|reset|test|rows \d{1,5}|profile off|commission|yes|no|accept \w{1,40}",
+    r"(?P<drives>-?\d{1,3}|profile on)|\?|arm|reset|test|rows \d{1,5}|profile off|commission|zero( off)?|yes|no|"
+    r"accept \w{1,40}",
     re.ASCII,
 )
 """What the sketch understands (templates/project/src/commands.cpp.j2), and of it what has to be armed there, too."""
@@ -76,7 +77,7 @@ class Commands:
         if known is None:
             raise InputError(
                 f"found {text[:_LONGEST]!r}, expected a PWM, arm, ?, reset, accept CHANNEL, test, commission, yes, no, "
-                "rows N, profile on or profile off"
+                "zero, zero off, rows N, profile on or profile off"
             )
         if not self.armed_s:
             raise NotArmedError

@@ -9,7 +9,7 @@ from gen.rig.encoder import Encoder
 from gen.rig.motor import Drive, Motor
 from gen.rig.parameters import MEASURED, NODES, HeatPath, MotorParameters, my1016
 from gen.rig.profiles import Profile
-from gen.rig.runs import RigRun, Setup, Truth, make_run, sensors, warm_start
+from gen.rig.runs import RigRun, Setup, Truth, make_run, sensors, warm_start, zeroed
 from gen.rig.sensors import SENSOR_FAULTS, SensorConfig, SensorFault, Thermocouple, decode
 
 __all__ = [
@@ -36,4 +36,5 @@ __all__ = [
     "my1016",
     "sensors",
     "warm_start",
+    "zeroed",
 ]

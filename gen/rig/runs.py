@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +42,33 @@ def sensors(
             lag_s=0.0 if name == AMBIENT else lag_s,
         )
         for name in names
+    }
+
+
+def zeroed(configs: Mapping[str, SensorConfig], room_degC: float, seed: int) -> dict[str, SensorConfig]:
+    """Give the sensors as a board leaves them that has learnt their offsets in a room (`$.wiring.zero`).
+
+    What remains are the noise and the steps of a minute's readings, and what all sensors are off by alike.
+
+    Parameters
+    ----------
+    configs
+        By column.
+    room_degC
+        What all parts, and the room, are as warm as, degC.
+    seed
+        Of the minute's noise.
+    """
+    seeds = np.random.SeedSequence(seed).spawn(len(configs))
+    read = {
+        name: float(np.mean([decode(sensor.read(room_degC, 0.25 * k)) for k in range(240)]))
+        for (name, config), own in zip(configs.items(), seeds, strict=True)
+        for sensor in [Thermocouple(config, own)]
+    }
+    middle = float(np.median([*read.values()]))
+    return {
+        name: replace(config, offset_K=config.offset_K - round(read[name] - middle, 2))
+        for name, config in configs.items()
     }
 
 

@@ -173,6 +173,23 @@ def _watched(tree: Tree) -> None:
     tree["wiring"] |= {"memory": memory or {}}
 
 
+def _zeroed_by_command(tree: Tree) -> None:
+    """Offsets are learnt when somebody says so."""
+    tree["wiring"]["zero"] = {"automatic": False, "tolerance_K": 1.5}
+
+
+def _zeroed(tree: Tree) -> None:
+    """Offsets are learnt, by a model that cools down within a minute; a rule that hears of the casing's."""
+    tree["wiring"] |= {"zero": {}, "memory": {"interval_s": 60}}
+    for chip in tree["wiring"]["thermocouples"]:
+        chip["stuck_s"] = 10_000  # the tests' rooms are without noise
+    for component in tree["components"]:
+        component |= {"order": 1, "gain": {"poly": [0.005]}, "poles": [{"real": {"poly": [-0.05]}}]}
+    tree["accuracy"] = {"fixed_limit_K": 1e-3}
+    rule = {"name": "off", "kind": "above_model", "component": "casing", "threshold_K": 0.8, "persistence_s": 0}
+    tree["alarms"] = [rule]
+
+
 def _quiet(tree: Tree) -> None:
     """Most tests are not about protection: no motor turns in them, and thermocouples come and go."""
     wiring = tree.get("wiring", {})
@@ -211,6 +228,8 @@ FURTHER: Mapping[str, Callable[[Tree], None]] = {
     "foresighted": _foresighted,
     "locked": _locked,
     "watched": _watched,
+    "zeroed": _zeroed,
+    "zeroed_by_command": _zeroed_by_command,
 }
 """For a test or two of their own; wired as one of the others."""
 

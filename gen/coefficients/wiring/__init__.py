@@ -1,6 +1,6 @@
 """The board's wiring: which pin of the Mega carries what, and what is plausible on it."""
 
-from gen.coefficients.wiring.board import Memory, Wiring
+from gen.coefficients.wiring.board import Memory, Wiring, Zero
 from gen.coefficients.wiring.drive import Drive, Observe, Profile, ProfileStep
 from gen.coefficients.wiring.sensors import (
     REGISTER_CHIPS,
@@ -26,4 +26,5 @@ __all__ = [
     "ProfileStep",
     "Thermocouple",
     "Wiring",
+    "Zero",
 ]

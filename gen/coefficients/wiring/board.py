@@ -35,6 +35,22 @@ class Memory(Part):
     ] = 2.0
 
 
+class Zero(Part):
+    """What each thermocouple reads too much, learnt at a cold start."""
+
+    tolerance_K: Annotated[
+        Positive,
+        Field(
+            le=10,
+            description="No sensor is off by more; what is farther from the others' median is no sensor's offset, and "
+            "nothing is learnt.",
+        ),
+    ] = 2.0
+    automatic: Annotated[
+        bool, Field(description="Also by itself, where the model says that a motor has long cooled down.")
+    ] = True
+
+
 class Wiring(Part):
     """All pins; one pin has one role, except that clock and data lines may be shared."""
 
@@ -60,6 +76,7 @@ class Wiring(Part):
     drive: Drive | None = None
     observe: Observe | None = None
     memory: Annotated[Memory | None, Field(description="null: no copies.")] = Memory()
+    zero: Annotated[Zero | None, Field(description="Sensors' offsets are learnt while the motor is cold.")] = None
     note: Note | None = None
 
     @model_validator(mode="after")

@@ -19,6 +19,7 @@ from gen.firmware.sketch.memory import LatchContext, MemoryContext, latch_contex
 from gen.firmware.sketch.pin import Pin, pin_context
 from gen.firmware.sketch.rows import RowsContext, rows_context
 from gen.firmware.sketch.sensors import SensorsContext, sensors_context
+from gen.firmware.sketch.zero import ZeroContext, zero_context
 from gen.lowering.alarms import COLD_mK
 from gen.lowering.program import Program
 from gen.lowering.samples import samples
@@ -45,6 +46,7 @@ class DeviceContext(SensorsContext, InputsContext, RowsContext):
     memory: MemoryContext | None
     latch: LatchContext | None
     commissioning: CommissioningContext | None
+    zero: ZeroContext | None
     relay: Pin | None
     protects: bool
     unseen: int
@@ -71,12 +73,14 @@ def sketch_files(device: DeviceContext) -> dict[str, str]:
         ("relay", device["relay"]),
         ("guard", device["protects"]),
         ("memory", device["memory"]),
+        ("writing", device["memory"]),
         ("snapshot", device["memory"]),
         ("warm", device["memory"]),
         ("latch", device["latch"]),
         ("commissioned", device["commissioning"]),
         ("commissioning", device["commissioning"]),
         ("commissioning_words", device["commissioning"]),
+        ("zero", device["zero"]),
         ("indicator", device["led"] is not None or device["button"] is not None),
     ):
         if wanted:
@@ -125,6 +129,7 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
         "memory": memory,
         "latch": latch_context() if memory and (document.alarms or lasting) else None,
         "commissioning": commissioning_context(wiring, driver, program) if memory else None,
+        "zero": zero_context(wiring, program, sensors["reading_ms"]) if memory else None,
         "relay": pin_context(wiring.relay_pin, "$.wiring.relay_pin") if wiring.relay_pin is not None else None,
         "protects": bool(entries),
         "unseen": _unseen(document, entries),

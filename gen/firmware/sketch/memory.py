@@ -30,6 +30,8 @@ _LATCH_AT = EEPROM_BYTES - _FIRMWARE_BYTES - _LATCH_SLOTS * _LATCH_BYTES
 COMMISSIONED_BYTES = 9
 """Whether the commissioning was passed: wiring 4, verdict 1, CRC 4."""
 COMMISSIONED_AT = _LATCH_AT - COMMISSIONED_BYTES
+_ZERO_FIXED = 4 + 4
+"""Bytes of what the thermocouples read too much, beside two for each of them: wiring, CRC."""
 _RECORD_FIXED = 4 + 4 + 2 + 4
 """Bytes of a copy beside the measured temperatures and the states: identity, number, PWM, CRC."""
 
@@ -64,7 +66,7 @@ def memory_context(
     if wiring.memory is None or not sensors["measured"]:
         return None
     record = _RECORD_FIXED + 2 * len(sensors["chips"]) + state_bytes(program)
-    slots = COMMISSIONED_AT // record
+    slots = zero_place(wiring, program)[0] // record
     # "normal" stands for a kind of step; it stays, because any other word would make boards drop their copies.
     identity = zlib.crc32(f"{__version__} {sha256} {program.arithmetic} {program.schedule} normal".encode())
     years = EEPROM_CYCLES * slots * wiring.memory.interval_s / (365.25 * 86400)
@@ -80,6 +82,18 @@ def memory_context(
         "tolerance_K": f"{wiring.memory.tolerance_K:g}",
         "years": f"{years:.0f}" if years >= 10 else f"{years:.1f}",
     }
+
+
+def zero_place(wiring: Wiring, program: Program) -> tuple[int, int]:
+    """Where the record of what the thermocouples read too much lies in EEPROM, and its bytes; 0 where there is none."""
+    size = _ZERO_FIXED + 2 * len(zeroed_channels(wiring, program)) if wiring.zero else 0
+    return COMMISSIONED_AT - size, size
+
+
+def zeroed_channels(wiring: Wiring, program: Program) -> list[int]:
+    """Numbers of the thermocouples that agree on a cold motor: those at its parts, and the ambient's."""
+    agreeing = {"ambient", *program.model.component_names}
+    return [number for number, chip in enumerate(wiring.thermocouples) if chip.channel in agreeing]
 
 
 def latch_context() -> LatchContext:
