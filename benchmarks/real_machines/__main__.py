@@ -27,13 +27,14 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True, help="the folder with the logs")
     parser.add_argument("--only", default="", help="cases whose name begins with this")
     parser.add_argument("--models", default=f"{REFINED},{PARTS},{AUTO}", help="beside the network; may be empty")
+    parser.add_argument("--heat", action="append", default=[], help="a column that heats, told to `gen identify` alone")
     parser.add_argument("--json", type=Path, help="write all answers here, after each case anew")
     options = parser.parse_args()
     results: list[Judged] = []
     for case in cases(options.data):
         if not str(case).startswith(options.only):
             continue
-        one = judge(case, options.models.split(","))
+        one = judge(case, options.models.split(","), options.heat)
         results.append(one)
         print(f"{case}: {one.ratio:.2f} of the best reference", file=sys.stderr, flush=True)
         if options.json:

@@ -90,7 +90,7 @@ class Judged:
         return 1.0 if self.answers[HELD].rmse_K < self.best_K else float("inf")
 
 
-def judge(case: Case, models: Collection[str]) -> Judged:
+def judge(case: Case, models: Collection[str], heat: Sequence[str] = ()) -> Judged:
     """Fit and test everything on one case.
 
     Parameters
@@ -99,6 +99,8 @@ def judge(case: Case, models: Collection[str]) -> Judged:
         The runs.
     models
         Which of `PARTS`, `AUTO` and `REFINED` to make beside the network.
+    heat
+        Columns that the network is told to take for heat.
     """
     answers = {HELD: _scored(case, _held)}
     started = time.perf_counter()
@@ -109,7 +111,7 @@ def judge(case: Case, models: Collection[str]) -> Judged:
         answers[name].seconds = seconds / len(REFERENCES)
     with tempfile.TemporaryDirectory(prefix="real-") as folder:
         fit, test = _written(case.fit, Path(folder) / "fit"), _written(case.test, Path(folder) / "test")
-        answers[NETWORK], model = _identified(case, fit, test, NETWORK)
+        answers[NETWORK], model = _identified(case, fit, test, NETWORK, heat)
         for kind in (PARTS, AUTO):
             if kind in models:
                 answers[kind], _ = _identified(case, fit, test, kind)
@@ -155,14 +157,16 @@ def _predicted(case: Case, model: gen.Model, test: Mapping[str, Path]) -> Answer
 
 
 def _identified(
-    case: Case, fit: Mapping[str, Path], test: Mapping[str, Path], kind: str
+    case: Case, fit: Mapping[str, Path], test: Mapping[str, Path], kind: str, heat: Sequence[str] = ()
 ) -> tuple[Answer, gen.Model | None]:
-    return _tried(lambda: _identify(case, list(fit.values()), test, kind))
+    return _tried(lambda: _identify(case, list(fit.values()), test, kind, heat))
 
 
-def _identify(case: Case, fit: Sequence[Path], test: Mapping[str, Path], kind: str) -> tuple[Answer, gen.Model]:
+def _identify(
+    case: Case, fit: Sequence[Path], test: Mapping[str, Path], kind: str, heat: Sequence[str]
+) -> tuple[Answer, gen.Model]:
     started = time.perf_counter()
-    settings: dict[str, Any] = {"model": kind}
+    settings: dict[str, Any] = {"model": kind, "heat": heat}
     found: gen.Identification | gen.NetworkIdentification = gen.identify(fit, name="machine", **settings)
     seconds = time.perf_counter() - started
     answer = _predicted(case, found.model, test)

@@ -48,6 +48,13 @@ _FULL_PWM = 255
     show_default=True,
     help="Of a network: most nodes without a sensor.",
 )
+@click.option(
+    "--heat",
+    multiple=True,
+    metavar="COLUMN",
+    help="A measured column that heats the motor beside its PWM, such as current_A (by its square; COLUMN^1, COLUMN^2 "
+    "say which); takes a network. The board has to measure it. May be given several times.",
+)
 @click.option("--max-order", type=click.IntRange(1, 4), default=4, show_default=True)
 def identify(
     runs: tuple[Path, ...],
@@ -62,6 +69,7 @@ def identify(
     max_order: int,
     model: Literal["auto", "parts", "network"],
     max_hidden: int,
+    heat: tuple[str, ...],
 ) -> None:
     """Identify a speed-scheduled model from measured runs and write its coefficient file."""
     from gen.coefficients.names import name_fault
@@ -88,6 +96,7 @@ def identify(
             max_order=max_order,
             model=model,
             max_hidden=max_hidden,
+            heat=heat,
             progress=progress,
         )
         progress("report")

@@ -97,6 +97,7 @@ def structure_json(structure: Structure) -> dict[str, Any]:
         "paths": [list(path) for path in structure.paths],
         "heated": list(structure.heated),
         "constant": sorted(structure.constant),
+        "fed": [list(one) for one in structure.fed],
     }
 
 
@@ -108,6 +109,7 @@ def structure_of(said: dict[str, Any]) -> Structure:
         tuple((i, j) for i, j in said["paths"]),
         tuple(said["heated"]),
         frozenset(said["constant"]),
+        tuple((column, node) for column, node in said.get("fed", ())),
     )
 
 

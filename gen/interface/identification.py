@@ -218,6 +218,7 @@ def identify(
     rpm: float = 2650.0,
     max_order: int = 4,
     max_hidden: int = 3,
+    heat: Sequence[str] = (),
     progress: Progress = silent,
 ) -> Identification | NetworkIdentification: ...
 
@@ -234,6 +235,7 @@ def identify(
     rpm: float = 2650.0,
     max_order: int = 4,
     max_hidden: int = 3,
+    heat: Sequence[str] = (),
     progress: Progress = silent,
 ) -> Identification: ...
 
@@ -250,6 +252,7 @@ def identify(
     rpm: float = 2650.0,
     max_order: int = 4,
     max_hidden: int = 3,
+    heat: Sequence[str] = (),
     progress: Progress = silent,
 ) -> NetworkIdentification: ...
 
@@ -266,6 +269,7 @@ def identify(
     rpm: float = 2650.0,
     max_order: int = 4,
     max_hidden: int = 3,
+    heat: Sequence[str] = (),
     progress: Progress = silent,
 ) -> Identification | NetworkIdentification:
     """Identify a speed-scheduled model from measured runs.
@@ -291,6 +295,9 @@ def identify(
         Highest order of a part to try, 1..4.
     max_hidden
         Most hidden nodes of a network to try, 0..3.
+    heat
+        Measured columns that heat the motor beside its PWM, such as ``current_A`` (by its square) or ``heater2_W``;
+        a network takes them, parts do not, so that ``auto`` takes the network.
     progress
         Called with what is being done.
 
@@ -326,13 +333,16 @@ def identify(
     fault = name_fault(name)
     if fault:
         raise InputError(fault, place="name")
-    options = Options(Settings(name, sample_time, full_scale, rpm), ambient, max_order, max_hidden)
+    heat = (heat,) if isinstance(heat, str) else tuple(heat)
+    if heat and model == "parts":
+        raise InputError("found columns that heat the motor; parts take none, expected a network", place="heat")
+    options = Options(Settings(name, sample_time, full_scale, rpm), ambient, max_order, max_hidden, heat)
     with run_files(runs) as paths:
         progress("reading")
         sources = read_sources(paths)
         if model == "parts":
             return _found(parts_of(sources, options, progress))
-        if model == "network":
+        if model == "network" or heat:
             return _found(network_of(sources, options, progress))
         chosen = choose(sources, options, progress)
     return _found(chosen.model, chosen.decision)

@@ -29,12 +29,15 @@ class Options:
         In degC, for runs without a measured one, or None.
     max_order, max_hidden
         Highest order of a part, most hidden nodes of a network.
+    heat
+        Of a network: columns that heat it beside its PWM.
     """
 
     settings: Settings
     ambient: float | None = None
     max_order: int = 4
     max_hidden: int = 3
+    heat: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +112,7 @@ def parts_of(sources: Sequence[Source], options: Options, progress: Progress) ->
 def network_of(sources: Sequence[Source], options: Options, progress: Progress) -> NetworkModel:
     """Identify one network; raises as :func:`parts_of` does."""
     settings = options.settings
-    data = make_network_data(sources, options.ambient, settings.full_scale)
+    data = make_network_data(sources, options.ambient, settings.full_scale, options.heat)
     result = identify_network(data, progress, options.max_hidden)
     text, coefficients = network_text(result, settings)
     return NetworkModel(result, settings, text, coefficients)

@@ -12,6 +12,7 @@ from gen.identification.ambients import ambients_of
 from gen.identification.data import FEWEST, MOVES_K, components_of, sound
 from gen.identification.drive import common_drive
 from gen.identification.network.bins import Binned, FloatArray, binned, longest_bin
+from gen.identification.network.driving import Driving, driving_of, values_of
 from gen.identification.records import resolution
 from gen.identification.sources import Source
 from gen.runs import Run
@@ -42,6 +43,8 @@ class NetworkData:
         What was left out or assumed, and why.
     ambient_unsure_K
         Where nothing says the ambient: standard deviation of `ambient_fixed`, K; else 0.
+    driving
+        Columns that heat the motor beside its PWM.
     """
 
     sources: tuple[Source, ...]
@@ -53,6 +56,7 @@ class NetworkData:
     full_scale: int
     warnings: tuple[str, ...]
     ambient_unsure_K: float = 0.0
+    driving: tuple[Driving, ...] = ()
 
     @property
     def runs(self) -> list[tuple[str, Run]]:
@@ -60,7 +64,9 @@ class NetworkData:
         return [(source.path, source.run) for source in self.sources]
 
 
-def make_network_data(sources: Sequence[Source], ambient: float | None, full_scale: int = 255) -> NetworkData:
+def make_network_data(
+    sources: Sequence[Source], ambient: float | None, full_scale: int = 255, heat: Sequence[str] = ()
+) -> NetworkData:
     """Condense runs.
 
     Parameters
@@ -71,6 +77,8 @@ def make_network_data(sources: Sequence[Source], ambient: float | None, full_sca
         Fixed ambient in degC for runs without a measured one, or None.
     full_scale
         The count that is 100 %.
+    heat
+        Columns that heat the motor, too, see :func:`driving_of`.
 
     Raises
     ------
@@ -85,6 +93,7 @@ def make_network_data(sources: Sequence[Source], ambient: float | None, full_sca
     ambients, unsure = ambients_of(sources, ambient, warnings, estimated=True)
     stems = [source.name for source in sources]
     labels = stems if len(set(stems)) == len(stems) else [source.path for source in sources]
+    driving = driving_of(sources, heat)
     longest = longest_bin([source.run for source in sources])
 
     def bins(width: float) -> tuple[Binned, ...]:
@@ -96,6 +105,7 @@ def make_network_data(sources: Sequence[Source], ambient: float | None, full_sca
                 around,
                 full_scale,
                 width,
+                [one.share(values_of(source, one.column)) for one in driving],
                 room_K=unsure if isinstance(around, float) else 0.0,
             )
             for label, source, around in zip(labels, sources, ambients, strict=True)
@@ -110,6 +120,7 @@ def make_network_data(sources: Sequence[Source], ambient: float | None, full_sca
         ambient_measured=not any(isinstance(a, float) for a in ambients),
         full_scale=full_scale,
         warnings=tuple(dict.fromkeys(warnings)),
+        driving=driving,
     )
 
 

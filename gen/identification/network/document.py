@@ -12,8 +12,10 @@ from gen.coefficients import Coefficients, Document, dump, parse
 from gen.coefficients.document import Accuracy, Ambient, Domain, Validity
 from gen.coefficients.messages import building
 from gen.coefficients.network import (
+    ChannelEntry,
     CurveEntry,
     Exp1Curve,
+    FactorEntry,
     HeatEntry,
     NetworkEntry,
     NodeEntry,
@@ -163,7 +165,25 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     heats = tuple(
         HeatEntry(node=names[node], power_W=tabulated(pwm, physics.heat[1:, node], 0.0)) for node in structure.heated
     )
-    return NetworkEntry(nodes=tuple(nodes), paths=tuple(paths), heats=heats)
+    channels, fed = _fed(result, names)
+    return NetworkEntry(channels=channels, nodes=tuple(nodes), paths=tuple(paths), heats=(*heats, *fed))
+
+
+def _fed(result: NetworkFound, names: tuple[str, ...]) -> tuple[tuple[ChannelEntry, ...], tuple[HeatEntry, ...]]:
+    """Heats by measured columns, and the channels that tell the board of them."""
+    structure, driving = result.found.structure, result.data.driving
+    heats = []
+    for (number, node), at in zip(structure.fed, structure.feeds, strict=True):
+        one = driving[number]
+        watts = float(np.exp(result.found.vector[at])) / one.largest**one.power
+        factor = FactorEntry(channel=one.column, poly=(1.0, *[0.0] * one.power))
+        heats.append(HeatEntry(node=names[node], power_W=PolyCurve(poly=(six_digits(watts),)), factors=(factor,)))
+    used = dict.fromkeys(driving[number] for number, _ in structure.fed)
+    channels = []
+    for one in used:
+        low, high = one.range
+        channels.append(ChannelEntry(column=one.column, range=(six_digits(low), six_digits(high)), neutral=0.0))
+    return tuple(channels), tuple(heats)
 
 
 def _path_curve(law: Law, pwm: NDArray[np.int64], value: FloatArray, full_scale: int) -> CurveEntry:

@@ -105,7 +105,7 @@ def identify_network(
     tried: list[tuple[Found, LeftOut]] = []
     for hidden in range(max(0, min(most_hidden, MOST_NODES - len(data.names))) + 1):
         progress(f"{hidden} hidden node(s): fit")
-        one = search(full(data.names, hidden), inputs, scale, tried[-1][0] if tried else None)
+        one = search(full(data.names, hidden, len(data.driving)), inputs, scale, tried[-1][0] if tried else None)
         progress(f"{hidden} hidden node(s): left-out error")
         tried.append((one, left_out(one, by_nodes)))
         if _enough([out.score_K for _, out in tried], SLACK * noise):

@@ -79,6 +79,7 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
         mean[at] = HEAT.mean
         mean[at.start + HEAT.level] = np.log(loss * scale.rise_K / 2.0)
         blocks.append((at, HEAT.precision))
+    mean[structure.feeds] = np.log(loss * scale.rise_K / 2.0)
     mean[structure.offsets], deviation[structure.offsets] = 0.0, OFFSET_K
     precision = np.zeros((size, size))
     for r in range(len(inputs.runs)):

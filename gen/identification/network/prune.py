@@ -94,13 +94,13 @@ def _constant(found: Found) -> frozenset[int]:
     return frozenset(made)
 
 
-def flows(found: Found) -> tuple[FloatArray, FloatArray]:
-    """Give the most heat that ever flows through each path, and that each node is given, W, shapes (Q,) and (heated,).
+def flows(found: Found) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Give the most heat that ever flows through each path, that each node is given by PWM, and by each column.
 
     Returns
     -------
-    paths, heats
-        Both over the largest total of heats.
+    paths, heats, fed
+        All over the largest total of heats, shapes (Q,), (heated,) and (fed,).
     """
     problem = found.problem
     structure, inputs = problem.structure, problem.inputs
@@ -111,14 +111,18 @@ def flows(found: Found) -> tuple[FloatArray, FloatArray]:
         float(np.max(np.abs(conductance[:, q] * (ends[:, i] - ends[:, j])))) for q, (i, j) in enumerate(structure.paths)
     ]
     total = max(float(np.max(physics.heat.sum(axis=1))), 1e-12)
-    heats = physics.heat[:, list(structure.heated)].max(axis=0)
-    return np.array(most) / total, np.asarray(heats / total)
+    fed = structure.fed_W(inputs.levels, found.vector)
+    by_pwm = physics.heat.copy()
+    for k, (_, node) in enumerate(structure.fed):
+        by_pwm[:, node] -= fed[:, k]
+    heats = by_pwm[:, list(structure.heated)].max(axis=0)
+    return np.array(most) / total, np.asarray(heats / total), np.asarray(fed.max(axis=0, initial=0.0) / total)
 
 
 def _cut(found: Found, share: float) -> Structure:
     """The structure without what never carries more than a share; every node keeps a way out, and one its heat."""
     structure = found.structure
-    by_path, by_heat = flows(found)
+    by_path, by_heat, by_feed = flows(found)
     kept = [q for q in range(len(structure.paths)) if by_path[q] > share]
     for q in sorted(set(range(len(structure.paths))) - set(kept), key=lambda q: -by_path[q]):
         if not _all_reach([structure.paths[k] for k in kept], structure.nodes):
@@ -131,6 +135,7 @@ def _cut(found: Found, share: float) -> Structure:
         structure.hidden,
         tuple(structure.paths[q] for q in kept),
         tuple(heated),
+        fed=tuple(fed for k, fed in enumerate(structure.fed) if by_feed[k] > share),
     )
 
 

@@ -51,13 +51,15 @@ def scale_of(inputs: Inputs) -> Scale:
     taus = np.geomspace(max(longest / 200.0, 20.0), 3.0 * longest, _GRID)
     decay = np.exp(-inputs.levels.width[:, None] / taus)  # (L, G)
     turning = 1.0 - inputs.levels.rest
-    drive = np.stack([turning * inputs.levels.speed, turning * inputs.levels.square], axis=-1)  # (L, 2)
-    # Filtered: ambient, w, w^2, and what is left of the start.
+    by_speed = np.stack([turning * inputs.levels.speed, turning * inputs.levels.square], axis=-1)
+    drive = np.hstack([by_speed, inputs.levels.further])  # (L, D)
+    count = drive.shape[1]
+    # Filtered: ambient, w, w^2, what else drives, and what is left of the start.
     into = np.column_stack([inputs.ambient, drive[inputs.level], np.zeros(inputs.level.size)])[:, None, :]
     keep = decay[inputs.level][:, :, None]
-    state = np.zeros((len(inputs.runs), taus.size, 4))
-    state[:, :, 3] = 1.0
-    middle = np.empty((inputs.level.size, taus.size, 4))
+    state = np.zeros((len(inputs.runs), taus.size, count + 2))
+    state[:, :, -1] = 1.0
+    middle = np.empty((inputs.level.size, taus.size, count + 2))
     for low, high in pairwise(inputs.first.tolist()):
         state = state[: high - low]
         after = into[low:high] + keep[low:high] * (state - into[low:high])
@@ -75,13 +77,13 @@ def scale_of(inputs: Inputs) -> Scale:
         begin = inputs.begin[inputs.run, s]
         errors, rises = [], []
         for g in range(taus.size):
-            target = inputs.target[:, s] - middle[:, g, 0] - begin * middle[:, g, 3]
-            columns = middle[:, g, 1:3][used] * weight[used][:, None]
+            target = inputs.target[:, s] - middle[:, g, 0] - begin * middle[:, g, -1]
+            columns = middle[:, g, 1:-1][used] * weight[used][:, None]
             right = target[used] * weight[used]
-            ridge = 1e-4 * np.sqrt(np.sum(columns**2) / 2.0) * np.eye(2)
-            solved = np.linalg.lstsq(np.vstack([columns, ridge]), np.append(right, [0.0, 0.0]), rcond=None)[0]
+            ridge = 1e-4 * np.sqrt(np.sum(columns**2) / count) * np.eye(count)
+            solved = np.linalg.lstsq(np.vstack([columns, ridge]), np.append(right, np.zeros(count)), rcond=None)[0]
             errors.append(float(np.sum((right - columns @ solved) ** 2)))
-            rises.append(float(solved.sum()))
+            rises.append(float(solved[:2].sum()))
         best = int(np.argmin(errors))
         settling.append(float(taus[best]))
         rise.append(rises[best])

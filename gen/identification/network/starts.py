@@ -81,6 +81,10 @@ def taken_over(problem: Problem[Structure], before: Problem[Structure], found: F
     for h, node in enumerate(structure.heated):
         if number.get(node, -2) in heats:
             vector[structure.heats[h]] = found[old.heats[heats[number[node]]]]
+    feeds = dict(zip(old.fed, old.feeds.tolist(), strict=True))
+    for (column, node), feed in zip(structure.fed, structure.feeds.tolist(), strict=True):
+        if (column, number.get(node, -2)) in feeds:
+            vector[feed] = found[feeds[column, number[node]]]
     vector[structure.offsets] = found[old.offsets]
     own, mine = before.per_run(found), problem.per_run(vector)
     mine[:, [i for i, _ in nodes]] = own[:, [k for _, k in nodes]]

@@ -35,6 +35,8 @@ class Structure:
         Nodes with a heat of their own.
     constant
         Paths within the motor, by their place, whose conductance is the same at every speed.
+    fed
+        Heats by a measured column: its place among what else drives the motor, and the node.
     """
 
     sensed: tuple[str, ...]
@@ -42,6 +44,7 @@ class Structure:
     paths: tuple[tuple[int, int], ...]
     heated: tuple[int, ...]
     constant: frozenset[int] = frozenset()
+    fed: tuple[tuple[int, int], ...] = ()
 
     @property
     def nodes(self) -> int:
@@ -107,15 +110,23 @@ class Structure:
         return np.repeat(np.arange(len(self.paths)), [law.size for law in self.laws])
 
     @cached_property
+    def feeds(self) -> IntArray:
+        """Of the logarithms of what the columns give at their largest, shape (fed,)."""
+        return self.nodes + self.path_of.size + HEAT.size * len(self.heated) + np.arange(len(self.fed))
+
+    @cached_property
     def offsets(self) -> IntArray:
         """Of the sensors' offsets, shape (S,)."""
-        first = self.nodes + self.path_of.size + HEAT.size * len(self.heated)
-        return first + np.arange(len(self.sensed))
+        return self._end + np.arange(len(self.sensed))
+
+    @property
+    def _end(self) -> int:
+        return self.nodes + self.path_of.size + HEAT.size * len(self.heated) + len(self.fed)
 
     @property
     def size(self) -> int:
         """Parameters that all runs share."""
-        return self.nodes + self.path_of.size + HEAT.size * len(self.heated) + len(self.sensed)
+        return self._end + len(self.sensed)
 
     def physical(self, levels: Levels, vector: FloatArray) -> Physical:
         """Evaluate capacities, conductances and heats at each distinct input."""
@@ -131,23 +142,34 @@ class Structure:
             by_term[:, at.start - self.nodes : at.stop - self.nodes] = moved * slopes + still * slopes_at_rest
         heat = np.zeros((levels.count, self.nodes))
         by_heat = np.empty((levels.count, len(self.heated), HEAT.size))
+        fed, by_feed = self.fed_W(levels, vector), np.empty((levels.count, len(self.fed)))
         for h, (node, at) in enumerate(zip(self.heated, self.heats, strict=True)):
             logs, slopes = HEAT.turning(levels.speed, vector[at])
             given = turn * np.exp(np.minimum(logs, LARGEST))[:, None]
             heat[:, node] = given[:, 0]
             by_heat[:, h] = given * slopes
+        for k, (_, node) in enumerate(self.fed):
+            heat[:, node] += fed[:, k]
+            by_feed[:, k] = fed[:, k]
         last = self.nodes + self.path_of.size
+        heated = [*np.repeat(self.heated, HEAT.size), *(node for _, node in self.fed)]
         return Physical(
             capacity=np.exp(vector[self.capacities]),
             conductance=conductance,
             heat=heat,
             by_path=Partial(self.path_of, np.arange(self.nodes, last), by_term),
             by_heat=Partial(
-                np.repeat(np.array(self.heated, dtype=np.int64), HEAT.size),
-                np.arange(last, int(self.offsets[0])),
-                by_heat.reshape(levels.count, -1),
+                np.array(heated, dtype=np.int64),
+                np.arange(last, self._end),
+                np.hstack([by_heat.reshape(levels.count, -1), by_feed]),
             ),
         )
+
+    def fed_W(self, levels: Levels, vector: FloatArray) -> FloatArray:
+        """Give the heat of each column at its node, shape (L, fed), W; none where nothing is known of the columns."""
+        if not self.fed or not levels.further.shape[1]:
+            return np.zeros((levels.count, len(self.fed)))
+        return np.asarray(np.exp(np.minimum(vector[self.feeds], LARGEST)) * levels.further[:, [c for c, _ in self.fed]])
 
     def shown(self, inputs: Inputs, vector: FloatArray, temperature: FloatArray, change: FloatArray) -> FloatArray:  # noqa: D102
         return np.asarray(temperature + vector[self.offsets])
@@ -180,9 +202,10 @@ def _slices(first: int, sizes: list[int]) -> tuple[slice, ...]:
     return tuple(slice(int(end) - size, int(end)) for end, size in zip(ends, sizes, strict=True))
 
 
-def full(sensed: tuple[str, ...], hidden: int) -> Structure:
-    """Give the network in which every node has a path to every other and to the ambient, and a heat."""
+def full(sensed: tuple[str, ...], hidden: int, columns: int = 0) -> Structure:
+    """Give the network in which every node has a path to every other and to the ambient, and a heat of each kind."""
     count = len(sensed) + hidden
     inner = [(i, j) for i in range(count) for j in range(i + 1, count)]
     paths = (*inner, *((i, -1) for i in range(count)))
-    return Structure(sensed, hidden, paths, tuple(range(count)))
+    fed = tuple((column, node) for column in range(columns) for node in range(count))
+    return Structure(sensed, hidden, paths, tuple(range(count)), fed=fed)

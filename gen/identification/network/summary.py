@@ -22,6 +22,8 @@ BAD_K, BAD_SHARE = 1.0, 0.1
 """A model that misses runs by more than this, and by this share of the rise, is not good."""
 OFFSET_SURE = 3.0
 MOST_SPEEDS = 12
+HEATING = ("_A", "_W", "_Nm", "_percent")
+"""Ends of the names of columns that may heat a motor."""
 
 
 class Summary:
@@ -187,9 +189,10 @@ class Summary:
             "nodes": self._nodes(),
             "paths": self._paths(names),
             "heats": self._heats(names),
+            "heats_by_column": self._heats_by_column(names),
             "not_determined": [
                 "the scale of all capacities, conductances and heats together",
-                *undetermined(result.found, self.spread),
+                *undetermined(result.found, self.spread, [one.column for one in result.data.driving]),
             ],
         }
 
@@ -260,13 +263,27 @@ class Summary:
             for i in structure.heated
         ]
 
+    def _heats_by_column(self, names: tuple[str, ...]) -> list[dict[str, Any]]:
+        structure, vector = self.result.found.structure, self.result.found.vector
+        driving = self.result.data.driving
+        return [
+            {
+                "node": names[i],
+                "column": driving[number].column,
+                "power": driving[number].power,
+                "at": driving[number].largest,
+                "power_W": _factor(float(vector[at]), float(self.spread.deviation[at])),
+            }
+            for (number, i), at in zip(structure.fed, structure.feeds.tolist(), strict=True)
+        ]
+
     def text(self) -> str:
         """What the command prints."""
         whole = self.as_json()
         structure = self.result.found.structure
         lines = [
             f"network of {structure.nodes} nodes, {structure.hidden} of them hidden, {len(structure.paths)} paths, "
-            f"{len(structure.heated)} heats",
+            f"{len(structure.heated) + len(structure.fed)} heats{self._by_columns()}",
             "  hidden nodes  error on data left out (K)",
             *(f"  {c.hidden:>12}  {c.left_out_K:.2f}" for c in self.result.candidates),
             "part        in the runs (K)  left out (K)  steady rise (K) by PWM",
@@ -278,9 +295,33 @@ class Summary:
                 for k, pwm in enumerate(self.speeds)
             )
             lines.append(f"{name:<10}  {own:<15.2f}  {self.left_out_K[s]:<12.2f}  {rises}")
+        lines += self._not_used()
         lines.append(whole["verdict"])
         lines += [f"warning: {warning}" for warning in whole["warnings"]]
         return "\n".join(lines)
+
+    def _by_columns(self) -> str:
+        """Which of the heats come by measured columns."""
+        driving = self.result.data.driving
+        used = dict.fromkeys(driving[number].column for number, _ in self.result.found.structure.fed)
+        unused = [one.column for one in driving if one.column not in used]
+        said = f", {len(self.result.found.structure.fed)} of them by {', '.join(used)}" if used else ""
+        return said + (f" ({', '.join(unused)} heats nothing that is seen)" if unused else "")
+
+    def _not_used(self) -> list[str]:
+        """Columns that could heat the motor, too: every run has them, and they change."""
+        sources, taken = self.result.data.sources, {one.column for one in self.result.data.driving}
+        common = set.intersection(*(set(source.run.extras) for source in sources)) - taken
+        moving = [
+            column
+            for column in sorted(common)
+            if column.endswith(HEATING) and any(np.nanstd(source.run.extras[column]) > 0.0 for source in sources)
+        ]
+        if not moving:
+            return []
+        return [
+            f"not used: {', '.join(moving)}; what else heats the motor, and the board can measure, tell with --heat"
+        ]
 
 
 def _time(seconds: float) -> str:

@@ -6,6 +6,7 @@ correlated residuals do not make it too small; the prior is in it, so what the r
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -93,8 +94,8 @@ def steady_of(found: Found, spread: Spread, pwm: ArrayLike, full_scale: int) -> 
     return Steady(at.rise, np.sqrt(whole), 1.0 / np.maximum(rates[:, 0], 1e-12))
 
 
-def undetermined(found: Found, spread: Spread) -> list[str]:
-    """Name what the runs do not determine: capacities, conductances, heats."""
+def undetermined(found: Found, spread: Spread, columns: Sequence[str] = ()) -> list[str]:
+    """Name what the runs do not determine: capacities, conductances, heats, those by measured columns too."""
     structure = found.structure
     names = (*structure.names, "ambient")
     open_ = spread.share > UNDETERMINED
@@ -105,4 +106,9 @@ def undetermined(found: Found, spread: Spread) -> list[str]:
     for node, at in zip(structure.heated, structure.heats, strict=True):
         if open_[at.start + HEAT.level]:
             said.append(f"heat of {names[node]}")
+    said += [
+        f"heat of {names[node]} by {columns[c]}"
+        for (c, node), at in zip(structure.fed, structure.feeds, strict=True)
+        if open_[at]
+    ]
     return said

@@ -1,0 +1,113 @@
+"""Measured columns that heat a motor beside its PWM: a current, another heater's power, a torque."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen.errors import InputError
+from gen.identification.network.bins import FloatArray
+from gen.identification.sources import Source
+
+_WRITTEN = re.compile(r"(?P<column>[A-Za-z]\w*?)(\^(?P<power>[12]))?", re.ASCII)
+_SQUARED = ("_A", "_Nm")
+"""Ends of the names of what heats with its square: a current, and a torque, which goes with one."""
+MARGIN = 0.25
+"""Of a column's largest value: so much beyond it the model is declared good for it."""
+
+
+@dataclass(frozen=True)
+class Driving:
+    """One column.
+
+    Attributes
+    ----------
+    column
+        Its name.
+    power
+        1 or 2: heat goes with the value or with its square.
+    low, high
+        Least and largest value in all runs.
+    """
+
+    column: str
+    power: int
+    low: float
+    high: float
+
+    @property
+    def largest(self) -> float:
+        """Of |value|."""
+        return max(abs(self.low), abs(self.high))
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """What the model is told at most."""
+        beyond = MARGIN * self.largest
+        return (self.low - beyond if self.low < 0.0 else 0.0, self.high + beyond)
+
+    def share(self, values: FloatArray) -> FloatArray:
+        """Heat as a share of that at the largest value, shape as the values."""
+        return np.asarray((values / self.largest) ** self.power)
+
+
+def driving_of(sources: Sequence[Source], heat: Sequence[str]) -> tuple[Driving, ...]:
+    """Find the columns in all runs.
+
+    Parameters
+    ----------
+    sources
+        The runs.
+    heat
+        Columns as a person writes them: ``current_A``, ``heater2_percent``, ``drag_N^2``.
+
+    Raises
+    ------
+    InputError
+        When one is written otherwise, is not in every run, never changes, or is negative although heat goes with it.
+    """
+    made: list[Driving] = []
+    for text in heat:
+        written = _WRITTEN.fullmatch(text)
+        if written is None:
+            raise InputError(f"found {text!r}, expected a column such as current_A or heater2_W^1", place="--heat")
+        column = written["column"]
+        power = int(written["power"] or (2 if column.endswith(_SQUARED) else 1))
+        if any(column == one.column for one in made):
+            raise InputError(f"found {column!r} twice, expected it once", place="--heat")
+        known = [values_of(source, column) for source in sources]
+        one = Driving(column, power, min(float(v.min()) for v in known), max(float(v.max()) for v in known))
+        if one.low == one.high:
+            raise InputError(
+                f"column {column} is {one.low:g} in every row of every run: it tells nothing", place="--heat"
+            )
+        if power == 1 and one.low < 0.0:
+            raise InputError(
+                f"column {column} goes down to {one.low:g}, and no heat is below 0: expected another column, or "
+                f"{column}^2",
+                place="--heat",
+            )
+        made.append(one)
+    return tuple(made)
+
+
+def values_of(source: Source, column: str) -> FloatArray:
+    """Give a run's column without gaps: the last value stays, shape (rows,).
+
+    Raises
+    ------
+    InputError
+        When the run does not have it.
+    """
+    values = source.run.extras.get(column)
+    if values is None or not np.isfinite(values).any():
+        held = ", ".join(sorted(source.run.extras)) or "none beside temperatures and PWM"
+        raise InputError(
+            f"found no values of {column}, which is to heat the motor; its columns: {held}", file=source.path
+        )
+    good = np.flatnonzero(np.isfinite(values))
+    at = np.maximum(np.searchsorted(good, np.arange(values.size), side="right") - 1, 0)
+    return np.asarray(values[good[at]], dtype=np.float64)
