@@ -37,6 +37,7 @@ SKETCH_FILES = frozenset(
         "commissioning_words",
         "config",
         "console",
+        "converter",
         "cpu",
         "crc32",
         "device",

@@ -12,9 +12,10 @@ from gen.coefficients.protection import Protection
 from gen.coefficients.wiring import Wiring
 from gen.firmware.alarm_text import AlarmText, alarm_texts
 from gen.firmware.sketch.commissioning import CommissioningContext, commissioning_context
+from gen.firmware.sketch.converter import ConverterContext, converter_context
 from gen.firmware.sketch.drive import DriveContext, ObserveContext, drive_context, idle_timers, observe_context
 from gen.firmware.sketch.encoder import EncoderContext, encoder_context
-from gen.firmware.sketch.inputs import InputsContext, inputs_context
+from gen.firmware.sketch.inputs import InputsContext, converted_inputs, inputs_context
 from gen.firmware.sketch.memory import LatchContext, MemoryContext, latch_context, memory_context
 from gen.firmware.sketch.pin import Pin, pin_context
 from gen.firmware.sketch.rows import RowsContext, rows_context
@@ -29,7 +30,7 @@ _START_MS = 5000
 """How long the model's start waits for thermocouples that are not believed yet."""
 
 
-class DeviceContext(SensorsContext, InputsContext, RowsContext):
+class DeviceContext(SensorsContext, InputsContext, ConverterContext, RowsContext):
     """The whole sketch; a part that is not wired is empty or None."""
 
     cold_mK: int
@@ -65,6 +66,7 @@ def sketch_files(device: DeviceContext) -> dict[str, str]:
     modules = [*_ALWAYS]
     for module, wanted in (
         ("channels", device["channels"]),
+        ("converter", device["converted"]),
         ("thermocouples", device["chips"]),
         ("encoder", device["encoder"]),
         ("observer", device["observe"]),
@@ -103,6 +105,7 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
     sample_time, full_scale = program.model.sample_time, document.input.full_scale
     sample_ms = round(sample_time * 1000.0)
     sensors = sensors_context(coefficients, wiring.thermocouples, program, sample_ms)
+    inputs = inputs_context(wiring.channels, program, sample_ms, [])
     memory = memory_context(wiring, sensors, program, coefficients.sha256, sample_ms)
     entries = protections(document)
     driver = drive_context(drive, full_scale, sample_time) if drive else None
@@ -110,7 +113,8 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
     start_samples = max(2 * CONFIRMATIONS * sensors["read_samples"], math.ceil(_START_MS / sample_ms))
     return {
         **sensors,
-        **inputs_context(wiring.channels, program, sample_ms),
+        **inputs,
+        **converter_context(converted_inputs(inputs)),
         **rows_context(coefficients, wiring, sensors["chips"], protects=bool(entries)),
         "cold_mK": COLD_mK,
         "baud": wiring.serial_baud,
