@@ -53,6 +53,7 @@ SKETCH_FILES = frozenset(
         "relay",
         "selftest",
         "snapshot",
+        "supply",
         "thermocouples",
         "warm",
     ]

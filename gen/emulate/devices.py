@@ -101,6 +101,24 @@ class DeviceMega(EmulatedMega):
         """
         self._handle.call("watchdog_hz", hertz)
 
+    def supply_with(self, volts: float, *, reference_V: float = 1.1) -> None:
+        """Give the chip another supply, from now on; it computes on as ever, only its converter sees it.
+
+        Parameters
+        ----------
+        volts
+            5 until told otherwise.
+        reference_V
+            What this chip's own reference has.
+
+        Raises
+        ------
+        ValueError
+            Where there is no supply, or a reference of 8 V or more.
+        """
+        if volts <= 0.0 or self._handle.call("supply", round(volts * 1000.0), round(reference_V * 1000.0)):
+            raise ValueError(f"no chip has a supply of {volts:g} V and a reference of {reference_V:g} V")
+
     def add_boot_loader(self, program: bytes, address: int = 0x3E000) -> None:
         """Put a boot loader into flash: resets, and the first start, go there.
 

@@ -126,6 +126,17 @@ def _voltages(tree: Tree) -> None:
     tree["wiring"]["channels"] = inputs
 
 
+def _supplied(tree: Tree) -> None:
+    """A chip whose reference was measured, and two voltages beside it."""
+    _voltages(tree)
+    tree["wiring"]["supply"] = {"bandgap_mV": 1150}
+
+
+def _unmeasured_reference(tree: Tree) -> None:
+    """What a file says that knows nothing of its chip; nothing else is converted."""
+    tree["wiring"]["supply"] = {}
+
+
 def _autostart(tree: Tree) -> None:
     _profile(tree)
     tree["wiring"]["drive"]["profile"] |= {"repeat": True, "autostart": True}
@@ -211,6 +222,8 @@ FURTHER: Mapping[str, Callable[[Tree], None]] = {
     "foresighted": _foresighted,
     "locked": _locked,
     "watched": _watched,
+    "supplied": _supplied,
+    "unmeasured_reference": _unmeasured_reference,
 }
 """For a test or two of their own; wired as one of the others."""
 

@@ -11,6 +11,7 @@ from gen.coefficients.wiring.sensors import (
     Encoder,
     Thermocouple,
 )
+from gen.coefficients.wiring.supply import HYSTERESIS_mV, Supply
 
 __all__ = [
     "REGISTER_CHIPS",
@@ -20,10 +21,12 @@ __all__ = [
     "ChipName",
     "Drive",
     "Encoder",
+    "HYSTERESIS_mV",
     "Memory",
     "Observe",
     "Profile",
     "ProfileStep",
+    "Supply",
     "Thermocouple",
     "Wiring",
 ]

@@ -20,6 +20,7 @@ from gen.coefficients.wiring.pins import (
     roles,
 )
 from gen.coefficients.wiring.sensors import ChannelInput, Encoder, Thermocouple
+from gen.coefficients.wiring.supply import Supply
 
 
 class Memory(Part):
@@ -60,7 +61,15 @@ class Wiring(Part):
     drive: Drive | None = None
     observe: Observe | None = None
     memory: Annotated[Memory | None, Field(description="null: no copies.")] = Memory()
+    supply: Annotated[Supply | None, Field(description="Measure the board's own supply, for the cause supply_low.")] = (
+        None
+    )
     note: Note | None = None
+
+    @property
+    def own_supply(self) -> Supply:
+        """How the supply is measured where it is; of a file that says nothing what holds for every chip."""
+        return self.supply or Supply()
 
     @model_validator(mode="after")
     def _check(self) -> Wiring:

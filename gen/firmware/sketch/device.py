@@ -20,6 +20,7 @@ from gen.firmware.sketch.memory import LatchContext, MemoryContext, latch_contex
 from gen.firmware.sketch.pin import Pin, pin_context
 from gen.firmware.sketch.rows import RowsContext, rows_context
 from gen.firmware.sketch.sensors import SensorsContext, sensors_context
+from gen.firmware.sketch.supply import SupplyContext, supply_context, supply_input
 from gen.lowering.alarms import COLD_mK
 from gen.lowering.program import Program
 from gen.lowering.samples import samples
@@ -47,6 +48,7 @@ class DeviceContext(SensorsContext, InputsContext, ConverterContext, RowsContext
     latch: LatchContext | None
     commissioning: CommissioningContext | None
     relay: Pin | None
+    supply: SupplyContext | None
     protects: bool
     unseen: int
     timeout_samples: int
@@ -72,6 +74,7 @@ def sketch_files(device: DeviceContext) -> dict[str, str]:
         ("observer", device["observe"]),
         ("relay", device["relay"]),
         ("guard", device["protects"]),
+        ("supply", device["supply"]),
         ("memory", device["memory"]),
         ("snapshot", device["memory"]),
         ("warm", device["memory"]),
@@ -105,16 +108,18 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
     sample_time, full_scale = program.model.sample_time, document.input.full_scale
     sample_ms = round(sample_time * 1000.0)
     sensors = sensors_context(coefficients, wiring.thermocouples, program, sample_ms)
-    inputs = inputs_context(wiring.channels, program, sample_ms, [])
     memory = memory_context(wiring, sensors, program, coefficients.sha256, sample_ms)
     entries = protections(document)
+    reference = supply_input(entries)
+    inputs = inputs_context(wiring.channels, program, sample_ms, reference)
+    voltages = converted_inputs(inputs)
     driver = drive_context(drive, full_scale, sample_time) if drive else None
     lasting = any(entry.until != "itself" for entry in entries)
     start_samples = max(2 * CONFIRMATIONS * sensors["read_samples"], math.ceil(_START_MS / sample_ms))
     return {
         **sensors,
         **inputs,
-        **converter_context(converted_inputs(inputs)),
+        **converter_context([*voltages, *reference]),
         **rows_context(coefficients, wiring, sensors["chips"], protects=bool(entries)),
         "cold_mK": COLD_mK,
         "baud": wiring.serial_baud,
@@ -130,6 +135,7 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
         "latch": latch_context() if memory and (document.alarms or lasting) else None,
         "commissioning": commissioning_context(wiring, driver, program) if memory else None,
         "relay": pin_context(wiring.relay_pin, "$.wiring.relay_pin") if wiring.relay_pin is not None else None,
+        "supply": supply_context(wiring, len(voltages)) if reference else None,
         "protects": bool(entries),
         "unseen": _unseen(document, entries),
         "timeout_samples": samples(wiring.command_timeout_s or 0.0, sample_time),

@@ -52,7 +52,7 @@ class InputsContext(TypedDict):
 def inputs_context(
     wired: Sequence[ChannelInput], program: Program, sample_ms: int, others: Sequence[ConvertedInput]
 ) -> InputsContext:
-    """Describe the inputs of a wiring, in its order; a sample has so many ms, of which the converter's others take some."""
+    """Describe the inputs of a wiring, in its order; a sample has so many ms, of which `others` take some."""
     conversions = _conversions(sum(channel.analog_pin is not None for channel in wired), sample_ms, others)
     channels = _channels(wired, program, conversions)
     return {
