@@ -20,6 +20,7 @@ from gen.coefficients.references import (
     check_component_names,
     check_network_columns,
     check_provenance,
+    check_thermistor_limits,
     check_wiring_references,
     within,
 )
@@ -272,6 +273,8 @@ class Document(Part):
         if self.wiring is not None:
             check_wiring_references(self.wiring, names, self.ambient.channel, full_scale)
         check_alarm_references(self.alarms, names, full_scale, self.sample_time_s)
+        if self.wiring is not None:
+            check_thermistor_limits(self.alarms, self.wiring)
         check_protection(
             self.protection,
             self.alarms,

@@ -12,6 +12,7 @@ from gen.coefficients.wiring.sensors import (
     Thermocouple,
 )
 from gen.coefficients.wiring.supply import HYSTERESIS_mV, Supply
+from gen.coefficients.wiring.thermistor import ENDS_degC, Thermistor
 
 __all__ = [
     "REGISTER_CHIPS",
@@ -20,6 +21,7 @@ __all__ = [
     "ChannelInput",
     "ChipName",
     "Drive",
+    "ENDS_degC",
     "Encoder",
     "HYSTERESIS_mV",
     "Memory",
@@ -27,6 +29,7 @@ __all__ = [
     "Profile",
     "ProfileStep",
     "Supply",
+    "Thermistor",
     "Thermocouple",
     "Wiring",
 ]

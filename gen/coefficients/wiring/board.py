@@ -140,4 +140,4 @@ def _all_roles(wiring: Wiring) -> Iterator[Role]:
     for i, channel in enumerate(wiring.channels):
         yield from roles(channel, ("analog_pin", "contact_pin"), "channels", i, name=f"channel {channel.column}")
     for i, thermocouple in enumerate(wiring.thermocouples):
-        yield from roles(thermocouple, ("cs", "so", "sck", "sdi"), "thermocouples", i)
+        yield from roles(thermocouple, ("cs", "so", "sck", "sdi", "analog_pin"), "thermocouples", i)

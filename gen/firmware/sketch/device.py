@@ -19,7 +19,7 @@ from gen.firmware.sketch.inputs import InputsContext, converted_inputs, inputs_c
 from gen.firmware.sketch.memory import LatchContext, MemoryContext, latch_context, memory_context
 from gen.firmware.sketch.pin import Pin, pin_context
 from gen.firmware.sketch.rows import RowsContext, rows_context
-from gen.firmware.sketch.sensors import SensorsContext, sensors_context
+from gen.firmware.sketch.sensors import SensorsContext, sensors_context, thermistor_inputs
 from gen.firmware.sketch.supply import SupplyContext, supply_context, supply_input
 from gen.lowering.alarms import COLD_mK
 from gen.lowering.program import Program
@@ -107,19 +107,20 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
     drive, encoder, observe = wiring.drive, wiring.encoder, wiring.observe
     sample_time, full_scale = program.model.sample_time, document.input.full_scale
     sample_ms = round(sample_time * 1000.0)
-    sensors = sensors_context(coefficients, wiring.thermocouples, program, sample_ms)
+    first_input = sum(channel.analog_pin is not None for channel in wiring.channels)
+    sensors = sensors_context(coefficients, wiring.thermocouples, program, sample_ms, first_input)
     memory = memory_context(wiring, sensors, program, coefficients.sha256, sample_ms)
     entries = protections(document)
-    reference = supply_input(entries)
-    inputs = inputs_context(wiring.channels, program, sample_ms, reference)
-    voltages = converted_inputs(inputs)
+    thermistors, reference = thermistor_inputs(wiring.thermocouples), supply_input(entries)
+    inputs = inputs_context(wiring.channels, program, sample_ms, [*thermistors, *reference])
+    converted = [*converted_inputs(inputs), *thermistors, *reference]
     driver = drive_context(drive, full_scale, sample_time) if drive else None
     lasting = any(entry.until != "itself" for entry in entries)
     start_samples = max(2 * CONFIRMATIONS * sensors["read_samples"], math.ceil(_START_MS / sample_ms))
     return {
         **sensors,
         **inputs,
-        **converter_context([*voltages, *reference]),
+        **converter_context(converted),
         **rows_context(coefficients, wiring, sensors["chips"], protects=bool(entries)),
         "cold_mK": COLD_mK,
         "baud": wiring.serial_baud,
@@ -135,7 +136,7 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
         "latch": latch_context() if memory and (document.alarms or lasting) else None,
         "commissioning": commissioning_context(wiring, driver, program) if memory else None,
         "relay": pin_context(wiring.relay_pin, "$.wiring.relay_pin") if wiring.relay_pin is not None else None,
-        "supply": supply_context(wiring, len(voltages)) if reference else None,
+        "supply": supply_context(wiring, len(converted) - 1) if reference else None,
         "protects": bool(entries),
         "unseen": _unseen(document, entries),
         "timeout_samples": samples(wiring.command_timeout_s or 0.0, sample_time),
