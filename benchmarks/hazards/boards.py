@@ -20,7 +20,7 @@ PULSES = 20
 SEEN_S = 1.0
 """What a board may need, beyond a cause's delay, to see it and to act."""
 
-Kind = Literal["relay", "plain", "observing", "commissioned"]
+Kind = Literal["relay", "plain", "observing", "commissioned", "supplied", "unmeasured"]
 
 
 @dataclass(frozen=True)
@@ -76,6 +76,9 @@ def variant(kind: Kind) -> Variant:
             wiring["relay_pin"] = 12
     if kind == "commissioned":
         tree["protection"] = [{"cause": "not_commissioned", "action": "stop"}]
+    if kind in ("supplied", "unmeasured"):  # whether somebody measured the chip's reference
+        wiring["supply"] = {"bandgap_mV": 1100} if kind == "supplied" else {}
+        tree["protection"] = [{"cause": "supply_low", "delay_s": 1, "action": "stop"}]
     coefficients = parse(json.dumps(tree).encode())
     folder = cache_folder()
     folder.mkdir(parents=True, exist_ok=True)

@@ -131,6 +131,43 @@ def _reversing(scene: Scene) -> None:
         scene.wait(3.0)
 
 
+def _supplied(volts: float, reference_V: float) -> Script:
+    def script(scene: Scene) -> None:
+        scene.board.mega.supply_with(5.0, reference_V=reference_V)
+        scene.start()
+        scene.begins()
+        scene.board.mega.supply_with(volts, reference_V=reference_V)
+        scene.wait(RUN_S)
+
+    return script
+
+
+add("supply-low", "the board's own supply sags to 4.3 V and stays there", _supplied(4.3, 1.1), board="supplied")
+add(
+    "supply-unmeasured",
+    "the same, and nobody measured the chip's reference, which has 1.1 V",
+    _supplied(4.3, 1.1),
+    board="unmeasured",
+)
+add(
+    "supply-sound",
+    "a supply of 4.75 V is none; nobody measured the chip's reference, which has 1.2 V",
+    _supplied(4.75, 1.2),
+    board="unmeasured",
+)
+
+
+@hazard("supply-dips", "the board's own supply dips to 4 V for half a second, every 5 s", board="supplied")
+def _supply_dips(scene: Scene) -> None:
+    scene.start()
+    scene.begins()
+    for _ in range(12):
+        scene.board.mega.supply_with(4.0)
+        scene.wait(0.5)
+        scene.board.mega.supply_with(5.0)
+        scene.wait(4.5)
+
+
 @hazard("observed-limit", "another controller drives; the brush passes its limit", board="observing")
 def _observed_limit(scene: Scene) -> None:
     scene.start()

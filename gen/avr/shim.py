@@ -58,6 +58,7 @@ _SIGNATURES: dict[str, tuple[object, list[object]]] = {
     # pins.c
     "gen_mega_pin_drive": (_int, [_handle, _char, _u8, _int]),
     "gen_mega_adc": (_int, [_handle, _u8, _u32]),
+    "gen_mega_supply": (_int, [_handle, _u32, _u32]),
     "gen_mega_pin_read": (_int, [_handle, _char, _u8]),
     "gen_mega_probe_add": (_int, [_handle, _char, _u8]),
     "gen_mega_probe_length": (_size, [_handle, _u32]),

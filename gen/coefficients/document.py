@@ -20,6 +20,7 @@ from gen.coefficients.references import (
     check_component_names,
     check_network_columns,
     check_provenance,
+    check_thermistor_limits,
     check_wiring_references,
     within,
 )
@@ -37,6 +38,7 @@ SKETCH_FILES = frozenset(
         "commissioning_words",
         "config",
         "console",
+        "converter",
         "cpu",
         "crc32",
         "device",
@@ -52,6 +54,7 @@ SKETCH_FILES = frozenset(
         "relay",
         "selftest",
         "snapshot",
+        "supply",
         "thermocouples",
         "warm",
         "writing",
@@ -273,6 +276,8 @@ class Document(Part):
             check_wiring_references(self.wiring, names, self.ambient.channel, full_scale)
             self._check_zero(self.wiring)
         check_alarm_references(self.alarms, names, full_scale, self.sample_time_s)
+        if self.wiring is not None:
+            check_thermistor_limits(self.alarms, self.wiring)
         check_protection(
             self.protection,
             self.alarms,

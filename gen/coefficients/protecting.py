@@ -15,6 +15,8 @@ BLIND_S = 10.0
 TURNING_S = 60.0
 """So long a motor may run on at PWM 0, where the file says nothing: a flywheel, a fan."""
 OVERSPEED_S = 2.0
+SUPPLY_S = 1.0
+"""So long the board's supply may be low, where the file says nothing: a motor that starts pulls it down."""
 PAUSE_S = 15.0
 """So long a rotor that locks again soon has to stand, twice as long each further time, where the file says nothing."""
 
@@ -38,7 +40,7 @@ def protections(document: Document) -> tuple[Protection, ...]:
     """
     found = [*document.protection, *_of_rules(document)]
     named = {entry.cause for entry in document.protection}
-    found += [entry for entry in _of_wiring(document) if entry.cause not in named]
+    found += [entry for entry in (*_of_wiring(document), *_of_supply(document)) if entry.cause not in named]
     if len(found) > MOST_PROTECTIONS:
         raise InputError(
             f"with defaults there are {len(found)} causes, expected at most {MOST_PROTECTIONS}", place="$.protection"
@@ -129,6 +131,15 @@ def _of_wiring(document: Document) -> list[Protection]:
     if wiring.led_pin is not None:  # the data sheet promises no limits for the watchdog's oscillator
         found.append(Protection(cause="clock_check", action="led"))
     return found
+
+
+def _of_supply(document: Document) -> list[Protection]:
+    """Where the file has it measured it is told, also by a board that can stop nothing."""
+    wiring = document.wiring
+    if wiring is None or wiring.supply is None:
+        return []
+    action: Action = "log" if wiring.led_pin is None else "led"
+    return [Protection(cause="supply_low", delay_s=SUPPLY_S, action=action)]
 
 
 def _stops(rule: AlarmRule) -> bool:

@@ -27,10 +27,11 @@ Cause = Literal[
     "clock_check",
     "eeprom_check",
     "not_commissioned",
+    "supply_low",
 ]
 """An alarm rule that is raised; thermocouples whose samples are not believed, or were not since the start; what the
 encoder says; what the model says of the time to come; the sketch's own time, line and self tests; nobody has
-commissioned this wiring."""
+commissioned this wiring; the board's own supply."""
 
 Action = Literal["log", "led", "derate", "stop", "open_relay"]
 """An event on the serial line; the LED; a lower PWM; PWM 0; the relay's opening: each beside those before it."""

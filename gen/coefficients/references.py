@@ -5,7 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from gen.coefficients.alarms import MOST_SAMPLES, MOST_WEIGHT, AlarmRule, MissingHeat, ModelRule, window_counts
+from gen.coefficients.alarms import (
+    MOST_SAMPLES,
+    MOST_WEIGHT,
+    AlarmRule,
+    MissingHeat,
+    ModelRule,
+    OverTemperature,
+    window_counts,
+)
 from gen.coefficients.base import fault, listed, ordered
 from gen.coefficients.provenance import Provenance
 from gen.coefficients.wiring import Wiring
@@ -61,6 +69,20 @@ def check_alarm_references(
         _check_earlier(alarm, i, [rule.name for rule in alarms[:i]])
         _check_relative(alarm, i, names)
         _check_weights(alarm, i, names)
+
+
+def check_thermistor_limits(alarms: Sequence[AlarmRule], wiring: Wiring) -> None:
+    """Check that no limit is where a part's thermistor tells a temperature no more than coarsely, or not at all."""
+    hottest = {one.channel: one.range_degC[1] for one in wiring.thermocouples if one.chip == "NTC"}
+    for i, alarm in enumerate(alarms):
+        if isinstance(alarm, OverTemperature) and alarm.limit_degC > hottest.get(alarm.component, alarm.limit_degC):
+            raise fault(
+                f"found {alarm.limit_degC:g}, expected at most {hottest[alarm.component]:.4g}: above it a step of the "
+                "converter is more than 1 K of this part's NTC; a smaller series_ohm tells more of the heat",
+                "alarms",
+                i,
+                "limit_degC",
+            )
 
 
 def _check_thermocouples(wiring: Wiring, names: list[str], ambient: str | None) -> None:

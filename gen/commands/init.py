@@ -121,7 +121,10 @@ def _told(wiring: Wiring | None, rules: Sequence[RuleDraft] | None) -> list[str]
     if wiring is None:
         told.append("wiring: kept as it is")
     else:
-        chips = ", ".join(f"{chip.channel} (CS {chip.cs})" for chip in wiring.thermocouples)
+        chips = ", ".join(
+            f"{chip.channel} ({f'pin {chip.analog_pin}' if chip.chip == 'NTC' else f'CS {chip.cs}'})"
+            for chip in wiring.thermocouples
+        )
         told.append(f"thermocouples: {chips}")
         told += [f"channel {channel.column}: analog pin {channel.analog_pin}" for channel in wiring.channels]
         told += [f"encoder: pin {wiring.encoder.pin}"] if wiring.encoder is not None else []

@@ -7,6 +7,7 @@ from typing import Literal
 
 from gen.coefficients.wiring import Wiring
 from gen.emulate.devices import DeviceMega
+from gen.emulate.divider import Divider
 from gen.emulate.led import shown_now
 from gen.emulate.levels import Edges
 from gen.emulate.max6675 import Max6675
@@ -45,8 +46,8 @@ class Board:
         self.mega = DeviceMega(elf, cache)
         self.wiring = wiring
         self._plant = plant
-        self.thermocouples: dict[str, Max6675 | RegisterChip] = {
-            chip.channel: self.mega.add_chip(chip.chip, chip.cs, chip.so, chip.sck, chip.sdi)
+        self.thermocouples: dict[str, Max6675 | RegisterChip | Divider] = {
+            chip.channel: self.mega.add_chip(chip.chip, chip.cs, chip.so, chip.sck, chip.sdi, chip.analog_pin)
             for chip in wiring.thermocouples
         }
         if wiring.encoder is not None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from gen.avr.simulator import FREQUENCY_HZ, EmulatedMega
 from gen.coefficients.wiring import ChipName
+from gen.emulate.divider import Divider
 from gen.emulate.eeprom import Eeprom
 from gen.emulate.levels import Pins
 from gen.emulate.max6675 import CONVERSION_S, Max6675
@@ -50,13 +51,27 @@ class DeviceMega(EmulatedMega):
         self.pins = Pins(self._handle, self.memory)
         self.encoder = EncoderPulses(self._handle)
         self.eeprom = Eeprom(self._handle)
+        self._dividers: list[Divider] = []
 
     def add_max6675(self, cs: int, so: int, sck: int, *, conversion_s: float = CONVERSION_S) -> Max6675:
         """Connect a MAX6675 to three pins; raises as `Max6675`."""
         return Max6675(self._handle, cs, so, sck, conversion_s=conversion_s)
 
-    def add_chip(self, chip: ChipName, cs: int, so: int, sck: int, sdi: int | None = None) -> Max6675 | RegisterChip:
-        """Connect a converter of any kind, `sdi` where it has one; raises as `Max6675`."""
+    def add_chip(
+        self,
+        chip: ChipName,
+        cs: int | None,
+        so: int | None,
+        sck: int | None,
+        sdi: int | None = None,
+        analog: int | None = None,
+    ) -> Max6675 | RegisterChip | Divider:
+        """Connect a sensor of any kind: its chip's lines, or a thermistor's pin; raises as `Max6675`."""
+        if chip == "NTC":
+            assert analog is not None
+            self._dividers.append(Divider(self._handle, analog))
+            return self._dividers[-1]
+        assert cs is not None and so is not None and sck is not None
         if chip == "MAX6675":
             return self.add_max6675(cs, so, sck)
         if chip == "MAX31855":
@@ -100,6 +115,26 @@ class DeviceMega(EmulatedMega):
             Of the oscillator; 128 000 until told otherwise. That the clock is off looks the same to the firmware.
         """
         self._handle.call("watchdog_hz", hertz)
+
+    def supply_with(self, volts: float, *, reference_V: float = 1.1) -> None:
+        """Give the chip another supply, from now on; it computes on as ever, only its converter sees it.
+
+        Parameters
+        ----------
+        volts
+            5 until told otherwise.
+        reference_V
+            What this chip's own reference has.
+
+        Raises
+        ------
+        ValueError
+            Where there is no supply, or a reference of 8 V or more.
+        """
+        if volts <= 0.0 or self._handle.call("supply", round(volts * 1000.0), round(reference_V * 1000.0)):
+            raise ValueError(f"no chip has a supply of {volts:g} V and a reference of {reference_V:g} V")
+        for divider in self._dividers:
+            divider.supply_with(volts)
 
     def add_boot_loader(self, program: bytes, address: int = 0x3E000) -> None:
         """Put a boot loader into flash: resets, and the first start, go there.

@@ -12,6 +12,7 @@ from gen.avr.simulator import EmulatedMega
 from gen.coefficients.document import Document
 from gen.coefficients.protecting import protections
 from gen.emulate.board import Board
+from gen.emulate.divider import Divider
 from gen.emulate.led import Seen, read_led
 from gen.emulate.session import Session
 from gen.record import Part
@@ -130,7 +131,11 @@ def summary(results: Results, board: Board, session: Session, settings: dict[str
             "awake_share": round(1.0 - mega.asleep / mega.cycle, 6),
             "stack_bytes": deepest_stack(mega),
             "pulses": mega.encoder.sent,
-            "thermocouples": {name: asdict(chip.counts) for name, chip in board.thermocouples.items()},
+            "thermocouples": {
+                name: asdict(chip.counts)
+                for name, chip in board.thermocouples.items()
+                if not isinstance(chip, Divider)  # a voltage does not know who looks at it
+            },
             "eeprom": asdict(mega.eeprom.counts),
         },
     }

@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gen.coefficients import Coefficients, load
-from gen.coefficients.wiring import Wiring
+from gen.coefficients.wiring import Thermocouple, Wiring
 from gen.emulate.options import parse_sensor_faults, parse_signal, parse_start, parse_told
 from gen.emulate.plant import Changeable, Ran
 from gen.emulate.rig import TOLD, RigPlant, has_parts, kind_of
 from gen.errors import InputError
 from gen.rig import NODES, Fault, MotorConfig, sensors, warm_start
 from gen.rig import Profile as RigProfile
-from gen.rig.chips import Converter
+from gen.rig.chips import Converter, Ntc
 from gen.rig.signals import Signal, value
 
 if TYPE_CHECKING:
@@ -194,9 +194,18 @@ def _surroundings(scenario: Scenario) -> tuple[Signal, Mapping[str, Signal]]:
 def converters(wiring: Wiring) -> dict[str, Converter]:
     """Give the chip of each channel, as the simulated sensors have it."""
     return {
-        chip.channel: Converter(chip.chip, *chip.resistor_ohm, three_wires=chip.wires == 3)
+        chip.channel: Converter(
+            chip.chip, *chip.resistor_ohm, three_wires=chip.wires == 3, thermistor=_thermistor(chip)
+        )
         for chip in wiring.thermocouples
     }
+
+
+def _thermistor(chip: Thermocouple) -> Ntc | None:
+    if chip.chip != "NTC":
+        return None
+    own = chip.thermistor
+    return Ntc(own.a, own.b, own.c, own.series_ohm, to_supply=own.to_supply)
 
 
 def _pulses(wiring: Wiring) -> int:

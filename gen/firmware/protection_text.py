@@ -5,6 +5,7 @@ from __future__ import annotations
 from gen.coefficients.document import Document
 from gen.coefficients.protecting import cooling_part, watched_channels
 from gen.coefficients.protection import Action, Cause, Protection
+from gen.coefficients.wiring import Supply
 from gen.lowering.protection import FORGOTTEN_S
 
 _CAUSES: dict[Cause, str] = {
@@ -72,4 +73,7 @@ def _cause(document: Document, entry: Protection) -> str:
         return f"no believed sample of {' or '.join(watched_channels(document))} since the start"
     if entry.cause == "too_few_sensors":
         return f"fewer than {entry.least} parts with a believed sample"
+    if entry.cause == "supply_low":
+        supply = document.wiring.own_supply if document.wiring is not None else Supply()
+        return f"less than {supply.limit_mV:g} mV at the board's own supply, against {supply.reference_mV:g} mV"
     return _CAUSES[entry.cause]

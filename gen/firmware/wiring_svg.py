@@ -52,8 +52,14 @@ def parts(device: DeviceContext) -> list[Part]:
     device
         What :func:`gen.firmware.sketch.device.device_context` made.
     """
-    found = []
+    found: list[Part] = []
     for chip in device["chips"]:
+        if chip["analog"] is not None:
+            ends = ("5 V", "GND") if chip["to_supply"] else ("GND", "5 V")
+            titles = (f"NTC: {chip['channel']}", f"{chip['series']} ohm, for {chip['channel']}")
+            middle = Terminal("1", chip["analog"]["label"])
+            found += [Part(title, (middle, Terminal("2", end))) for title, end in zip(titles, ends, strict=True)]
+            continue
         signals = [Terminal(key.upper(), pin["label"]) for key, pin in chip["lines"].items()]
         supply = [Terminal("VCC", "5 V"), Terminal("GND", "GND")]
         found.append(Part(f"{chip['converter']}: {chip['channel']}", (*signals, *supply)))

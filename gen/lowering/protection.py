@@ -33,6 +33,7 @@ DEVICE: Final = (
     "sensor_unseen",
     "cpu_check",
     "clock_check",
+    "supply_low",
 )
 """Causes that the sketch finds by itself; bit b of the word `device` is the b-th."""
 

@@ -7,16 +7,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gen.coefficients import Coefficients, Document
-from gen.coefficients.wiring import CHIP_RANGES_degC, Thermocouple
+from gen.coefficients.wiring import Thermocouple
 from gen.lowering.platinum import counts_at
+from gen.lowering.thermistor import fine_at, sound_sums
 
 COUNT_K = 0.25
 """What one count is, in K: a MAX6675's and a MAX31855's own; finer words are rounded to it."""
 COUNT_mK = 250
 LONGEST_SAMPLES = 9000
 """Samples after which every count of any chip is within reach of every other."""
-CONVERSION_MS = {"MAX6675": 220, "MAX31855": 100, "MAX31856": 185, "MAX31865": 66}
-"""Longest conversion by chip (data sheets, at 50 Hz); a MAX6675's starts anew with every reading."""
+CONVERSION_MS = {"MAX6675": 220, "MAX31855": 100, "MAX31856": 185, "MAX31865": 66, "NTC": 140}
+"""Longest conversion by chip (data sheets, at 50 Hz); a MAX6675's starts anew with every reading. An NTC shares the
+Mega's converter, whose round over all inputs that a board can have lasts so long."""
 NOISE_COUNTS = 4
 """What two samples of a constant temperature may differ by: 1 K, twice the scatter that users of the chip report."""
 CONFIRMATIONS = 4
@@ -61,6 +63,12 @@ class SensorLimits:
         Of a MAX31865: counts at ratios of its resistors, see :func:`gen.lowering.platinum.counts_at`.
     configuration
         Of a MAX31865: what its first register holds when it works.
+    thermistor
+        Of an NTC: 64ths of a degree at sums of conversions, see :func:`gen.lowering.thermistor.fine_at`.
+    sums
+        Of an NTC: the least and the largest sound sum.
+    to_supply
+        Of an NTC: whether a broken wire shows at ground.
     """
 
     channel: str
@@ -72,6 +80,9 @@ class SensorLimits:
     chip: str = "MAX6675"
     platinum: tuple[int, ...] = ()
     configuration: int = 0
+    thermistor: tuple[int, ...] = ()
+    sums: tuple[int, int] = (0, 0)
+    to_supply: bool = False
 
 
 def conversion_ms(wired: Sequence[Thermocouple]) -> int:
@@ -108,7 +119,8 @@ def _limits(document: Document, wired: Thermocouple) -> SensorLimits:
     highest = wired.max_degC if wired.max_degC is not None else domain[1] + above
     everything = document.wiring.thermocouples if document.wiring else ()
     interval_s = reading_samples(document.sample_time_s, conversion_ms(everything)) * document.sample_time_s
-    ends = CHIP_RANGES_degC[wired.chip]
+    ends = wired.range_degC
+    thermistor = wired.thermistor if wired.chip == "NTC" else None
     stuck_s = wired.stuck_s if wired.stuck_s is not None else (_STUCK_S if modelled else 0.0)
     stuck_K = wired.stuck_K if wired.stuck_K is not None else (_STUCK_K if modelled else 0.0)
     return SensorLimits(
@@ -121,4 +133,7 @@ def _limits(document: Document, wired: Thermocouple) -> SensorLimits:
         chip=wired.chip,
         platinum=counts_at(*wired.resistor_ohm) if wired.chip == "MAX31865" else (),
         configuration=(_THREE_WIRES if wired.wires == 3 else _OTHER_WIRES) if wired.chip == "MAX31865" else 0,
+        thermistor=fine_at(thermistor) if thermistor is not None else (),
+        sums=sound_sums(thermistor) if thermistor is not None else (0, 0),
+        to_supply=thermistor is not None and thermistor.to_supply,
     )

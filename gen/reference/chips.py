@@ -7,6 +7,8 @@ from enum import IntEnum
 
 from gen.lowering.platinum import HIGHEST_COUNTS, LOWEST_COUNTS, SEGMENT_BITS
 from gen.lowering.sensors import SensorLimits
+from gen.lowering.thermistor import FINE_BITS, MOST_SUM
+from gen.lowering.thermistor import SEGMENT_BITS as SUM_BITS
 
 
 class SensorCode(IntEnum):
@@ -37,7 +39,7 @@ def decoded(limits: SensorLimits, word: int) -> Decoded:
     word
         32 bits. MAX6675: its 16 bits below, and above them the 16 that come when it is clocked on. MAX31855: its 32.
         MAX31856: temperature (24) and fault register (8); all ones if it does not hold its configuration. MAX31865:
-        configuration (8) and resistance (16).
+        configuration (8) and resistance (16). NTC: a sum of 16 conversions; all ones if there was none.
     """
     return _CHIPS[limits.chip](limits, word)
 
@@ -95,6 +97,20 @@ def _max31865(limits: SensorLimits, word: int) -> Decoded:
     return (SensorCode.OPEN if word & 1 or outside else SensorCode.OK), counts
 
 
+def _ntc(limits: SensorLimits, word: int) -> Decoded:
+    least, largest = limits.sums
+    if word > MOST_SUM:
+        return SensorCode.ONES, 0
+    if word < least:
+        return (SensorCode.OPEN if limits.to_supply else SensorCode.ZEROS), 0
+    if word > largest:
+        return (SensorCode.ONES if limits.to_supply else SensorCode.OPEN), 0
+    at, within = word >> SUM_BITS, word & (1 << SUM_BITS) - 1
+    low, high = limits.thermistor[at], limits.thermistor[at + 1]
+    fine = low + ((high - low) * within >> SUM_BITS)
+    return SensorCode.OK, fine + (1 << FINE_BITS - 1) >> FINE_BITS
+
+
 def _signed(value: int, bits: int) -> int:
     return value - (1 << bits) if value >> bits - 1 else value
 
@@ -104,4 +120,5 @@ _CHIPS: dict[str, Callable[[SensorLimits, int], Decoded]] = {
     "MAX31855": _max31855,
     "MAX31856": _max31856,
     "MAX31865": _max31865,
+    "NTC": _ntc,
 }

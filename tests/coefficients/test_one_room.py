@@ -66,8 +66,9 @@ OTHER_FORMATS = {
     "firmware/contexts/network.py": {"constant", "heats", "note"},
     "firmware/contexts/network_words.py": {"note"},
     "firmware/contexts/effects.py": {"name", "heats"},
-    "firmware/sketch/device.py": {"channels", "encoder", "observe", "memory"},
+    "firmware/sketch/device.py": {"channels", "encoder", "observe", "memory", "supply", "zero"},
     "firmware/sketch/drive.py": {"direction"},
+    "firmware/sketch/inputs.py": {"pin"},
     "firmware/sketch/rows.py": {"ambient"},
     "firmware/sketch/sensors.py": {"column"},
     "firmware/effects_report.py": {"effects"},
@@ -78,6 +79,8 @@ OTHER_FORMATS = {
     "fleet/common.py": {"constant", "paths"},
     "fleet/run_bytes.py": {"ambient", "components", "version"},
     "fleet/store.py": {"memory"},
+    # a word of a file, and no key: what a negative gain is taken as
+    "model/dynamics.py": {"zero"},
     # a frame's attributes, parameters of an optimiser, fields of the study's targets, the rig's own paths, columns of a
     # verification
     "interface/files.py": {"name"},

@@ -51,7 +51,8 @@ def test_the_tables_have_every_cause_and_key_and_the_page_every_action() -> None
 
 def test_the_defaults_are_those_that_the_table_says() -> None:
     said = {cause: text for cell, text in rows("| `cause` |").items() for cause in re.findall(r"`(\w+)`", cell)}
-    document = parse(json.dumps(my1016({"relay_pin": 12, "command_timeout_s": 20})).encode()).document
+    wired = {"relay_pin": 12, "command_timeout_s": 20, "supply": {}}
+    document = parse(json.dumps(my1016(wired)).encode()).document
     found = protections(document)
     for entry in found:
         text = said[entry.cause]

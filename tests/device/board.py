@@ -54,7 +54,7 @@ class Board(DeviceMega):
         super().__init__(elf, cache)
         wiring = coefficients.document.wiring if coefficients else None
         self.chips = {
-            chip.channel: self.add_chip(chip.chip, chip.cs, chip.so, chip.sck, chip.sdi)
+            chip.channel: self.add_chip(chip.chip, chip.cs, chip.so, chip.sck, chip.sdi, chip.analog_pin)
             for chip in (wiring.thermocouples if wiring else ())
         }
         self._converters = converters(wiring) if wiring else {}

@@ -100,8 +100,8 @@ def test_the_converter_is_off_while_nothing_is_converted(power_up: Open) -> None
 @pytest.mark.parametrize("frequency_hz", [490.2, 976.6])
 def test_a_chopped_current_is_measured_over_whole_periods(built: Callable[..., Path], frequency_hz: float) -> None:
     """The driver's PWM on a current sensor, at any duty and phase; conversions follow each other every 112 us."""
-    source = (built("voltages").parent / "src" / "channels.cpp").read_text()
-    (conversions,) = [int(found) for found in re.findall(r"CONVERSIONS = (\d+);", source)]
+    source = (built("voltages").parent / "src" / "converter.cpp").read_text()
+    (conversions,) = {int(found) for found in re.findall(r" (\d+)\},  // \$\.wiring\.channels", source)}
     choose = np.random.default_rng(1)
     duty, phase = choose.uniform(0.0, 1.0, (2, 2000, 1))
     cycles = frequency_hz * 112e-6 * np.arange(conversions) + phase

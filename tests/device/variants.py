@@ -126,6 +126,46 @@ def _voltages(tree: Tree) -> None:
     tree["wiring"]["channels"] = inputs
 
 
+def _supplied(tree: Tree) -> None:
+    """A chip whose reference was measured, and two voltages beside it."""
+    _voltages(tree)
+    tree["wiring"]["supply"] = {"bandgap_mV": 1150}
+
+
+def _unmeasured_reference(tree: Tree) -> None:
+    """What a file says that knows nothing of its chip; nothing else is converted."""
+    tree["wiring"]["supply"] = {}
+
+
+#: What a data sheet says of a usual 10 kOhm bead.
+BEAD = {"chip": "NTC", "r25_ohm": 10000, "beta_K": 3950, "series_ohm": 2200, "min_degC": -20, "max_degC": 140}
+#: Its neighbour's three numbers, at the supply.
+OTHER_BEAD = {
+    "chip": "NTC",
+    "steinhart_hart": [1.129148e-3, 2.34125e-4, 8.76741e-8],
+    "series_ohm": 1000,
+    "thermistor_to": "supply",
+}
+
+
+def _thermistors(tree: Tree) -> None:
+    """Two NTCs beside MAX6675s and a voltage; their limits are within what they tell."""
+    wired = tree["wiring"]["thermocouples"]
+    wired[0] = {"channel": "brush", "analog_pin": 55, **BEAD}
+    wired[3] = {"channel": "casing", "analog_pin": 57, **OTHER_BEAD}
+    tree["wiring"]["channels"] = [{"column": "a_V", "analog_pin": 56}]
+    tree["wiring"]["supply"] = {"bandgap_mV": 1100}
+
+
+def _thermistors_alone(tree: Tree) -> None:
+    """No chip, and so no line of one; the second of the same kind needs no table of its own."""
+    channels = CHANNELS[:2] + CHANNELS[4:]
+    tree["wiring"]["thermocouples"] = [
+        {"channel": channel, "analog_pin": 54 + number, **BEAD} for number, channel in enumerate(channels)
+    ]
+    tree["alarms"] = []
+
+
 def _autostart(tree: Tree) -> None:
     _profile(tree)
     tree["wiring"]["drive"]["profile"] |= {"repeat": True, "autostart": True}
@@ -230,6 +270,10 @@ FURTHER: Mapping[str, Callable[[Tree], None]] = {
     "watched": _watched,
     "zeroed": _zeroed,
     "zeroed_by_command": _zeroed_by_command,
+    "supplied": _supplied,
+    "thermistors": _thermistors,
+    "thermistors_alone": _thermistors_alone,
+    "unmeasured_reference": _unmeasured_reference,
 }
 """For a test or two of their own; wired as one of the others."""
 

@@ -1,5 +1,6 @@
 #include "mega.h"
 
+#include "analog.h"
 #include "counter.h"
 #include "eeprom.h"
 #include "encoder.h"
@@ -27,7 +28,7 @@
 /* In the order in which they are asked. */
 static const struct part *const parts[] = {
 	&mega_pins_part,    &mega_uart_part,    &mega_mailbox_part, &mega_chips_part, &mega_register_chips_part, &mega_counter_part,
-	&mega_encoder_part, &mega_waves_part,   &mega_eeprom_part,  NULL,
+	&mega_encoder_part, &mega_waves_part,   &mega_eeprom_part,  &mega_analog_part,  NULL,
 };
 
 static struct gen_mega *of(const avr_t *avr)

@@ -5,7 +5,6 @@
  */
 #include "pins.h"
 
-#include <simavr/avr_adc.h>
 #include <simavr/avr_extint.h>
 #include <simavr/avr_ioport.h>
 
@@ -68,16 +67,6 @@ int gen_mega_pin_drive(struct gen_mega *mega, char port, uint8_t bit, int level)
 	if (!port_of(mega, pin))
 		return -1;
 	mega_drive(mega, pin, level);
-	return 0;
-}
-
-int gen_mega_adc(struct gen_mega *mega, uint8_t input, uint32_t millivolts)
-{
-	avr_t *avr = mega->avr;
-	if (input > ADC_IRQ_ADC15)
-		return -1;
-	avr->vcc = avr->avcc = avr->aref = 5000;
-	avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0 + input), millivolts);
 	return 0;
 }
 

@@ -17,9 +17,6 @@ void mega_drive(struct gen_mega *mega, struct pin pin, int level); /* level 0 or
 
 int gen_mega_pin_drive(struct gen_mega *mega, char port, uint8_t bit, int level);
 
-/* A voltage at an input of the converter, 0..15, whose reference is the supply of 5 V. */
-int gen_mega_adc(struct gen_mega *mega, uint8_t input, uint32_t millivolts);
-
 /* Bit 0: the level, bit 1: the firmware drives it, bit 2: the firmware's port bit. -1 when there is no such pin. */
 int gen_mega_pin_read(const struct gen_mega *mega, char port, uint8_t bit);
 

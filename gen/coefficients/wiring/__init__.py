@@ -11,6 +11,8 @@ from gen.coefficients.wiring.sensors import (
     Encoder,
     Thermocouple,
 )
+from gen.coefficients.wiring.supply import HYSTERESIS_mV, Supply
+from gen.coefficients.wiring.thermistor import ENDS_degC, Thermistor
 
 __all__ = [
     "REGISTER_CHIPS",
@@ -19,11 +21,15 @@ __all__ = [
     "ChannelInput",
     "ChipName",
     "Drive",
+    "ENDS_degC",
     "Encoder",
+    "HYSTERESIS_mV",
     "Memory",
     "Observe",
     "Profile",
     "ProfileStep",
+    "Supply",
+    "Thermistor",
     "Thermocouple",
     "Wiring",
     "Zero",

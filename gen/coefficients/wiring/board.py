@@ -20,6 +20,7 @@ from gen.coefficients.wiring.pins import (
     roles,
 )
 from gen.coefficients.wiring.sensors import ChannelInput, Encoder, Thermocouple
+from gen.coefficients.wiring.supply import Supply
 
 
 class Memory(Part):
@@ -77,7 +78,15 @@ class Wiring(Part):
     observe: Observe | None = None
     memory: Annotated[Memory | None, Field(description="null: no copies.")] = Memory()
     zero: Annotated[Zero | None, Field(description="Sensors' offsets are learnt while the motor is cold.")] = None
+    supply: Annotated[Supply | None, Field(description="Measure the board's own supply, for the cause supply_low.")] = (
+        None
+    )
     note: Note | None = None
+
+    @property
+    def own_supply(self) -> Supply:
+        """How the supply is measured where it is; of a file that says nothing what holds for every chip."""
+        return self.supply or Supply()
 
     @model_validator(mode="after")
     def _check(self) -> Wiring:
@@ -148,4 +157,4 @@ def _all_roles(wiring: Wiring) -> Iterator[Role]:
     for i, channel in enumerate(wiring.channels):
         yield from roles(channel, ("analog_pin", "contact_pin"), "channels", i, name=f"channel {channel.column}")
     for i, thermocouple in enumerate(wiring.thermocouples):
-        yield from roles(thermocouple, ("cs", "so", "sck", "sdi"), "thermocouples", i)
+        yield from roles(thermocouple, ("cs", "so", "sck", "sdi", "analog_pin"), "thermocouples", i)

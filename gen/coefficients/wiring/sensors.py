@@ -8,17 +8,19 @@ from pydantic import Field, model_validator
 
 from gen.coefficients.base import Celsius, Note, NotNegative, Part, Positive, fault
 from gen.coefficients.wiring.pins import COUNTER_PIN, INTERRUPT_PINS, Pin
+from gen.coefficients.wiring.thermistor import ENDS_degC, Thermistor
 from gen.model.dynamics import MAX_PWM
 
-ChipName = Literal["MAX6675", "MAX31855", "MAX31856", "MAX31865"]
-"""What turns a sensor's voltage or resistance into a word."""
+ChipName = Literal["MAX6675", "MAX31855", "MAX31856", "MAX31865", "NTC"]
+"""What turns a sensor's voltage or resistance into a word; a thermistor's is the Mega's own converter."""
 CHIP_RANGES_degC: dict[str, tuple[float, float]] = {
     "MAX6675": (0.0, 1023.75),
     "MAX31855": (-270.0, 1372.0),
     "MAX31856": (-210.0, 1372.0),
     "MAX31865": (-200.0, 850.0),
+    "NTC": ENDS_degC,
 }
-"""What the words of a chip can mean with a thermocouple of type K, or a platinum resistor."""
+"""What the words of a chip can mean with a thermocouple of type K, a platinum resistor, or any thermistor."""
 REGISTER_CHIPS = frozenset(["MAX31856", "MAX31865"])
 """Those that have to be told what to do, over a line of their own."""
 SUPPLY_V = 5.0
@@ -27,6 +29,9 @@ MOST_VALUE = 1e5
 """No channel's value is larger, in its unit."""
 LEAST_PER_V = 1e-3
 """The board holds thousandths of the unit."""
+_SPI = ("cs", "so", "sck")
+_PLATINUM = ("rtd_ohm", "reference_ohm", "wires")
+_DIVIDER = ("analog_pin", "r25_ohm", "beta_K", "steinhart_hart", "series_ohm", "thermistor_to")
 
 
 class Thermocouple(Part):
@@ -39,14 +44,14 @@ class Thermocouple(Part):
             "logged, and told to effects."
         ),
     ]
-    cs: Pin
-    so: Pin
-    sck: Pin
+    cs: Annotated[Pin | None, Field(description="Of a chip; like so and sck needed unless it is an NTC.")] = None
+    so: Pin | None = None
+    sck: Pin | None = None
     chip: Annotated[
         ChipName,
         Field(
             description="MAX6675 (from 0 degC on) or MAX31855: thermocouple of type K. MAX31856: the same, with "
-            "registers. MAX31865: platinum resistor."
+            "registers. MAX31865: platinum resistor. NTC: a thermistor on an analog pin, without a chip."
         ),
     ] = "MAX6675"
     sdi: Annotated[
@@ -60,6 +65,29 @@ class Thermocouple(Part):
         Field(ge=100, le=100_000, description="Of a MAX31865: its reference resistor; without it 4.3 times rtd_ohm."),
     ] = None
     wires: Annotated[Literal[2, 3, 4] | None, Field(description="Of a MAX31865: to the resistor; without it 4.")] = None
+    analog_pin: Annotated[
+        Pin | None, Field(ge=54, description="Of an NTC: A0..A15, between the thermistor and its resistor.")
+    ] = None
+    r25_ohm: Annotated[float | None, Field(ge=100, le=1e6, description="Of an NTC: its resistance at 25 degC.")] = None
+    beta_K: Annotated[
+        float | None, Field(ge=1000, le=8000, description="Of an NTC, with r25_ohm: B of its data sheet.")
+    ] = None
+    steinhart_hart: Annotated[
+        tuple[
+            Annotated[float, Field(ge=-0.1, le=0.1)],
+            Annotated[float, Field(ge=1e-5, le=1e-2)],
+            Annotated[float, Field(ge=0, le=1e-5)],
+        ]
+        | None,
+        Field(description="Of an NTC, instead of both: A, B, C of 1/T = A + B ln R + C (ln R)^3, in K and ohm."),
+    ] = None
+    series_ohm: Annotated[
+        float | None, Field(ge=100, le=1e5, description="Of an NTC: the other resistor, on the supply's 5 V or ground.")
+    ] = None
+    thermistor_to: Annotated[
+        Literal["ground", "supply"] | None,
+        Field(description="Of an NTC: where its other end is; its resistor is at the other. Without it ground."),
+    ] = None
     min_degC: Annotated[
         Celsius | None,
         Field(description="Lowest plausible temperature; without it the domain's lowest (ambient: 10 K less)."),
@@ -93,20 +121,67 @@ class Thermocouple(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Thermocouple:
-        lowest, highest = CHIP_RANGES_degC[self.chip]
+        self._check_keys()
+        lowest, highest = self.range_degC
         if self.max_degC is not None and not lowest < self.max_degC <= highest:
             raise fault(
                 f"found {self.max_degC:g}, expected at most {highest:g}, which is where a {self.chip} ends", "max_degC"
             )
-        if (self.sdi is None) == (self.chip in REGISTER_CHIPS):
-            needs = "expected the pin of its SDI" if self.sdi is None else "which has no such line; expected none"
-            raise fault(f"the chip is a {self.chip}: {needs}", "sdi")
-        for key in ("rtd_ohm", "reference_ohm", "wires"):
-            if getattr(self, key) is not None and self.chip != "MAX31865":
-                raise fault(f"the chip is a {self.chip}; only a MAX31865 measures a resistor", key)
         if self.min_degC is not None and self.max_degC is not None and self.min_degC >= self.max_degC:
             raise fault(f"found {self.max_degC:g}, expected more than min_degC, which is {self.min_degC:g}", "max_degC")
         return self
+
+    def _check_keys(self) -> None:
+        """Each chip has the keys that it needs, and no other's."""
+        is_ntc = self.chip == "NTC"
+        for key in ("analog_pin", "series_ohm") if is_ntc else _SPI:
+            if getattr(self, key) is None:
+                raise fault(f'missing key "{key}"')
+        for key in _SPI if is_ntc else _DIVIDER:
+            if getattr(self, key) is not None:
+                expected = "which has no such line; expected none" if is_ntc else "only an NTC has it"
+                raise fault(f"the chip is {self._a_chip}: {expected}", key)
+        if is_ntc:
+            self._check_curve()
+        if (self.sdi is None) == (self.chip in REGISTER_CHIPS):
+            needs = "expected the pin of its SDI" if self.sdi is None else "which has no such line; expected none"
+            raise fault(f"the chip is {self._a_chip}: {needs}", "sdi")
+        for key in _PLATINUM:
+            if getattr(self, key) is not None and self.chip != "MAX31865":
+                raise fault(f"the chip is {self._a_chip}; only a MAX31865 measures a platinum resistor", key)
+
+    def _check_curve(self) -> None:
+        """The thermistor's curve is given once, and its divider tells temperatures."""
+        if (self.r25_ohm is None) != (self.beta_K is None):
+            raise fault('expected "r25_ohm" and "beta_K" together', "r25_ohm" if self.beta_K is None else "beta_K")
+        if (self.r25_ohm is None) == (self.steinhart_hart is None):
+            raise fault('expected either "r25_ohm" and "beta_K", or "steinhart_hart"')
+        if self.thermistor.range_degC() is None:
+            raise fault(
+                f"found {self.series_ohm:g}: a step of the converter is more than 1 K at every temperature; expected "
+                "about the thermistor's resistance where it matters",
+                "series_ohm",
+            )
+
+    @property
+    def _a_chip(self) -> str:
+        return "an NTC" if self.chip == "NTC" else f"a {self.chip}"
+
+    @property
+    def thermistor(self) -> Thermistor:
+        """Of an NTC: its curve and its divider."""
+        assert self.series_ohm is not None
+        to_supply = self.thermistor_to == "supply"
+        if self.steinhart_hart is not None:
+            return Thermistor(*self.steinhart_hart, self.series_ohm, to_supply)
+        assert self.r25_ohm is not None and self.beta_K is not None
+        return Thermistor.of_beta(self.r25_ohm, self.beta_K, self.series_ohm, to_supply=to_supply)
+
+    @property
+    def range_degC(self) -> tuple[float, float]:
+        """What it can tell: of an NTC where a step of the converter is no more than 1 K."""
+        own = self.thermistor.range_degC() if self.chip == "NTC" else None
+        return CHIP_RANGES_degC[self.chip] if own is None else own
 
     @property
     def resistor_ohm(self) -> tuple[float, float]:

@@ -107,7 +107,12 @@ def wiring_identity(wiring: Wiring, name: str) -> int:
 
     Another coefficient file for the same wiring, as `gen refine` writes it, keeps it.
     """
-    chips = [(chip.channel, chip.chip, chip.cs, chip.so, chip.sck, chip.sdi) for chip in wiring.thermocouples]
+    chips = [
+        (chip.channel, chip.chip, chip.analog_pin)
+        if chip.chip == "NTC"
+        else (chip.channel, chip.chip, chip.cs, chip.so, chip.sck, chip.sdi)
+        for chip in wiring.thermocouples
+    ]
     encoder = wiring.encoder.pin if wiring.encoder else None
     drive = (
         (*wiring.drive.pwm_pins.items(), wiring.drive.direction_pin, wiring.drive.forward_is_high)

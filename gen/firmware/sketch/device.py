@@ -12,13 +12,15 @@ from gen.coefficients.protection import Protection
 from gen.coefficients.wiring import Wiring
 from gen.firmware.alarm_text import AlarmText, alarm_texts
 from gen.firmware.sketch.commissioning import CommissioningContext, commissioning_context
+from gen.firmware.sketch.converter import ConverterContext, converter_context
 from gen.firmware.sketch.drive import DriveContext, ObserveContext, drive_context, idle_timers, observe_context
 from gen.firmware.sketch.encoder import EncoderContext, encoder_context
-from gen.firmware.sketch.inputs import InputsContext, inputs_context
+from gen.firmware.sketch.inputs import InputsContext, converted_inputs, inputs_context
 from gen.firmware.sketch.memory import LatchContext, MemoryContext, latch_context, memory_context
 from gen.firmware.sketch.pin import Pin, pin_context
 from gen.firmware.sketch.rows import RowsContext, rows_context
-from gen.firmware.sketch.sensors import SensorsContext, sensors_context
+from gen.firmware.sketch.sensors import SensorsContext, sensors_context, thermistor_inputs
+from gen.firmware.sketch.supply import SupplyContext, supply_context, supply_input
 from gen.firmware.sketch.zero import ZeroContext, zero_context
 from gen.lowering.alarms import COLD_mK
 from gen.lowering.program import Program
@@ -30,7 +32,7 @@ _START_MS = 5000
 """How long the model's start waits for thermocouples that are not believed yet."""
 
 
-class DeviceContext(SensorsContext, InputsContext, RowsContext):
+class DeviceContext(SensorsContext, InputsContext, ConverterContext, RowsContext):
     """The whole sketch; a part that is not wired is empty or None."""
 
     cold_mK: int
@@ -48,6 +50,7 @@ class DeviceContext(SensorsContext, InputsContext, RowsContext):
     commissioning: CommissioningContext | None
     zero: ZeroContext | None
     relay: Pin | None
+    supply: SupplyContext | None
     protects: bool
     unseen: int
     timeout_samples: int
@@ -67,11 +70,13 @@ def sketch_files(device: DeviceContext) -> dict[str, str]:
     modules = [*_ALWAYS]
     for module, wanted in (
         ("channels", device["channels"]),
+        ("converter", device["converted"]),
         ("thermocouples", device["chips"]),
         ("encoder", device["encoder"]),
         ("observer", device["observe"]),
         ("relay", device["relay"]),
         ("guard", device["protects"]),
+        ("supply", device["supply"]),
         ("memory", device["memory"]),
         ("writing", device["memory"]),
         ("snapshot", device["memory"]),
@@ -106,15 +111,20 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
     drive, encoder, observe = wiring.drive, wiring.encoder, wiring.observe
     sample_time, full_scale = program.model.sample_time, document.input.full_scale
     sample_ms = round(sample_time * 1000.0)
-    sensors = sensors_context(coefficients, wiring.thermocouples, program, sample_ms)
+    first_input = sum(channel.analog_pin is not None for channel in wiring.channels)
+    sensors = sensors_context(coefficients, wiring.thermocouples, program, sample_ms, first_input)
     memory = memory_context(wiring, sensors, program, coefficients.sha256, sample_ms)
     entries = protections(document)
+    thermistors, reference = thermistor_inputs(wiring.thermocouples), supply_input(entries)
+    inputs = inputs_context(wiring.channels, program, sample_ms, [*thermistors, *reference])
+    converted = [*converted_inputs(inputs), *thermistors, *reference]
     driver = drive_context(drive, full_scale, sample_time) if drive else None
     lasting = any(entry.until != "itself" for entry in entries)
     start_samples = max(2 * CONFIRMATIONS * sensors["read_samples"], math.ceil(_START_MS / sample_ms))
     return {
         **sensors,
-        **inputs_context(wiring.channels, program, sample_ms),
+        **inputs,
+        **converter_context(converted),
         **rows_context(coefficients, wiring, sensors["chips"], protects=bool(entries)),
         "cold_mK": COLD_mK,
         "baud": wiring.serial_baud,
@@ -131,6 +141,7 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
         "commissioning": commissioning_context(wiring, driver, program) if memory else None,
         "zero": zero_context(wiring, program, sensors["reading_ms"]) if memory else None,
         "relay": pin_context(wiring.relay_pin, "$.wiring.relay_pin") if wiring.relay_pin is not None else None,
+        "supply": supply_context(wiring, len(converted) - 1) if reference else None,
         "protects": bool(entries),
         "unseen": _unseen(document, entries),
         "timeout_samples": samples(wiring.command_timeout_s or 0.0, sample_time),

@@ -8,18 +8,15 @@ from typing import TypedDict
 
 from gen.coefficients.wiring import SUPPLY_V, ChannelInput
 from gen.firmware.contexts.channels import told_channels
+from gen.firmware.sketch.converter import STEPS, ConvertedInput, converted, pin_mux, round_ms
 from gen.firmware.sketch.pin import Pin, pin_context
 from gen.lowering.program import Program
 from gen.model.network_parts import PWM
 
-_CONVERSION_CYCLES = 14 * 128
-"""From one conversion to the next, which its interrupt begins: 13 cycles of the converter's clock, and another."""
 _CONVERSIONS = (55, 18)
 """Conversions of a voltage that are added up for a value; the first number that fits into a sample. They last about 3
 periods, or 1, of 490 Hz PWM (6 or 2 of 976 Hz): with other lengths, parts of a period would show in a current that the
 motor's driver chops. The sum has 16 bits."""
-_SETTLING = 8
-"""Conversions that are thrown away after the converter was off."""
 _SCALE_BITS = 15
 """Of the factor that such a sum is multiplied by."""
 
@@ -30,7 +27,6 @@ class InputContext(Pin):
     number: int
     column: str
     analog: bool
-    mux: int
     zero: int
     scale: int
     shift: int
@@ -41,7 +37,7 @@ class InputContext(Pin):
 
 
 class InputsContext(TypedDict):
-    """Voltages and contacts; `conversions` make a voltage, `didr` turns its pins' digital inputs off.
+    """Voltages and contacts; `conversions` make a voltage.
 
     `told_pwm` is the channel's name in the C++ where a network reads PWM with its sign.
     """
@@ -51,38 +47,42 @@ class InputsContext(TypedDict):
     contacts: list[InputContext]
     told_pwm: str | None
     conversions: int
-    settling: int
-    didr: list[int]
 
 
-def inputs_context(wired: Sequence[ChannelInput], program: Program, sample_ms: int) -> InputsContext:
-    """Describe the inputs of a wiring, in its order; a sample has so many ms."""
-    channels = _channels(wired, program, sample_ms)
-    analog = [channel for channel in channels if channel["analog"]]
+def inputs_context(
+    wired: Sequence[ChannelInput], program: Program, sample_ms: int, others: Sequence[ConvertedInput]
+) -> InputsContext:
+    """Describe the inputs of a wiring, in its order; a sample has so many ms, of which `others` take some."""
+    conversions = _conversions(sum(channel.analog_pin is not None for channel in wired), sample_ms, others)
+    channels = _channels(wired, program, conversions)
     return {
         "channels": channels,
-        "analog": analog,
+        "analog": [channel for channel in channels if channel["analog"]],
         "contacts": [channel for channel in channels if not channel["analog"]],
         "told_pwm": told_channels(program).get(PWM) if program.model.network is not None else None,
-        "conversions": _conversions(len(analog), sample_ms),
-        "settling": _SETTLING,
-        "didr": [sum(1 << (c["mux"] & 7) for c in analog if c["mux"] // 8 == half) for half in (0, 1)],
+        "conversions": conversions,
     }
 
 
-def _conversions(voltages: int, sample_ms: int) -> int:
+def converted_inputs(inputs: InputsContext) -> list[ConvertedInput]:
+    """What the converter does for them, in the order of the voltages."""
+    return [
+        converted(f"{c['path']}: pin {c['label']}", pin_mux(c["pin"]), inputs["conversions"]) for c in inputs["analog"]
+    ]
+
+
+def _conversions(voltages: int, sample_ms: int, others: Sequence[ConvertedInput]) -> int:
     """How many conversions of each voltage are done well within a sample."""
     for count in _CONVERSIONS:
-        if (voltages * count + _SETTLING) * _CONVERSION_CYCLES / 16e3 < 0.8 * sample_ms:
+        if round_ms([*others, *(converted("", 0, count) for _ in range(voltages))]) < 0.8 * sample_ms:
             break
     return count
 
 
-def _channels(wired: Sequence[ChannelInput], program: Program, sample_ms: int) -> list[InputContext]:
+def _channels(wired: Sequence[ChannelInput], program: Program, conversions: int) -> list[InputContext]:
     """Inputs of the wiring; a voltage's value is zero + (sum of conversions times scale >> shift), in thousandths."""
     told = {channel.column: channel for channel in program.channels}
     names = told_channels(program)
-    conversions = _conversions(sum(channel.analog_pin is not None for channel in wired), sample_ms)
     found: list[InputContext] = []
     for number, channel in enumerate(wired):
         path = f"$.wiring.channels[{number}]"
@@ -90,7 +90,7 @@ def _channels(wired: Sequence[ChannelInput], program: Program, sample_ms: int) -
         own = told.get(channel.column)
         pin = channel.analog_pin if channel.analog_pin is not None else channel.contact_pin
         assert pin is not None
-        for_each = channel.per_V * SUPPLY_V * 1000.0 / (1024.0 * conversions)
+        for_each = channel.per_V * SUPPLY_V * 1000.0 / (STEPS * conversions)
         shift = max(0, min(30, _SCALE_BITS - 1 - math.floor(math.log2(abs(for_each)))))
         found.append(
             {
@@ -98,7 +98,6 @@ def _channels(wired: Sequence[ChannelInput], program: Program, sample_ms: int) -
                 "number": number,
                 "column": channel.column,
                 "analog": channel.analog_pin is not None,
-                "mux": pin - 54 if channel.analog_pin is not None else 0,
                 "zero": round(-channel.zero_V * channel.per_V * 1000.0),
                 "scale": round(for_each * 2**shift),
                 "shift": shift,

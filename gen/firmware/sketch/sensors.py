@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import count
 from typing import TypedDict
 
 from gen.coefficients import Coefficients
 from gen.coefficients.wiring import CHIP_RANGES_degC, Thermocouple
 from gen.firmware.contexts.channels import told_channels
+from gen.firmware.pins import label
+from gen.firmware.sketch.converter import ConvertedInput, converted, pin_mux
 from gen.firmware.sketch.pin import Pin, pin_context
 from gen.lowering.platinum import HIGHEST_COUNTS, LOWEST_COUNTS, SEGMENT_BITS
 from gen.lowering.program import Program
@@ -23,6 +27,8 @@ from gen.lowering.sensors import (
     reading_samples,
     sensor_limits,
 )
+from gen.lowering.thermistor import CONVERSIONS, FINE_BITS, MOST_SUM
+from gen.lowering.thermistor import SEGMENT_BITS as SUM_BITS
 
 MILLIS_STEP = 2
 """By how much millis() may run ahead within a difference: it counts every 1.024 ms, two at a time now and then."""
@@ -32,6 +38,7 @@ class ThermocoupleContext(TypedDict):
     """A sensor with its chip; limits are in counts of 0.25 degC, `component` is None where none has the channel.
 
     `platinum` is the number of its table, `configuration` what its first register holds (a MAX31865's).
+    An NTC has no lines but `analog`, `input` is its number at the converter, `thermistor` that of its table.
     """
 
     number: int
@@ -40,9 +47,15 @@ class ThermocoupleContext(TypedDict):
     column: bool
     told: str | None
     lines: dict[str, Pin]
+    analog: Pin | None
+    input: int
     converter: str
     platinum: int
     configuration: str
+    thermistor: int
+    sums: tuple[int, int]
+    to_supply: bool
+    series: str
     resistors: str
     lowest: int
     highest: int
@@ -60,7 +73,8 @@ class SensorsContext(TypedDict):
 
     `measured` are those at a component, `column_chips` those whose temperature is a column of its own, `ambient_chip`
     the one of the surroundings. `kinds` are the chips that there are, `platinum_tables` counts at every 1024th code of
-    a MAX31865, `platinum_range` where they end.
+    a MAX31865, `platinum_range` where they end; `thermistor_tables` 64ths of a degree at every 32nd sum of an NTC's
+    conversions, which is `thermistor_most` at most.
     """
 
     chips: list[ThermocoupleContext]
@@ -81,14 +95,19 @@ class SensorsContext(TypedDict):
     platinum_tables: list[tuple[int, ...]]
     platinum_bits: int
     platinum_range: tuple[int, int]
+    thermistor_tables: list[tuple[int, ...]]
+    thermistor_bits: int
+    thermistor_fine_bits: int
+    thermistor_most: int
+    thermistor_conversions: int
     count_mK: int
 
 
 def sensors_context(
-    coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program, sample_ms: int
+    coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program, sample_ms: int, first_input: int
 ) -> SensorsContext:
-    """Describe the chips of a wiring, in its order; a sample has so many ms."""
-    chips = _chips(coefficients, wired, program)
+    """Describe the chips of a wiring, in its order; a sample has so many ms, the first NTC that converter's input."""
+    chips = _chips(coefficients, wired, program, first_input)
     names = coefficients.document.component_names
     longest_ms = conversion_ms(wired)
     read_samples = reading_samples(program.model.sample_time, longest_ms)
@@ -112,15 +131,32 @@ def sensors_context(
         "platinum_tables": tables,
         "platinum_bits": SEGMENT_BITS,
         "platinum_range": (LOWEST_COUNTS, HIGHEST_COUNTS),
+        "thermistor_tables": _thermistor_tables(coefficients),
+        "thermistor_bits": SUM_BITS,
+        "thermistor_fine_bits": FINE_BITS,
+        "thermistor_most": MOST_SUM,
+        "thermistor_conversions": CONVERSIONS,
         "count_mK": COUNT_mK,
     }
 
 
-def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program) -> list[ThermocoupleContext]:
+def thermistor_inputs(wired: Sequence[Thermocouple]) -> list[ConvertedInput]:
+    """What the converter does for NTCs, in the wiring's order; the first conversion after another pin's is left out."""
+    return [
+        converted(f"$.wiring.thermocouples[{number}]: pin {label(pin)}", pin_mux(pin), CONVERSIONS, 1)
+        for number, chip in enumerate(wired)
+        if (pin := chip.analog_pin) is not None
+    ]
+
+
+def _chips(
+    coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program, first_input: int
+) -> list[ThermocoupleContext]:
     names = coefficients.document.component_names
     told = told_channels(program)
-    tables = _platinum_tables(coefficients)
+    tables, thermistors = _platinum_tables(coefficients), _thermistor_tables(coefficients)
     read_samples = reading_samples(program.model.sample_time, conversion_ms(wired))
+    following = count(first_input)
     chips: list[ThermocoupleContext] = []
     for number, (chip, limits) in enumerate(zip(wired, sensor_limits(coefficients), strict=True)):
         path = f"$.wiring.thermocouples[{number}]"
@@ -136,10 +172,16 @@ def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...], program:
                     for key in ("cs", "so", "sck", "sdi")
                     if (pin := getattr(chip, key)) is not None
                 },
+                "analog": pin_context(chip.analog_pin, f"{path}.analog_pin") if chip.analog_pin is not None else None,
+                "input": next(following) if chip.analog_pin is not None else 0,
                 "converter": chip.chip,
                 "platinum": tables.index(limits.platinum) if limits.platinum else 0,
                 "configuration": f"0x{limits.configuration:02X}",
-                "resistors": "PT{:g} and {:g} ohm".format(*chip.resistor_ohm) if limits.platinum else "",
+                "thermistor": thermistors.index(limits.thermistor) if limits.thermistor else 0,
+                "sums": limits.sums,
+                "to_supply": limits.to_supply,
+                "series": f"{chip.series_ohm:g}" if chip.series_ohm is not None else "",
+                "resistors": _resistors_text(chip),
                 "lowest": limits.lowest,
                 "highest": limits.highest,
                 "lowest_degC": f"{limits.lowest * COUNT_mK / 1000:g}",
@@ -157,6 +199,23 @@ def _chips(coefficients: Coefficients, wired: tuple[Thermocouple, ...], program:
 def _platinum_tables(coefficients: Coefficients) -> list[tuple[int, ...]]:
     """Each pair of resistors has one."""
     return list(dict.fromkeys(item.platinum for item in sensor_limits(coefficients) if item.platinum))
+
+
+def _thermistor_tables(coefficients: Coefficients) -> list[tuple[int, ...]]:
+    """Each kind of divider has one."""
+    return list(dict.fromkeys(item.thermistor for item in sensor_limits(coefficients) if item.thermistor))
+
+
+def _resistors_text(chip: Thermocouple) -> str:
+    if chip.chip == "MAX31865":
+        return "PT{:g} and {:g} ohm".format(*chip.resistor_ohm)
+    if chip.chip != "NTC":
+        return ""
+    if chip.steinhart_hart is not None:
+        curve = "1/T = {:g} + {:g} ln R + {:g} (ln R)^3".format(*chip.steinhart_hart)
+    else:
+        curve = f"{chip.r25_ohm:g} ohm at 25 degC and B {chip.beta_K:g} K"
+    return f"{curve}, to {chip.thermistor_to or 'ground'}, with {chip.series_ohm:g} ohm"
 
 
 def _stuck_text(limits: SensorLimits, interval_s: float) -> str:

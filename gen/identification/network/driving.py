@@ -74,8 +74,8 @@ def driving_of(sources: Sequence[Source], heat: Sequence[str]) -> tuple[Driving,
         written = _WRITTEN.fullmatch(text)
         if written is None:
             raise InputError(f"found {text!r}, expected a column such as current_A or heater2_W^1", place="--heat")
-        column = written["column"]
-        power = int(written["power"] or (2 if column.endswith(_SQUARED) else 1))
+        column = written.group("column")
+        power = int(written.group("power") or (2 if column.endswith(_SQUARED) else 1))
         if any(column == one.column for one in made):
             raise InputError(f"found {column!r} twice, expected it once", place="--heat")
         known = [values_of(source, column) for source in sources]
