@@ -1,13 +1,13 @@
-"""What a certificate may say of the ambient: its reference is a temperature of the range, the ends included."""
+"""What a certificate may say: an ambient within its range, and a start of at most 2^23 thousandths, ends included."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import pytest
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
-from gen.certificate.document import Ambient
+from gen.certificate.document import Ambient, Start
 
 RANGE: dict[str, Any] = {"low_mC": -20_000, "high_mC": 60_000}
 
@@ -21,3 +21,11 @@ def test_a_reference_within_the_range_is_taken(reference_mC: int) -> None:
 def test_one_beyond_it_is_refused(reference_mC: int) -> None:
     with pytest.raises(ValidationError, match="outside of the ambient's range"):
         Ambient(**RANGE, reference_mC=reference_mC)
+
+
+def test_a_start_is_at_most_two_to_the_23_thousandths() -> None:
+    start: TypeAdapter[int] = TypeAdapter(Start)
+    assert [start.validate_python(end) for end in (-(1 << 23), 1 << 23)] == [-(1 << 23), 1 << 23]
+    for beyond in (-(1 << 23) - 1, (1 << 23) + 1):
+        with pytest.raises(ValidationError):
+            start.validate_python(beyond)

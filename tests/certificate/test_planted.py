@@ -132,6 +132,10 @@ def _finer(part: dict[str, Any]) -> None:
 SCHEDULE, STEP, WORD, MODEL = "small_schedule.cpp", "small_step.h", "small_word.h", "small.cpp"
 OVER = r"small_model\.state\.ambient_mK"
 AMBIENT: dict[str, tuple[str, Edit]] = {
+    "counted twice at a start": (
+        MODEL,
+        replaced(r"( rise_mK = small_over_reference\(rise_mK\);\n)", r"\1 rise_mK += small_model.state.ambient_mK;\n"),
+    ),
     "left out at a change": (MODEL, replaced(r"    add_ambient\(now\);\n", "")),
     "left out of a resume": (MODEL, replaced(r"    add_ambient\(&small_model\.now\);\n", "")),
     "old words at a resume": (MODEL, replaced(r"    ambient_words\(\);\n    add_ambient", "    add_ambient")),

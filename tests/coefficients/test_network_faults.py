@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import copy
+import json
 
 import pytest
 
+from gen.coefficients import parse
 from tests.coefficients.network_tree import (
     CHANNELS,
     HEATS,
@@ -201,3 +203,17 @@ def test_the_schema_takes_the_file_and_rejects_what_it_can_express() -> None:
     for where, value, _, message in FORM:
         if not any(part in message for part in related):
             assert not SCHEMA.is_valid(changed((where, value))), (where, value)
+
+
+@pytest.mark.parametrize(("watts_per_K", "runs_away"), [(0.39, False), (0.41, True)])
+def test_natural_convection_counts_as_it_is_where_both_ends_are_alike(watts_per_K: float, *, runs_away: bool) -> None:
+    """There it takes least: 0.4 W of what 1 K more of the casing makes, though 1.6 W of it at 60 K above the room."""
+    tree = copy.deepcopy(TREE)
+    convection = {"between": ["casing", "ambient"], G: poly(1.0), "convection": poly(0.01, 0.4)}
+    heat = {"node": "casing", "power_W": poly(10.0), "per_K": watts_per_K / 10.0}
+    nodes = [{"name": "casing", "capacity_J_per_K": 1500.0, "sensor": {}}]
+    tree["network"] = {"nodes": nodes, "paths": [convection], "heats": [heat]}
+    if runs_away:
+        assert "runs away at PWM 0" in failure(tree).message
+    else:
+        parse(json.dumps(tree).encode())

@@ -385,6 +385,16 @@ def test_a_cell_that_does_not_hold_is_said(power_up: Open) -> None:
     assert is_commissioned(motor) == "no"
 
 
+def test_a_line_while_it_is_kept_leaves_it_undone(bench: Start) -> None:
+    motor = bench()
+    motor.board.send("commission")
+    motor.until("writing")
+    motor.board.send("stop")
+    assert motor.until("FAILED", 5.0).endswith("ended by a line")
+    motor.wait(3.0)
+    assert is_commissioned(motor) == "no"
+
+
 def test_another_wiring_is_not_commissioned_and_a_refined_model_is(power_up: Open) -> None:
     kept = passed(power_up).board.eeprom.image
     for name, said in (("watched_brush", "yes"), ("directed", "no")):

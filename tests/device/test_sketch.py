@@ -138,6 +138,7 @@ def test_pwm_goes_to_one_pin_or_the_other(power_up: Open) -> None:
         board.drive(pwm)
         board.hear(0.6)
         assert board.pins.pwm(4, 5) == pytest.approx(pwm, abs=1)
+        assert np.sign(board.pins.pwm(4, 5)) == np.sign(pwm)
         assert min(board.pins.duty(4), board.pins.duty(5)) == 0
 
 

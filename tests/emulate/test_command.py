@@ -10,10 +10,13 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from gen.cli import main
+from gen.commands.emulate import _title
 from gen.emulate.progress import Milestones
 from gen.runs import read_run
 from tests.examples import ROOT
@@ -74,6 +77,16 @@ def test_a_run_with_faults_gives_run_file_summary_and_picture(home: dict[str, st
     assert picture.startswith("<?xml")
     assert {"measured − model, K", "brush", "fault: bearing"} <= set(re.findall(r"<text[^>]*>([^<]*)</text>", picture))
     assert image.stat().st_size == 4096
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [("none", "m, healthy motor, PWM 0:100"), ("bearing from 20 s", "m, fault: bearing from 20 s, PWM 0:100")],
+)
+def test_a_picture_s_title_says_whether_the_motor_was_healthy(fault: str, said: str) -> None:
+    loaded: Any = SimpleNamespace(name="m")
+    made: Any = SimpleNamespace(fault=fault)
+    assert _title(loaded, made, {"profile": "0:100"}) == said
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ import pytest
 from scipy.io import savemat
 
 from gen.errors import InputError
+from gen.importing import sources
 from gen.runs import read_run
 from tests.importing.logs import TRUE, csv, same, take, taken, write
 
@@ -130,8 +131,29 @@ def test_matlab(tmp_path: Path) -> None:
     same(taken(tmp_path / "b.mat", tmp_path / "b"), TRUE)
 
 
+def test_rows_of_matlab_are_counted_from_1(tmp_path: Path) -> None:
+    again = TRUE.assign(time_s=TRUE.time_s.where(TRUE.time_s < TRUE.time_s.max(), TRUE.time_s.iloc[-2]))
+    savemat(tmp_path / "log.mat", {str(name): again[name].to_numpy() for name in again})
+    counted = take(tmp_path / "log.mat", tmp_path / "runs").counted()
+    assert set(counted["first"]) == {"row 120, column time_s"}
+
+
 def test_a_packed_file(tmp_path: Path) -> None:
     (tmp_path / "log.csv.gz").write_bytes(gzip.compress(csv().encode()))
     found = take(tmp_path / "log.csv.gz", tmp_path / "runs")
     assert [path.name for path in found.runs] == ["log.csv"]
     same(read_run(found.runs[0]), TRUE)
+
+
+@pytest.mark.parametrize("spare", [0, 1, -1])
+def test_what_unpacks_to_more_than_the_most_is_refused_and_not_cut(
+    spare: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = csv().encode()
+    monkeypatch.setattr(sources, "_MOST_BYTES", len(text) + spare)
+    (tmp_path / "log.csv.gz").write_bytes(gzip.compress(text))
+    if spare < 0:
+        with pytest.raises(InputError, match="unpacks to more than"):
+            take(tmp_path / "log.csv.gz", tmp_path / "runs")
+    else:
+        same(taken(tmp_path / "log.csv.gz", tmp_path / "runs"), TRUE)

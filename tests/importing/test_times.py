@@ -141,6 +141,12 @@ def test_a_clock_that_begins_anew_is_refused_or_split(tmp_path: Path) -> None:
     assert len(found.runs) == 2
 
 
+def test_a_board_that_begins_anew_within_its_first_second_is_seen(tmp_path: Path) -> None:
+    quick = TRUE.assign(time_s=np.round(TRUE.time_s / 10.0, 2))
+    found = take(write(tmp_path, csv(pd.concat([quick[:15], quick]))), tmp_path / "runs", split=True)
+    assert [len(read_run(run).time_s) for run in found.runs] == [15, 120]
+
+
 def test_a_counter_of_32_bits_that_runs_over_goes_on(tmp_path: Path) -> None:
     ticks = (4_294_937_000 + 500 * np.arange(120)) % 2**32
     frame = TRUE.assign(time_s=ticks).rename(columns={"time_s": "millis"})

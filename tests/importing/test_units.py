@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from gen.errors import InputError
+from gen.importing.units import unit_of
 from gen.runs import read_run
 from tests.importing.logs import TRUE, csv, same, take, taken, write
 
@@ -166,3 +167,18 @@ def test_further_channels_keep_their_names_and_known_units_are_converted(tmp_pat
         "speed_rpm": 2400.0,
         "Torque_Nm": 0.5,
     }
+
+
+def test_what_one_of_each_unit_is() -> None:
+    """By the definitions of the units, in the units that run files have."""
+    turns = 60.0 / (2.0 * np.pi)
+    one = {"s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60, "h": 3600, "d": 86400, "A": 1, "mA": 1e-3}
+    one |= {"V": 1, "mV": 1e-3, "rpm": 1, "rps": 60, "rad/s": turns, "W": 1, "kW": 1e3, "percent": 1, "duty": 100}
+    found = {name: unit_of(name) for name in one}
+    assert {name: unit.scale for name, unit in found.items() if unit} == pytest.approx(one, rel=1e-12)
+    assert all(unit is not None and unit.offset == 0.0 for unit in found.values())
+    for name, freezing, boiling in (("degC", 0.0, 100.0), ("degF", 32.0, 212.0), ("K", 273.15, 373.15)):
+        unit = unit_of(name)
+        assert unit is not None
+        assert freezing * unit.scale + unit.offset == pytest.approx(0.0, abs=1e-9)
+        assert boiling * unit.scale + unit.offset == pytest.approx(100.0, abs=1e-9)

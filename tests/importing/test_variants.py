@@ -7,7 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gen.coefficients.names import name_fault
 from gen.errors import InputError
+from gen.importing.names import component_name
+from gen.importing.table import unique_names
 from gen.runs import read_run
 from tests.importing.logs import TRUE, csv, same, take, taken, write
 
@@ -120,3 +123,17 @@ def test_names_that_repeat_and_letters_that_are_no_units(tmp_path: Path) -> None
     assert list(run.temps) == ["winding", "winding_2"]
     assert list(run.extras) == ["phase_A", "phase_B", "phase_C"]
     np.testing.assert_array_equal(run.temps["winding_2"], TRUE.casing_degC)
+
+
+@pytest.mark.parametrize("names", [["T (degC)", "T (degC)", "T_2 (degC)"], ["T", "T_2", "T", "T"], ["", "T", ""]])
+def test_names_that_repeat_become_names_that_no_other_column_has(names: list[str]) -> None:
+    made = unique_names(names)
+    assert len(set(made)) == len(names)
+    assert all(new == old for new, old in zip(made, names, strict=True) if names.count(old) == 1)
+
+
+@pytest.mark.parametrize("base", ["1st winding", "2", "", "°", "_7_coil"])
+def test_a_part_has_a_name_that_a_coefficient_file_can_have_whatever_its_column_is_called(base: str) -> None:
+    name = component_name(base, ())
+    assert name_fault(name) is None
+    assert name.startswith("sensor")

@@ -39,6 +39,18 @@ def test_a_threshold_beyond_the_error_band_follows_its_steps() -> None:
     assert below.segments == (Segment(51, 127, 4000, 4000), Segment(128, 255, 2500, 2500))
 
 
+def test_where_nothing_is_declared_the_widest_band_holds_though_it_be_of_full_speed_alone() -> None:
+    document = json.loads((ROOT / "examples" / "two_mass" / "coeffs.json").read_text())
+    rule = {"name": "rule", "component": "housing", "kind": "above_model", "threshold_K": 2.0, "beyond": "error_band"}
+    bands = [band for band in document["provenance"]["error"] if band["component"] == "housing"]
+    bands[-1]["pwm"][1] = 254
+    bands.append({**bands[-1], "pwm": [255, 255], "model_minus_measured_K": [-9.0, 0.5]})
+    document |= {"alarms": [rule], "provenance": {**document["provenance"], "error": bands}}
+    (lowered,) = lower_alarms(parse(json.dumps(document).encode()))
+    assert lowered.segments[0] == Segment(0, 24, 11000, 11000)
+    assert lowered.segments[-1] == Segment(255, 255, 11000, 11000)
+
+
 def test_a_band_on_the_other_side_of_the_model_moves_the_threshold_there() -> None:
     document = json.loads((ROOT / "examples" / "two_mass" / "coeffs.json").read_text())
     band = {"component": "housing", "pwm": [0, 255], "model_minus_measured_K": [3.0, 4.0]}
@@ -105,7 +117,7 @@ def test_the_wait_outlasts_what_unknown_hidden_nodes_can_do() -> None:
     names = model.component_names
     waits = {name: start_wait(model, name, range(150, 151)) * model.sample_time for name in names}
     times = np.arange(0.0, 40_000.0, 30.0)
-    worst = 0.0
+    worst, longest = 0.0, dict.fromkeys(names, 0.0)
     for before in (51, 150, 255):
         for first in range(10, 200, 30):
             pwm = np.where(np.arange(times.size) < first, before, 150)
@@ -117,7 +129,12 @@ def test_the_wait_outlasts_what_unknown_hidden_nodes_can_do() -> None:
                 settled = times[first:] - times[first] >= waits[name]
                 assert error[settled].max() <= START_MARGIN_K
                 worst = max(worst, float(error.max()))
+                longest[name] = max(longest[name], float(30.0 * np.count_nonzero(error > START_MARGIN_K)))
     assert worst > 1.0
+    assert all(waits[name] <= 1.5 * longest[name] for name in names), (
+        waits,
+        longest,
+    )  # and no rule is deaf for much longer than needed
     assert start_wait(example("two_nodes").model, "casing", range(150, 151)) > 0
 
 

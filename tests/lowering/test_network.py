@@ -276,3 +276,11 @@ def test_the_example_is_lowered_in_both_arithmetics() -> None:
         assert [part.name for part in lower(coefficients, arithmetic, "table").parts] == list(
             coefficients.model.component_names
         )
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
+def test_a_slow_network_takes_few_orders_of_the_series(arithmetic: Arithmetic) -> None:
+    """Its fastest rate is 1/150 1/s, so that the fourth order of a quarter second is below 1e-12 of the whole."""
+    network = lower(load("examples/two_nodes/coeffs.json"), arithmetic, "table").network
+    assert network is not None
+    assert network.orders <= 3

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +17,7 @@ from gen.cli import cli
 from gen.model.network_solution import NetworkSolution
 from gen.planning import plan as planning
 from gen.record.profile import carried_comments, parse_profile
-from gen.refinement.network.planned import Expectation, Pair, followed
+from gen.refinement.network.planned import Expectation, Pair, followed, settled
 from gen.runs import EXPECTS, Run, write_run
 from tests.examples import ROOT
 from tests.planning.open_question import AMBIENT, changed, short_run
@@ -168,3 +170,37 @@ def test_how_much_of_a_plan_a_run_followed() -> None:
     pwm = np.where(time < 50.0, 100, 0)
     assert followed(expected, Run(time, pwm)) == pytest.approx(0.9)
     assert followed(expected, Run(time[:6], pwm[:6])) == pytest.approx(0.5)
+
+
+def test_after_its_plan_ended_a_run_follows_nothing() -> None:
+    expected = Expectation(pairs=(), holds=((100, 60.0), (0, 40.0)))
+    time = np.arange(0.0, 201.0, 10.0)
+    assert followed(expected, Run(time, np.where(time < 60.0, 100, 0))) == pytest.approx(1.0)
+    assert followed(expected, Run(time, np.where(time < 100.0, 100, 0))) == pytest.approx(0.6)
+
+
+@pytest.mark.parametrize(
+    ("added", "lookalikes", "remains"),
+    [
+        (None, (), ("none",)),
+        ("standstill_cooling", (), ("standstill_cooling",)),
+        ("standstill_cooling", ("none",), ("standstill_cooling", "none")),
+        ("radiation", (), ()),
+    ],
+)
+def test_what_remains_of_a_pair_is_what_was_found_or_looks_like_it(
+    added: str | None, lookalikes: tuple[str, ...], remains: tuple[str, ...]
+) -> None:
+    def considered(name: str) -> Any:  # noqa: ANN401
+        return SimpleNamespace(effect=SimpleNamespace(name=name))
+
+    last = considered(added) if added else None
+    step: Any = SimpleNamespace(
+        without=None, considered=(), added=last, lookalikes=tuple(considered(name) for name in lookalikes)
+    )
+    pair = Pair(first="standstill_cooling", second="none", floors=3.0, separation_K=0.3)
+    text = Expectation(pairs=(pair,), holds=((100, 60.0),)).text()
+    time = np.arange(0.0, 61.0, 10.0)
+    traced: Any = SimpleNamespace(steps=(step,))
+    (found,), warnings = settled([("planned", Run(time, np.full(7, 100), comments={EXPECTS: text}))], traced)
+    assert (found.remains, found.told, warnings) == (remains, len(remains) < 2, [])

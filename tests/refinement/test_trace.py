@@ -19,6 +19,7 @@ from gen.refinement.judgement import Judgement
 from gen.refinement.refine import refine
 from gen.refinement.simulation_fit import Term, fit
 from gen.refinement.stacked_runs import THIRDS, WHOLE_RUNS, stack_runs
+from gen.refinement.steps.further_effects import further_effects
 from gen.refinement.steps.judge_again import judge_again
 from gen.refinement.steps.prune import prune
 from gen.refinement.steps.refuse_runaway import refuse_runaway
@@ -109,9 +110,29 @@ def with_effects(component: ComponentState, *names: str) -> ComponentState:
     return replace(component, found=tuple(found), final=made, considered=())
 
 
-def test_an_effect_that_another_makes_needless_is_dropped(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def gained(tmp_path_factory: pytest.TempPathFactory) -> TraceState:
+    """Of a plant with another gain at one sensor."""
+    return begun(tmp_path_factory.mktemp("gained"), "sensor_gain", seed=5)
+
+
+def test_where_an_effect_leaves_a_residual_a_second_one_is_looked_for(gained: TraceState) -> None:
+    """Of a gain that was taken for a drift much is left; where nothing was considered nothing is looked for."""
+    at = planted_at(gained)
+    given = with_effects(gained.components[at], "drift")
+    few = tuple(h for h in given.hypotheses if h[0].name in ("drift", "sensor_gain"))
+    given = replace(given, considered=(given.found[0].candidate,), hypotheses=few)
+    state = replace(gained, components={at: given})
+    grown = further_effects(state, lambda _: None).components[at]
+    assert [found.candidate.effect.name for found in grown.found] == ["drift", "sensor_gain"]
+    assert float(grown.final.loss[0]) < 0.1 * float(given.final.loss[0])
+    unasked = replace(given, considered=None)
+    assert further_effects(replace(gained, components={at: unasked}), lambda _: None).components[at] is unasked
+
+
+def test_an_effect_that_another_makes_needless_is_dropped(gained: TraceState) -> None:
     """The plant has a gain alone; a drift beside it is fitted to noise."""
-    state = begun(tmp_path, "sensor_gain", seed=5)
+    state = gained
     at = planted_at(state)
     given = with_effects(state.components[at], "drift", "sensor_gain")
     pruned = prune(state.each(lambda c: given if c.name == at else c), lambda _: None).components[at]

@@ -176,6 +176,7 @@ def test_too_much_load_stalls_the_motor_and_the_winding_limits_the_current() -> 
 def test_supply_voltage_scales_speed() -> None:
     assert Motor().step(255, 5.0, voltage_V=12.0).speed_rpm == pytest.approx(RATED / 2)
     assert Motor().step(255, 5.0, voltage_V=0.0).speed_rpm == 0.0
+    assert Motor().step(255, 5.0, voltage_V=12.0).voltage_V == pytest.approx(12.0)  # what its instrument shows
 
 
 def test_rotor_follows_within_a_fraction_of_a_second_and_reverses() -> None:

@@ -123,6 +123,7 @@ def test_an_over_temperature_leaves_room_at_the_warmest_ambient(tmp_path: Path, 
     (rule,) = derive(tmp_path, healthy, {"name": "limit", "kind": "over_temperature", "component": "b"}).document.alarms
     hottest = 200 * RISE_K * -np.expm1(-4.0) + 0.5 + 40.0  # declared ambient up to 40 degC
     assert hottest + 10.0 <= rule.limit_degC < hottest + 15.0
+    assert rule.hysteresis_K == 5.0  # as docs/alarms.md has it
 
 
 def test_a_relative_rule_takes_the_difference_of_both_parts(tmp_path: Path, healthy: list[str]) -> None:

@@ -21,7 +21,8 @@ def crossing() -> Coefficients:
     document = json.loads((ROOT / "examples" / "two_mass" / "coeffs.json").read_text())
     winding = document["components"][0]
     winding["negative_gain"] = "zero"
-    winding["gain"] = {"poly": [1e-8, -1e-8 * ZERO_AT]}
+    # A table's knot gives its own value exactly: at PWM 100 the gain is 0 and none that was taken for it.
+    winding["gain"] = {"table": {"pwm": [0, ZERO_AT, 255], "value": [-1e-6, 0.0, 1.55e-6], "interpolation": "linear"}}
     document["components"] = [winding]
     document["validity"] = {"pwm": [ZERO_AT, 255], "outside": "extrapolate"}
     document["alarms"] = []

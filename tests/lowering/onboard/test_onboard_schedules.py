@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import replace
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,8 @@ from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
 from gen.lowering.onboard import OnboardComponent, compile_component, steady_excess
 from gen.lowering.onboard.evaluate import RangeError, evaluate
+from gen.lowering.onboard.graph import Graph
+from gen.lowering.onboard.sources import schedule_node
 from gen.lowering.recursion import bounds, increments
 from gen.lowering.recursion.dynamics import dynamics
 from gen.model import ExponentialSum, Polynomial
@@ -170,3 +173,30 @@ def test_a_bound_beyond_the_limit_names_the_table_only_where_that_helps(limit: f
     with pytest.raises(CheckFailed, match=r"the guaranteed error bound .* exceeds") as failure:
         lower(parse(json.dumps(document).encode()), "fixed", "onboard")
     assert ("--schedule table" in str(failure.value)) == table_keeps_it
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "said"),
+    [
+        (
+            None,
+            {
+                "-(pole): term 1": "$.real.exp2[0..1]",
+                "-(pole): term 2": "$.real.exp2[2..3]",
+                "gain: coefficient 0": "$.gain.poly[0]",
+                "gain: coefficient 1": "$.gain.poly[1]",
+                "gain: coefficient 2": "$.gain.poly[2]",
+            },
+        ),
+        (1e-6, {"-(pole): as a polynomial": "$.real.exp2[0..3]", "gain": "$.gain.poly[0..2]"}),
+    ],
+)
+def test_comments_name_the_entries_of_the_file_that_a_line_comes_from(
+    tolerance: float | None, said: dict[str, str]
+) -> None:
+    graph = Graph(np.arange(0, 256))
+    pole, gain = ExponentialSum(((-0.5, -0.01), (-2.0, 0.003))), Polynomial((1e-4, -0.01, -1.0))
+    schedule_node(graph, pole, graph.input(), Decimal(1), "$.real", "pole", tolerance=tolerance)
+    schedule_node(graph, gain, graph.input(), Decimal(1), "$.gain", "gain", tolerance=tolerance)
+    found = {label.text: label.path for label in graph.labels.values()}
+    assert {text: path for text, path in found.items() if "[" in path} == said

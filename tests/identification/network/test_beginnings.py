@@ -1,0 +1,46 @@
+"""What a search for a network begins with and what it holds against a smaller one."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gen.identification.network.bins import binned
+from gen.identification.network.inputs import inputs_of
+from gen.identification.network.prune import OBJECTION, _objected
+from gen.identification.network.scale import scale_of
+from gen.runs import Run
+
+
+def test_each_part_alone_is_known_by_how_fast_it_settles_and_how_far_it_rises() -> None:
+    """Two parts of one time constant each, warmed at full speed and at half of it, by their closed form."""
+    time = 4.0 * np.arange(1350, dtype=np.float64)
+    rises, taus = {"fast": 60.0, "slow": 25.0}, {"fast": 300.0, "slow": 1500.0}
+    runs = []
+    for number, pwm in enumerate((255, 128)):
+        settled = {name: 25.0 + rise * (pwm / 255.0) ** 2 for name, rise in rises.items()}
+        temps = {name: end + (25.0 - end) * np.exp(-time / taus[name]) for name, end in settled.items()}
+        held = np.full(time.size, pwm, dtype=np.int64)
+        runs.append(binned(f"r{number}", Run(time, held, temps), tuple(rises), 25.0, 255))
+    found = scale_of(inputs_of(runs))
+    assert found.rise == pytest.approx(list(rises.values()), rel=0.15)
+    assert found.settling == pytest.approx(list(taus.values()), rel=0.3)  # the grid's step is half as much again
+
+
+@pytest.mark.parametrize(("more", "objected"), [(0.9, False), (1.1, True)])
+@pytest.mark.parametrize("cut", [1, 3])
+def test_runs_speak_against_a_cut_by_so_much_for_each_number_that_is_cut(cut: int, more: float, objected: bool) -> None:
+    weight = np.array([0.5, 2.0])
+    residual = np.sqrt((100.0 + more * OBJECTION * cut) / weight / 2.0)
+    found: Any = SimpleNamespace(
+        problem=SimpleNamespace(inputs=SimpleNamespace(weight=weight)),
+        fit=SimpleNamespace(evaluated=SimpleNamespace(cost=100.0)),
+        structure=SimpleNamespace(size=12),
+    )
+    smaller: Any = SimpleNamespace(
+        fit=SimpleNamespace(evaluated=SimpleNamespace(residual=residual)), structure=SimpleNamespace(size=12 - cut)
+    )
+    assert _objected(found, smaller) is objected
