@@ -5,6 +5,7 @@
 
 #include "config.h"
 #include "crc32.h"
+#include "writing.h"
 
 namespace latch {
 
@@ -21,7 +22,7 @@ static_assert(sizeof(Record) == config::LATCH_BYTES, "slots were counted for ano
 
 Record record;  // the newest, or the one being written
 uint8_t slot;   // its place
-uint8_t left;   // bytes of it still to write
+Writing writing;
 bool checking;  // it is written and is to be read again
 bool again;     // .. and then to be written a second time: a bit that turns in one leaves the other
 bool failure;
@@ -37,7 +38,7 @@ bool fetch(uint8_t of_slot, Record *to) {
 
 void into_next_slot() {
     slot = (uint8_t)(slot + 1 == config::LATCH_SLOTS ? 0 : slot + 1);
-    left = sizeof record;
+    writing.begin(&record, sizeof record, address(slot));
     checking = true;
 }
 
@@ -49,20 +50,6 @@ void make(uint16_t alarms, uint32_t protection) {
     record.crc = crc_of(record);
     again = true;
     into_next_slot();
-}
-
-// At most one byte is written; those that are right already cost nothing.
-void write_on() {
-    while (left > 0) {
-        const uint8_t place = (uint8_t)(sizeof record - left);
-        uint8_t *const at = reinterpret_cast<uint8_t *>(address(slot) + place);
-        const uint8_t byte = reinterpret_cast<const uint8_t *>(&record)[place];
-        --left;
-        if (eeprom_read_byte(at) != byte) {
-            eeprom_write_byte(at, byte);
-            return;
-        }
-    }
 }
 
 }  // namespace
@@ -83,7 +70,7 @@ uint16_t alarms() { return record.alarms; }
 uint32_t protection() { return record.protection; }
 
 void update(uint16_t alarms, uint32_t protection) {
-    if (left > 0 || !eeprom_is_ready()) {
+    if (!writing.done() || !eeprom_is_ready()) {
         return;
     }
     if (checking) {
@@ -102,10 +89,10 @@ void update(uint16_t alarms, uint32_t protection) {
 }
 
 bool work() {
-    if (left > 0 && eeprom_is_ready()) {
-        write_on();
+    if (!writing.done() && eeprom_is_ready()) {
+        writing.go_on();
     }
-    return left > 0;
+    return !writing.done();
 }
 
 bool failed() { return failure; }

@@ -127,6 +127,15 @@ static bool is_cold() {
     return true;
 }
 
+// Puts the model where the thermocouples are, at rest.
+static void start_from_measured() {
+    for (uint8_t component = 0; component < MY1016_COMPONENTS; ++component) {
+        if (now.sample.valid & (1u << component)) {
+            my1016_start(component, now.sample.measured_mC[component] - now.sample.ambient_mC);
+        }
+    }
+}
+
 // The model's start. After a reset the motor may be hot: the states come from RAM, or else from EEPROM, if what is there is
 // still true, else from the measured temperatures, at rest. A part that is not measured starts at ambient temperature.
 static void start() {
@@ -141,11 +150,7 @@ static void start() {
         console::event(F("firmware is new"));
     }
     if (!resumed) {
-        for (uint8_t component = 0; component < MY1016_COMPONENTS; ++component) {
-            if (now.sample.valid & (1u << component)) {
-                my1016_start(component, now.sample.measured_mC[component] - now.sample.ambient_mC);
-            }
-        }
+        start_from_measured();
     }
     const uint16_t kept = my1016_alarms();  // from before the reset
     if (!warm) {

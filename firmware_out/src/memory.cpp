@@ -6,6 +6,7 @@
 #include "config.h"
 #include "crc32.h"
 #include "snapshot.h"
+#include "writing.h"
 
 namespace memory {
 
@@ -27,10 +28,7 @@ struct Firmware {
 Copy copy;          // being written, or the one found at the start
 Firmware firmware;  // of this program
 
-// What is being written: `left` bytes from `from` on, to EEPROM address `to`.
-const uint8_t *from;
-uint16_t to;
-uint16_t left;
+Writing writing;
 
 uint16_t slot;  // of the newest copy
 uint32_t newest;  // its number; 0: none
@@ -56,35 +54,13 @@ bool fetch(uint16_t of_slot) {
     return copy.identity == config::COPY_IDENTITY && copy.number != 0 && copy.crc == crc_of(copy);
 }
 
-void write(const void *what, uint16_t size, uint16_t where) {
-    from = static_cast<const uint8_t *>(what);
-    left = size;
-    to = where;
-}
-
-// At most one byte is written; those that are right already cost nothing.
-void write_on() {
-    while (left > 0) {
-        const bool differs = eeprom_read_byte(place(to)) != *from;
-        if (differs) {
-            eeprom_write_byte(place(to), *from);
-        }
-        ++to;
-        ++from;
-        --left;
-        if (differs) {
-            return;
-        }
-    }
-}
-
 void make_copy() {
     slot = (uint16_t)(slot + 1 == config::COPY_SLOTS ? 0 : slot + 1);
     copy.identity = config::COPY_IDENTITY;
     copy.number = newest + 1;
     snapshot::take(&copy.snapshot);
     copy.crc = crc_of(copy);
-    write(&copy, sizeof copy, address(slot));
+    writing.begin(&copy, sizeof copy, address(slot));
     checking = true;
 }
 
@@ -111,7 +87,7 @@ void begin(uint32_t crc) {
     if (new_firmware) {
         firmware.crc = crc;
         firmware.complement = ~crc;
-        write(&firmware, sizeof firmware, config::FIRMWARE_AT);
+        writing.begin(&firmware, sizeof firmware, config::FIRMWARE_AT);
     }
 }
 
@@ -130,8 +106,8 @@ void update() {
     if (!eeprom_is_ready()) {
         return;
     }
-    if (left > 0) {
-        write_on();
+    if (!writing.done()) {
+        writing.go_on();
     } else if (checking) {
         checking = false;
         const uint32_t number = copy.number;
