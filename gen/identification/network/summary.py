@@ -315,13 +315,18 @@ class Summary:
         moving = [
             column
             for column in sorted(common)
-            if column.endswith(HEATING) and any(np.nanstd(source.run.extras[column]) > 0.0 for source in sources)
+            if column.endswith(HEATING) and any(_moves(source.run.extras[column]) for source in sources)
         ]
         if not moving:
             return []
         return [
             f"not used: {', '.join(moving)}; what else heats the motor, and the board can measure, tell with --heat"
         ]
+
+
+def _moves(values: FloatArray) -> bool:
+    """Whether a column changes; one without values does not."""
+    return np.unique(values[np.isfinite(values)]).size > 1
 
 
 def _time(seconds: float) -> str:

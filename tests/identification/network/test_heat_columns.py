@@ -115,7 +115,9 @@ def test_a_column_that_heats_nothing_does_no_harm() -> None:
     assert off(loaded, fresh, fresh.extras["heater_W"]) < 2.0 * FLOOR
 
 
+@pytest.mark.filterwarnings("error")
 def test_columns_that_might_heat_are_told() -> None:
+    """Not one without any value, which is let pass without a word."""
     _, summary = identified([])
     assert (
         "not used: heater_W; what else heats the motor, and the board can measure, tell with --heat" in summary.text()
