@@ -178,9 +178,9 @@ def _fed(result: NetworkFound, names: tuple[str, ...]) -> tuple[tuple[ChannelEnt
         watts = float(np.exp(result.found.vector[at])) / one.largest**one.power
         factor = FactorEntry(channel=one.column, poly=(1.0, *[0.0] * one.power))
         heats.append(HeatEntry(node=names[node], power_W=PolyCurve(poly=(six_digits(watts),)), factors=(factor,)))
-    used = dict.fromkeys(driving[number] for number, _ in structure.fed)
+    used = {driving[number].column: driving[number] for number, _ in structure.fed}
     channels = []
-    for one in used:
+    for one in used.values():
         low, high = one.range
         channels.append(ChannelEntry(column=one.column, range=(six_digits(low), six_digits(high)), neutral=0.0))
     return tuple(channels), tuple(heats)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,8 @@ _SQUARED = ("_A", "_Nm")
 """Ends of the names of what heats with its square: a current, and a torque, which goes with one."""
 MARGIN = 0.25
 """Of a column's largest value: so much beyond it the model is declared good for it."""
+NOISE = 0.05
+"""Of a column's largest value: a meter of what is never below zero may read so much below it."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class Driving:
     power
         1 or 2: heat goes with the value or with its square.
     low, high
-        Least and largest value in all runs.
+        Least and largest value in all runs; `low` is 0 where heat goes with the value and a meter read a little below.
     """
 
     column: str
@@ -50,8 +52,8 @@ class Driving:
         return (self.low - beyond if self.low < 0.0 else 0.0, self.high + beyond)
 
     def share(self, values: FloatArray) -> FloatArray:
-        """Heat as a share of that at the largest value, shape as the values."""
-        return np.asarray((values / self.largest) ** self.power)
+        """Heat as a share of that at the largest value, shape as the values; what is below `low` is a meter's noise."""
+        return np.asarray((np.maximum(values, self.low) / self.largest) ** self.power)
 
 
 def driving_of(sources: Sequence[Source], heat: Sequence[str]) -> tuple[Driving, ...]:
@@ -69,29 +71,35 @@ def driving_of(sources: Sequence[Source], heat: Sequence[str]) -> tuple[Driving,
     InputError
         When one is written otherwise, is not in every run, never changes, or is negative although heat goes with it.
     """
-    made: list[Driving] = []
-    for text in heat:
-        written = _WRITTEN.fullmatch(text)
-        if written is None:
-            raise InputError(f"found {text!r}, expected a column such as current_A or heater2_W^1", place="--heat")
-        column = written.group("column")
-        power = int(written.group("power") or (2 if column.endswith(_SQUARED) else 1))
-        if any(column == one.column for one in made):
-            raise InputError(f"found {column!r} twice, expected it once", place="--heat")
-        known = [values_of(source, column) for source in sources]
-        one = Driving(column, power, min(float(v.min()) for v in known), max(float(v.max()) for v in known))
-        if one.low == one.high:
-            raise InputError(
-                f"column {column} is {one.low:g} in every row of every run: it tells nothing", place="--heat"
-            )
-        if power == 1 and one.low < 0.0:
-            raise InputError(
-                f"column {column} goes down to {one.low:g}, and no heat is below 0: expected another column, or "
-                f"{column}^2",
-                place="--heat",
-            )
-        made.append(one)
-    return tuple(made)
+    written = [_written(text) for text in heat]
+    if len(set(written)) < len(written):
+        twice = next(one for k, one in enumerate(written) if one in written[:k])
+        raise InputError(f"found '{twice[0]}^{twice[1]}' twice, expected it once", place="--heat")
+    linear = {column for column, power in written if power == 1}
+    return tuple(_measured(sources, column, power, is_linear=column in linear) for column, power in written)
+
+
+def _written(text: str) -> tuple[str, int]:
+    """Column and power as a person writes them."""
+    found = _WRITTEN.fullmatch(text)
+    if found is None:
+        raise InputError(f"found {text!r}, expected a column such as current_A or heater2_W^1", place="--heat")
+    column = found.group("column")
+    return column, int(found.group("power") or (2 if column.endswith(_SQUARED) else 1))
+
+
+def _measured(sources: Sequence[Source], column: str, power: int, *, is_linear: bool) -> Driving:
+    """What the runs hold of a column; `is_linear`: heat goes with its value, be it beside its square."""
+    known = [values_of(source, column) for source in sources]
+    one = Driving(column, power, min(float(v.min()) for v in known), max(float(v.max()) for v in known))
+    if one.low == one.high:
+        raise InputError(f"column {column} is {one.low:g} in every row of every run: it tells nothing", place="--heat")
+    if is_linear and one.low < -NOISE * one.high:
+        raise InputError(
+            f"column {column} goes down to {one.low:g}, and no heat is below 0: expected another column, or {column}^2",
+            place="--heat",
+        )
+    return replace(one, low=max(one.low, 0.0)) if is_linear else one
 
 
 def values_of(source: Source, column: str) -> FloatArray:

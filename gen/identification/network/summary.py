@@ -304,7 +304,7 @@ class Summary:
         """Which of the heats come by measured columns."""
         driving = self.result.data.driving
         used = dict.fromkeys(driving[number].column for number, _ in self.result.found.structure.fed)
-        unused = [one.column for one in driving if one.column not in used]
+        unused = dict.fromkeys(one.column for one in driving if one.column not in used)
         said = f", {len(self.result.found.structure.fed)} of them by {', '.join(used)}" if used else ""
         return said + (f" ({', '.join(unused)} heats nothing that is seen)" if unused else "")
 

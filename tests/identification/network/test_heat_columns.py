@@ -128,7 +128,7 @@ def test_columns_that_might_heat_are_told() -> None:
     ("heat", "said"),
     [
         (["drag_N"], "found no values of drag_N"),
-        (["heater_W", "heater_W^2"], "found 'heater_W' twice"),
+        (["heater_W", "heater_W^1"], r"found 'heater_W\^1' twice"),
         (["heater_W^3"], "found 'heater_W\\^3', expected a column such as"),
         (["current_A^1"], "no heat is below 0"),
     ],
@@ -137,6 +137,27 @@ def test_a_column_that_cannot_heat_is_refused(heat: Sequence[str], said: str) ->
     run = logged(PROFILES[0], 1, ("heater_W", "current_A"))
     with pytest.raises(InputError, match=said):
         make_network_data([Source("run.csv", run)], None, heat=heat)
+
+
+@pytest.mark.parametrize("heat", [["heater_W^1"], ["heater_W^1", "heater_W^2"]])
+def test_a_meter_may_read_a_little_below_nothing_and_heat_go_with_value_and_square(
+    heat: Sequence[str],
+) -> None:
+    """As a current's does where brushes drop a voltage and copper has a resistance; the board measures it once."""
+    runs = [Source(f"run_{k}.csv", logged(pwm, k, ("heater_W",))) for k, pwm in enumerate(PROFILES)]
+    for source in runs:
+        source.run.extras["heater_W"][:] += np.random.default_rng(5).normal(0.0, 0.4, source.run.time_s.size)
+    assert min(float(source.run.extras["heater_W"].min()) for source in runs) < -0.5
+    data = make_network_data(runs, None, heat=heat)
+    assert [(one.power, one.low) for one in data.driving] == [(power, 0.0) for power in range(1, len(heat) + 1)]
+    result = identify_network(data, lambda _: None, 0)
+    loaded = network_text(result, Settings("plant"))[1]
+    network = loaded.model.network
+    assert network is not None
+    assert [(channel.column, channel.low) for channel in network.channels] == [("heater_W", 0.0)]
+    fresh = logged(FRESH, 77)
+    assert off(loaded, fresh, fresh.extras["heater_W"]) < 4.0 * FLOOR  # what is cut off at nothing is a mean of 0.16 W
+    assert "heats nothing that is seen" not in Summary(result).text()
 
 
 def test_a_column_that_never_changes_is_refused() -> None:
