@@ -15,6 +15,7 @@ from gen.identification.network.problem import Problem
 from gen.identification.network.weights import density
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import Data
+from gen.refinement.network.effects.base import Seen
 from gen.refinement.network.folds import folds_of
 
 AT_FIRST, AT_EACH, AT_LEFT_OUT, AT_TRIAL = 14, 10, 4, 4
@@ -85,8 +86,35 @@ class Bench:
                 deviation[: shape.nodes] = 1e-3
             at = np.arange(first, first + own)
             precision[at, at] = deviation**-2
+        self._start_from_readings(shape, precision)
         problem = Problem(shape, inputs, Prior(mean, precision))
         return problem.weighed(self._weight)
+
+    def _start_from_readings(self, shape: Anchored, precision: FloatArray) -> None:
+        """A start that was read is as wrong as its sensor: what is loose is the start less what an effect reads.
+
+        Parameters
+        ----------
+        shape
+            The hypothesis.
+        precision
+            Of the prior, shape (P, P), changed in place.
+        """
+        inputs, later = self.data.inputs, self.data.later
+        own = shape.nodes + inputs.room.shape[-1]
+        read_K = np.array([run.begin for run in inputs.runs[:later]])
+        ambient = np.array([run.ambient[0] for run in inputs.runs[:later]])
+        for effect, place in zip(shape.effects, shape.places, strict=True):
+            wrong = effect.read(Seen(inputs.begin[:later, : shape.sensors], ambient, np.zeros(later)))
+            if wrong is None:
+                continue
+            sensor, column = wrong[0], int(place.columns[0])
+            for r in np.flatnonzero(inputs.begin[:later, sensor] == read_K[:, sensor]):
+                start, unit = shape.size + int(r) * own + sensor, float(wrong[1][r])
+                tight = inputs.loose[r][0] ** -2.0
+                precision[start, column] += unit * tight
+                precision[column, start] += unit * tight
+                precision[column, column] += unit**2 * tight
 
     def first(self, shape: Anchored) -> Fitted:
         """Fit the file alone until the weights agree with what is left."""

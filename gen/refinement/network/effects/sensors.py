@@ -51,7 +51,7 @@ class SensorGain(SensorEffect):
     """A share: of the rise over the ambient, as of a sensor that has come half off; or of degC, as of an amplifier."""
 
     name = "sensor_gain"
-    numbers = (Number("gain_error", 0.0, 0.0, 0.1, -0.6, 1.0),)
+    numbers = (Number("gain_error", 0.0, 0.0, 0.3, -0.6, 1.0),)
     least = 0.01
 
     def __init__(self, motor: Motor, sensor: int, *, of_rise: bool) -> None:
@@ -70,7 +70,7 @@ class SensorLag(SensorEffect):
     """A time constant with which readings follow (`gen.refinement.network.lagged`)."""
 
     name = "sensor_lag"
-    numbers = (Number("lag_s", 0.0, 0.0, 60.0, 0.0, 3600.0),)
+    numbers = (Number("lag_s", 0.0, 0.0, 600.0, 0.0, 3600.0),)
     least = 15.0
 
     def __init__(self, motor: Motor, sensor: int) -> None:
@@ -85,7 +85,7 @@ class Drift(SensorEffect):
     """Kelvin an hour since the run began."""
 
     name = "drift"
-    numbers = (Number("drift_K_per_h", 0.0, 0.0, 1.0, -50.0, 50.0),)
+    numbers = (Number("drift_K_per_h", 0.0, 0.0, 3.0, -50.0, 50.0),)
     held_by_the_file = False
     least = 0.05
 
