@@ -255,7 +255,13 @@ def _considered(data: Data, without: Judged, one: Judged, tried: int, bent: floa
     if without.names:
         if one.score_K > (1.0 - LEAST_GAIN_BESIDE) * without.score_K:
             reasons.append(TOO_LITTLE_BESIDE)
-    elif bent > BENT and relief > asked and one.score_K < AS_BEFORE * without.score_K and p < EVEN:
+    elif (
+        bent > BENT
+        and not one.fitted.shape.effects[-1].bends_the_file
+        and relief > asked
+        and one.score_K < AS_BEFORE * without.score_K
+        and p < EVEN
+    ):
         return Considered(one.fitted.shape.effects[-1], one, p, tuple(reasons))
     elif one.score_K > (1.0 - LEAST_GAIN) * without.score_K:
         reasons.append(TOO_LITTLE)

@@ -21,6 +21,10 @@ NOT_ALONE = (
     "ambient: found, but the file follows a room that moves only once its numbers are fitted to it, and they are not "
     "written without what was found beside it"
 )
+MEND = (
+    "{}: no file holds it. The numbers beside it are right beside it only, so nothing of them is written: mend or "
+    "calibrate the sensor, and refine with runs from after it"
+)
 
 
 @dataclass(frozen=True)
@@ -80,12 +84,15 @@ def written(
     # Some files follow a room that moves only with numbers that were fitted to it.
     alone = channel if room is None or room.as_it_is else None
     outside = [*([INITIAL_STATE] if factors else []), *([] if alone is None else ["ambient"])]
-    unchanged = Written(raw, refused="" if alone == channel else NOT_ALONE)
+    unheld = [f"{effect.name} at {effect.component}" for effect in kept if not effect.held_by_the_file]
+    unchanged = Written(
+        raw, refused=MEND.format(", ".join(unheld)) if unheld else "" if alone == channel else NOT_ALONE
+    )
     if outside:
         text = with_network(raw, writer.entry, f"refined: {', '.join(outside)}", alone)
         unchanged = replace(unchanged, text=text)
     sound = room is not None or accept_change or traced.null.floors <= NOTHING
-    if not kept and (traced.added or not sound or not _file_is_worse(traced)):
+    if unheld or (not kept and (traced.added or not sound or not _file_is_worse(traced))):
         return unchanged
     named = [f"{effect.name} at {effect.component}" for effect in kept] + ([] if room is None else ["ambient"])
     said = ", ".join(named) or "no effect"

@@ -137,6 +137,51 @@ def test_a_sensor_that_drifts_is_named_and_explains_nothing_of_what_the_file_pre
     assert (effect["name"], effect["component"]) == ("drift", "casing")
     assert "calibrate" in effect["evidence"]["note"]
     assert found.verdict == "partly explained"
+    # What was fitted beside it is right beside it only.
+    assert found.model.text == found.baseline.text
+    assert any("drift at casing" in warning and "nothing of them is written" in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "planted"),
+    [("sensor_offset", "offset_K", -6.5), ("sensor_gain", "gain_error", -0.35)],
+)
+def test_a_sensor_that_is_far_off_is_named_and_measured(name: str, number: str, planted: float, tmp_path: Path) -> None:
+    """Each run then begins at a wrong reading: the start is as wrong as the sensor, and the motor is as it was."""
+    (tmp_path / "small.json").write_text(json.dumps(tree()), encoding="utf-8")
+    given = []
+    for seed in (1, 2, 3):
+        made = run(read(tree()), seed)
+        assert made.ambient is not None
+        wrong = planted if name == "sensor_offset" else planted * (made.temps["casing"] - made.ambient)
+        given.append(
+            write(
+                replace(made, temps=made.temps | {"casing": made.temps["casing"] + wrong}), tmp_path / f"run_{seed}.csv"
+            )
+        )
+    found = gen.refine(gen.load(tmp_path / "small.json"), fit=given[:2], test=given[2:])
+    effect = found.details()["effects"][0]
+    assert (effect["name"], effect["component"]) == (name, "casing")
+    assert effect["parameters"][number] == pytest.approx(planted, rel=0.02)
+    assert found.verdict == "explained"
+    assert error_K(found, tmp_path) < 1.1 * NOISE_K
+
+
+def test_a_sensor_that_lags_by_half_an_hour_is_measured(tmp_path: Path) -> None:
+    (tmp_path / "small.json").write_text(json.dumps(tree()), encoding="utf-8")
+    given, lag_s = [], 1500.0
+    for seed in (1, 2, 3):
+        made = run(read(tree()), seed)
+        true, shown = made.temps["casing"], [float(made.temps["casing"][0])]
+        for before, now in zip(true[:-1].tolist(), true[1:].tolist(), strict=True):
+            shown.append(shown[-1] + (0.5 * (before + now) - shown[-1]) * -np.expm1(-ROW_S / lag_s))
+        noise = np.random.default_rng(seed).normal(0.0, NOISE_K, true.size)
+        lagging = np.round(4.0 * (np.array(shown) + noise)) / 4.0
+        given.append(write(replace(made, temps=made.temps | {"casing": lagging}), tmp_path / f"run_{seed}.csv"))
+    found = gen.refine(gen.load(tmp_path / "small.json"), fit=given[:2], test=given[2:])
+    effect = found.details()["effects"][0]
+    assert (effect["name"], effect["component"]) == ("sensor_lag", "casing")
+    assert effect["parameters"]["lag_s"] == pytest.approx(lag_s, rel=0.05)
 
 
 def test_what_is_printed_is_what_simulate_gives(tmp_path: Path) -> None:

@@ -158,6 +158,8 @@ class NetworkEffect(ABC):
     """What else it takes to say what it is: the channel, the other node."""
     held_by_the_file = True
     """Whether a coefficient file has a place for it."""
+    bends_the_file = False
+    """Whether it is what the file's own numbers may be off by as well: that they are is no sign of it."""
     lagging: int | None = None
     """The sensor to whose lag its one number adds."""
     nodes = 0

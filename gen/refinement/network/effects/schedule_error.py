@@ -21,6 +21,7 @@ class ScheduleError(NetworkEffect):
     """A node's heat times a smooth factor over speed, or a heat where the model has none."""
 
     name = "schedule_error"
+    bends_the_file = True
 
     def __init__(self, motor: Motor, node: int) -> None:
         self.component = motor.names[node]
