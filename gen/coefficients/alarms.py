@@ -141,6 +141,13 @@ class MissingHeat(Rule):
     usual_s: Annotated[
         Positive, Field(description="Time constant with which missing heat becomes usual, and no change any more.")
     ] = 1800.0
+    remembered_s: Annotated[
+        Positive | None,
+        Field(
+            description="Time constant with which heat that was usual is forgotten: what comes back meanwhile, as "
+            "after a draught or a pause of a load, is no change. By itself, at once."
+        ),
+    ] = None
     unsettled: Unsettled
 
     @property

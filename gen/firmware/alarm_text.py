@@ -91,8 +91,9 @@ def _heat(rule: MissingHeat) -> str:
     weights = rule.weight_of
     terms = [f"{weight:+g} {name}" for name, weight in weights.items()]
     of = rule.component if weights == {rule.component: 1.0} else " ".join(terms).removeprefix("+")
+    since = "" if rule.remembered_s is None else f", forgotten with {rule.remembered_s / 3600.0:.3g} h,"
     return (
-        f"heat that the model lacks ({of}), beyond the usual by more than {rule.slack_K_per_h:g} K/h, "
+        f"heat that the model lacks ({of}), beyond the usual{since} by more than {rule.slack_K_per_h:g} K/h, "
         f"summed up to {rule.threshold_K:g} K"
     )
 

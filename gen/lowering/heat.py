@@ -4,7 +4,8 @@ With r = measured - model of a component, and 1/tau the slowest rate of its mode
 model lacks is r' + r / tau: an added heat q / C gives just that from its first moment on, when r itself is still zero.
 Summed over time the noise of r does not grow, so that a rule keeps a cumulated sum (Page 1954; Basseville and
 Nikiforov, "Detection of abrupt changes", 1993, chapter 2) of what goes beyond the *usual* heat, itself followed slowly:
-constant errors of sensors and model are usual after a while. What a change of PWM or a start makes uncertain is a
+constant errors of sensors and model are usual after a while. What was usual *before* is forgotten slowly, so that heat
+which comes back, as when a draught has ended, is no change. What a change of PWM or a start makes uncertain is a
 further slack, which fades.
 
 The board takes means over blocks of :data:`BLOCK_S`, so that a converter's steps are no heat. Units: temperatures
@@ -92,6 +93,9 @@ class LoweredHeat:
         By bins of |PWM|: what the unsettled slack loses in a block, times 2^:data:`RATE_BITS`.
     memory
         Blocks after which missing heat has become usual.
+    forgetting
+        What a block takes of the difference between what was usual before and what is, times 2^:data:`RATE_BITS`; the
+        whole of it where nothing is remembered.
     limit
         The sum at which the alarm is raised; the sum is held to twice that.
     """
@@ -106,7 +110,13 @@ class LoweredHeat:
     start: int
     fading: tuple[int, ...]
     memory: int
+    forgetting: int
     limit: int
+
+    @property
+    def told(self) -> int:
+        """Blocks after which what has been learnt is sure enough to be remembered: noise would be, too."""
+        return (PRIOR_BLOCKS + self.memory) // 2
 
 
 def block_samples(sample_time: float) -> int:
@@ -141,6 +151,7 @@ def lower_heat(document: Document, model: ThermalModel, rule: MissingHeat) -> Lo
         start=min(MOST_UNSETTLED, round(rule.unsettled.at_start_K_per_h * in_block * fine)),
         fading=_lost(1.0 / rest + (1.0 / full - 1.0 / rest) * share, seconds),
         memory=max(PRIOR_BLOCKS, min(2**16 - 1, round(rule.usual_s / seconds))),
+        forgetting=_forgetting(rule.remembered_s, seconds),
         limit=max(1, min(MOST_LIMIT, round(rule.threshold_K * 1000.0 * PER_mK))),
     )
 
@@ -167,6 +178,10 @@ def _levels(model: ThermalModel) -> NDArray[np.int64]:
     """|PWM| in the middle of each bin, within the model's domain."""
     middle = np.arange(BINS) * BIN_COUNTS + BIN_COUNTS // 2
     return np.minimum(middle, model.domain_pwm[1])
+
+
+def _forgetting(remembered_s: float | None, seconds: float) -> int:
+    return 1 << RATE_BITS if remembered_s is None else _lost(np.array([1.0 / remembered_s]), seconds)[0]
 
 
 def _lost(rates: Array, seconds: float) -> tuple[int, ...]:

@@ -19,6 +19,7 @@ _PART = (("sum", "<i4"), ("count", "<u2"), ("mean", "<i4"), ("known", "u1"))
 _RULE = (
     ("sum", "<i4"),
     ("usual", "<i4"),
+    ("before", "<i4"),
     ("unsettled", "<u4"),
     ("pending", "<i4"),
     ("learnt", "<u2"),
@@ -48,8 +49,8 @@ class ReferenceHeat:
         self._block = self._rules[0][1].block if self._rules else 1
         lanes = len(trusted)
         self.sums = np.zeros((len(rules), lanes), dtype=np.int64)
-        self._usual, self._unsettled, self._pending, self._learnt, self._waited = (
-            np.zeros((len(rules), lanes), dtype=np.int64) for _ in range(5)
+        self._usual, self._before, self._unsettled, self._pending, self._learnt, self._waited = (
+            np.zeros((len(rules), lanes), dtype=np.int64) for _ in range(6)
         )
         for number, rule in self._rules:
             self._unsettled[number] = np.where(trusted, 0, rule.start)
@@ -141,9 +142,9 @@ class ReferenceHeat:
         waited = self._waited[number]
         blocks = waited + 1
         unsettled >>= heat.FINE_BITS
-        usual = self._usual[number]
+        usual, before = self._usual[number], self._before[number]
         slack = rule.slack + rule.unknown * heat.PRIOR_BLOCKS // self._learnt[number]
-        counted = pending - blocks * ((usual >> heat.FINE_BITS) + slack + unsettled)
+        counted = pending - blocks * ((before >> heat.FINE_BITS) + slack + unsettled)
         self.sums[number] = np.where(
             complete, np.clip(self.sums[number] + counted, 0, 2 * rule.limit), self.sums[number]
         )
@@ -152,9 +153,17 @@ class ReferenceHeat:
         learns = complete & (2 * unsettled < slack)
         self._usual[number] = np.where(learns, usual + truncated(rate - usual, self._learnt[number]), usual)
         self._learnt[number] = np.where(learns, np.minimum(self._learnt[number] + 1, rule.memory), self._learnt[number])
+        self._remember(number, rule, ended)
         waiting = inside & ~complete
         self._pending[number] = np.where(waiting, pending, np.where(ended, 0, self._pending[number]))
         self._waited[number] = np.where(waiting, np.minimum(blocks, heat.MOST_WAITED), np.where(ended, 0, waited))
+
+    def _remember(self, number: int, rule: LoweredHeat, ended: Flags) -> None:
+        """What was usual before fades towards what is, and never lies below it."""
+        usual, before = self._usual[number], self._before[number]
+        faded = np.maximum(usual, before - ((before - usual) * rule.forgetting >> heat.RATE_BITS))
+        faded = np.where(self._learnt[number] < rule.told, usual, faded)
+        self._before[number] = np.where(ended, faded, before)
 
     def advance(self, record: Record) -> None:
         """Go on from what a board keeps, shape (L,), see :func:`fields`."""
@@ -182,7 +191,7 @@ class ReferenceHeat:
         return self._sum, self._count, self._mean, self._known
 
     def _rule_words(self) -> tuple[Integers, ...]:
-        return self.sums, self._usual, self._unsettled, self._pending, self._learnt, self._waited
+        return self.sums, self._usual, self._before, self._unsettled, self._pending, self._learnt, self._waited
 
 
 def watched(rules: Sequence[LoweredHeat | None]) -> tuple[int, ...]:

@@ -187,16 +187,21 @@ def _close_in_heat(
         if rule is None:
             continue
         most = heat.MOST_RATE << heat.FINE_BITS
-        # Close to nothing, or close to the most.
+        # Unsettled by close to nothing, or by close to the most; nearly all learnt, or about enough to remember it.
         ends = random.integers(0, 2, count)
         spread = random.integers(0, heat.MOST_UNSETTLED, count) // _scales(random, count)
         forgotten = random.integers(0, rule.memory - heat.PRIOR_BLOCKS + 1, count) // _scales(random, count)
+        learnt = np.where(
+            random.integers(0, 2, count) == 1, rule.memory - forgotten, rule.told + random.integers(-2, 2, count)
+        )
+        usual = random.integers(-most, most + 1, count) // _scales(random, count)
         words = {
             "sum": np.clip(rule.limit + random.integers(-2000, 2001, count), 0, 2 * rule.limit),
-            "usual": random.integers(-most, most + 1, count) // _scales(random, count),
+            "usual": usual,
+            "before": np.minimum(most, usual + random.integers(0, 2 * most, count) // _scales(random, count)),
             "unsettled": np.abs(ends * heat.MOST_UNSETTLED - spread),
             "pending": random.integers(-heat.MOST_PENDING, heat.MOST_PENDING + 1, count) // _scales(random, count),
-            "learnt": rule.memory - forgotten,
+            "learnt": np.clip(learnt, heat.PRIOR_BLOCKS, rule.memory),
             "waited": random.integers(0, heat.MOST_WAITED + 1, count),
         }
         for field, values in words.items():

@@ -30,6 +30,7 @@ def heat(draw: st.DrawFn, component: int, low: int, high: int) -> LoweredHeat:
         start=draw(st.integers(0, 10**6)),
         fading=draw(bins),
         memory=draw(st.integers(4, 40)),
+        forgetting=draw(st.sampled_from([2**16, 100, 20_000])),
         limit=draw(st.integers(1, 20_000)),
     )
 

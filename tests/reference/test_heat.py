@@ -34,6 +34,7 @@ def rule(**other: object) -> LoweredHeat:
         start=0,
         fading=(round(2**16 * -np.expm1(-BLOCK_S / 300.0)),) * BINS,
         memory=90,
+        forgetting=2**16,
         limit=round(0.2 * K),
     )
     return replace(plain, **other)  # type: ignore[arg-type]
@@ -77,6 +78,47 @@ def test_what_lasts_becomes_usual_and_a_change_on_top_is_heard_as_before() -> No
     before = int(12_000.0 / BLOCK_S)
     assert alone[before - 1] == 0.0
     assert np.argmax(on_top[before:] >= 0.2) * BLOCK_S <= 160.0
+
+
+def test_heat_that_comes_back_is_no_change_if_it_is_remembered() -> None:
+    """A draught of an hour ends: the heat is what it was before."""
+    slow = replace(rule(), forgetting=round(2**16 * -np.expm1(-BLOCK_S / 14_400.0)))
+    draught = warmed(-3e-3, 5400.0, 16_000.0) + warmed(3e-3, 9000.0, 16_000.0)
+    assert sums(rule(), draught).max() > 0.2
+    assert sums(slow, draught).max() < 0.02
+    # A fault after it is heard as soon as without a draught, and one within it by what it adds beyond the old heat.
+    ended = int(11_000.0 / BLOCK_S)
+    fault = warmed(4e-3, 11_000.0, 16_000.0)
+    late = [int(np.argmax(sums(slow, some + fault)[ended:] >= 0.2)) for some in (draught, 0 * draught)]
+    assert abs(late[0] - late[1]) <= 1
+    assert sums(slow, draught + warmed(6e-3, 7000.0, 16_000.0)).max() > 0.2
+
+
+def test_what_is_remembered_fades_with_its_time_constant() -> None:
+    """Heat that was there for long, gone for one time constant, and back: what has faded counts as new."""
+    remembered = replace(rule(slack=1, limit=2**26), forgetting=round(2**16 * -np.expm1(-BLOCK_S / 3600.0)))
+    heat, gone, back = 4e-3, 14_400.0, 18_000.0
+    deviation = warmed(heat, 0.0, 20_000.0) - warmed(heat, gone, 20_000.0) + warmed(heat, back, 20_000.0)
+    found = sums(remembered, deviation)
+    first = found[int(back / BLOCK_S) + 2 : int(back / BLOCK_S) + 6]
+    # The same in floats, block by block, but for a block's mean, which is half a block old: usual falls with 1800 s,
+    # and what was usual before follows it with 3600 s.
+    usual = before = heat
+    counted = []
+    for block in range(1, int((back - gone) / BLOCK_S) + 7):
+        counted.append(((heat if block > (back - gone) / BLOCK_S else 0.0) - before) * BLOCK_S)
+        usual += ((heat if block > (back - gone) / BLOCK_S else 0.0) - usual) * BLOCK_S / 1800.0
+        before = max(usual, before - (before - usual) * -np.expm1(-BLOCK_S / 3600.0))
+    np.testing.assert_allclose(np.diff(first), counted[-4:-1], rtol=0.04)
+
+
+def test_little_learnt_is_not_remembered() -> None:
+    """What a noisy first quarter of an hour took for usual is not held for hours."""
+    noise = np.rint(np.random.default_rng(3).normal(0.0, 100.0, 80_000)).astype(np.int64)
+    slow = replace(rule(), forgetting=1)
+    fault = noise + warmed(3e-3, 10_800.0, 20_000.0)
+    heard = [int(np.argmax(sums(one, fault) >= 0.2)) for one in (rule(), slow)]
+    assert heard[1] - heard[0] <= 6
 
 
 def test_offsets_of_sensors_within_the_tolerance_are_no_heat_after_a_start() -> None:

@@ -34,6 +34,8 @@ class HeatRule(TypedDict):
     start: int
     fading: Sequence[int]
     memory: int
+    told: int
+    forgetting: int
     limit: int
 
 
@@ -106,6 +108,8 @@ def _heat_rules(rules: Sequence[LoweredRule], sums: Sequence[tuple[int, LoweredH
                 "start": found.start,
                 "fading": found.fading,
                 "memory": found.memory,
+                "told": found.told,
+                "forgetting": found.forgetting,
                 "limit": found.limit,
             }
         )
