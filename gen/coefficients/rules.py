@@ -121,7 +121,7 @@ class RuleDraft:
 
 def drafted(
     name: str,
-    kind: Literal["above_model", "over_temperature"],
+    kind: Literal["above_model", "over_temperature", "missing_heat"],
     component: str,
     description: str,
     *,
@@ -133,10 +133,14 @@ def drafted(
     threshold_K: float | None = None,
     limit_degC: float | None = None,
     hysteresis_K: float | None = None,
+    weights: Mapping[str, float] | None = None,
+    remembered_s: float | None = None,
 ) -> RuleDraft:
     """Write a rule anew; what is None is left open."""
     written: dict[str, Any] = {"name": name, "description": description, "kind": kind, "component": component}
     further = {
+        "weights": None if weights is None else dict(weights),
+        "remembered_s": remembered_s,
         "speed_percent": None if speed_percent is None else list(speed_percent),
         "persistence_s": persistence_s,
         "settle_s": settle_s,

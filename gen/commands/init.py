@@ -103,7 +103,8 @@ def _rules(coefficients: Coefficients | None, runs: list[Path], names: list[str]
     from gen.coefficients.writer import rules_text
     from gen.proposal.motor import of_runs
     from gen.proposal.pins import wiring_for
-    from gen.proposal.rules import open_rules
+    from gen.proposal.rules import enough_for_heat, open_rules
+    from gen.thresholds.missing_heat import LEAST_HOURS
 
     motor = of_runs(runs, coefficients)
     try:
@@ -113,7 +114,13 @@ def _rules(coefficients: Coefficients | None, runs: list[Path], names: list[str]
     rules = open_rules(motor)
     following = "next: set what is marked TO BE SET, then gen thresholds COEFFS HEALTHY_RUN... --rules with this file"
     left_out = [f"{column}: left out, as its name cannot be a column of the board's" for column in motor.left_out]
-    return rules_text(wiring, rules), [*_told(wiring, rules), *left_out, following]
+    said = [*_told(wiring, rules), *left_out]
+    if not enough_for_heat(motor):
+        said.append(
+            f"no rule on missing heat, which hears a fault in minutes: its rate of false alarms wants "
+            f"{LEAST_HOURS:g} h of the healthy motor, and these runs last {motor.hours:.1f} h"
+        )
+    return rules_text(wiring, rules), [*said, following]
 
 
 def _told(wiring: Wiring | None, rules: Sequence[RuleDraft] | None) -> list[str]:

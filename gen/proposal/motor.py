@@ -47,6 +47,8 @@ class Motor:
         The count that is 100 %.
     left_out
         Temperatures whose columns cannot be one of the board's.
+    hours
+        How long the logs are together.
     """
 
     parts: tuple[str, ...]
@@ -57,6 +59,7 @@ class Motor:
     speeds: tuple[int, int] = (1, MAX_PWM)
     full_scale: int = MAX_PWM
     left_out: tuple[str, ...] = ()
+    hours: float = 0.0
 
 
 def of_model(coefficients: Coefficients) -> Motor:
@@ -142,6 +145,7 @@ def _with_run(motor: Motor, run: Run, path: Path, coefficients: Coefficients | N
         beside=beside,
         channels=channels,
         left_out=tuple(left_out),
+        hours=motor.hours + float(run.time_s[-1] - run.time_s[0]) / 3600.0,
         ambient=motor.ambient or (f"the logs hold {column}" if measured else None),
         speed=motor.speed or (f"the logs hold {SPEED}" if SPEED in run.extras and SPEED not in channels else None),
     )

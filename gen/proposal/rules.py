@@ -1,4 +1,4 @@
-"""Alarm rules for a motor's parts: too hot for itself, and hotter than its model."""
+"""Alarm rules for a motor's parts: too hot for itself, hotter than its model, and heated by what its model lacks."""
 
 from __future__ import annotations
 
@@ -9,10 +9,13 @@ from gen.coefficients.alarms import MOST_RULES
 from gen.coefficients.names import MAX_LENGTH, name_fault
 from gen.coefficients.rules import RuleDraft, drafted
 from gen.proposal.motor import Motor
+from gen.thresholds.missing_heat import LEAST_HOURS
 
 GUESSED_K = 3.0
 """Beyond the declared error band, until healthy runs tell more: six times the least margin of `gen thresholds`."""
 _HYSTERESIS_K = 5.0
+REMEMBERED_S = 14_400.0
+"""What was usual within four hours and comes back is no change: a draught, a load that pauses."""
 _PERSISTENCE_S, _LIMIT_PERSISTENCE_S, _SETTLE_S = 120.0, 1.0, 600.0
 
 
@@ -20,7 +23,13 @@ def open_rules(motor: Motor) -> list[RuleDraft]:
     """Rules without their numbers, for `gen thresholds` to fill in from healthy runs."""
     taken: set[str] = set()
     limits = [_limit(part, taken) for part in motor.parts]
-    return _fitting([_hot(part, motor, taken) for part in motor.parts], limits)
+    heat = [_heat(motor, taken)] if enough_for_heat(motor) else []
+    return _fitting([*heat, *[_hot(part, motor, taken) for part in motor.parts]], limits)
+
+
+def enough_for_heat(motor: Motor) -> bool:
+    """Whether logs as long as these could give a rule on missing heat its rate of false alarms."""
+    return motor.hours >= LEAST_HOURS
 
 
 def complete_rules(motor: Motor, coefficients: Coefficients) -> list[RuleDraft]:
@@ -74,6 +83,20 @@ def _hot(part: str, motor: Motor, taken: set[str], **numbers: Any) -> RuleDraft:
         persistence_s=_PERSISTENCE_S,
         settle_s=_SETTLE_S,
         **numbers,
+    )
+
+
+def _heat(motor: Motor, taken: set[str]) -> RuleDraft:
+    """Heat that all parts together did not have before."""
+    parts = motor.parts
+    return drafted(
+        _name("motor", "heat", taken),
+        "missing_heat",
+        parts[0],
+        "Heat that was not there before, in the mean of the parts: a fault is heard in minutes, before a part is hot.",
+        weights={part: round(1.0 / len(parts), 4) for part in parts},
+        remembered_s=REMEMBERED_S,
+        speed_percent=_speeds(motor),
     )
 
 

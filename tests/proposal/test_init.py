@@ -109,6 +109,24 @@ def test_a_network_goes_on_to_the_emulated_board(tmp_path: Path) -> None:
     assert np.isfinite(emulated(tmp_path / "t.json", tmp_path).temps["casing"]).all()
 
 
+def test_ten_hours_of_logs_give_a_rule_that_hears_heat_in_minutes(tmp_path: Path) -> None:
+    """And its thresholds; shorter ones are told what they lack."""
+    runs = [log(tmp_path / f"cold{pwm}.csv", pwm, pwm) for pwm in (100, 180)]
+    healthy = [log(tmp_path / f"healthy{seed}.csv", 140, seed) for seed in range(8)]
+    gen("identify", *runs, "--model", "parts", "--out", tmp_path / "identified.json", "--name", "small")
+    said = gen("init", *healthy[:7], "--out", tmp_path / "short.json")
+    assert "no rule on missing heat, which hears a fault in minutes" in said
+    assert "these runs last 9.7 h" in said
+    said = gen("init", *healthy, "--out", tmp_path / "rules.json")
+    assert "no rule on missing heat" not in said
+    made = tmp_path / "t.json"
+    gen("thresholds", tmp_path / "identified.json", *healthy, "--rules", tmp_path / "rules.json", "--out", made)
+    rules = {rule.name: rule for rule in load(made).document.alarms}
+    assert list(rules) == ["motor_heat", "casing_hot", "casing_limit"]
+    assert "one false alarm in 1000 h" in rules["motor_heat"].note
+    assert np.all(emulated(made, tmp_path).extras["alarms"] == 0)
+
+
 def without(path: Path, target: Path, *keys: str) -> Path:
     tree = {key: value for key, value in json.loads(path.read_text()).items() if key not in keys}
     target.write_text(json.dumps(tree))
