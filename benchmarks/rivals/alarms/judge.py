@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.alarm_hours import DEFAULT, RUN_S, Life, fault_lives, healthy_lives
+from benchmarks.alarm_hours.judged import DEFAULT
+from benchmarks.alarm_hours.lives import RUN_S, Life, fault_lives, healthy_lives
 from benchmarks.rivals.alarms.blocks import Blocks, FloatArray, blocks_of
 from benchmarks.rivals.alarms.detectors import Detector, detectors
 from examples.my1016_rig.make import board_sensors, healthy_runs
