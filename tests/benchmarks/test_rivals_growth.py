@@ -57,7 +57,7 @@ def test_the_largest_model_is_where_the_first_thing_runs_out() -> None:
 def test_times_are_multiples_of_the_first_row_s_verify_and_a_refusal_is_a_row() -> None:
     found = [grown(1, 5000, 40, 300), grown(2, 5500, 60, 400), grown(3, 0, 0, 0, refused="too large")]
     cells = [list(column.cells) for column in growth_table(found).columns]
-    assert cells[6] == ["x 0.5", "x 0.5", ""]
+    assert cells[6] == ["x 0.50", "x 0.50", ""]
     assert cells[8] == ["yes", "yes", "refused: too large"]
     assert [next(iter(column.cells)) for column in boards_table(found).columns] == [
         "components",

@@ -32,8 +32,8 @@ def growth_table(found: Sequence[Grown]) -> Table:
             str(one.cycles_change),
             f"{one.flash_bytes} B",
             f"{one.ram_bytes} B",
-            f"x {one.build_s / first.verify_s:.1f}",
-            f"x {one.verify_s / first.verify_s:.1f}",
+            f"x {one.build_s / first.verify_s:.2f}",
+            f"x {one.verify_s / first.verify_s:.2f}",
             "yes" if one.equal else "no",
         )
     return table
