@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from benchmarks.rivals.host import work
-from benchmarks.rivals.host.commands import Start
+from benchmarks.rivals.host.commands import COMMANDS, Start
 from benchmarks.rivals.host.process import process
 from benchmarks.rivals.host.runs import write_runs
 from benchmarks.rivals.host.simulators import Rate
 from benchmarks.rivals.host.table import rates_table, starts_table, work_table
 from benchmarks.rivals.host.work import Work, worked
+from gen.cli import cli
 from gen.errors import CheckFailed
 from gen.runs import read_run
 
@@ -37,6 +38,10 @@ def test_tables_have_multiples_and_memory() -> None:
     assert cells == ("reference", "x 15.3")
     (cells,) = zip(*(column.cells for column in starts_table([Start("gen build", 12.4, 99.6)]).columns), strict=True)
     assert cells == ("`gen build`", "x 12", "100 MB")
+
+
+def test_every_command_is_started() -> None:
+    assert set(COMMANDS) == set(cli.commands)
 
 
 def test_a_shorter_run_is_the_beginning_of_a_longer_one_and_all_are_as_long_as_asked_for(tmp_path: Path) -> None:

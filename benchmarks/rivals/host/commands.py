@@ -12,7 +12,7 @@ from benchmarks.rivals.host.simulators import ARITHMETICS, MY1016
 
 COMMANDS = (
     "build", "verify", "check", "simulate", "emulate", "log", "live", "import", "identify", "thresholds", "refine",
-    "plan", "plot", "init",
+    "plan", "plot", "init", "fleet",
 )  # fmt: skip
 
 
