@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from benchmarks.rivals.growth.boards import SKETCH_FLASH, SKETCH_RAM, Board, held
-from benchmarks.rivals.growth.measure import Grown, measured
+from benchmarks.rivals.growth.measure import Grown, built, forget, measured
 from benchmarks.rivals.growth.models import FULL_RISE_K, components, network
 from benchmarks.rivals.growth.table import boards_table, growth_table
+from gen.lowering.recursion.dynamics import dynamics
 
 
 def grown(size: int, flash: int, ram: int, cycles: int, **other: str) -> Grown:
@@ -37,6 +38,16 @@ def test_a_second_component_takes_a_table_more_and_all_words_are_the_reference_s
     assert two.flash_bytes - one.flash_bytes >= 256 * 8  # two words of 32 bit for each |PWM|
     assert two.cycles_held > one.cycles_held > 0
     assert two.ram_bytes > one.ram_bytes > 0
+
+
+def test_a_build_finds_nothing_that_an_earlier_one_has_kept() -> None:
+    model = components(1, 2)
+    forget()
+    built(model, "table")
+    kept = dynamics.cache_info().currsize
+    forget()
+    assert kept > 0
+    assert dynamics.cache_info().currsize == 0
 
 
 def test_a_table_that_the_compiler_does_not_take_is_told_as_refused() -> None:
