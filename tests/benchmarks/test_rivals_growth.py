@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.rivals.growth.boards import SKETCH_FLASH, SKETCH_RAM, Board, held
+from benchmarks.rivals.growth.boards import Board, held
 from benchmarks.rivals.growth.measure import Grown, built, forget, measured
 from benchmarks.rivals.growth.models import FULL_RISE_K, components, network
 from benchmarks.rivals.growth.table import boards_table, growth_table
@@ -57,12 +57,12 @@ def test_a_table_that_the_compiler_does_not_take_is_told_as_refused() -> None:
 
 def test_the_largest_model_is_where_the_first_thing_runs_out() -> None:
     series = [grown(1, 5000, 40, 300), grown(2, 5000, 60, 400), grown(4, 6000, 100, 600)]
-    free = Board("free", SKETCH_FLASH + 6000 + 500 * 10, SKETCH_RAM + 100 + 20 * 3)
+    free = Board("free", 6000 + 500 * 10, 100 + 20 * 3)
     assert held(free, series) == (7, "RAM")
     assert held(Board("slow", 10**9, 10**9), series) == (4 + (4_000_000 - 600) // 100, "cycles")
     refused = grown(6, 0, 0, 0, refused="too large")
     assert held(free, [*series, refused]) == (5, "the table's 32 767 bytes")
-    assert held(Board("small", SKETCH_FLASH, SKETCH_RAM), series)[0] == 0
+    assert held(Board("small", 0, 0), series)[0] == 0
 
 
 def test_times_are_multiples_of_the_first_row_s_verify_and_a_refusal_is_a_row() -> None:
