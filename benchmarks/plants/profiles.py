@@ -77,13 +77,23 @@ def fresh(rng: Callable[[str], np.random.Generator]) -> tuple[Profile, ...]:
     return (turning, Profile("test_stopping", stopping))
 
 
-def later(rng: Callable[[str], np.random.Generator], names: Sequence[str]) -> tuple[Profile, ...]:
-    """Runs of 4 h of a motor in use, each with stops and reversals, which begin cold."""
-    return tuple(Profile(name, _used(rng(name))) for name in names)
+def later(rng: Callable[[str], np.random.Generator], names: Sequence[str], hours: float = 4.0) -> tuple[Profile, ...]:
+    """Runs of a motor in use, each with stops and reversals, which begin cold.
+
+    Parameters
+    ----------
+    rng
+        Gives each run's own chance by its name.
+    names
+        Of the runs.
+    hours
+        How long each lasts, h; a shorter one is the beginning of a longer one of the same name.
+    """
+    return tuple(Profile(name, _used(rng(name), hours)) for name in names)
 
 
-def _used(rng: np.random.Generator) -> tuple[tuple[int, float], ...]:
-    return _holds(rng, 4 * HOUR, (4.0, 40.0), stops=0.2, backwards=0.25)
+def _used(rng: np.random.Generator, hours: float) -> tuple[tuple[int, float], ...]:
+    return _holds(rng, hours * HOUR, (4.0, 40.0), stops=0.2, backwards=0.25)
 
 
 def _holds(

@@ -17,10 +17,12 @@ they show. An alarm in a healthy run, or before its fault, is a false one.
 
 `cost`: what the emitted fixed-point model costs as it grows. Build (lowering, proof, text) and verify (compiling,
 running and comparing here and on the emulated Mega, over the same samples) are processor time as multiples of the
-first row's verify. The largest models follow from the straight line through a series' two largest, beside the MY1016's
-sketch, within 4 000 000 cycles a tick; for the Uno they say what fits by size, not that there is a sketch for it.
+first row's verify. The largest models follow from the straight line through a series' two largest, within 4 000 000
+cycles a tick: on the Mega beside the MY1016's sketch; on the Uno, which has no room for it, alone.
 
-`host`: what a sample takes in the simulators, and what the commands take to start, as multiples.
+`host`: what a sample takes in the simulators, what the commands take to start, and what `gen identify` and
+`gen refine` take over the length and the number of runs, for parts and for a network: processor time as multiples
+within each table, and the most memory of the process.
 
 A rival whose library is not installed (`pip install '.[rivals]'` installs all) has a row that says so, and the exit
 status is 1.
@@ -49,7 +51,11 @@ from benchmarks.rivals.code.profiles import LENGTH
 from benchmarks.rivals.code.table import code_table
 from benchmarks.rivals.growth.measure import grown
 from benchmarks.rivals.growth.table import boards_table, growth_table
-from benchmarks.rivals.host import host, rates_table, starts_table
+from benchmarks.rivals.host.commands import COMMANDS, starts
+from benchmarks.rivals.host.simulators import rates
+from benchmarks.rivals.host.table import rates_table, starts_table, work_table
+from benchmarks.rivals.host.work import KINDS as MODELS
+from benchmarks.rivals.host.work import QUICK_SIZES, SIZES, worked
 from benchmarks.rivals.loop.identification import identified
 from benchmarks.rivals.loop.table import identified_table, traced_table
 from benchmarks.rivals.loop.tracing import KINDS, traced
@@ -83,8 +89,11 @@ def _loop(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequen
 
 
 def _host(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequence[Any]]:
-    simulators, commands = host(quick, tell)
-    return [rates_table(simulators), starts_table(commands)], [*simulators, *commands]
+    tell("steps")
+    simulators = rates(500 if quick else 4000)
+    commands = starts(COMMANDS[:3] if quick else COMMANDS, tell)
+    work = worked(QUICK_SIZES if quick else SIZES, MODELS, tell)
+    return [rates_table(simulators), starts_table(commands), work_table(work)], [*simulators, *commands, *work]
 
 
 PARTS: dict[str, Part] = {"code": _code, "loop": _loop, "alarms": _alarms, "cost": _cost, "host": _host}

@@ -26,7 +26,7 @@ from tests.examples import example
 LENGTH = 1200
 WITHOUT_LIBRARIES = [rival for rival in RIVALS if rival.clean]
 CLAIMED_K = {"a": 2e-3, "b": 2e-3, "f": 1e-4, "g": 2e-3}
-"""Of all parts, as docs/rivals.md has it for three hours."""
+"""Of all parts over eighteen minutes (`--quick`)."""
 
 
 def model() -> ThermalModel:

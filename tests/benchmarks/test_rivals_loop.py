@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from benchmarks.identify_rivals import Predictor
 from benchmarks.rivals.loop import tracing
 from benchmarks.rivals.loop.identification import Identified, grey_box
+from benchmarks.rivals.loop.network import casadi_network
 from benchmarks.rivals.loop.table import identified_table, traced_table
 from benchmarks.rivals.loop.terms import BLOCK_S, SETTLING, Course, courses
 from benchmarks.rivals.loop.tracing import Sparse, Traced, named, rival
@@ -57,20 +60,24 @@ def test_the_term_of_what_was_planted_explains_the_residual(tmp_path: Path) -> N
     assert all(len(one.residual) == 2.5 * 3600 / BLOCK_S + 1 for one in own)
 
 
-def test_a_grey_box_of_two_capacities_predicts_two_capacities() -> None:
-    def heated(pwm: np.ndarray) -> np.ndarray:
-        over, inner = np.zeros(len(pwm)), 0.0
-        for k in range(1, len(pwm)):
-            u = pwm[k - 1] / 255.0
-            over[k] = over[k - 1] + 0.03 * u - (5e-4 + 3e-4 * u) * over[k - 1] + 1e-3 * (inner - over[k - 1])
-            inner += 8e-4 * (over[k - 1] - inner)
-        return over
+def heated(pwm: np.ndarray) -> np.ndarray:
+    over, inner = np.zeros(len(pwm)), 0.0
+    for k in range(1, len(pwm)):
+        u = pwm[k - 1] / 255.0
+        over[k] = over[k - 1] + 0.03 * u - (5e-4 + 3e-4 * u) * over[k - 1] + 1e-3 * (inner - over[k - 1])
+        inner += 8e-4 * (over[k - 1] - inner)
+    return over
 
+
+@pytest.mark.parametrize("fit", [grey_box, casadi_network], ids=["by hand", "CasADi"])
+def test_a_grey_box_of_two_capacities_predicts_two_capacities(fit: Callable[[list[Run]], Predictor]) -> None:
+    if fit is casadi_network:
+        pytest.importorskip("casadi")
     profiles = [np.repeat([level, 0], [4000, 2000]) for level in (80, 160, 255)]
     runs = [Run(np.arange(6000.0), pwm, {"part": 30.0 + heated(pwm)}, np.full(6000, 30.0)) for pwm in profiles]
     fresh = np.repeat([120, 255, 0, 60], 1500)
     truth = heated(fresh).reshape(-1, 20).mean(axis=1)
-    assert grey_box(runs)(fresh) == pytest.approx(truth, abs=0.3)
+    assert fit(runs)(fresh) == pytest.approx(truth, abs=0.3)
 
 
 def test_a_missing_tool_has_a_row_that_says_so() -> None:

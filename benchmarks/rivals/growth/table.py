@@ -32,8 +32,8 @@ def growth_table(found: Sequence[Grown]) -> Table:
             str(one.cycles_change),
             f"{one.flash_bytes} B",
             f"{one.ram_bytes} B",
-            f"x {one.build_s / first.verify_s:.1f}",
-            f"x {one.verify_s / first.verify_s:.1f}",
+            f"x {one.build_s / first.verify_s:.2f}",
+            f"x {one.verify_s / first.verify_s:.2f}",
             "yes" if one.equal else "no",
         )
     return table
@@ -41,7 +41,7 @@ def growth_table(found: Sequence[Grown]) -> Table:
 
 def boards_table(found: Sequence[Grown]) -> Table:
     """Make the table of the largest models, by series and board."""
-    table = Table("largest model beside the sketch", *(board.name for board in BOARDS), box=MARKDOWN)
+    table = Table("largest model", *(board.name for board in BOARDS), box=MARKDOWN)
     for name in dict.fromkeys(one.series for one in found):
         series = [one for one in found if one.series == name]
         if name.startswith(BY_SIZE):

@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from benchmarks.identify_rivals import RIVALS, STEP, FloatArray, Predictor, blocks, pairs
+from benchmarks.rivals.loop.network import casadi_network
 from benchmarks.rivals.missing import LibraryMissing, library
 from benchmarks.scheduled_plants import AMBIENT, fresh_profile, random_plant, simulate, step_runs
 from gen.runs import Run
 
 SEED = 20_418
 OURS = "gen identify"
-LIBRARIES = {"SysIdentPy, NARMAX degree 2": "sysidentpy"}
+CASADI = "grey-box network of two nodes, CasADi"
+LIBRARIES = {"SysIdentPy, NARMAX degree 2": "sysidentpy", CASADI: "casadi"}
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,7 @@ def identified(count: int, tell: Callable[[str], None]) -> list[Identified]:
         name: fit for name, fit in RIVALS.items() if not name.startswith("ARX")
     }
     ways["grey box by hand, two capacities"] = grey_box
+    ways[CASADI] = casadi_network
     return [_one(title, fit, count, tell) for title, fit in ways.items()]
 
 
