@@ -158,8 +158,13 @@ def host_compilers(asked: Sequence[str] = ()) -> list[str]:
     return found
 
 
-def avr_compiler() -> Path:
-    """Find ``avr-g++`` and check that avr-libc for the ATmega2560 and the AVR binutils stand beside it.
+def avr_compiler(mcu: str = MCU) -> Path:
+    """Find ``avr-g++`` and check that avr-libc for a chip and the AVR binutils stand beside it.
+
+    Parameters
+    ----------
+    mcu
+        The chip, as avr-gcc calls it.
 
     Raises
     ------
@@ -168,8 +173,8 @@ def avr_compiler() -> Path:
     """
     compiler = program("avr-g++")
     program("avr-ar")
-    start_file = f"crt{MCU}.o"
-    answer = _output([str(compiler), f"-mmcu={MCU}", f"-print-file-name={start_file}"])
+    start_file = f"crt{mcu}.o"
+    answer = _output([str(compiler), f"-mmcu={mcu}", f"-print-file-name={start_file}"])
     if not Path(answer).is_absolute():
         raise ToolMissing(f"avr-libc ({start_file})", "avr-libc")
     return compiler

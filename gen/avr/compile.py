@@ -1,4 +1,4 @@
-"""Compiles C++ for the ATmega2560, with or without the real Arduino core, and reads what came out."""
+"""Compiles C++ for an Arduino's chip, with or without the real Arduino core, and reads what came out."""
 
 from __future__ import annotations
 
@@ -11,20 +11,27 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gen import toolchain
+from gen.avr.chip import MEGA, Chip
 from gen.errors import CheckFailed
 
 SRAM_OFFSET = 0x800000
 """Where the GNU linker places SRAM in the one address space of an AVR ELF file."""
 
-MACHINE_FLAGS = (
-    f"-mmcu={toolchain.MCU}",
-    "-DF_CPU=16000000UL",
-    "-DARDUINO=10807",
-    "-DARDUINO_AVR_MEGA2560",
-    "-DARDUINO_ARCH_AVR",
-    "-ffunction-sections",
-    "-fdata-sections",
-)
+
+def machine_flags(chip: Chip) -> tuple[str, ...]:
+    """What the compiler is told of the board."""
+    return (
+        f"-mmcu={chip.mcu}",
+        "-DF_CPU=16000000UL",
+        "-DARDUINO=10807",
+        f"-D{chip.define}",
+        "-DARDUINO_ARCH_AVR",
+        "-ffunction-sections",
+        "-fdata-sections",
+    )
+
+
+MACHINE_FLAGS = machine_flags(MEGA)
 OPTIMISATION = "-Os"
 """How PlatformIO compiles for the board (platform-atmelavr, `builder/frameworks/arduino.py`), so how users do."""
 LINK_TIME_FLAGS = ("-flto", "-fno-fat-lto-objects")
@@ -186,8 +193,9 @@ def build_elf(
     link_time: bool = False,
     defines: Sequence[str] = (),
     own_warnings: bool = True,
+    chip: Chip = MEGA,
 ) -> Path:
-    """Compile sources for the ATmega2560 and link them.
+    """Compile sources for a board's chip and link them.
 
     Parameters
     ----------
@@ -208,6 +216,8 @@ def build_elf(
         Macros, as ``NAME`` or ``NAME=VALUE``.
     own_warnings
         Whether the sources have to compile under `WARNING_FLAGS`.
+    chip
+        For which; the core is the Mega's.
 
     Returns
     -------
@@ -221,7 +231,8 @@ def build_elf(
     BuildFailed
         When a source does not compile or the program does not link.
     """
-    flags = [*MACHINE_FLAGS, optimisation, *(LINK_TIME_FLAGS if link_time else ())]
+    toolchain.avr_compiler(chip.mcu)
+    flags = [*machine_flags(chip), optimisation, *(LINK_TIME_FLAGS if link_time else ())]
     flags += [f"-D{item}" for item in defines]
     flags += WARNING_FLAGS if own_warnings else ("-w",)
     if core is not None:
@@ -232,7 +243,7 @@ def build_elf(
         objects = [str(path) for path in compile_objects(sources, Path(scratch), flags)]
         archives = [] if core is None else [str(core.archive)]
         linked = Path(scratch) / "linked.elf"
-        link = [str(toolchain.avr_compiler()), f"-mmcu={toolchain.MCU}", optimisation, "-Wl,--gc-sections"]
+        link = [str(toolchain.avr_compiler()), f"-mmcu={chip.mcu}", optimisation, "-Wl,--gc-sections"]
         link += LINK_TIME_LINKER_FLAGS if link_time else ()
         _run([*link, "-o", str(linked), *objects, *archives, "-lm"])
         linked.replace(out)

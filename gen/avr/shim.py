@@ -17,7 +17,7 @@ from gen.errors import CheckFailed
 SHIM_FOLDER = Path(__file__).with_name("shim")
 """The folder of the C sources."""
 
-_ABI = 5
+_ABI = 6
 
 _handle = _buffer = ctypes.c_void_p
 _bytes = ctypes.c_char_p
@@ -28,7 +28,7 @@ _to_u32 = ctypes.POINTER(_u32)
 _SIGNATURES: dict[str, tuple[object, list[object]]] = {
     "gen_mega_abi": (_u32, []),
     # mega.c
-    "gen_mega_open": (_handle, [_bytes]),
+    "gen_mega_open": (_handle, [_bytes, _bytes]),
     "gen_mega_close": (None, [_handle]),
     "gen_mega_reset": (None, [_handle, _u8, _int, _u64, _u32]),
     "gen_mega_watchdog_hz": (_int, [_handle, _u32]),
@@ -103,6 +103,8 @@ class Handle:
         The firmware.
     cache_folder
         The folder that keeps the compiled shim between runs.
+    mcu
+        The chip, as simavr calls it.
 
     Raises
     ------
@@ -112,12 +114,12 @@ class Handle:
         When the shim does not compile, or the ELF file cannot be loaded.
     """
 
-    def __init__(self, elf: Path, cache_folder: Path) -> None:
+    def __init__(self, elf: Path, cache_folder: Path, mcu: str = toolchain.MCU) -> None:
         self._pointer: int | None = None
         if not elf.is_file():
             raise EmulationFailed(f"{elf}: no such firmware")
         self._library = load_shim(cache_folder)
-        self._pointer = self._library.gen_mega_open(os.fsencode(elf))
+        self._pointer = self._library.gen_mega_open(os.fsencode(elf), mcu.encode())
         if not self._pointer:
             raise EmulationFailed(f"{elf}: out of memory")
         message = self.message()

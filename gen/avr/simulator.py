@@ -1,4 +1,4 @@
-"""Runs firmware on an emulated ATmega2560 at 16 MHz (libsimavr, through the C files in ``shim/``).
+"""Runs firmware on an emulated ATmega2560, or another chip, at 16 MHz (libsimavr, through the C files in ``shim/``).
 
 Known faults of simavr 1.6 that results inherit: an interrupt is entered in 0 cycles instead of 5, and a byte
 takes 11 bit times on UART0 instead of 10. Idle sleep passes in the cycle counter without costing host time.
@@ -15,6 +15,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.avr.chip import MEGA, Chip
 from gen.avr.memory import Memory
 from gen.avr.shim import EmulationFailed, Handle
 from gen.avr.stack import Stack
@@ -53,6 +54,8 @@ class EmulatedMega:
         The firmware, as `gen.avr.compile.build_elf` writes it.
     cache
         The folder that keeps the compiled shim between runs.
+    chip
+        Another chip than the Mega's.
 
     Attributes
     ----------
@@ -73,9 +76,9 @@ class EmulatedMega:
         When the ELF file cannot be loaded.
     """
 
-    def __init__(self, elf: Path, cache: Path) -> None:
+    def __init__(self, elf: Path, cache: Path, chip: Chip = MEGA) -> None:
         self.elf = elf
-        self._handle = Handle(elf, cache)
+        self._handle = Handle(elf, cache, chip.mcu)
         self.memory = Memory(self._handle, elf)
         self.uart = Uart(self._handle)
         self.stack = Stack(self._handle, self.memory)

@@ -284,7 +284,7 @@ class Document(Part):
             self.wiring,
             full_scale,
             self.sample_time_s,
-            foresees=self._foresees,
+            forecast=self.forecast,
             commissions=self._commissions,
         )
         if self.forecast is not None:
@@ -300,11 +300,6 @@ class Document(Part):
             raise fault('found it without "memory", or without a thermocouple at a part', "wiring", "zero")
         if all(chip.channel != "ambient" for chip in wiring.thermocouples):
             raise fault("found it without a thermocouple at the ambient, which says what cold is", "wiring", "zero")
-
-    @property
-    def _foresees(self) -> bool:
-        """Whether the board knows when a limit is near."""
-        return self.forecast is not None and self.forecast.near_s is not None
 
     @property
     def _commissions(self) -> bool:

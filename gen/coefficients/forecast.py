@@ -13,6 +13,10 @@ from gen.coefficients.base import Celsius, NotNegative, Part, Positive, fault, l
 MOST_LIMITS = 16
 """As many as a motor has parts."""
 
+LEAST_STEPS_TO_HOLD = 8
+"""So fast a run has to be for a motor to be held by it: an answer that is older than the horizon is none, and between
+two of them lie three runs at most."""
+
 
 class ForecastLimit(Part):
     """A temperature that a part should not reach."""

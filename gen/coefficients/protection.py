@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from gen.coefficients.base import Celsius, Name, Note, NotNegative, Part, fault
 from gen.model.dynamics import MAX_PWM
@@ -39,6 +39,12 @@ Action = Literal["log", "led", "derate", "stop", "open_relay"]
 Until = Literal["itself", "command", "cool"]
 """An action ends when its cause has ended; or then, by command; or then, by command, once the part has cooled down."""
 
+Derating = Annotated[
+    Annotated[int, Field(ge=0, le=MAX_PWM), Tag("tag:counts")] | Annotated[Literal["holdable"], Tag("tag:word")],
+    Discriminator(lambda value: "tag:word" if isinstance(value, str) else "tag:counts"),
+]
+"""Counts; or the PWM that the forecast says can be held."""
+
 #: The board keeps a bit for each entry.
 MOST_PROTECTIONS = 32
 
@@ -68,7 +74,8 @@ class Protection(Part):
     delay_s: Annotated[NotNegative, Field(le=1e5, description="The cause must hold this long, in s.")] = 0.0
     action: Action
     derate_pwm: Annotated[
-        int | None, Field(ge=0, le=MAX_PWM, description="The largest |PWM| while derated, in counts.")
+        Derating | None,
+        Field(description='The largest |PWM| while derated, in counts; "holdable": what $.forecast says can be held.'),
     ] = None
     until: Until = "itself"
     component: Annotated[
@@ -90,6 +97,11 @@ class Protection(Part):
     def stops(self) -> bool:
         """Whether the motor stands while it acts."""
         return self.action in ("stop", "open_relay")
+
+    @property
+    def holds(self) -> bool:
+        """Whether the motor is held at what the forecast says can be held while it acts."""
+        return self.derate_pwm == "holdable"
 
     @property
     def label(self) -> str:

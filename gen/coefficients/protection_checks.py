@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from gen.coefficients.alarms import MOST_SAMPLES, AlarmRule, OverTemperature
 from gen.coefficients.base import fault, listed
+from gen.coefficients.forecast import LEAST_STEPS_TO_HOLD, Forecast
 from gen.coefficients.protection import Protection
 from gen.coefficients.wiring import Wiring
 
@@ -19,7 +20,7 @@ def check_protection(
     full_scale: int,
     sample_time_s: float,
     *,
-    foresees: bool,
+    forecast: Forecast | None,
     commissions: bool,
 ) -> None:
     """Check the file's own entries.
@@ -32,8 +33,8 @@ def check_protection(
         The count that is 100 %.
     sample_time_s
         In s.
-    foresees
-        The board knows when a limit is near.
+    forecast
+        How the board looks ahead; None: it does not.
     commissions
         The board can be commissioned.
 
@@ -49,6 +50,7 @@ def check_protection(
             raise fault(f'"{entry.label}" is another entry\'s name already; expected a "name" of its own', _AT, i)
         labels.add(entry.label.lower())
         _check_rule(entry, i, alarms)
+        foresees = forecast is not None and forecast.near_s is not None
         _check_cause(entry, i, alarms, board, foresees=foresees)
         if entry.cause == "not_commissioned" and not commissions:
             raise fault(
@@ -58,6 +60,8 @@ def check_protection(
                 "cause",
             )
         _check_action(entry, i, board, full_scale)
+        if entry.holds:
+            _check_held(i, forecast)
         for key, value in (("delay_s", entry.delay_s), ("pause_s", entry.pause_s)):
             if value > MOST_SAMPLES * sample_time_s:
                 raise fault(f"found {value:g}, expected at most {MOST_SAMPLES * sample_time_s:g}", _AT, i, key)
@@ -117,8 +121,21 @@ def _check_action(entry: Protection, i: int, wiring: Wiring, full_scale: int) ->
         raise fault('"open_relay" can never act: $.wiring has no "relay_pin"', _AT, i, "action")
     if entry.action == "led" and wiring.led_pin is None:
         raise fault('"led" can never act: $.wiring has no "led_pin"', _AT, i, "action")
-    if entry.derate_pwm is not None and entry.derate_pwm > full_scale:
+    if isinstance(entry.derate_pwm, int) and entry.derate_pwm > full_scale:
         raise fault(f"found {entry.derate_pwm}, expected at most {full_scale}, the full scale", _AT, i, "derate_pwm")
+
+
+def _check_held(i: int, forecast: Forecast | None) -> None:
+    """What can be held is known, and is known before it is too old."""
+    if forecast is None:
+        raise fault('"holdable" can never be known: the file lacks "forecast"', _AT, i, "derate_pwm")
+    if forecast.steps_per_sample < LEAST_STEPS_TO_HOLD:
+        raise fault(
+            f"found {forecast.steps_per_sample}, expected at least {LEAST_STEPS_TO_HOLD}, "
+            'since a "derate_pwm" is "holdable"',
+            "forecast",
+            "steps_per_sample",
+        )
 
 
 def _channels(wiring: Wiring) -> list[str]:

@@ -24,6 +24,13 @@ if TYPE_CHECKING:
 @combination(default_all=True)
 @click.option("--target", type=click.Choice(["host", "avr", "all"]), default="all", show_default=True)
 @click.option(
+    "--board",
+    type=click.Choice(["mega", "uno"]),
+    default="mega",
+    show_default=True,
+    help="Which is emulated. An Uno has no sketch of gen's: the library alone, for a sketch of your own.",
+)
+@click.option(
     "--compilers",
     metavar="NAME,...",
     callback=lambda _context, _option, text: _names(text),
@@ -36,6 +43,7 @@ def verify(
     arithmetic: Arithmetic | Literal["all"],
     schedule: ScheduleKind | Literal["all"],
     target: Target,
+    board: str,
     compilers: tuple[str, ...],
     json_file: Path | None,
     scale: float,
@@ -43,7 +51,7 @@ def verify(
     """Prove the generated C++ equal to the reference, bit for bit, and measure error and cost.
 
     On this computer (--target host) with g++ and clang++, or with the one that is there; on an emulated Mega
-    (--target avr) with avr-g++.
+    (--target avr) with avr-g++, or on an emulated Uno, if there is room for the library.
     """
     from gen.files import check_outputs
     from gen.interface import load
@@ -59,6 +67,7 @@ def verify(
             schedule=schedule,
             target=target,
             compilers=used,
+            board=board,
             scale=scale,
             progress=progress,
         )

@@ -40,6 +40,8 @@ def cause_text(document: Document, entry: Protection) -> str:
 
 def action_text(entry: Protection) -> str:
     """What the board does meanwhile."""
+    if entry.holds:
+        return f"{_ACTIONS[entry.action]} to what can be held, $.forecast"
     limited = f" to {entry.derate_pwm}" if entry.derate_pwm is not None else ""
     return f"{_ACTIONS[entry.action]}{limited}"
 

@@ -220,6 +220,7 @@ def verify(
     schedule: ScheduleKind | Literal["all"] = "all",
     target: Target = "all",
     compilers: Sequence[str] | None = None,
+    board: str = "mega",
     scale: float = 1.0,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Verification:
@@ -235,6 +236,8 @@ def verify(
         ``host`` (this computer's compilers), ``avr`` (an emulated Mega) or ``all``.
     compilers
         Of this computer: ``g++``, ``clang++``. Default: those that are there.
+    board
+        Which is emulated: ``mega``, or ``uno``, for the library alone, without a sketch.
     scale
         Share of the full campaign of samples.
     progress
@@ -262,6 +265,7 @@ def verify(
     one_of("arithmetic", arithmetic, ("fixed", "float", "all"))
     one_of("schedule", schedule, ("table", "onboard", "all"))
     one_of("target", target, ("host", "avr", "all"))
+    one_of("board", board, ("mega", "uno"))
     within("scale", scale, 0.001, 10.0)
     is_network = model.coefficients.model.network is not None
     if schedule == "onboard":
@@ -275,5 +279,6 @@ def verify(
         progress=progress,
         scale=scale,
         host_builds=[name for name, (compiler, _) in HOST_BUILDS.items() if compiler in used],
+        board=board,
     )
     return Verification(model, results)

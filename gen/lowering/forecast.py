@@ -13,6 +13,10 @@ from gen.model.network_parts import PWM
 
 MOST_AHEAD = 2**32 - 1
 """Samples: a day at 0.25 s is 345 600."""
+SMOOTHED = 16
+"""Where a motor is held: readings beside the model are averaged over so many samples, a first-order lag."""
+NOISE_MK = 500
+"""Where a motor is held: so much of what a part is measured warmer than its model counts at the end of a run alone."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,9 @@ class LoweredForecast:
         The limits allow for all that the board's words may be off the exact solution.
     pwm_channel
         Number of the channel in which a network reads the PWM with its sign; None of one that does not.
+    holds
+        A motor is held at the PWM that can be held: the search goes on from its last answer, and no answer is older
+        than the horizon.
     """
 
     horizon: int
@@ -67,6 +74,7 @@ class LoweredForecast:
     limits: tuple[WatchedLimit, ...]
     proven: bool
     pwm_channel: int | None
+    holds: bool
 
 
 def lower_forecast(coefficients: Coefficients, program: Program) -> LoweredForecast | None:
@@ -93,6 +101,7 @@ def lower_forecast(coefficients: Coefficients, program: Program) -> LoweredForec
         limits=tuple(_watched(program, *limit) for limit in limits_ahead(asked, document.alarms).items()),
         proven=program.effects is None and not any(part.saturates for part in program.parts),
         pwm_channel=columns.index(PWM) if PWM in columns else None,
+        holds=any(entry.holds for entry in document.protection),
     )
 
 

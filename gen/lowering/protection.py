@@ -51,7 +51,8 @@ class LoweredProtection:
     delay
         Samples that it must have held before the action begins.
     pwm
-        The largest |PWM| while it acts, in counts: the full scale where it limits nothing, 0 of one that stops.
+        The largest |PWM| while it acts, in counts: the full scale where it limits nothing, or where the forecast says
+        to what; 0 of one that stops.
     component, restart_mC
         Of one that waits for cooling: the part's index and the temperature below which it has cooled down, in
         thousandths of a degree Celsius; else 0.
@@ -85,6 +86,11 @@ class LoweredProtection:
         return self.source.action == "open_relay"
 
     @property
+    def holds(self) -> bool:
+        """Whether the forecast says to what PWM it derates."""
+        return self.source.holds
+
+    @property
     def shows(self) -> bool:
         """Whether the LED tells of it."""
         return self.source.action != "log"
@@ -110,7 +116,7 @@ def lower_protection(coefficients: Coefficients) -> tuple[LoweredProtection, ...
 def _lowered(document: Document, entry: Protection) -> LoweredProtection:
     word, mask, least = _condition(document, entry)
     part = cooling_part(document, entry)
-    pwm = entry.derate_pwm if entry.derate_pwm is not None else document.input.full_scale
+    pwm = entry.derate_pwm if isinstance(entry.derate_pwm, int) else document.input.full_scale
     return LoweredProtection(
         label=entry.label,
         word=word,

@@ -7,7 +7,7 @@ from copy import deepcopy
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.forecast import LoweredForecast
+from gen.lowering.forecast import NOISE_MK, SMOOTHED, LoweredForecast
 from gen.reference.board import Reference
 from gen.reference.network import ReferenceNetwork
 
@@ -17,7 +17,7 @@ Record = NDArray[np.void]
 RUNNING, SEARCHING, KNOWN, HOLDABLE, NEAR = 1, 2, 4, 8, 16
 """Bits of the state: a run is under way; it tries a PWM; the time is known; so is the PWM to hold; a limit is near."""
 
-FORECAST_FIELDS = (
+_FIELDS = (
     ("gone", "<u4"),
     ("begun", "<u4"),
     ("until", "<u4"),
@@ -31,7 +31,12 @@ FORECAST_FIELDS = (
     ("first", "u1"),
     ("state", "u1"),
 )
-"""The board's structure, byte by byte, packed and little endian."""
+_HELD = ("since", "<u4")
+
+
+def forecast_fields(forecast: LoweredForecast) -> list[tuple[str, str]]:
+    """The board's structure, byte by byte, packed and little endian."""
+    return [*_FIELDS, _HELD] if forecast.holds else [*_FIELDS]
 
 
 class ReferenceForecast:
@@ -58,6 +63,8 @@ class ReferenceForecast:
         Which limit is reached first; as many as there are limits: none within the horizon.
     state
         Bits, see :data:`RUNNING`.
+    since
+        Samples since the last run of the search began that has ended; counted where a motor is held by it.
     """
 
     def __init__(self, forecast: LoweredForecast) -> None:
@@ -67,7 +74,7 @@ class ReferenceForecast:
         self._warmer_mK = [0] * len(forecast.limits)
         self._ambient_mC = 0
         self.gone = self.begun = self.until = self.age = self.left = 0
-        self.pwm = self.tried = self.holdable = self.state = 0
+        self.pwm = self.tried = self.holdable = self.state = self.since = 0
         self.first = len(forecast.limits)
         self._begin_search()
 
@@ -88,12 +95,11 @@ class ReferenceForecast:
             Bit mask of the components that are measured.
         """
         if pwm != self.pwm:
-            self.pwm = pwm
-            self.state &= HOLDABLE
-            self._begin_search()
+            self._take_pwm(pwm)
         self._compare(board, measured_mC, ambient_mC, valid)
         self.age += 1
         self.begun += 1
+        self.since += self._forecast.holds
         self._judge_near()
         if not self.state & RUNNING:
             self._begin_run(board, ambient_mC)
@@ -124,14 +130,39 @@ class ReferenceForecast:
         """Whether a limit is near."""
         return bool(self.state & NEAR)
 
+    @property
+    def most_pwm(self) -> int:
+        """To what a motor is derated that is to be held: the last answer, and what the search has found since.
+
+        0 while nothing was shown to be held yet, or for longer than the horizon nothing any more.
+        """
+        if self.since > self._forecast.horizon:
+            return 0
+        return min(max(self.holdable, self.low), self.high - 1)
+
     def keep(self, record: Record) -> None:
-        """Write what the board keeps into a record, see :data:`FORECAST_FIELDS`."""
-        for name, _ in FORECAST_FIELDS:
+        """Write what the board keeps into a record, see :func:`forecast_fields`."""
+        for name, _ in forecast_fields(self._forecast):
             record[name] = getattr(self, name)
+
+    def _take_pwm(self, pwm: int) -> None:
+        """Another PWM is asked for. What can be held does not change with it, unless the motor turns round."""
+        turned = (pwm < 0) != (self.pwm < 0)
+        self.pwm = pwm
+        if not self._forecast.holds:
+            self.state &= HOLDABLE
+            self._begin_search()
+            return
+        self.state &= HOLDABLE | NEAR
+        if turned:
+            self._begin_search()
 
     def _judge_near(self) -> None:
         near = self._forecast.near
         if near is None:
+            return
+        if self._forecast.holds:
+            self._judge_near_to_hold(near)
             return
         foreseen = bool(self.state & KNOWN) and self.first < len(self._forecast.limits)
         if foreseen and self.samples <= near:
@@ -139,12 +170,26 @@ class ReferenceForecast:
         elif not foreseen or self.samples > near + near // 2:
             self.state &= ~NEAR
 
+    def _judge_near_to_hold(self, near: int) -> None:
+        """It stays near until what is asked for can be held: a motor that is held would come back again and again."""
+        if not self.state & KNOWN:
+            return
+        if self.first == len(self._forecast.limits):
+            self.state &= ~NEAR
+        elif self.samples <= near:
+            self.state |= NEAR
+
     def _compare(self, board: Reference, measured_mC: Integers, ambient_mC: int, valid: int) -> None:
         """Not every sample has a reading of every part: what was seen last holds."""
         modelled = board.rises_mK[:, 0] + ambient_mC
         for number, limit in enumerate(self._forecast.limits):
             if limit.part < len(modelled) and valid >> limit.part & 1:
-                self._warmer_mK[number] = max(0, int(measured_mC[limit.part] - modelled[limit.part]))
+                warmer = int(measured_mC[limit.part] - modelled[limit.part])
+                if self._forecast.holds:
+                    warmer -= self._warmer_mK[number]
+                    self._warmer_mK[number] += int(warmer / SMOOTHED)  # towards 0, as the board divides
+                else:
+                    self._warmer_mK[number] = max(0, warmer)
 
     def _begin_search(self) -> None:
         self.low, self.high = 0, self._forecast.most_pwm + 1
@@ -152,11 +197,10 @@ class ReferenceForecast:
     def _begin_run(self, board: Reference, ambient_mC: int) -> None:
         self._run = deepcopy(board)
         self._ambient_mC = ambient_mC
-        self._above_mK = list(self._warmer_mK)
+        self._above_mK = [max(0, warmer) for warmer in self._warmer_mK]
         self.tried = self.pwm
         if self.state & SEARCHING:
-            most = self._forecast.most_pwm
-            size = most if self.high > most else (self.low + self.high) // 2
+            size = self._next_size()
             self.tried = -size if self.pwm < 0 else size
         if self._forecast.pwm_channel is not None:
             assert isinstance(self._run, ReferenceNetwork)
@@ -164,8 +208,26 @@ class ReferenceForecast:
         self.gone = self.begun = 0
         self.state |= RUNNING
 
+    def _counted_mK(self, limit: int) -> int:
+        """How much warmer than its model a part counts; of a search that a motor is held by noise only in the end."""
+        above = self._above_mK[limit]
+        if not self._forecast.holds or not self.state & SEARCHING or self.gone == self._forecast.horizon:
+            return above
+        return max(0, above - NOISE_MK)
+
+    def _next_size(self) -> int:
+        """Which |PWM| the search tries next."""
+        most, known = self._forecast.most_pwm, self._forecast.holds and bool(self.state & HOLDABLE)
+        if self.high <= most:
+            size = 2 * self.high - self.holdable - 1 if known and self.low == 0 else 0
+            return size if size > 0 else (self.low + self.high) // 2
+        if not known:
+            return most
+        return min(most, 2 * self.low - self.holdable + 1 if self.low or not self.holdable else self.holdable)
+
     def _end_run(self, first: int) -> None:
         if self.state & SEARCHING:
+            self.since = self.begun if self._forecast.holds else 0
             if first == len(self._forecast.limits):
                 self.low = abs(self.tried)
             else:
@@ -183,7 +245,7 @@ class ReferenceForecast:
         """The first limit that is reached now."""
         limits = self._forecast.limits
         for number, reading in enumerate(self._readings_mC(run)):
-            if reading + self._above_mK[number] >= limits[number].limit_mC:
+            if reading + self._counted_mK(number) >= limits[number].limit_mC:
                 return number
         return len(limits)
 

@@ -118,6 +118,11 @@ class ReferenceProtection:
             most = np.where((self.acting >> number) & 1, np.minimum(most, entry.pwm), most)
         return most
 
+    @property
+    def holds(self) -> Flags:
+        """Whether the forecast says to what the motor is derated, shape (L,)."""
+        return self.any_of([entry.holds for entry in self._entries])
+
     def any_of(self, chosen: Sequence[bool]) -> Flags:
         """Whether an entry acts that is among the chosen ones, shape (L,); `chosen` has one for each entry."""
         mask = sum(1 << number for number, choice in enumerate(chosen) if choice)

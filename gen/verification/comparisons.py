@@ -56,7 +56,7 @@ def compare_alarms(
     hosts
         Which of :data:`gen.verification.runners.HOST_BUILDS` to run.
     board
-        Whether to run the emulated Mega.
+        Whether to run the library's emulated board.
     """
     given = campaign(library.program, rules, alarm_profile(library.program, rules, lanes, length))
     yield from _compared(library, ALARMS, given.inputs, given.expected, hosts, board=board)

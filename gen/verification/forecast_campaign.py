@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gen.lowering.forecast import LoweredForecast
 from gen.lowering.program import Program
 from gen.reference.board import reference_of
-from gen.reference.forecast import FORECAST_FIELDS, ReferenceForecast
+from gen.reference.forecast import ReferenceForecast, forecast_fields
 from gen.verification.sample import sample_fields
 
 Integers = NDArray[np.int64]
@@ -41,10 +41,11 @@ def input_type(program: Program) -> np.dtype[np.void]:
     return np.dtype([("op", "u1"), ("pwm", "<i2"), *told, *sample_fields(len(program.parts))])
 
 
-def output_type(program: Program) -> np.dtype[np.void]:
+def output_type(program: Program, forecast: LoweredForecast) -> np.dtype[np.void]:
     """The harnesses' output record: the look ahead, what follows from it, and the rises of the board's own model."""
     rises = [(f"{part.name}.rise_mK", "<i4") for part in program.parts]
-    return np.dtype([*FORECAST_FIELDS, ("samples", "<u4"), ("near", "u1"), *rises])
+    held = [("most_pwm", "u1")] if forecast.holds else []
+    return np.dtype([*forecast_fields(forecast), ("samples", "<u4"), ("near", "u1"), *held, *rises])
 
 
 def forecast_campaign(
@@ -61,7 +62,7 @@ def forecast_campaign(
     """
     random = np.random.default_rng(seed)
     inputs = np.zeros((lanes, length + 1), dtype=input_type(program))
-    expected = np.zeros((lanes, length), dtype=output_type(program))
+    expected = np.zeros((lanes, length), dtype=output_type(program, forecast))
     for lane in range(lanes):
         surroundings = _Surroundings(random, program, forecast, steady=lane % _STEADY == 0)
         _lane(program, forecast, surroundings, inputs[lane], expected[lane])
@@ -166,5 +167,7 @@ def _put(row: Records, op: int, given: _Surroundings, measured_mC: Integers, val
 def _keep(row: Records, ahead: ReferenceForecast, rises_mK: Mapping[str, Integers]) -> None:
     ahead.keep(row)
     row["samples"], row["near"] = ahead.samples, ahead.near
+    if "most_pwm" in (row.dtype.names or ()):
+        row["most_pwm"] = ahead.most_pwm
     for name, rise in rises_mK.items():
         row[f"{name}.rise_mK"] = rise

@@ -1,4 +1,4 @@
-"""Harnesses that read records and answer each with one: compiled for this computer, or on the emulated Mega."""
+"""Harnesses that read records and answer each with one: compiled for this computer, or on an emulated board."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen import toolchain
-from gen.avr.compile import build_elf
+from gen.avr.compile import sizes
 from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 from gen.errors import CheckFailed
 from gen.templating import environment
-from gen.verification.runners import HOST_BUILDS, WARNINGS, Library
+from gen.verification.runners import HOST_BUILDS, WARNINGS, Library, check_room, link_harness
 
 Records = NDArray[np.void]
 
@@ -90,7 +90,7 @@ class HostHarness:
 
 
 class AvrHarness:
-    """The same on the emulated Mega, see :class:`HostHarness`.
+    """The same on the library's emulated board, see :class:`HostHarness`.
 
     Parameters
     ----------
@@ -101,19 +101,17 @@ class AvrHarness:
     """
 
     def __init__(self, library: Library, harness: Harness, cache: Path, kind: np.dtype[np.void]) -> None:
-        self.name = f"ATmega2560 (simavr), {harness.what}"
+        self.name = f"{library.chip.name} (simavr), {harness.what}"
+        self._chip = library.chip
         self._type, self._cache, self._cycles = kind, cache, harness.cycles_per_record
-        self._elf = build_elf(
-            [library.folder / f"{harness.stem}_avr.cpp", *library.sources],
-            [MAILBOX_FOLDER, library.include, library.folder],
-            library.folder / f"{harness.stem}.elf",
-            link_time=True,
-        )
+        source = library.folder / f"{harness.stem}_avr.cpp"
+        folders = [MAILBOX_FOLDER, library.include, library.folder]
+        self._elf = link_harness(library, [source], folders, f"{harness.stem}.elf")
 
     def run(self, inputs: Records) -> Records:
         """The records after every input but each lane's first, shape (L, N) of (L, N + 1)."""
         flat = inputs.reshape(-1)
-        with EmulatedMega(self._elf, self._cache) as mega:
+        with EmulatedMega(self._elf, self._cache, self._chip) as mega:
             output, _ = mega.run_records(
                 flat,
                 mega.memory.address("gen_input"),
@@ -123,4 +121,6 @@ class AvrHarness:
                 len(flat),
                 len(flat) * self._cycles,
             )
+            stack = mega.stack.use().deepest
+        check_room(sizes(self._elf), stack, self._chip)
         return np.ascontiguousarray(output).view(self._type).reshape(inputs.shape)[:, 1:]

@@ -39,7 +39,8 @@ def input_type(components: int, entries: Sequence[LoweredProtection]) -> np.dtyp
 def output_type(entries: Sequence[LoweredProtection]) -> np.dtype[np.void]:
     """The harnesses' output record: the structure, and what follows from it."""
     results = [("lasting", "<u4"), ("most_pwm", "u1"), ("opens_relay", "u1"), ("shows", "u1"), ("waiting", "<u2")]
-    return np.dtype([*protection_fields(entries), *results])
+    held = [("holds", "u1")] if any(entry.holds for entry in entries) else []
+    return np.dtype([*protection_fields(entries), *results, *held])
 
 
 def protection_campaign(
@@ -93,6 +94,8 @@ def _keep(row: Records, reference: ReferenceProtection, entries: Sequence[Lowere
     row["opens_relay"] = reference.any_of([entry.opens_relay for entry in entries])
     row["waiting"] = reference.waiting
     row["shows"] = reference.any_of([entry.shows for entry in entries])
+    if "holds" in (row.dtype.names or ()):
+        row["holds"] = reference.holds
 
 
 def _begun(random: np.random.Generator, entries: Sequence[LoweredProtection], lanes: int) -> Records:

@@ -65,7 +65,7 @@ def _errors(results: Sequence[CombinationResult]) -> Table:
 
 def _costs(results: Sequence[CombinationResult]) -> Table:
     heads = ("combination", "cycles, PWM held", "with a change", "flash B", "RAM B", "stack B", "helpers")
-    table = Table(*heads, title="Cost on the Mega")
+    table = Table(*heads, title="Cost on the board")
     for result in results:
         cost = result.cost
         if cost is not None:

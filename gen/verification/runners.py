@@ -1,9 +1,9 @@
-"""Run the emitted library: compiled for this computer, or on the emulated Mega."""
+"""Run the emitted library: compiled for this computer, or on an emulated board."""
 
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen import toolchain
+from gen.avr.chip import MEGA, Chip
 from gen.avr.compile import (
     CPP_FLAGS,
-    MACHINE_FLAGS,
     OPTIMISATION,
+    BuildFailed,
     Sizes,
     build_elf,
     compile_objects,
+    machine_flags,
     sizes,
     undefined_symbols,
 )
@@ -46,12 +48,13 @@ _CYCLES_PER_RECORD = 400_000
 
 @dataclass(frozen=True)
 class Library:
-    """The emitted library's files, written to a folder, with what the harnesses need beside them."""
+    """The emitted library's files in a folder, with what the harnesses need beside them; and for which chip."""
 
     program: Program
     context: LibraryContext
     folder: Path
     sources: tuple[Path, ...]
+    chip: Chip = MEGA
 
     @property
     def include(self) -> Path:
@@ -59,7 +62,9 @@ class Library:
         return self.folder / "lib" / self.context.name / "src"
 
 
-def write_library(program: Program, context: LibraryContext, files: Mapping[str, str], folder: Path) -> Library:
+def write_library(
+    program: Program, context: LibraryContext, files: Mapping[str, str], folder: Path, chip: Chip = MEGA
+) -> Library:
     """Write the library's files and both harnesses below a folder."""
     sources = []
     for path, text in files.items():
@@ -76,7 +81,7 @@ def write_library(program: Program, context: LibraryContext, files: Mapping[str,
     for name in ("verify_host.cpp", "verify_avr.cpp"):
         text = environment("harness").get_template(f"{name}.j2").render(harness)
         (folder / name).write_text(text)
-    return Library(program, context, folder, tuple(sources))
+    return Library(program, context, folder, tuple(sources), chip)
 
 
 class HostRunner:
@@ -118,9 +123,50 @@ class HostRunner:
         return np.frombuffer(done.stdout, dtype=record_type(self._library.program)).reshape(profile.pwm.shape)
 
 
+def link_harness(library: Library, sources: Sequence[Path], include_dirs: Sequence[Path], name: str) -> Path:
+    """Link the emitted library and a harness for the library's chip, as PlatformIO does.
+
+    Raises
+    ------
+    BuildFailed
+        If they do not compile.
+    CheckFailed
+        If they take more flash or RAM than the chip's board has, with the sizes.
+    """
+    elf = library.folder / name
+    made = [*sources, *library.sources]
+    try:
+        build_elf(made, include_dirs, elf, link_time=True, chip=library.chip)
+    except BuildFailed as failed:
+        if library.chip == MEGA or " region `" not in str(failed):
+            raise
+        # The linker does not say by how much it is too large; in the Mega it has room, and is no smaller.
+        build_elf(made, include_dirs, elf, link_time=True)
+        check_room(sizes(elf), 0, library.chip)
+        raise
+    check_room(sizes(elf), 0, library.chip)
+    return elf
+
+
+def check_room(used: Sizes, stack: int, chip: Chip) -> None:
+    """Check that a program and the deepest of its stack, in bytes, have room in a chip.
+
+    Raises
+    ------
+    CheckFailed
+        If they have not, with the sizes.
+    """
+    ram = used.ram + stack
+    if used.flash > chip.flash_bytes or ram > chip.ram_bytes:
+        raise CheckFailed(
+            f"the emitted library and its test take {used.flash} bytes of flash and {ram} of RAM, "
+            f"and an {chip.name} has {chip.flash_bytes} and {chip.ram_bytes}"
+        )
+
+
 @dataclass(frozen=True)
 class Cost:
-    """What the model costs on the ATmega2560.
+    """What the model costs on the board's chip.
 
     Attributes
     ----------
@@ -146,23 +192,18 @@ class Cost:
 
 
 class AvrRunner:
-    """The library on the emulated Mega, compiled with PlatformIO's flags: it is what users run that is measured."""
-
-    name = "ATmega2560 (simavr)"
+    """The library on the emulated board, compiled with PlatformIO's flags: it is what users run that is measured."""
 
     def __init__(self, library: Library, cache: Path) -> None:
+        self.name = f"{library.chip.name} (simavr)"
         self._library = library
         self._cache = cache
         name = library.context.name
-        self._elf = build_elf(
-            [library.folder / "verify_avr.cpp", *library.sources],
-            [MAILBOX_FOLDER, library.include],
-            library.folder / "model.elf",
-            link_time=True,
-        )
+        harness = library.folder / "verify_avr.cpp"
+        self._elf = link_harness(library, [harness], [MAILBOX_FOLDER, library.include], "model.elf")
         empty = library.folder / "empty.cpp"
         empty.write_text("int main() { for (;;) { } }\n")
-        self._empty = build_elf([empty], [], library.folder / "empty.elf", link_time=True)
+        self._empty = build_elf([empty], [], library.folder / "empty.elf", link_time=True, chip=library.chip)
         self._model = f"{name}_model"
         self.cycles: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
         self.stack_bytes = 0
@@ -171,7 +212,7 @@ class AvrRunner:
         """Everything after every sample, shape (L, N); keeps the cycles of each in :attr:`cycles`."""
         records = profile.records()
         layout = record_type(self._library.program)
-        with EmulatedMega(self._elf, self._cache) as mega:
+        with EmulatedMega(self._elf, self._cache, self._library.chip) as mega:
             model = mega.memory.symbol(self._model)
             if model.size != layout.itemsize:
                 raise CheckFailed(f"the board's structure has {model.size} bytes, the reference's {layout.itemsize}")
@@ -185,6 +226,7 @@ class AvrRunner:
                 len(records) * _CYCLES_PER_RECORD,
             )
             self.stack_bytes = mega.stack.use().deepest
+        check_room(self.sizes(), self.stack_bytes, self._library.chip)
         lanes, length = profile.pwm.shape
         self.cycles = cycles.astype(np.int64).reshape(lanes, length + 1)[:, 1:] - MARKER_OVERHEAD
         frame = np.ascontiguousarray(output).view(layout).reshape(lanes, length + 1)
@@ -228,7 +270,7 @@ _FORBIDDEN = ("di3", "sf2", "sf3", "sfsi", "sfdi", "sisf", "unsisf", "divsf", "m
 def forbidden_helpers(library: Library) -> list[str]:
     """Names of 64-bit and float helpers that the library's object files refer to."""
     (library.folder / "objects").mkdir(exist_ok=True)
-    flags = [*MACHINE_FLAGS, *CPP_FLAGS, OPTIMISATION, f"-I{library.include}"]
+    flags = [*machine_flags(library.chip), *CPP_FLAGS, OPTIMISATION, f"-I{library.include}"]
     objects = compile_objects(list(library.sources), library.folder / "objects", flags)
     names: set[str] = set()
     for item in objects:

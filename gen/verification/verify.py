@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from gen.avr.chip import BOARDS, MEGA, Chip
 from gen.coefficients import Coefficients
 from gen.firmware import render
 from gen.firmware.context import project_context
@@ -106,6 +107,7 @@ def verify(
     mutation: Mutation | None = None,
     scale: float = 1.0,
     host_builds: Iterable[str] = tuple(HOST_BUILDS),
+    board: str = "mega",
 ) -> list[CombinationResult]:
     """Compare every asked combination on every asked target.
 
@@ -123,11 +125,14 @@ def verify(
         Share of the full campaign's length.
     host_builds
         Which of :data:`gen.verification.runners.HOST_BUILDS` to run.
+    board
+        Which is emulated, of :data:`gen.avr.chip.BOARDS`.
 
     Raises
     ------
     CheckFailed
-        If the emitted code does not compile, crashes, or a bound exceeds its limit.
+        If the library has no room in the chip; if the emitted code does not compile, crashes, or a bound exceeds its
+        limit.
     """
     programs = []
     for arithmetic, schedule in itertools.product(arithmetics, schedules):
@@ -137,7 +142,17 @@ def verify(
     for program in programs:
         with tempfile.TemporaryDirectory(prefix="gen-verify-") as folder:
             results.append(
-                _combination(coefficients, program, Path(folder), target, progress, mutation, scale, tuple(host_builds))
+                _combination(
+                    coefficients,
+                    program,
+                    Path(folder),
+                    target,
+                    progress,
+                    mutation,
+                    scale,
+                    tuple(host_builds),
+                    BOARDS[board],
+                )
             )
     return results
 
@@ -151,13 +166,14 @@ def _combination(
     mutation: Mutation | None,
     scale: float,
     host_builds: tuple[str, ...],
+    chip: Chip,
 ) -> CombinationResult:
     label = program.label
     context = project_context(coefficients, program, coefficients.name)
     files: Files = render.library(context)
     if mutation is not None:
         files = mutation(dict(files))
-    library = write_library(program, context, files, folder)
+    library = write_library(program, context, files, folder, chip)
     targets: list[TargetResult] = []
     cost: Cost | None = None
     helpers: list[str] = []
@@ -179,13 +195,13 @@ def _combination(
         profile = with_channels(profile, program.channels, seed=2561)
         progress(f"{label}: reference, {profile.samples} samples")
         expected = compare.reference_run(program, profile)
-        progress(f"{label}: emulated Mega")
+        progress(f"{label}: emulated {chip.name}")
         board = AvrRunner(library, folder / "cache")
         targets.append(_compared(program, board.name, board.run, commands, None, suffix=", every command"))
         targets.append(_compared(program, board.name, board.run, profile, expected))
         cost = board.cost(profile) if targets[-1].differing == 0 else None
         helpers = board.helper_symbols()
-        effects = effect_costs(coefficients, program, folder, progress)
+        effects = effect_costs(coefficients, program, folder, progress) if chip == MEGA else []
     progress(f"{label}: alarms")
     rules = lower_alarms(coefficients)
     hosts = host_builds if target in ("host", "all") else ()

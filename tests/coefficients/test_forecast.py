@@ -79,6 +79,11 @@ def test_one_sample_ahead_is_the_least_that_can_be_asked_for() -> None:
             {"protection": [{"cause": "limit_near", "action": "log"}]},
             '$.protection[0].cause: "limit_near" can never be: $.forecast lacks "near_s"',
         ),
+        (
+            {"horizon_s": 600, "steps_per_sample": 7},
+            {"protection": [{"cause": "late_loop", "action": "derate", "derate_pwm": "holdable"}]},
+            '$.forecast.steps_per_sample: found 7, expected at least 8, since a "derate_pwm" is "holdable"',
+        ),
     ],
 )
 def test_what_cannot_be_is_refused_with_its_place(forecast: dict[str, Any], others: dict[str, Any], said: str) -> None:

@@ -142,6 +142,21 @@ REFUSED = {
     "no rule": ({}, {"cause": "alarm", "action": "stop"}, 'missing key "rule"'),
     "no such channel": ({}, {"cause": "sensor_lost", "channel": "tail", "action": "stop"}, "a thermocouple's channel"),
     "other's key": ({}, {"cause": "stall", "rule": "fault", "action": "stop"}, 'only "alarm" has it'),
+    "derate to what nobody knows": (
+        {},
+        {"cause": "stall", "action": "derate", "derate_pwm": "holdable"},
+        '"holdable" can never be known: the file lacks "forecast"',
+    ),
+    "derate to another word": (
+        {},
+        {"cause": "stall", "action": "derate", "derate_pwm": "hold"},
+        'found the text "hold", expected "holdable"',
+    ),
+    "derate to more than full": (
+        {},
+        {"cause": "stall", "action": "derate", "derate_pwm": 256},
+        "found 256, expected at most 255",
+    ),
     "derate to what": ({}, {"cause": "stall", "action": "derate"}, "derate_pwm"),
     "too many sensors": ({}, {"cause": "too_few_sensors", "least": 5, "action": "stop"}, "at most 4"),
     "cool when": (

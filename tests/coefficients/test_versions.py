@@ -79,6 +79,7 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
         {"bearing": 35.0671243637, "brush": 40.8394482248, "magnet": 32.7277564434, "casing": 29.9183633164},
     ),
     "foreseen.json": ("b67a56172cd4154fcc5ff5369c4957e926ca0601364061f5cc31c7948b78fbc2", FROZEN["my1016.json"][1]),
+    "held.json": ("09d1814c6c95a1f191580f78cbce33ef656e3bc9cc8ea4d092db8970d6bb1a12", FROZEN["my1016.json"][1]),
     "identified.json": (
         "f537c879ede233f20f8291be150526a2d52800dfa9ce1f0df3bca059b19f7f3f",
         FROZEN["identified.json"][1],

@@ -173,3 +173,93 @@ def test_another_pwm_makes_it_unknown_and_time_that_passes_is_taken_off() -> Non
         assert ahead.samples == said - passed
     ahead.sample(254, board, measured, 30_000, NOTHING_MEASURED)
     assert not ahead.state & KNOWN
+
+
+def held(horizon_s: float = 300.0) -> tuple[Program, LoweredForecast]:
+    """A motor that is derated to what can be held, and a look ahead that ends a run in each sample."""
+    forecast = PARTS | {"horizon_s": horizon_s, "near_s": 30}
+    tree = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
+    table = [{"cause": "limit_near", "action": "derate", "derate_pwm": "holdable"}]
+    tree |= {"version": 2, "forecast": forecast, "alarms": [], "protection": table}
+    coefficients = parse(json.dumps(tree).encode())
+    program = lower(coefficients, "fixed", "table")
+    lowered = lower_forecast(coefficients, program)
+    assert lowered is not None
+    return program, lowered
+
+
+def sampled(ahead: ReferenceForecast, pwm: int, board: Reference, times: int, *, works: bool = True) -> None:
+    for _ in range(times):
+        ahead.sample(pwm, board, board.rises_mK[:, 0], 30_000, NOTHING_MEASURED)
+        while works and ahead.work(1000):
+            pass
+
+
+def test_until_something_was_shown_to_be_held_nothing_is_and_then_what_was() -> None:
+    program, lowered = held()
+    board, ahead = reference_of(program, [20_000]), ReferenceForecast(lowered)
+    assert ahead.most_pwm == 0
+    most = [0]
+    while not ahead.state & HOLDABLE:
+        sampled(ahead, 255, board, 1)
+        most.append(ahead.most_pwm)
+    assert most == sorted(most), "it only rises, from 0"
+    assert 0 < most[-1] == ahead.holdable < 255
+    assert 0 < most[len(most) // 2] <= ahead.holdable
+
+
+def test_what_is_held_stays_while_the_model_does_and_whatever_else_is_asked_for() -> None:
+    program, lowered = held()
+    board, ahead = reference_of(program, [20_000]), ReferenceForecast(lowered)
+    while not ahead.state & HOLDABLE:
+        sampled(ahead, 255, board, 1)
+    found = ahead.holdable
+    for pwm in (255, 100, 255, 0):
+        sampled(ahead, pwm, board, 9)
+        assert ahead.most_pwm == found
+    sampled(ahead, -255, board, 1)
+    assert ahead.most_pwm == found, "until a run the other way round says otherwise"
+
+
+def test_what_is_held_falls_while_a_search_goes_on_and_is_0_at_the_limit() -> None:
+    program, lowered = held()
+    board, ahead = reference_of(program, [20_000]), ReferenceForecast(lowered)
+    while not ahead.state & HOLDABLE:
+        sampled(ahead, 255, board, 1)
+    found, hot = ahead.holdable, reference_of(program, [35_000])
+    fallen = []
+    for _ in range(40):
+        sampled(ahead, 255, hot, 1)
+        fallen.append(ahead.most_pwm)
+    assert fallen == sorted(fallen, reverse=True)
+    assert fallen[0] <= found and fallen[-1] == 0
+    assert len(set(fallen)) > 4, "in strides that grow, and not at once"
+
+
+def test_near_stays_until_what_is_asked_for_can_be_held() -> None:
+    program, lowered = held()
+    board, ahead = reference_of(program, [20_000]), ReferenceForecast(lowered)
+    near = reference_of(program, [30_000])
+    while not ahead.near:
+        sampled(ahead, 255, near, 1)
+    sampled(ahead, 255, board, 9)
+    assert lowered.near is not None
+    assert ahead.state & KNOWN and ahead.samples > 2 * lowered.near
+    assert ahead.near, "at what is asked for it is reached some time"
+    sampled(ahead, 0, board, 1, works=False)
+    assert ahead.near, "not known yet"
+    sampled(ahead, 0, board, 9)
+    assert not ahead.near
+
+
+def test_an_answer_older_than_the_horizon_is_none() -> None:
+    program, lowered = held(30.0)
+    board, ahead = reference_of(program, [20_000]), ReferenceForecast(lowered)
+    while not ahead.state & HOLDABLE:
+        sampled(ahead, 255, board, 1)
+    assert ahead.most_pwm > 0
+    sampled(ahead, 255, board, lowered.horizon - 1, works=False)
+    assert ahead.most_pwm > 0
+    sampled(ahead, 255, board, 1, works=False)
+    sampled(ahead, 255, board, 1, works=False)
+    assert ahead.most_pwm == 0

@@ -58,7 +58,14 @@ def gains() -> str:
     return json.dumps(tree)
 
 
-MODELS: dict[str, Callable[[], str]] = {"parts": parts, "network": network, "gains": gains}
+def held() -> str:
+    """A motor that is derated to what can be held."""
+    tree = json.loads(parts())
+    tree["forecast"]["steps_per_sample"] = 16
+    return json.dumps(tree | {"protection": [{"cause": "limit_near", "action": "derate", "derate_pwm": "holdable"}]})
+
+
+MODELS: dict[str, Callable[[], str]] = {"parts": parts, "network": network, "gains": gains, "held": held}
 
 
 def emitted(
@@ -137,10 +144,56 @@ FAULTS = {
 }
 
 
+HELD_FAULTS = {
+    "noise counts on the way": ("above > NOISE_MK ? above - NOISE_MK : 0", "above"),
+    "noise never counts": (" || {name}_forecast.gone == HORIZON", ""),
+    "one reading is all": ("(warmer - warmer_mK[i]) / 16", "warmer - warmer_mK[i]"),
+    "near ends with its time": ("    if (!(state->state & MY1016_FORECAST_KNOWN)) {", "    if (false) {"),
+    "the search begins at the full PWM again": ("    if (!known) {", "    if (true) {"),
+    "down one by one": ("2 * state->high - state->holdable - 1", "state->high - 1"),
+    "up one by one": ("2 * state->low - state->holdable + 1", "state->low + 1"),
+    "an answer never grows old": ("state->since > HORIZON", "false"),
+    "an answer is as old as its end": ("state->since = state->begun", "state->since = 0"),
+    "what failed is still held": ("held < state->high ? held : state->high - 1", "held"),
+    "only the last answer is held": ("state->holdable > state->low ? state->holdable : state->low", "state->holdable"),
+    "another PWM begins the search anew": ("if (turned)", "if (turned || true)"),
+    "a motor that turns round goes on with its search": ("if (turned)", "if (turned && false)"),
+}
+
+
+@pytest.fixture(scope="module")
+def held_campaign(tmp_path_factory: pytest.TempPathFactory) -> ForecastCampaign:
+    library, forecast = emitted("held", "fixed", tmp_path_factory.mktemp("held"))
+    return forecast_campaign(library.program, forecast, LANES, LENGTH)
+
+
+def test_a_held_motors_campaign_has_answers_in_between_searches_and_answers_that_are_too_old(
+    held_campaign: ForecastCampaign,
+) -> None:
+    found = held_campaign.expected
+    known = (found["state"] & HOLDABLE) != 0
+    limited = found["most_pwm"] != found["holdable"]
+    assert (limited & known).any(), "no search has found anything before its end"
+    assert (limited & ~known).any(), "nothing was held before the first search had ended"
+    assert len(np.unique(found["most_pwm"])) > 5
+    assert set(np.unique(found["near"])) == {0, 1}
+
+
+@pytest.mark.parametrize("fault", HELD_FAULTS.values(), ids=HELD_FAULTS)
+def test_a_planted_fault_of_holding_is_caught(
+    fault: tuple[str, str], held_campaign: ForecastCampaign, tmp_path: Path
+) -> None:
+    caught("held", fault, held_campaign, tmp_path)
+
+
 @pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
 def test_a_planted_fault_is_caught(fault: tuple[str, str], campaign: ForecastCampaign, tmp_path: Path) -> None:
-    planted = (fault[0].replace("{name}", "MY1016"), fault[1].replace("{name}", "MY1016"))
-    library, forecast = emitted("parts", "fixed", tmp_path, planted)
+    caught("parts", (fault[0].replace("{name}", "MY1016"), fault[1].replace("{name}", "MY1016")), campaign, tmp_path)
+
+
+def caught(model: str, fault: tuple[str, str], campaign: ForecastCampaign, folder: Path) -> None:
+    planted = (fault[0].replace("{name}", "my1016"), fault[1].replace("{name}", "my1016"))
+    library, forecast = emitted(model, "fixed", folder, planted)
     harness = forecast_harness(forecast)
     harness.write(library)
     runner = HostHarness(library, harness, "g++ -O2", campaign.expected.dtype)

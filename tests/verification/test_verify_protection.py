@@ -30,6 +30,7 @@ TABLE: list[dict[str, Any]] = [
     {"cause": "too_few_sensors", "least": 3, "action": "open_relay", "until": "command", "delay_s": 0.5},
     {"cause": "sensor_lost", "channel": "bearing", "action": "led"},
     {"cause": "late_loop", "action": "log", "delay_s": 1.0},
+    {"cause": "overspeed", "action": "derate", "derate_pwm": "holdable", "delay_s": 1.0},
     {
         "cause": "eeprom_check",
         "action": "stop",
@@ -44,7 +45,8 @@ TABLE: list[dict[str, Any]] = [
 def emitted(folder: Path, fault: tuple[str, str] | None = None) -> tuple[Library, tuple[LoweredProtection, ...]]:
     tree = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
     tree["wiring"] |= {"relay_pin": 30, "command_timeout_s": 5.0}
-    coefficients = parse(json.dumps({**tree, "alarms": LIMITS, "protection": TABLE}).encode())
+    tree |= {"version": 2, "forecast": {"horizon_s": 600}, "alarms": LIMITS, "protection": TABLE}
+    coefficients = parse(json.dumps(tree).encode())
     program = lower(coefficients, "fixed", "table")
     context = project_context(coefficients, program, "coeffs.json")
     files = render.library(context)
@@ -72,6 +74,7 @@ def test_every_entry_begins_ends_and_is_waited_for(tmp_path: Path) -> None:
             assert (np.diff(times, axis=1) < 0).any(), f"{entry.label} never forgets"
     assert set(np.unique(expected["most_pwm"])) == {0, 90, 255}
     assert set(np.unique(expected["opens_relay"])) == {0, 1}
+    assert set(np.unique(expected["holds"])) == {0, 1}
 
 
 def test_no_word_differs_on_any_target(tmp_path: Path) -> None:

@@ -128,11 +128,11 @@ static int widen_memories(avr_t *avr)
 }
 
 /* 0 when it worked; else the message tells why not. */
-static int load_firmware(struct gen_mega *mega, elf_firmware_t *firmware)
+static int load_firmware(struct gen_mega *mega, elf_firmware_t *firmware, const char *mcu)
 {
-	mega->avr = avr_make_mcu_by_name("atmega2560");
+	mega->avr = avr_make_mcu_by_name(mcu);
 	if (!mega->avr) {
-		mega_note(mega, "this libsimavr has no atmega2560");
+		mega_note(mega, "this libsimavr has no %s", mcu);
 		return -1;
 	}
 	avr_init(mega->avr);
@@ -142,7 +142,7 @@ static int load_firmware(struct gen_mega *mega, elf_firmware_t *firmware)
 	}
 	mega->avr->log = LOG_ERROR;
 	mega->avr->custom.data = mega;
-	strcpy(firmware->mmcu, "atmega2560");
+	snprintf(firmware->mmcu, sizeof firmware->mmcu, "%s", mcu);
 	firmware->frequency = FREQUENCY_HZ;
 	avr_load_firmware(mega->avr, firmware);
 	mega->avr->frequency = FREQUENCY_HZ;
@@ -173,7 +173,7 @@ static void attach_parts(struct gen_mega *mega)
 	mega->timers_lost = 1;
 }
 
-struct gen_mega *gen_mega_open(const char *elf)
+struct gen_mega *gen_mega_open(const char *elf, const char *mcu)
 {
 	struct gen_mega *mega = calloc(1, sizeof *mega);
 	if (!mega)
@@ -185,7 +185,7 @@ struct gen_mega *gen_mega_open(const char *elf)
 		mega_note(mega, "simavr cannot read the ELF file");
 		return mega;
 	}
-	int failed = load_firmware(mega, &firmware);
+	int failed = load_firmware(mega, &firmware, mcu);
 	free_firmware(&firmware);
 	if (!failed)
 		attach_parts(mega);

@@ -25,12 +25,12 @@
 
 #include "core.h"
 
-#define GEN_MEGA_ABI 5
+#define GEN_MEGA_ABI 6
 
 uint32_t gen_mega_abi(void);
 
 /* NULL only when memory is short; else a handle, whose message tells what went wrong, if anything did. */
-struct gen_mega *gen_mega_open(const char *elf);
+struct gen_mega *gen_mega_open(const char *elf, const char *mcu);
 void gen_mega_close(struct gen_mega *mega);
 const char *gen_mega_message(const struct gen_mega *mega);
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TypedDict
 
-from gen.lowering.forecast import LoweredForecast
+from gen.lowering.forecast import NOISE_MK, SMOOTHED, LoweredForecast
 from gen.lowering.program import Program
 
 _AT_ONCE = {"fixed": 8, "float": 2}
@@ -25,6 +25,8 @@ class ForecastContext(TypedDict):
 
     `told`: how many channels the model has; `pwm_channel`: the number of the one that is the PWM with its sign.
     `hidden`: a node that nobody measures is among the limits. `proven`: the limits allow for the words' errors.
+    `holds`: a motor is derated to what can be held; then what is measured is averaged over `smoothed` samples, and
+    `noise_mK` of it count at the end of a run alone.
     """
 
     limits: list[LimitEntry]
@@ -38,6 +40,9 @@ class ForecastContext(TypedDict):
     near: int | None
     hidden: bool
     proven: bool
+    holds: bool
+    smoothed: int
+    noise_mK: int
 
 
 def forecast_context(program: Program, forecast: LoweredForecast | None) -> ForecastContext | None:
@@ -70,4 +75,7 @@ def forecast_context(program: Program, forecast: LoweredForecast | None) -> Fore
         "near": forecast.near,
         "hidden": any(limit.part >= len(program.parts) for limit in forecast.limits),
         "proven": forecast.proven,
+        "holds": forecast.holds,
+        "smoothed": SMOOTHED,
+        "noise_mK": NOISE_MK,
     }

@@ -35,7 +35,8 @@ class ProtectionEntry(TypedDict):
 
 
 class ProtectionContext(TypedDict):
-    """The table; masks of the entries that only a command ends, that open the relay, and of which the LED tells.
+    """The table; masks of the entries that only a command ends, that open the relay, of which the LED tells, and that
+    derate to what the forecast says can be held.
 
     `protection_pauses` is how many entries have a pause, `protection_forgotten` and `protection_times` what ends it
     and how far it grows. `protection_device` are the causes that the sketch finds, in the order of their bits.
@@ -50,6 +51,7 @@ class ProtectionContext(TypedDict):
     protection_lasting: int
     protection_opening: int
     protection_showing: int
+    protection_held: int
 
 
 def protection_context(document: Document, entries: Sequence[LoweredProtection]) -> ProtectionContext:
@@ -91,6 +93,7 @@ def protection_context(document: Document, entries: Sequence[LoweredProtection])
         "protection_lasting": _mask([entry.lasts for entry in entries]),
         "protection_opening": _mask([entry.opens_relay for entry in entries]),
         "protection_showing": _mask([entry.shows for entry in entries]),
+        "protection_held": _mask([entry.holds for entry in entries]),
     }
 
 
