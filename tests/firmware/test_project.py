@@ -48,8 +48,31 @@ def test_the_project_in_the_repository_is_what_build_writes() -> None:
     files = project_files(coefficients, lower(coefficients, "fixed", "table"), "coeffs.json", record)
     kept = tree(EMITTED)
     assert sorted(files) == sorted(kept)
+    own, stored = (json.loads(made["certificate.json"]) for made in (files, kept))
+    assert_alike(own, stored)
+    manifest, listed = (json.loads(made["manifest.json"]) for made in (files, kept))
+    for made in (manifest, listed):
+        del made["files"]["certificate.json"]
+    assert manifest == listed, "manifest.json differs: rebuild firmware_out"
     for path, text in files.items():
-        assert text.encode() == kept[path], f"{path} differs: rebuild firmware_out"
+        if path not in ("certificate.json", "manifest.json"):
+            assert text.encode() == kept[path], f"{path} differs: rebuild firmware_out"
+
+
+def assert_alike(one: object, other: object) -> None:
+    """A certificate's floats may differ in their last digits from processor to processor, and nothing else."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        assert list(one) == list(other)
+        for key, value in one.items():
+            assert_alike(value, other[key])
+    elif isinstance(one, list) and isinstance(other, list):
+        assert len(one) == len(other)
+        for value, its in zip(one, other, strict=True):
+            assert_alike(value, its)
+    elif isinstance(one, float):
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-20), "certificate.json differs: rebuild firmware_out"
+    else:
+        assert one == other
 
 
 def test_the_verification_in_the_repository_is_of_equality() -> None:
