@@ -15,6 +15,8 @@ from gen.coefficients.base import listed
 from gen.coefficients.messages import described
 from gen.errors import InputError
 
+LEAST_HOURS = 10.0
+"""Without so many hours of healthy motor no rate of false alarms is told."""
 _RULES = "alarms"
 _TAKEN_OVER = ("name", "description", "wiring", "protection")
 _THRESHOLDS = {

@@ -100,11 +100,11 @@ def _completed(coefficients: Coefficients, path: Path) -> tuple[str, list[str]]:
 
 def _rules(coefficients: Coefficients | None, runs: list[Path], names: list[str]) -> tuple[str, list[str]]:
     """A rules file for `gen thresholds`."""
+    from gen.coefficients.rules import LEAST_HOURS
     from gen.coefficients.writer import rules_text
     from gen.proposal.motor import of_runs
     from gen.proposal.pins import wiring_for
     from gen.proposal.rules import enough_for_heat, open_rules
-    from gen.thresholds.missing_heat import LEAST_HOURS
 
     motor = of_runs(runs, coefficients)
     try:

@@ -7,9 +7,8 @@ from typing import Any
 from gen.coefficients import Coefficients
 from gen.coefficients.alarms import MOST_RULES
 from gen.coefficients.names import MAX_LENGTH, name_fault
-from gen.coefficients.rules import RuleDraft, drafted
+from gen.coefficients.rules import LEAST_HOURS, RuleDraft, drafted
 from gen.proposal.motor import Motor
-from gen.thresholds.missing_heat import LEAST_HOURS
 
 GUESSED_K = 3.0
 """Beyond the declared error band, until healthy runs tell more: six times the least margin of `gen thresholds`."""

@@ -20,7 +20,7 @@ from scipy.stats import gumbel_r
 
 from gen.coefficients import Coefficients
 from gen.coefficients.alarms import MissingHeat, Unsettled, window_counts
-from gen.coefficients.rules import RuleDraft
+from gen.coefficients.rules import LEAST_HOURS, RuleDraft
 from gen.errors import InputError
 from gen.lowering.heat import BIN_COUNTS, RATE_BITS, LoweredHeat, PER_mK, block_samples, lower_heat, slowest_rates
 from gen.reference.heat_blocks import Blocks, sums_after
@@ -32,8 +32,6 @@ SOON_S = 300.0
 """A heat is to be heard within so long."""
 TRANSIENT_SHARE = 0.8
 HOUR_S = 3600.0
-LEAST_HOURS = 10.0
-"""Without so many hours of healthy motor no rate is told."""
 HEADROOM = 1.2
 """The threshold is no less than this times the greatest sum of any healthy run."""
 SLACKS_K_PER_H = tuple(0.5 * 2.0 ** (number / 2.0) for number in range(15))

@@ -13,7 +13,7 @@ from benchmarks.alarm_hours.judged import DEFAULT
 from benchmarks.alarm_hours.lives import RUN_S, Life, fault_lives, healthy_lives
 from benchmarks.rivals.alarms.blocks import Blocks, FloatArray, blocks_of
 from benchmarks.rivals.alarms.detectors import Detector, detectors
-from examples.my1016_rig.make import board_sensors, healthy_runs
+from examples.my1016_rig.make import bench_of, healthy_runs
 from gen.coefficients import Coefficients, load
 from gen.lowering.alarms import lower_alarms
 from gen.reference.run_alarms import raised_s
@@ -75,7 +75,7 @@ def judged(quick: bool, tell: Callable[[str], None]) -> list[Heard]:
 def trained(coefficients: Coefficients, every: int) -> list[Blocks]:
     """The healthy runs that the example's own thresholds come from, or each so-many-th of them."""
     with tempfile.TemporaryDirectory(prefix="rivals-") as folder:
-        paths = healthy_runs(Path(folder), board_sensors(has_learnt=False))[::every]
+        paths = healthy_runs(Path(folder), bench_of(has_learnt=False, loaded=False))[::every]
         return [_blocks(coefficients, read_run(path)) for path in paths]
 
 
