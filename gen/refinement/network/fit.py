@@ -104,17 +104,20 @@ class Bench:
         own = shape.nodes + inputs.room.shape[-1]
         read_K = np.array([run.begin for run in inputs.runs[:later]])
         ambient = np.array([run.ambient[0] for run in inputs.runs[:later]])
+        seen = Seen(inputs.begin[:later, : shape.sensors], ambient, np.zeros(later))
+        wrong: dict[int, list[tuple[int, FloatArray]]] = {}
         for effect, place in zip(shape.effects, shape.places, strict=True):
-            wrong = effect.read(Seen(inputs.begin[:later, : shape.sensors], ambient, np.zeros(later)))
-            if wrong is None:
-                continue
-            sensor, column = wrong[0], int(place.columns[0])
-            for r in np.flatnonzero(inputs.begin[:later, sensor] == read_K[:, sensor]):
-                start, unit = shape.size + int(r) * own + sensor, float(wrong[1][r])
-                tight = inputs.loose[r][0] ** -2.0
-                precision[start, column] += unit * tight
-                precision[column, start] += unit * tight
-                precision[column, column] += unit**2 * tight
+            read = effect.read(seen)
+            if read is not None:
+                wrong.setdefault(read[0], []).append((int(place.columns[0]), read[1]))
+        for sensor, effects in wrong.items():
+            columns = [column for column, _ in effects]
+            for r in np.flatnonzero(inputs.begin[:later, sensor] == read_K[:, sensor]).tolist():
+                at = np.array([shape.size + r * own + sensor, *columns])
+                loose = np.array([1.0, *[float(unit[r]) for _, unit in effects]])
+                together = np.outer(loose, loose)
+                together[0, 0] = 0.0  # is there already
+                precision[np.ix_(at, at)] += together / inputs.loose[r][0] ** 2
 
     def first(self, shape: Anchored) -> Fitted:
         """Fit the file alone until the weights agree with what is left."""
