@@ -12,6 +12,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from gen.coefficients import Coefficients, load
+from gen.coefficients.alarms import MissingHeat
 from gen.live.heat import HeatFromRows
 from gen.live.known import Known, known_of
 from tests.live.serving import HEADER, FedSource, served, wait_until
@@ -110,6 +111,8 @@ def panels(page: Page) -> set[str]:
 def test_missing_heat_and_time_to_a_limit_have_values_and_curves(page: Page) -> None:
     example = load(EXAMPLE)
     source = FedSource(known_of(example), HeatFromRows(example))
+    limits = {rule.name: rule.threshold_K for rule in example.document.alarms if isinstance(rule, MissingHeat)}
+    heat, brush = (f"{limits[name]:g}" for name in ("heat", "brush_fault"))
     parts = ("brush", "bearing", "magnet", "casing")
     names = [*(f"{name}_degC" for name in parts), *(f"{name}_model_degC" for name in parts), "ambient_degC"]
     header = ",".join(["time_s", "pwm", *names, "flags", "time_to_limit_s", "holdable_pwm"])
@@ -123,12 +126,12 @@ def test_missing_heat_and_time_to_a_limit_have_values_and_curves(page: Page) -> 
         page.goto(address)
         expect(page.locator("#heat")).to_have_text(
             "Missing heat (computed here from the rows): "
-            "heat 0 % of 0.199 K, brush_fault 0 % of 0.345 K, bearing_fault 0 % of 0.199 K"
+            f"heat 0 % of {heat} K, brush_fault 0 % of {brush} K, bearing_fault 0 % of {heat} K"
         )
         expect(page.locator("#plot")).to_have_attribute("data-panels", "3")
         assert panels(page) == {"°C", "PWM", "heat, %"}
         source.view.feed(rows(40, 900), 1.0)
-        expect(page.locator("#heat")).to_contain_text("heat 200 % of 0.199 K")
+        expect(page.locator("#heat")).to_contain_text(f"heat 200 % of {heat} K")
         expect(page.locator("#drive")).to_contain_text("no limit for 1 s at this PWM, PWM 200 can be held")
         expect(page.locator("#plot")).to_have_attribute("data-panels", "4")
         assert panels(page) == {"°C", "PWM", "heat, %", "limit, s"}
