@@ -12,7 +12,7 @@ from benchmarks.alarm_hours.lives import Life, fault_lives, healthy_lives, load_
 from gen.coefficients import Coefficients, load
 from gen.reference.run_alarms import raised_s
 from gen.reference.simulate import simulate_run
-from gen.rig import make_run, zeroed
+from gen.rig import Setup, make_run, zeroed
 from gen.rig.runs import CHANNELS
 
 DEFAULT = Path(__file__).parents[2] / "examples" / "my1016_rig" / "coeffs.json"
@@ -64,13 +64,18 @@ def lives_of(campaign: Campaign, name: str) -> list[Life]:
 def judge(campaign: Campaign, name: str, number: int) -> Heard:
     """Run the motor, and the rules on what its sensors read."""
     coefficients, life = coefficients_of(campaign.path), lives_of(campaign, name)[number]
-    setup = replace(life.setup, channels=measured(coefficients))
-    if campaign.zeroed:
-        setup = replace(setup, sensors=zeroed(setup.sensors, ROOM_DEGC, setup.seed))
-    run = make_run(life.profile, setup).run
+    run = make_run(life.profile, setup_of(campaign, life)).run
     shown = simulate_run(coefficients, run, "exact", "auto", life.kind)
     degrees = {part: shown[f"{part}_degC"].astype(np.float64) for part in coefficients.model.component_names}
     return Heard(life.kind, life.fault_s, raised_s(coefficients, run, degrees))
+
+
+def setup_of(campaign: Campaign, life: Life) -> Setup:
+    """What surrounds a life, with the columns that the model reads, and sensors as their board has learnt them."""
+    setup = replace(life.setup, channels=measured(coefficients_of(campaign.path)))
+    if not campaign.zeroed:
+        return setup
+    return replace(setup, sensors=zeroed(setup.sensors, ROOM_DEGC, setup.seed))
 
 
 def measured(coefficients: Coefficients) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from examples.my1016_rig.make import loads
 from gen.rig import Fault, MotorConfig, Profile, Setup, sensors, warm_start
 from gen.rig.config import FaultKind
 from gen.rig.profiles import counts, random_levels, staircase, step
@@ -166,15 +167,6 @@ def other_lives(seed: int, each: int) -> Iterable[Life]:
             yield Life(f"{kind} {name}", making(rng), setup, fault.start_s)
 
 
-def load_steps(rng: np.random.Generator, most_Nm: float) -> Signal:
-    """Loads of up to so much, each for 10 to 45 minutes, with pauses between."""
-    changes, at = [], float(rng.uniform(0.0, 2700.0))
-    while at < RUN_S:
-        changes.append((at, float(rng.uniform(0.0, most_Nm)) if rng.random() < 0.7 else 0.0))
-        at += float(rng.uniform(600.0, 2700.0))
-    return steps(0.0, changes)
-
-
 def load_lives(seed: int, each: int) -> Iterable[Life]:
     """Loads that come and go, at a speed that is held, alone and with both faults; the largest load first."""
     for load in sorted(LOADS_NM, reverse=True):
@@ -182,5 +174,5 @@ def load_lives(seed: int, each: int) -> Iterable[Life]:
             for number in range(each):
                 rng = np.random.default_rng([seed, round(1000 * load), *name.encode(), number])
                 motor = MotorConfig() if kind is None else MotorConfig(faults=(Fault(kind, FAULT_S),))
-                setup = _plain(rng, motor=motor, load_Nm=load_steps(rng, load))
+                setup = _plain(rng, motor=motor, load_Nm=loads(rng, load))
                 yield Life(f"{name}, loads to {load:g} Nm", _held(rng), setup, None if kind is None else FAULT_S)

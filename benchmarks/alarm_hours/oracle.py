@@ -21,7 +21,7 @@ from rich.box import MARKDOWN
 from rich.table import Table
 from scipy.stats import gumbel_r
 
-from benchmarks.alarm_hours.judged import Campaign, coefficients_of, lives_of, measured
+from benchmarks.alarm_hours.judged import Campaign, coefficients_of, lives_of, setup_of
 from benchmarks.alarm_hours.lives import HOUR_S, Life
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.heat import MOST_LIMIT, LoweredHeat
@@ -82,8 +82,7 @@ def thresholds(campaign: Campaign, lives: Sequence[Life]) -> Array:
     """What the rule's threshold is to be multiplied by for each of `RATES_H`, from hours of healthy lives."""
     greatest: list[float] = []
     for life in lives:
-        setup = replace(life.setup, channels=measured(coefficients_of(campaign.path)))
-        sums, block_s = board_sums(campaign, make_run(life.profile, setup).run, life.kind)
+        sums, block_s = board_sums(campaign, make_run(life.profile, setup_of(campaign, life)).run, life.kind)
         blocks = round(HOUR_S / block_s)
         greatest += [float(sums[at : at + blocks].max()) for at in range(0, sums.size - blocks // 2, blocks)]
     place, scale = gumbel_r.fit(greatest)
@@ -94,7 +93,7 @@ def delays(campaign: Campaign, number: int, factors: Array) -> Delays:
     """Run a life with a fault, by its number, and ask both."""
     life = lives_of(campaign, "faults")[number]
     assert life.fault_s is not None
-    setup = replace(life.setup, channels=measured(coefficients_of(campaign.path)))
+    setup = setup_of(campaign, life)
     ill = make_run(life.profile, setup)
     sums, block_s = board_sums(campaign, ill.run, life.kind)
     ends: Array = block_s * np.arange(1.0, sums.size + 1.0)

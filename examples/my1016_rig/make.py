@@ -73,11 +73,11 @@ def bench_of(*, has_learnt: bool, loaded: bool) -> Bench:
     return Bench(zeroed(own, ROOM_DEGC, ZERO_SEED) if has_learnt else own, loaded)
 
 
-def loads(random: np.random.Generator) -> Signal:
-    """Loads that come and go: each for 10 to 45 minutes, three of ten a pause."""
+def loads(random: np.random.Generator, most_Nm: float) -> Signal:
+    """Loads of up to so much that come and go: each for 10 to 45 minutes, three of ten a pause."""
     changes, at = [], float(random.uniform(0.0, 2700.0))
     while at < RUN_S:
-        changes.append((at, float(random.uniform(0.0, LOADED_NM)) if random.random() < 0.7 else 0.0))
+        changes.append((at, float(random.uniform(0.0, most_Nm)) if random.random() < 0.7 else 0.0))
         at += float(random.uniform(600.0, 2700.0))
     return steps(0.0, changes)
 
@@ -118,7 +118,7 @@ def record(
         channels=("speed_rpm", CURRENT) if bench.loaded else ("speed_rpm",),
     )
     if bench.loaded and (moving or changing):
-        setup = replace(setup, load_Nm=loads(random))
+        setup = replace(setup, load_Nm=loads(random, LOADED_NM))
     setup = replace(setup, **(inputs or {}))  # type: ignore[arg-type]
     make_run(profile, setup).write(path)
     return path
