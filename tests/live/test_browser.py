@@ -9,7 +9,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Page, Route, expect, sync_playwright
 
 from gen.coefficients import Coefficients, load
 from gen.coefficients.alarms import MissingHeat
@@ -187,6 +187,30 @@ def test_what_was_looked_up_before_a_command_does_not_take_it_back(page: Page) -
         page.evaluate("status => motors[0].showStatus(status)", before)
         assert page.locator("#board").get_attribute("class") == "board armed"
         assert page.locator("#halt").is_enabled()
+
+
+def test_a_late_answer_does_not_wipe_out_a_refusal(page: Page) -> None:
+    """Answers arrive in any order: that a command was taken says nothing of the one that was refused after it."""
+    source = FedSource()
+    source.view.feed(HEADER + row(0), 0.0)
+    held: list[Route] = []
+    with served(source) as address:
+        page.goto(address)
+        page.locator("#arm").click()
+        expect(page.locator("#board")).to_have_class("board armed")
+        page.route("**/1/pwm", lambda route: held.append(route))
+        page.locator("#pwm").fill("90")
+        page.keyboard.press("Enter")
+        page.locator("#line").fill("format c:")
+        page.keyboard.press("Enter")
+        expect(page.locator("#refused")).to_contain_text("expected a PWM")
+        assert len(held) == 1
+        with page.expect_response("**/1/pwm") as answer:
+            held[0].continue_()
+        answer.value.finished()
+        page.evaluate("() => new Promise(requestAnimationFrame)")
+        expect(page.locator("#refused")).to_contain_text("expected a PWM")
+    assert source.told.sent == [b"arm\n90\n"]
 
 
 def test_what_the_page_changes_reaches_the_source(page: Page) -> None:

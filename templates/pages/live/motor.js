@@ -10,7 +10,7 @@ const duration = (seconds) => seconds < 120 ? `${fixed(seconds, 0)} s` : `${fixe
 // One motor: what of the page is its own, its rows, its commands. `place` counts from 1; `about` does not change.
 class Motor {
   constructor(place, about) {
-    Object.assign(this, {place, about, number: 0, next: 0, status: 0, columns: [], curves: {}, last: {}, sensors: [], drawn: 0, dirty: false, fetching: false, stream: null});
+    Object.assign(this, {place, about, number: 0, next: 0, status: 0, columns: [], curves: {}, last: {}, sensors: [], asked: 0, drawn: 0, dirty: false, fetching: false, stream: null});
     this.suffix = place === 1 ? "" : `-${place}`;
   }
 
@@ -113,9 +113,11 @@ class Motor {
   // ---- what the server tells it, and is told ----
 
   async ask(path, body) {
+    const place = ++this.asked;
     const answer = await fetch(`${this.place}/${path}`, {method: "POST", headers: {"content-type": "application/json", "x-gen-live": "1"}, body: JSON.stringify(body)});
     const told = await answer.json().catch(() => ({}));
-    this.put("refused", answer.ok ? "" : String(told.error || `refused (${answer.status})`));
+    if (!answer.ok) this.put("refused", String(told.error || `refused (${answer.status})`));
+    else if (place === this.asked) this.put("refused", ""); // a late answer must not wipe out a refusal of what was asked after it
     if (answer.ok) this.showStatus(told);
     return answer.ok;
   }
