@@ -138,6 +138,7 @@ def test_a_day_at_4_hz_is_drawn_with_as_many_points_as_can_be_seen(tmp_path: Pat
     own = [found for found in figure.data if found.name == "casing" and found.yaxis == "y"]
     drawn = np.concatenate([np.asarray(found.y) for found in own])
     assert measured.max() in drawn
+    assert figure.layout.xaxis.range == (0.0, pytest.approx(24.0, abs=0.01))
     assert measured.min() in drawn
     svg = picture.picture([section], "svg").decode()
     assert max(points.count("L") for points in re.findall(r' d="([^"]+)"', svg)) <= picture.MOST_POINTS

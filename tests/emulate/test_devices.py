@@ -307,6 +307,13 @@ def test_a_loop_that_is_held_up_finds_the_clock_ahead(open_board: OpenBoard) -> 
     assert 400 <= int(asked.ask("m")) - before <= 410
 
 
+def test_a_loop_may_be_held_up_while_the_clock_rolls_over(open_board: OpenBoard) -> None:
+    asked = Asked(open_board, STUDY)
+    asked.mega.start_clock_at(2**32 - 500)
+    asked.start().hold_up(1000)
+    assert 400 <= int(asked.ask("m")) <= 700
+
+
 def test_another_controllers_pwm_is_on_its_pin(open_board: OpenBoard) -> None:
     asked = Asked(open_board, STUDY)
     mega = asked.start()

@@ -222,6 +222,10 @@ def test_report_and_summary_are_complete_and_without_outside_links() -> None:
     whole = summary(data, found)
     assert set(whole["components"]["part"]["speeds"]) == {"0", "51", "153", "255"}
     assert whole["next_speed"]["pwm"] not in (51, 153, 255)
+    for pwm, speed in whole["components"]["part"]["speeds"].items():
+        if pwm != "0":  # a transfer function settles at numerator / last coefficient, for each count
+            settled = speed["numerator"] / speed["denominator"][-1] * int(pwm)
+            assert settled == pytest.approx(speed["steady_rise_K"]["value"])
 
 
 FULL = os.environ.get("GEN_CAMPAIGN") == "full"
