@@ -209,6 +209,10 @@ FIXED: dict[str, tuple[str, Edit]] = {
         MODEL,
         replaced(r"chain_down\(chain_plus\(chain_sum\(16384u\)", r"5000 * (thousandths > 119000L) + \g<0>"),
     ),
+    "starts below any ambient converted too warm": (
+        MODEL,
+        replaced(r"chain_down\(chain_plus\(chain_sum\(16384u\)", r"5000 * (thousandths < -9000L) + \g<0>"),
+    ),
     "a start's range": (MODEL, replaced(r"120000L - ambient", "121000L - ambient")),
     "a start's sign of the offset": (MODEL, replaced(r"rise_mK\) - reading\.offset", "rise_mK) + reading.offset")),
     "a begin that leaves the last state": (MODEL, replaced(r"state < chain_STATES", "state < chain_STATES - 1")),

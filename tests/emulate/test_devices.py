@@ -142,10 +142,12 @@ def test_batched_pulses_come_in_step_with_the_true_ones(open_board: OpenBoard) -
     asked = Asked(open_board, STUDY)
     asked.mega.encoder.attach(2, batch_s=0.001)
     asked.start()
+    probe = asked.mega.pins.watch(2)
     asked.mega.encoder.send(5000, CYCLE_S)
     for tenth in range(1, 10):
         asked.mega.run_seconds(CYCLE_S / 10)
         assert asked.mega.encoder.sent == pytest.approx(500 * tenth, abs=20)  # a batch has 20
+    assert probe.edges().seconds.size == 0  # the pin rests, which spares the emulator its work
 
 
 def test_the_counter_of_pin_47_counts_every_pulse(open_board: OpenBoard) -> None:
