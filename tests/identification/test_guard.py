@@ -8,7 +8,8 @@ from typing import cast
 import numpy as np
 import pytest
 
-from gen.identification.general import Shape, guard
+from gen.identification.curves import Shape
+from gen.identification.general import guard
 from gen.identification.output_error import OutputErrorFit
 
 
