@@ -71,6 +71,7 @@ def test_a_time_of_day_that_passes_midnight(tmp_path: Path) -> None:
     run = read_run(found.runs[0])
     np.testing.assert_allclose(np.diff(run.time_s), 0.5, atol=1e-6)
     assert found.counted().loc["midnight passed", "count"] == 1
+    assert "midnight passed" in run.comments["counted_1"]
 
 
 @pytest.mark.parametrize(
