@@ -127,12 +127,14 @@ static bool is_cold() {
     return true;
 }
 
-// Puts the model where the thermocouples are, at rest.
+// Puts the model where the thermocouples are, at rest, and at the ambient where there is none.
 static void start_from_measured() {
     for (uint8_t component = 0; component < MY1016_COMPONENTS; ++component) {
         if (now.sample.valid & (1u << component)) {
             my1016_start(component, now.sample.measured_mC[component] - now.sample.ambient_mC);
+            continue;
         }
+        my1016_start(component, 0);  // the ambient may have been told since my1016_begin()
     }
 }
 

@@ -244,7 +244,8 @@ def read(folder: Path) -> AnyCertificate:
         raise InputError(f"cannot be read: {error.strerror}; `gen build` writes it", file=str(path)) from error
     except ValidationError as error:
         first = error.errors()[0]
-        within = first["loc"][1:]  # after the version that it was read as
+        # after the version that it was read as; checks of a whole part stand there, too, and are no keys
+        within = [key for key in first["loc"][1:] if not str(key).startswith("function-")]
         place = "$" + "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in within)
         if first["type"].startswith("union_tag"):
             place = "$.version"

@@ -109,6 +109,10 @@ class HostDevice:
             self._start(found)
         return found
 
+    def temperature_mC(self, component: int) -> int:
+        """What the model gives for a component, by its place, in thousandths of a degree Celsius."""
+        return self._call("temperature_mC", component, self._ambient_mC)
+
     @property
     def state(self) -> bytes:
         """The model's states as they would go to EEPROM."""
@@ -128,8 +132,8 @@ class HostDevice:
 
     def _start(self, found: Mapping[str, tuple[int, float]]) -> None:
         for number, name in enumerate(self._components):
-            if name in found:
-                self._call("start", number, round(found[name][1] * 1000.0) - self._ambient_mC)
+            rise_mK = round(found[name][1] * 1000.0) - self._ambient_mC if name in found else 0
+            self._call("start", number, rise_mK)
         self._call("sensors_model_set")
         self.started = True
 

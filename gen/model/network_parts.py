@@ -42,8 +42,6 @@ class PowerLaw(Schedule):
 
     def exact(self, pwm: int) -> Decimal:  # noqa: D102
         with localcontext(EXACT):
-            if pwm == 0:
-                return Decimal(self.constant)
             share = Decimal(pwm) / Decimal(self.full_scale)
             return Decimal(self.constant) + Decimal(self.forced) * share ** Decimal(self.exponent)
 

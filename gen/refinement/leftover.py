@@ -53,7 +53,7 @@ def leftover(tracing: Tracing, runs: Sequence[Condensed], name: str) -> Remains:
             "time": run.edges[1:] - run.edges[0],
             "speed": run.pwm,
             "temperature": 0.5 * (base[1:] + base[:-1]),
-            "slope of temperature": np.diff(base) / np.maximum(np.diff(run.edges), 1e-9),
+            "slope of temperature": np.diff(base) / np.diff(run.edges),
             "direction": run.reverse,
             "run": np.full(size, float(r)),
             **{key: values for key, values in run.channels.items() if all(key in other.channels for other in runs)},

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Any
 
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from gen.certificate.document import Ambient, Start
+from gen.certificate.document import FILE, Ambient, Start, read
+from gen.errors import InputError
+from tests.examples import ROOT
 
 RANGE: dict[str, Any] = {"low_mC": -20_000, "high_mC": 60_000}
 
@@ -29,3 +33,12 @@ def test_a_start_is_at_most_two_to_the_23_thousandths() -> None:
     for beyond in (-(1 << 23) - 1, (1 << 23) + 1):
         with pytest.raises(ValidationError):
             start.validate_python(beyond)
+
+
+def test_what_is_wrong_with_a_certificate_is_told_with_its_place(tmp_path: Path) -> None:
+    tree = json.loads((ROOT / "firmware_out" / FILE).read_text(encoding="utf-8"))
+    tree["components"][2]["bound_K"] = "small"
+    (tmp_path / FILE).write_text(json.dumps(tree), encoding="utf-8")
+    with pytest.raises(InputError, match="is no certificate") as told:
+        read(tmp_path)
+    assert told.value.place == "$.components[2].bound_K"

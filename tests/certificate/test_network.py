@@ -205,6 +205,14 @@ FIXED: dict[str, tuple[str, Edit]] = {
         MODEL,
         replaced(r"chain_down\(chain_plus\(chain_sum\(16384u\)", "50 + chain_down(chain_plus(chain_sum(16384u)"),
     ),
+    "starts above any ambient converted too warm": (
+        MODEL,
+        replaced(r"chain_down\(chain_plus\(chain_sum\(16384u\)", r"5000 * (thousandths > 119000L) + \g<0>"),
+    ),
+    "starts below any ambient converted too warm": (
+        MODEL,
+        replaced(r"chain_down\(chain_plus\(chain_sum\(16384u\)", r"5000 * (thousandths < -9000L) + \g<0>"),
+    ),
     "a start's range": (MODEL, replaced(r"120000L - ambient", "121000L - ambient")),
     "a start's sign of the offset": (MODEL, replaced(r"rise_mK\) - reading\.offset", "rise_mK) + reading.offset")),
     "a begin that leaves the last state": (MODEL, replaced(r"state < chain_STATES", "state < chain_STATES - 1")),
@@ -221,6 +229,10 @@ FIXED: dict[str, tuple[str, Edit]] = {
     "a domain of one more": (MODEL, replaced(r"counts > 119u \? 119u", "counts > 120u ? 120u")),
     "the row of another |PWM|": (MODEL, replaced(r"within - 96u", "within - 95u")),
     "two samples at once": (MODEL, replaced(r"(    chain_advance\(.*\n)", r"\1\1")),
+    "states in one of two arrays": (
+        "chain_model.h",
+        replaced(r"(struct chain_State \{.*\n)(.*\n)", r"struct chain_Kept {\n\2};\n\n\1\2"),
+    ),
     # The certificate and what is claimed.
     "errors a third too small": (CERTIFICATE, state("error_K", 0.67)),
     "a bound 1 % too small": (CERTIFICATE, _first("bound_K", 0.99)),

@@ -44,6 +44,16 @@ BEYOND_SCHEMA = (
 )
 
 
+def test_a_rule_that_says_no_hysteresis_has_none() -> None:
+    """It clears as soon as its condition is not met any more."""
+    tree = json.loads((EXAMPLES / "my1016" / "coeffs.json").read_text())
+    for rule in tree["alarms"]:
+        rule.pop("hysteresis_K", None)
+    rules = parse(json.dumps(tree).encode()).document.alarms
+    assert {rule.kind for rule in rules} >= {"over_temperature", "above_model", "below_model"}
+    assert {getattr(rule, "hysteresis_K", 0.0) for rule in rules} == {0.0}
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_examples(name: str) -> None:
     raw = (EXAMPLES / name / "coeffs.json").read_bytes()

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gen.coefficients import load, parse
+from gen.coefficients.base import listed
 from gen.errors import InputError
 from tests.model.examples import EXAMPLES
 
@@ -400,3 +401,11 @@ def test_anything_anywhere_is_taken_or_named(where: Path_, value: object) -> Non
 def test_any_bytes(raw: bytes) -> None:
     with pytest.raises(InputError):
         parse(raw)
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [(["casing"], '"casing"'), (["casing", "brush"], '"casing" or "brush"'), (["a", "b", "c"], '"a", "b" or "c"')],
+)
+def test_what_was_expected_reads_as_a_sentence(names: list[str], said: str) -> None:
+    assert listed(names) == said

@@ -15,7 +15,7 @@ from gen.lowering.sensors import CONFIRMATIONS, SensorLimits, reading_samples, s
 from gen.reference.chips import SensorCode, decoded
 from gen.reference.sensors import SensorCheck
 from gen.rig.chips import Converter
-from tests.device.board import Board
+from tests.device.board import OPEN, Board
 from tests.device.conftest import Open
 from tests.device.sensor_harness import Cpp, Step, by_reference
 from tests.device.variants import BASE, KINDS, variant
@@ -211,6 +211,21 @@ def test_a_start_in_the_cold_takes_the_ambient_no_warmer_than_the_coldest_part(p
     assert row["ambient_degC"] == ""
     for part, celsius in {"brush": 4.0, "bearing": 3.5, "magnet": 3.5, "casing": 3.0}.items():
         assert float(row[f"{part}_model_degC"]) == pytest.approx(celsius, abs=0.6)
+
+
+@pytest.mark.parametrize("only", ["brush", "casing"])
+def test_a_start_in_the_cold_asks_every_part_for_the_ambient(power_up: Open, only: str) -> None:
+    """One part alone is believed, the first or the last: the others begin where it is, not at the file's 30 degC."""
+    board = power_up("my1016")
+    board.set_celsius("ambient", -5.0)
+    for channel in set(board.chips) - {"ambient"}:
+        board.chips[channel].set_word(OPEN)
+    board.set_celsius(only, 3.0)
+    board.started()
+    row = board.hear(20.0).rows[-1]
+    assert row["ambient_degC"] == ""
+    for part in ("brush", "bearing", "magnet", "casing"):
+        assert float(row[f"{part}_model_degC"]) == pytest.approx(3.0, abs=0.6)
 
 
 def test_a_fall_below_zero_goes_on_as_zero_with_a_max6675(power_up: Open) -> None:

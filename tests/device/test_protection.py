@@ -124,16 +124,17 @@ def test_a_rotor_that_locks_again_has_to_stand_longer_each_time(power_up: Open) 
         events = board.hear(3.0).events  # no pulse
         assert any("protection stall begins" in event for event in events)
         assert pwm(board) == 0
-        waited, refused = 0, 0
+        waited, left_s = 0, []
         while not any("protection stall ends" in event for event in events):
             board.send("reset")
             events = board.hear(1.0).events
             waited += 1
             told = [event for event in events if "to be reset in" in event]
-            refused += len(told)
+            left_s += [int(event.partition("to be reset in ")[2].split()[0]) for event in told]
             assert len(told) <= 1
             assert waited < 70
-        assert refused >= waited - 1, "each time it is said how long it still takes"
+        assert len(left_s) >= waited - 1, "each time it is said how long it still takes"
+        assert all(abs(told_s - (len(left_s) - k)) <= 1 and told_s > 0 for k, told_s in enumerate(left_s))
         stood.append(waited)
     assert stood[0] == 1
     for waited, pause_s in zip(stood[1:], (15, 30, 60), strict=True):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.device.board import Board, warm
+from tests.device.board import OPEN, Board, warm
 from tests.device.conftest import Open
 
 HOTTER_K = 8.0
@@ -35,6 +35,21 @@ def test_after_a_start_at_another_temperature_a_rule_waits_for_the_slopes(power_
         board.set_celsius(channel, 30.0 + off_K)
     assert board.started().events[-1].endswith("start from measured")
     assert not hot_brush(board)
+
+
+@pytest.mark.parametrize(("name", "unread"), [("my1016", "brush"), ("ambient_only", "casing")])
+def test_a_part_that_is_not_measured_starts_at_the_ambient_that_is(power_up: Open, name: str, unread: str) -> None:
+    """Its chip tells of no thermocouple, or there is none: it is where the room is, not at the file's 30 degC."""
+    board = power_up(name)
+    for channel in board.chips:
+        board.set_celsius(channel, 12.0)
+    if unread in board.chips:
+        board.chips[unread].set_word(OPEN)
+    board.started()
+    row = board.hear(20.0).rows[-1]
+    assert row["ambient_degC"] == "12.00"
+    for part in ("brush", "bearing", "magnet", "casing"):
+        assert float(row[f"{part}_model_degC"]) == pytest.approx(12.0, abs=0.1)
 
 
 def test_after_a_start_from_memory_a_rule_judges_at_once(power_up: Open) -> None:

@@ -128,6 +128,13 @@ def test_the_modelled_curve_is_what_simulate_writes(coefficients: Path, tmp_path
         assert np.nanmin(residual) == pytest.approx(np.nanmin(difference), abs=1e-9)
 
 
+@pytest.mark.parametrize(("ends_s", "unit"), [(180.0, "s"), (181.0, "min"), (7200.0, "min"), (7201.0, "h")])
+def test_the_axis_has_the_unit_of_the_whole_run(ends_s: float, unit: str) -> None:
+    """Also where a gap is most of it."""
+    section = Section("", (), np.array([0.0, ends_s - 1.0, ends_s]), (), (), ())
+    assert section.unit[0] == unit
+
+
 def test_a_day_at_4_hz_is_drawn_with_as_many_points_as_can_be_seen(tmp_path: Path) -> None:
     path = rig_run(tmp_path / "day.csv", hours=24.0, step_s=0.25)
     section = section_of(path, load(RIG))
@@ -138,6 +145,7 @@ def test_a_day_at_4_hz_is_drawn_with_as_many_points_as_can_be_seen(tmp_path: Pat
     own = [found for found in figure.data if found.name == "casing" and found.yaxis == "y"]
     drawn = np.concatenate([np.asarray(found.y) for found in own])
     assert measured.max() in drawn
+    assert figure.layout.xaxis.range == (0.0, pytest.approx(24.0, abs=0.01))
     assert measured.min() in drawn
     svg = picture.picture([section], "svg").decode()
     assert max(points.count("L") for points in re.findall(r' d="([^"]+)"', svg)) <= picture.MOST_POINTS

@@ -291,6 +291,15 @@ def test_effects_that_are_harmless_alone_are_refused_together() -> None:
     assert caught.value.place == "$.effects[1]"
 
 
+def test_a_part_that_a_loop_warms_is_none_of_it() -> None:
+    """A third part takes more than any of them, and gives nothing back."""
+    parts = [part("three", 50.0, 1e-3), part("one", 100.0, 1e-3), part("two", 80.0, 2e-3)]
+    loop = [heated("one", "two", 1.1e-3), heated("two", "one", 2.2e-3)]
+    with pytest.raises(InputError, match=r': "one" and "two" heat each other: .*1\.1 K come back') as caught:
+        read(parts, [heated("three", "one", 5e-3), *loop])
+    assert caught.value.place in ("$.effects[1]", "$.effects[2]")
+
+
 def test_coupled_parts_near_the_limit_settle_and_are_right() -> None:
     """A loop gain of 0.98: forty rounds from part to part, which once were all, leave kelvins."""
     parts = [part("one", 50.0, 1e-3), part("two", 50.0, 1e-3)]

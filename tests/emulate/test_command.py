@@ -194,6 +194,12 @@ def test_the_line_s_end_ends_a_recording_in_order(home: dict[str, str], tmp_path
     assert len(read_run(tmp_path / "log.csv").time_s) == len(read_run(tmp_path / "run.csv").time_s)
 
 
+def test_the_clock_may_start_anywhere_up_to_its_rollover(refuse: Refuse, tmp_path: Path) -> None:
+    out = ("--out", tmp_path / "run.csv")
+    assert "--clock" not in refuse(tmp_path / "missing.json", *out, "--clock", str(2**32 - 1))
+    assert "--clock" in refuse(tmp_path / "missing.json", *out, "--clock", str(2**32))
+
+
 def test_plain_lines_come_soon_then_now_and_then() -> None:
     milestones = Milestones()
     told = [second for second in range(201) if milestones.due(second / 1000.0, float(second))]

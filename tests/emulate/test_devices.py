@@ -142,10 +142,12 @@ def test_batched_pulses_come_in_step_with_the_true_ones(open_board: OpenBoard) -
     asked = Asked(open_board, STUDY)
     asked.mega.encoder.attach(2, batch_s=0.001)
     asked.start()
+    probe = asked.mega.pins.watch(2)
     asked.mega.encoder.send(5000, CYCLE_S)
     for tenth in range(1, 10):
         asked.mega.run_seconds(CYCLE_S / 10)
         assert asked.mega.encoder.sent == pytest.approx(500 * tenth, abs=20)  # a batch has 20
+    assert probe.edges().seconds.size == 0  # the pin rests, which spares the emulator its work
 
 
 def test_the_counter_of_pin_47_counts_every_pulse(open_board: OpenBoard) -> None:
@@ -305,6 +307,13 @@ def test_a_loop_that_is_held_up_finds_the_clock_ahead(open_board: OpenBoard) -> 
     before = int(asked.ask("m"))
     mega.hold_up(400)
     assert 400 <= int(asked.ask("m")) - before <= 410
+
+
+def test_a_loop_may_be_held_up_while_the_clock_rolls_over(open_board: OpenBoard) -> None:
+    asked = Asked(open_board, STUDY)
+    asked.mega.start_clock_at(2**32 - 500)
+    asked.start().hold_up(1000)
+    assert 400 <= int(asked.ask("m")) <= 700
 
 
 def test_another_controllers_pwm_is_on_its_pin(open_board: OpenBoard) -> None:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import replace
 
+import numpy as np
+import pytest
+
+from gen.coefficients import Coefficients
 from gen.emulate.host import HostDevice
 from gen.emulate.rig import RigPlant
 from gen.lowering.lower import lower
@@ -14,8 +18,10 @@ from gen.rig import SensorFault
 from tests.examples import example
 
 
-def test_words_give_the_references_codes_and_states() -> None:
-    coefficients = example("my1016")
+@pytest.mark.parametrize("without", ["none", "casing"])
+def test_words_give_the_references_codes_and_states(without: str) -> None:
+    """Also where a part has no sensor: it starts at the ambient that was measured."""
+    coefficients = _without_chip(example("my1016"), without)
     faults = {
         "brush": (SensorFault("open", 10.0, 14.0), SensorFault("jump", 30.0, 40.0)),
         "magnet": (SensorFault("spike", 5.0, 60.0, every_s=7.0),),
@@ -47,9 +53,19 @@ def test_words_give_the_references_codes_and_states() -> None:
                 model.step(np.array([pwm]))
             elif all(code == 0 for code, _ in expected.values()):
                 started = True
-                rises = {name: [checks[name].temperature_mC - ambient] for name in names}
+                rises = {name: [checks[name].temperature_mC - ambient if name in checks else 0] for name in names}
                 model = ReferenceModel(lower(coefficients, "fixed", "table"), rises, np.array([[ambient]]))
                 for check in checks.values():
                     check.model_set()
             assert host.started == started
+            for part in range(len(names) if started else 0):
+                assert host.temperature_mC(part) == model.rises_mK[part, 0] + ambient
     assert {0, 1, 5, 8} <= seen
+
+
+def _without_chip(coefficients: Coefficients, channel: str) -> Coefficients:
+    wiring = coefficients.document.wiring
+    assert wiring is not None
+    chips = tuple(chip for chip in wiring.thermocouples if chip.channel != channel)
+    fewer = wiring.model_copy(update={"thermocouples": chips})
+    return replace(coefficients, document=coefficients.document.model_copy(update={"wiring": fewer}))

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
+import os
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -73,6 +76,26 @@ def test_what_the_fleet_shares_is_kept_exactly(fleet: Store) -> None:
     assert common_of(json.loads(json.dumps(common.as_json()))).as_json() == common.as_json()
     assert np.all(common.pool.variance > 0.0)
     assert np.all(common.pool.mean[common.structure.offsets] == 0.0)
+
+
+def test_a_store_of_somebody_else_runs_no_code(tmp_path: Path) -> None:
+    store = Store(str(tmp_path / "store"))
+    made = io.BytesIO()
+    np.savez(made, said=np.array([Harmful(str(tmp_path / "harm"))], dtype=object))
+    store.write("models/common.npz", made.getvalue())
+    with pytest.raises(ValueError, match="allow_pickle"):
+        kept(store)
+    assert not (tmp_path / "harm").exists()
+
+
+class Harmful:
+    """Makes a folder when it is unpickled."""
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+
+    def __reduce__(self) -> tuple[Callable[[str], None], tuple[str]]:
+        return os.mkdir, (self._path,)
 
 
 def test_a_new_motor_gets_a_model_and_the_others_keep_theirs(fleet: Store, tmp_path: Path) -> None:

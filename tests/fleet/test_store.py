@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from gen.errors import InputError
+from gen.fleet import motor_data
 from gen.fleet.names import checked_day, checked_motor, stem_of
 from gen.fleet.run_bytes import content_hash, from_bytes, to_bytes
 from gen.fleet.store import INCOMING, Store
@@ -150,3 +151,18 @@ def test_a_run_that_an_earlier_gen_stored_is_read(tmp_path: Path) -> None:
     assert run.ambient.tolist() == [20.0, 20.0]
     assert run.extras["fan_percent"].tolist() == [0.0, 50.0]
     assert (run.comments, run.rows_in_file) == ({"fault": "none"}, 40)
+
+
+def test_only_a_long_run_is_thinned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Up to twice the rows that are wanted it is read as it is."""
+    store, run = Store(str(tmp_path)), run_of(3)
+    store.add("a", "2026-01-01", "run", run)
+    (kept,) = store.runs("a")
+    rows = run.time_s.size
+    monkeypatch.setattr(motor_data, "MOST_ROWS", rows // 2 + 1)
+    found = motor_data.read(store, kept)
+    assert np.array_equal(found.time_s, run.time_s)
+    assert np.array_equal(found.pwm, run.pwm)
+    assert all(np.array_equal(found.temps[name], run.temps[name]) for name in run.temps)
+    monkeypatch.setattr(motor_data, "MOST_ROWS", rows // 4)
+    assert motor_data.read(store, kept).time_s.size <= rows // 2

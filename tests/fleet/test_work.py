@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from gen.commands.fleet.options import usual_jobs
 from gen.errors import InputError
 from gen.fleet.store import TASKS, Store
 from gen.fleet.work import Arrays, Failed, Workers, computed, key_of, workers_of
@@ -23,6 +25,13 @@ def bits(found: dict[str, Arrays | Failed]) -> dict[str, Any]:
         assert not isinstance(result, Failed), result
         made[name] = {key: (values.dtype.str, values.shape, values.tobytes()) for key, values in result.items()}
     return made
+
+
+def test_as_many_processes_as_asked_for_or_as_this_one_may_use() -> None:
+    assert usual_jobs(3) == 3
+    if hasattr(os, "sched_getaffinity"):
+        assert usual_jobs(None) == len(os.sched_getaffinity(0))
+    assert usual_jobs(None) >= 1
 
 
 def test_nothing_is_computed_twice_and_what_is_there_is_taken(tmp_path: Path) -> None:

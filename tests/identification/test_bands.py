@@ -1,10 +1,15 @@
 """Bands of the general model, against a covariance whose propagation is known in closed form."""
 
+from types import SimpleNamespace
+from typing import cast
+
 import numpy as np
 from pytest import approx
 
+from gen.identification.bands import COMPARABLE, band
 from gen.identification.curves import Shape
 from gen.identification.forms import Form
+from gen.identification.general import General
 from gen.identification.joint import Model
 from gen.identification.structure import Structure
 
@@ -28,3 +33,18 @@ def test_bands_come_back_from_parameters_that_hardly_determine_themselves() -> N
     assert model.evaluate(at)[1] == approx(rise)
     assert model.steady_sd(at) == approx(rise_sd, rel=1e-3)
     assert model.theta_sd(at)[:, 0] == approx(np.full(4, log_sd), rel=1e-3)
+
+
+def test_a_form_counts_by_its_squared_left_out_error() -> None:
+    """The spread of the possible forms about the chosen one: at an error half as large again, four ninths."""
+
+    def option(score: float, off_K: float, *, rejected: str = "") -> SimpleNamespace:
+        shape = SimpleNamespace(evaluate=lambda _, pwm: (pwm, pwm + off_K))
+        return SimpleNamespace(score=score, shape=shape, vector=None, rejected=rejected, left_out=0.0)
+
+    options = [option(1.0, 0.0), option(1.5, 3.0), option(1.0, 90.0, rejected="wiggles"), option(COMPARABLE + 9, 90.0)]
+    general = cast(General, SimpleNamespace(options=options, chosen=options[0]))
+    model = cast(Model, SimpleNamespace(evaluate=lambda pwm: (pwm, pwm), steady_sd=lambda pwm: 0.0 * pwm))
+    found = band(general, model, 50, 255)
+    assert found.forms_K == approx(np.sqrt(4.0 / 9.0 * 3.0**2 / (1.0 + 4.0 / 9.0)), rel=2e-3)
+    assert found.pwm[[0, -1]].tolist() == [50.0, 255.0]

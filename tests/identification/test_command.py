@@ -89,6 +89,14 @@ def test_identify_build_verify_without_editing(
     assert "none differs" in checked.stdout
 
 
+@pytest.mark.parametrize("ambient", ["-273.2", "1000.1"])
+def test_an_ambient_that_no_room_has_is_usage(ambient: str, tmp_path: Path) -> None:
+    done = gen("identify", tmp_path / "run.csv", "--out", tmp_path / "c.json", "--ambient", ambient)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "-273.15" in done.stderr
+    assert "1000" in done.stderr.replace(ambient, "")
+
+
 def test_help_has_an_example_and_a_bad_name_is_usage(runs: list[Path], tmp_path: Path) -> None:
     done = gen("identify", "--help")
     assert "gen identify cold_*.csv" in " ".join(done.stdout.split())

@@ -175,3 +175,15 @@ def test_a_form_says_what_it_stands_for() -> None:
     assert Form("rise", "pchip").words == "smooth curve through the points (of the steady rise)"
     assert len({form.words for form in GAIN_FORMS}) == len(GAIN_FORMS)
     assert len({form.words for form in TIME_FORMS}) == len(TIME_FORMS)
+
+
+def test_ten_hours_at_one_speed_are_as_many_blocks_as_their_widths_say() -> None:
+    """Four rows at first, then 3 % of the time since PWM changed, and never more than 1/180 of the run."""
+    time = np.arange(36_000.0)
+    record = condense("run", time, np.full(time.size, 100), 30.0 + np.sqrt(time), 30.0)
+    assert record is not None
+    first, last = 4.0 / 0.03, 200.0 / 0.03  # where the width begins to grow, and ends
+    expected = first / 4.0 + np.log(last / first) / 0.03 + (36_000.0 - last) / 200.0
+    assert record.time.size == pytest.approx(expected, rel=0.05)
+    assert record.count.sum() == time.size
+    assert record.count.max() <= 201

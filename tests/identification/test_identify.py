@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -222,6 +223,22 @@ def test_report_and_summary_are_complete_and_without_outside_links() -> None:
     whole = summary(data, found)
     assert set(whole["components"]["part"]["speeds"]) == {"0", "51", "153", "255"}
     assert whole["next_speed"]["pwm"] not in (51, 153, 255)
+    for pwm, speed in whole["components"]["part"]["speeds"].items():
+        if pwm != "0":  # a transfer function settles at numerator / last coefficient, for each count
+            settled = speed["numerator"] / speed["denominator"][-1] * int(pwm)
+            assert settled == pytest.approx(speed["steady_rise_K"]["value"])
+
+
+def test_a_speed_that_did_not_settle_is_warned_of_with_its_own_uncertainty() -> None:
+    rng = np.random.default_rng(10)
+    runs = [measured(plant(), profile((pwm, seconds)), rng) for pwm, seconds in ((80, 6000), (160, 2400), (255, 1800))]
+    data = make_data([Source(f"r{i}.csv", run) for i, run in enumerate(runs)], None)
+    whole = summary(data, identify(data, lambda _: None, 1))
+    found = re.findall(r"part at PWM (\d+): .* known to ±(\S+) K", "\n".join(whole["warnings"]))
+    assert [pwm for pwm, _ in found] == ["160", "255"]
+    for pwm, told in found:
+        low, high = whole["components"]["part"]["speeds"][pwm]["steady_rise_K"]["interval"]
+        assert float(told) == pytest.approx((high - low) / 2.0, rel=0.05)  # two digits of it are told
 
 
 FULL = os.environ.get("GEN_CAMPAIGN") == "full"

@@ -48,6 +48,14 @@ def test_epochs(factor: int, name: str, tmp_path: Path) -> None:
     same(taken(write(tmp_path, csv(frame)), tmp_path / "runs"), TRUE)
 
 
+def test_milliseconds_are_thousandths_to_the_last_bit(tmp_path: Path) -> None:
+    """7 x 0.001 is another number than 7 / 1000, which is what the run's file says."""
+    ticks = 7 * np.arange(len(TRUE))
+    frame = TRUE.assign(time_s=ticks).rename(columns={"time_s": "time_ms"})
+    run = taken(write(tmp_path, csv(frame)), tmp_path / "runs")
+    assert run.time_s.tolist() == [tick / 1000 for tick in ticks.tolist()]
+
+
 def test_date_and_time_in_two_columns(tmp_path: Path) -> None:
     stamps = pd.Timestamp("2024-12-31 23:59:40") + pd.to_timedelta(TRUE.time_s, unit="s")
     frame = TRUE.drop(columns="time_s")
@@ -63,6 +71,7 @@ def test_a_time_of_day_that_passes_midnight(tmp_path: Path) -> None:
     run = read_run(found.runs[0])
     np.testing.assert_allclose(np.diff(run.time_s), 0.5, atol=1e-6)
     assert found.counted().loc["midnight passed", "count"] == 1
+    assert "midnight passed" in run.comments["counted_1"]
 
 
 @pytest.mark.parametrize(

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import doctest
 import importlib
+import inspect
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import click
 import control
 import numpy as np
 import pandas as pd
 import pytest
 
 import gen
+from gen.cli import cli
+from gen.emulate.scenario import Scenario
 from tests.examples import ROOT
 
 MY1016 = ROOT / "examples" / "my1016" / "coeffs.json"
@@ -135,6 +139,7 @@ def test_a_wrong_argument_is_told_before_any_work(motor: gen.Model, tmp_path: Pa
         (gen.identify, ([],), {}, "runs: found no run, expected at least one"),
         (gen.identify, ([run],), {"max_order": 9}, "max_order: found 9, expected a number from 1 to 4"),
         (gen.identify, ([run],), {"ambient": float("nan")}, "ambient: found nan"),
+        (gen.identify, ([run],), {"ambient": -280.0}, "ambient: found -280.0, expected a number from -273.15 to 1000"),
         (gen.refine, (motor,), {"fit": [], "test": [run]}, "fit: found no run"),
         (gen.refine, (motor,), {"fit": [run], "test": [run]}, "a run is given as fit and as test"),
         (gen.build, (motor, tmp_path / "x"), {"arithmetic": "quick"}, "arithmetic: found 'quick'"),
@@ -146,3 +151,27 @@ def test_a_wrong_argument_is_told_before_any_work(motor: gen.Model, tmp_path: Pa
             function(*arguments, **options)
         assert message in str(told.value)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "function"),
+    [
+        ("build", gen.build),
+        ("emulate", Scenario),
+        ("identify", gen.identify),
+        ("import", gen.import_runs),
+        ("plan", gen.plan),
+        ("refine", gen.refine),
+        ("simulate", gen.simulate),
+        ("verify", gen.verify),
+    ],
+)
+def test_what_is_left_out_is_the_same_for_a_command_and_in_python(name: str, function: Callable[..., object]) -> None:
+    command = cli.get_command(click.Context(cli), name)
+    assert command is not None
+    asked = command.make_context(name, [], resilient_parsing=True).params
+    given = {each.name: each.default for each in inspect.signature(function).parameters.values()}
+    both = {key for key in asked.keys() & given.keys() if given[key] is not inspect.Parameter.empty}
+    assert both
+    for key in both:
+        assert (given[key] or None) == ((str(asked[key]) if key == "out" else asked[key]) or None), key

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from gen.coefficients import parse
 from gen.model import Component, ThermalModel
 from gen.model.exact import ExactSolution
 from gen.model.schedules import FloatArray
-from tests.model.examples import model
+from tests.model.examples import EXAMPLES, model
 
 TIMES = np.array([0.0, 40.0, 41.0, 300.0, 700.0, 1500.0, 1500.25, 4000.0])
 PWM = np.array([0, 200, 200, 90, 90, 255, 0, 0])
@@ -89,3 +91,13 @@ def test_the_reference_is_the_fixed_ambient_or_the_room() -> None:
     assert replace(thermal, ambient_fixed=None).ambient_reference == 25.0
     assert replace(thermal, ambient_fixed=None, domain_ambient=(-40.0, 10.0)).ambient_reference == 10.0
     assert replace(thermal, ambient_at_once=True).ambient_over == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(("says", "effect"), [(False, False), (True, False), (False, True)])
+def test_a_file_says_whether_its_parts_follow_the_ambient_at_once(*, says: bool, effect: bool) -> None:
+    """By the key, or by an effect that says itself how the measured ambient acts."""
+    tree = json.loads((EXAMPLES / "my1016" / "coeffs.json").read_text())
+    tree["ambient"] = {"fixed_degC": 30.0, "channel": "ambient_degC"} | ({"at_once": True} if says else {})
+    if effect:
+        tree["effects"] = [{"name": "ambient", "component": "casing", "parameters": {"delayed": False}}]
+    assert parse(json.dumps(tree).encode()).model.ambient_at_once is (says or effect)

@@ -18,6 +18,7 @@ from gen.errors import InputError
 from gen.lowering.lower import lower
 from gen.model.effects import registry
 from gen.model.extended import ExtendedSolution
+from tests.model.examples import model
 from tests.refinement.plant import COEFFICIENTS
 
 Array = NDArray[np.float64]
@@ -277,3 +278,16 @@ def test_firmware_takes_what_changes_the_model_and_what_runs_after_it() -> None:
         poles = [m.model.component("casing").denominator([pwm])[0, 1] for m in (changed, plain)]
         assert poles[0] == pytest.approx(factor * poles[1], rel=1e-12)
     lower(changed, "fixed", "table")
+
+
+def test_a_peak_of_a_gain_is_a_bell_about_its_middle() -> None:
+    """Its factor at the middle, 1 + (factor - 1)/e one width away, and nothing far from it."""
+    thermal = model("my1016")
+    values = {"pwm": (128,), "gain_factor": (1.1,), "rate_factor": 1.0}
+    peak = {"peak_factor": 1.4, "middle_pwm": 150.0, "width_pwm": 20.0}
+    folded = registry()["schedule_error"].folded(values | peak, thermal, "casing")
+    assert folded is not None
+    pwm = np.array([60, 130, 150, 170, 240])
+    bell = 1.1 * np.array([1.0, 1.0 + 0.4 / np.e, 1.4, 1.0 + 0.4 / np.e, 1.0])
+    base = thermal.component("casing").steady_rise(pwm)
+    np.testing.assert_allclose(folded.component("casing").steady_rise(pwm), bell * base, rtol=1e-6)

@@ -415,3 +415,26 @@ def test_transfer_functions_are_no_network() -> None:
     tree = copy.deepcopy(json.loads((ROOT / "examples" / "two_mass" / "coeffs.json").read_text()))
     with pytest.raises(ValueError, match="two_mass is no network"):
         NetworkSolution(parse(json.dumps(tree).encode()).model)
+
+
+@pytest.mark.parametrize("name", ["two_nodes", "fan_motor", "sensor_gains"])
+def test_intervals_one_after_the_other_are_the_whole_run(name: str) -> None:
+    """Two lanes side by side, each with inputs and intervals of its own, against each run solved at once."""
+    model = model_of(name)
+    solution, network = NetworkSolution(model), model.network
+    assert network is not None
+    rng = np.random.default_rng(5)
+    pwm, step = rng.choice([0, 90, 200], (2, 30)), rng.uniform(1.0, 400.0, (2, 30))
+    ambient = rng.uniform(15.0, 30.0, (2, 30))
+    told = {channel.column: channel.neutral for channel in network.channels}
+    states = solution.start({}, ambient[:, 0])
+    for k in range(30):
+        states = solution.advance(states, pwm[:, k], step[:, k], ambient[:, k], told)
+    shown = solution.shown(states, ambient[:, -1])
+    for lane in range(2):
+        time = np.concatenate([[0.0], np.cumsum(step[lane])])
+        whole = solution.simulate_times(
+            time, np.append(pwm[lane], 0), np.append(ambient[lane], ambient[lane, -1]), told, {}
+        )
+        for part, course in whole.items():
+            assert shown[part][lane] == pytest.approx(course[-1], abs=1e-9)

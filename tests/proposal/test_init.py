@@ -146,6 +146,7 @@ def test_a_start_fits_every_model(name: str, tmp_path: Path) -> None:
     assert ("ambient" in chips) == (before.model.ambient_channel is not None or "ambient" in str(before.effects))
     limits = {rule.component: rule for rule in after.document.alarms if rule.kind == "over_temperature"}
     assert set(limits) == set(names)
+    assert all(rule.persistence_s <= 1.0 for rule in limits.values())  # a part warms 8 K/s
     reads = {channel.column for channel in before.model.network.channels} if before.model.network else set()
     for applied in before.effects:
         reads |= set(applied.columns(names))

@@ -15,7 +15,7 @@ from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.alarms import lower_alarms
 from gen.lowering.lower import lower
-from gen.verification.alarm_campaign import BEGIN, input_type, output_type
+from gen.verification.alarm_campaign import BEGIN, RESET_AND_STEP, input_type, output_type
 from gen.verification.comparisons import ALARMS
 from gen.verification.harness import HostHarness
 from gen.verification.runners import write_library
@@ -50,10 +50,14 @@ class Bench:
         self._input = input_type(len(program.components), rules)
         self._host = HostHarness(library, ALARMS, "clang++ sanitized", output_type(program, rules))
 
-    def active(self, pwm: list[int], deviation_mK: list[int]) -> tuple[list[int], list[int]]:
+    def active(
+        self, pwm: list[int], deviation_mK: list[int], reset_before: int | None = None
+    ) -> tuple[list[int], list[int]]:
         """Masks of the active and the sleeping rules after each sample, the winding so far above its model."""
         inputs = np.zeros((1, len(pwm) + 1), dtype=self._input)
         inputs["op"][:, 0] = BEGIN
+        if reset_before is not None:
+            inputs["op"][:, 1 + reset_before] = RESET_AND_STEP
         inputs["valid"] = 0b11
         inputs["valid"][:, 0] = 1
         inputs["pwm"][:, 1:] = pwm
@@ -82,6 +86,14 @@ def test_a_sum_stays_within_its_ends(bench: Bench) -> None:
     """What lies beyond the limit is forgotten at once, what lies below zero too."""
     assert sums(bench, [SLACK_MK + 3 * LIMIT, SLACK_MK - 1]) == [1, 0]
     assert sums(bench, [-90_000, SLACK_MK + LIMIT]) == [0, 1]
+
+
+def test_a_reset_begins_the_sum_anew_and_touches_nothing_beyond_the_rules(bench: Bench) -> None:
+    """Out of bounds, a sanitized build would end there."""
+    half = SLACK_MK + LIMIT // 2
+    for reset_before, expected in ((None, [0, 1, 1]), (1, [0, 0, 1]), (2, [0, 1, 0])):
+        active, _ = bench.active([0] * 3, [half] * 3, reset_before)
+        assert [mask & SUM for mask in active] == expected
 
 
 def test_a_pwm_that_fits_no_byte_is_in_no_range_but_the_last(bench: Bench) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gen.identification.network.bins import binned
+from gen.identification.network.bins import LONGEST_S, SHORTEST_S, binned
 from gen.identification.network.inputs import inputs_of
 from gen.identification.network.prune import OBJECTION, _objected
 from gen.identification.network.scale import scale_of
@@ -28,6 +28,21 @@ def test_each_part_alone_is_known_by_how_fast_it_settles_and_how_far_it_rises() 
     found = scale_of(inputs_of(runs))
     assert found.rise == pytest.approx(list(rises.values()), rel=0.15)
     assert found.settling == pytest.approx(list(taus.values()), rel=0.3)  # the grid's step is half as much again
+
+
+@pytest.mark.parametrize("held_s", [47, 61, 333, 1234])
+def test_bins_grow_from_each_change_of_pwm_and_none_is_a_sliver(held_s: int) -> None:
+    """A reading or two would be as weighty as a bin's mean; and what is fast is over soon after a change."""
+    time = np.arange(0.0, 4.0 * held_s + 1.0)
+    pwm = np.where(time // held_s % 2 == 0, 200, 0).astype(np.int64)
+    found = binned("run", Run(time, pwm, {"part": np.full(time.size, 30.0)}), ("part",), 25.0, 255)
+    changes = held_s * np.arange(5.0)
+    assert set(changes) <= set(found.edges.tolist())
+    assert np.all(found.width >= 0.5 * SHORTEST_S)
+    assert np.all(found.width <= 1.5 * LONGEST_S)
+    begin = found.edges[:-1] - changes[np.searchsorted(changes, found.edges[:-1], side="right") - 1]
+    assert np.all(found.width[begin == 0.0] == SHORTEST_S)
+    assert np.all(found.width <= np.maximum(1.5 * SHORTEST_S, 0.5 * begin))
 
 
 @pytest.mark.parametrize(("more", "objected"), [(0.9, False), (1.1, True)])

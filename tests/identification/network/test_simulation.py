@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from gen.identification.coefficient_file import Settings
 from gen.identification.network.bins import binned
@@ -17,6 +18,7 @@ from gen.identification.network.inputs import inputs_of
 from gen.identification.network.priors import prior_of
 from gen.identification.network.problem import Problem
 from gen.identification.network.scale import scale_of
+from gen.identification.network.simulation import _confluent
 from gen.identification.network.structure import Structure, full
 from gen.identification.network.weights import weights
 from gen.identification.sources import Source
@@ -44,6 +46,17 @@ def problem() -> Problem[Structure]:
     inputs = replace(inputs, weight=weights(inputs, np.full(2, 10.0)))
     structure = full(NAMES, 1)
     return Problem(structure, inputs, prior_of(structure, inputs, scale_of(inputs)))
+
+
+@pytest.mark.parametrize("share", [-2.0, -0.3, -2e-3, -0.99e-3, -5e-4, 9e-4])
+def test_how_a_slow_answer_depends_on_its_rate_is_right_near_none(share: float) -> None:
+    """The integral of t e^(lt) over a bin, by quadrature."""
+    width = 7.0
+    rate = share / width
+    exact, _ = quad(lambda t: t * np.exp(rate * t), 0.0, width, epsabs=0.0, epsrel=1e-13)
+    phi = np.expm1(share) / rate
+    found = _confluent(np.array([rate]), np.array([width]), np.array([(width * np.exp(share) - phi) / rate]))
+    assert found == pytest.approx(exact, rel=1e-9)
 
 
 def moved(problem: Problem[Structure]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
