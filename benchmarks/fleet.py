@@ -21,6 +21,8 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -53,9 +55,11 @@ def runs_before(number: int) -> int:
 
 
 def filled(folder: Path, motors: list[Motor]) -> Store:
-    """A store with all runs."""
+    """A store with all runs; of a store that is kept, what is missing is added."""
     store = Store(str(folder))
     for number, motor in enumerate(motors):
+        if len(store.runs(motor.name)) > runs_before(number):
+            continue
         for k in range(runs_before(number)):
             store.add(motor.name, f"2026-01-0{k + 1}", f"run{k}", ran(motor, k, last=False).run)
         store.add(motor.name, "2026-02-01", "last", ran(motor, LAST, last=True).run)
@@ -191,6 +195,22 @@ def pooling(motors: int, parameters: int) -> None:
     )
 
 
+@contextmanager
+def place_of(kept: Path | None) -> Iterator[Path]:
+    """A folder for the stores: one that stays, or one that goes."""
+    if kept is not None:
+        kept.mkdir(parents=True, exist_ok=True)
+        yield kept
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder)
+
+
+def largest_MB() -> float:
+    """Of all processes of the commands so far, the most memory that one had."""
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
+
+
 def main() -> None:
     """Make the fleet, run the commands, print."""
     parser = argparse.ArgumentParser(
@@ -202,6 +222,8 @@ def main() -> None:
     parser.add_argument("--effect", type=float, default=1.0, help="factor on the heat of all windings in the last run")
     parser.add_argument("--alone", type=int, default=6, help="motors that are identified alone, too")
     parser.add_argument("--refine", action="store_true", help="and gen fleet refine, and watch again")
+    parser.add_argument("--thresholds", metavar="RULES", help="and gen fleet thresholds with these rules")
+    parser.add_argument("--store", type=Path, metavar="FOLDER", help="kept; again, the job goes on where it was")
     parser.add_argument("--quick", action="store_true", help="one job on two workers only")
     parser.add_argument("--pool", type=int, metavar="N", help="only what pooling N motors costs")
     options = parser.parse_args()
@@ -212,12 +234,14 @@ def main() -> None:
     motors = fleet(made)
     if made.effect != 1.0 and not any(source.kind == "copper" for source in motors[0].plant.sources):
         raise SystemExit("this series has no copper loss")
-    with tempfile.TemporaryDirectory() as folder:
-        store = filled(Path(folder) / "two", motors)
+    with place_of(options.store) as folder:
+        began = time.perf_counter()
+        store = filled(folder / "two", motors)
+        print(f"{len(motors)} motors' runs made and added in {time.perf_counter() - began:.0f} s", flush=True)
         stores = {2: store}
         if not options.quick:
-            shutil.copytree(Path(folder) / "two" / RUNS, Path(folder) / "one" / RUNS)
-            stores = {1: Store(str(Path(folder) / "one")), 2: store}
+            shutil.copytree(folder / "two" / RUNS, folder / "one" / RUNS)
+            stores = {1: Store(str(folder / "one")), 2: store}
         print("workers  form (s)  models (s)  motors per hour, the form apart", flush=True)
         for jobs, place in stores.items():
             began = time.time()
@@ -232,14 +256,16 @@ def main() -> None:
             same = "the same" if models(stores[1]) == models(stores[2]) else "DIFFER"
             print(f"one of two workers killed in the middle: {len(models(store))} files {same}")
         watching = gen("watch", store.url, "--jobs", "2")
-        peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
-        print(f"watched in {watching:.0f} s; largest process {peak:.0f} MB", flush=True)
+        print(f"watched in {watching:.0f} s; largest process {largest_MB():.0f} MB", flush=True)
         faults(store, motors)
         if options.refine:
             refining = gen("refine", store.url, "--jobs", "2", shown=True)
             gen("watch", store.url, "--jobs", "2")
             print(f"refined in {refining:.0f} s, and watched again", flush=True)
             faults(store, motors)
+        if options.thresholds:
+            deriving = gen("thresholds", store.url, "--rules", options.thresholds, "--jobs", "2")
+            print(f"thresholds in {deriving:.0f} s; largest process {largest_MB():.0f} MB", flush=True)
         after_one_run(store, motors, options.alone)
 
 
