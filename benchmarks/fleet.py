@@ -15,6 +15,7 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import argparse
+import json
 import resource
 import shutil
 import subprocess
@@ -25,6 +26,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import psutil
@@ -175,6 +177,15 @@ def faults(store: Store, motors: list[Motor]) -> None:
             print(f"  {motor.name}: {motor.truth or 'healthy'} ({shows_K(motor):.2f} K): {state.state} {state.said}")
 
 
+def alarms(motor: Motor) -> Iterator[dict[str, Any]]:
+    """Rules without thresholds: two kinds at each sensor."""
+    for node in motor.plant.sensed:
+        name = motor.plant.names[node]
+        usual = {"component": name, "speed_percent": [10, 100], "settle_s": 600}
+        yield {"name": f"{name}_hot", "kind": "above_model", "persistence_s": 60, **usual}
+        yield {"name": f"{name}_slow", "kind": "cusum", **usual}
+
+
 def pooling(motors: int, parameters: int) -> None:
     """Print what pooling alone costs, on normal matrices that are drawn."""
     rng = np.random.default_rng(0)
@@ -222,7 +233,7 @@ def main() -> None:
     parser.add_argument("--effect", type=float, default=1.0, help="factor on the heat of all windings in the last run")
     parser.add_argument("--alone", type=int, default=6, help="motors that are identified alone, too")
     parser.add_argument("--refine", action="store_true", help="and gen fleet refine, and watch again")
-    parser.add_argument("--thresholds", metavar="RULES", help="and gen fleet thresholds with these rules")
+    parser.add_argument("--thresholds", action="store_true", help="and gen fleet thresholds, two rules a sensor")
     parser.add_argument("--store", type=Path, metavar="FOLDER", help="kept; again, the job goes on where it was")
     parser.add_argument("--quick", action="store_true", help="one job on two workers only")
     parser.add_argument("--pool", type=int, metavar="N", help="only what pooling N motors costs")
@@ -264,7 +275,9 @@ def main() -> None:
             print(f"refined in {refining:.0f} s, and watched again", flush=True)
             faults(store, motors)
         if options.thresholds:
-            deriving = gen("thresholds", store.url, "--rules", options.thresholds, "--jobs", "2")
+            rules = folder / "rules.json"
+            rules.write_text(json.dumps({"alarms": list(alarms(motors[0]))}))
+            deriving = gen("thresholds", store.url, "--rules", str(rules), "--jobs", "2")
             print(f"thresholds in {deriving:.0f} s; largest process {largest_MB():.0f} MB", flush=True)
         after_one_run(store, motors, options.alone)
 
