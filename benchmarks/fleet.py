@@ -34,6 +34,7 @@ import psutil
 from benchmarks.made_fleet.draw import Made, Motor, fleet, ran
 from gen.coefficients import Coefficients, parse
 from gen.errors import CheckFailed, InputError
+from gen.fleet.labels import add_labels
 from gen.fleet.models import COMMON, model_path
 from gen.fleet.pooling import Pool, Told, pooled
 from gen.fleet.store import MODELS, RUNS, TASKS, Store
@@ -60,6 +61,7 @@ def filled(folder: Path, motors: list[Motor]) -> Store:
     """A store with all runs; of a store that is kept, what is missing is added."""
     store = Store(str(folder))
     for number, motor in enumerate(motors):
+        add_labels(store, motor.name, motor.labels)
         if len(store.runs(motor.name)) > runs_before(number):
             continue
         for k in range(runs_before(number)):
@@ -147,10 +149,11 @@ def after_one_run(store: Store, motors: list[Motor], most_alone: int) -> None:
 
 def shows_K(motor: Motor) -> float:
     """What a fault changes at the sensor that shows most of it, root mean square over the last run, K."""
-    healthy = replace(motor, worn=motor.sound, shifted=(0.0,) * len(motor.shifted))
+    healthy = replace(motor, worn=motor.sound, shifted=motor.usual)
     away = ran(motor, LAST, last=True).course.temperature - ran(healthy, LAST, last=True).course.temperature
     by_heat = np.sqrt(np.mean(away[:, list(motor.plant.sensed)] ** 2, axis=0))
-    return float(max(by_heat.max(), max(abs(shift) for shift in motor.shifted)))
+    by_sensor = [abs(shift - usual) for shift, usual in zip(motor.shifted, motor.usual, strict=True)]
+    return float(max(by_heat.max(), max(by_sensor)))
 
 
 def faults(store: Store, motors: list[Motor]) -> None:
@@ -160,6 +163,8 @@ def faults(store: Store, motors: list[Motor]) -> None:
     states = {state.motor: state for state in watched.motors}
     for line in watched.common:
         print(f"in common: {line}")
+    for batch in watched.batches:
+        print(f"batch: {batch.said}")
     seen = [motor for motor in motors if motor.truth and shows_K(motor) >= VISIBLE_K]
     small = [motor for motor in motors if motor.truth and shows_K(motor) < VISIBLE_K]
     healthy = [motor for motor in motors if not motor.truth]

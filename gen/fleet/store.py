@@ -3,6 +3,7 @@
 ::
 
     runs/motor=ID/day=YYYY-MM-DD/NAME-<content>.parquet     what was measured
+    labels/motor=ID.json                                     what else is known of a motor
     models/common.json, models/motor=ID.json                 coefficient files, as identified
     refined/common.json, refined/motor=ID.json               the same with effects that all motors show
     tasks/<kind>-<inputs>.npz                                what was computed, by what it was computed from
