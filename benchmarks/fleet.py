@@ -24,7 +24,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -70,16 +70,33 @@ def filled(folder: Path, motors: list[Motor]) -> Store:
     return store
 
 
-def gen(*arguments: str, kill: bool = False, shown: bool = False) -> float:
-    """Run a command, and give the time it took in s; one of its workers is killed in the middle, if asked."""
-    began = time.perf_counter()
+@dataclass(frozen=True)
+class Took:
+    """What a command took: time on the clock, and of all processors, s; others may be at work beside it."""
+
+    clock_s: float
+    processor_s: float
+
+    def __str__(self) -> str:
+        return f"{self.clock_s:.0f} s ({self.processor_s:.0f} s of processors)"
+
+
+def gen(*arguments: str, kill: bool = False, shown: bool = False) -> Took:
+    """Run a command, and give what it took; one of its workers is killed in the middle, if asked."""
+    began, before_s = time.perf_counter(), processor_s()
     stdout = None if shown else subprocess.DEVNULL
     process = subprocess.Popen([sys.executable, "-m", "gen", "fleet", *arguments], stdout=stdout)
     if kill:
         _kill_one(process.pid, Path(arguments[1]) / TASKS)
     if process.wait():
         raise SystemExit(f"gen fleet {' '.join(arguments)} ended with {process.returncode}")
-    return time.perf_counter() - began
+    return Took(time.perf_counter() - began, processor_s() - before_s)
+
+
+def processor_s() -> float:
+    """Of all commands so far and their workers."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def _kill_one(pid: int, tasks: Path) -> None:
@@ -258,32 +275,32 @@ def main() -> None:
         if not options.quick:
             shutil.copytree(folder / "two" / RUNS, folder / "one" / RUNS)
             stores = {1: Store(str(folder / "one")), 2: store}
-        print("workers  form (s)  models (s)  motors per hour, the form apart", flush=True)
+        print("workers  form (s)  models (s)  motors per hour, the form apart  processors (s)", flush=True)
         for jobs, place in stores.items():
             began = time.time()
             took = gen(
                 "identify", place.url, "--until", UNTIL, "--jobs", str(jobs), kill=jobs == 2 and not options.quick
             )
             form = scouting_s(place, began)
-            print(
-                f"{jobs:<7}  {form:<8.0f}  {took - form:<10.0f}  {3600.0 * len(motors) / (took - form):.0f}", flush=True
-            )
+            models_s = took.clock_s - form
+            rate = 3600.0 * len(motors) / models_s
+            print(f"{jobs:<7}  {form:<8.0f}  {models_s:<10.0f}  {rate:<31.0f}  {took.processor_s:.0f}", flush=True)
         if not options.quick:
             same = "the same" if models(stores[1]) == models(stores[2]) else "DIFFER"
             print(f"one of two workers killed in the middle: {len(models(store))} files {same}")
         watching = gen("watch", store.url, "--jobs", "2")
-        print(f"watched in {watching:.0f} s; largest process {largest_MB():.0f} MB", flush=True)
+        print(f"watched in {watching}; largest process {largest_MB():.0f} MB", flush=True)
         faults(store, motors)
         if options.refine:
             refining = gen("refine", store.url, "--jobs", "2", shown=True)
             gen("watch", store.url, "--jobs", "2")
-            print(f"refined in {refining:.0f} s, and watched again", flush=True)
+            print(f"refined in {refining}, and watched again", flush=True)
             faults(store, motors)
         if options.thresholds:
             rules = folder / "rules.json"
             rules.write_text(json.dumps({"alarms": list(alarms(motors[0]))}))
             deriving = gen("thresholds", store.url, "--rules", str(rules), "--jobs", "2")
-            print(f"thresholds in {deriving:.0f} s; largest process {largest_MB():.0f} MB", flush=True)
+            print(f"thresholds in {deriving}; largest process {largest_MB():.0f} MB", flush=True)
         after_one_run(store, motors, options.alone)
 
 
