@@ -77,6 +77,8 @@ class Made:
         Share of motors that are of one batch; the others are of three.
     batch_sensor_K, batch_heat
         What one sensor of that batch is off by in the last run, K, and a factor on the heat of one source there.
+    ageing
+        Most that friction has grown by until the last run, as a share; of each motor, healthy or not, some of it.
     """
 
     motors: int
@@ -86,6 +88,7 @@ class Made:
     batch: float = 0.25
     batch_sensor_K: float = 0.0
     batch_heat: float = 1.0
+    ageing: float = 0.0
 
 
 def fleet(made: Made) -> list[Motor]:
@@ -117,6 +120,9 @@ def fleet(made: Made) -> list[Motor]:
             truth = f"sensor {plant.names[plant.sensed[place]]}"
         copper = [i for i, source in enumerate(plant.sources) if source.kind == "copper"]
         worn, sound = (_worn(each, copper, made.effect) for each in (worn, plant))
+        friction = [i for i, source_ in enumerate(plant.sources) if source_.kind == "friction"]
+        age = 1.0 + made.ageing * float(np.random.default_rng([20287, made.seed, number]).random())
+        worn, sound = (_worn(each, friction, age) for each in (worn, sound))
         usual = [0.0] * len(plant.sensed)
         if labels[number]["batch"] == BATCH:
             worn, sound = (_worn(each, [source], made.batch_heat) for each in (worn, sound))

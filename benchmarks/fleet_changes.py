@@ -1,10 +1,10 @@
-"""Batches in a made fleet: which are found, which are called where there is none, and faults beside them.
+"""What changes in many motors of a made fleet: batches that are found and called, and faults beside them; ageing.
 
 Needs a fleet that `benchmarks.fleet` has identified and kept; identification does not see the last runs, so that they
-can be made anew with a batch that differs in them.
+can be made anew with a batch that differs in them, or with motors that have aged.
 
     python -m benchmarks.fleet --motors 100 --quick --alone 0 --store build/fleet
-    python -m benchmarks.fleet_batches --motors 100 --store build/fleet
+    python -m benchmarks.fleet_changes --motors 100 --store build/fleet
 """
 
 from __future__ import annotations
@@ -35,10 +35,17 @@ from gen.fleet.work import Failed, Workers
 LEVEL = 0.01
 SHIFTS_K = (0.0, 0.5, 1.0, 2.0)
 SHARES = (0.1, 0.25, 0.5)
+CHANGES = (
+    ("no batch", 0.0, 1.0, 0.0),
+    ("a quarter of the motors have a sensor off by 1.5 K", 1.5, 1.0, 0.0),
+    ("a quarter of the motors have 40 % more heat of one source", 0.0, 1.4, 0.0),
+    ("every motor has up to 30 % more friction", 0.0, 1.0, 0.3),
+)
+"""What it is, then of the batch what a sensor is off by (K) and the factor on heat, and of all the most growth."""
 
 
-def with_batch(store: Store, folder: Path, made: Made) -> None:
-    """Watch the same fleet with a batch in its last runs, and print what is found."""
+def changed(store: Store, folder: Path, made: Made) -> None:
+    """Watch the same fleet with other last runs, and print what is found."""
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(Path(store.url) / MODELS, folder / MODELS)
     shutil.copytree(Path(store.url) / RUNS, folder / RUNS, ignore=shutil.ignore_patterns("day=2026-02-01"))
@@ -89,7 +96,7 @@ def drawn(store: Store, labellings: int) -> None:
 def main() -> None:
     """Read what is asked, and print."""
     parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.fleet_batches",
+        prog="python -m benchmarks.fleet_changes",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -102,11 +109,10 @@ def main() -> None:
     made = Made(options.motors, options.seed, options.faulty)
     store = Store(str(options.store / "two"))
     drawn(store, options.labellings)
-    for sensor_K, heat in ((0.0, 1.0), (1.5, 1.0), (0.0, 1.4)):
-        print(
-            f"a quarter of the motors: a sensor off by {sensor_K:g} K, {heat:g} of the heat of one source", flush=True
-        )
-        with_batch(store, options.store / "batch", replace(made, batch_sensor_K=sensor_K, batch_heat=heat))
+    for said, sensor_K, heat, ageing in CHANGES:
+        print(f"{said}:", flush=True)
+        now = replace(made, batch_sensor_K=sensor_K, batch_heat=heat, ageing=ageing)
+        changed(store, options.store / "changed", now)
 
 
 if __name__ == "__main__":
