@@ -109,5 +109,5 @@ def _ended(client: Any, futures: list[Any]) -> None:  # noqa: ANN401
         return
     at_it = [worker for worker, theirs in client.processing().items() if keys & set(theirs)]
     client.cancel(futures)
-    with suppress(ValueError, TimeoutError):  # one without a nanny is for whoever started it
-        client.restart_workers(at_it, timeout=RESTART_S)
+    with suppress(ValueError, KeyError):  # one without a nanny is for whoever started it, and one may be gone already
+        client.restart_workers(at_it, timeout=RESTART_S, raise_for_error=False)
