@@ -4,7 +4,7 @@ Needs a fleet that `benchmarks.fleet` has identified and kept; identification do
 can be made anew with a batch that differs in them, or with motors that have aged.
 
     python -m benchmarks.fleet --motors 100 --quick --alone 0 --store build/fleet
-    python -m benchmarks.fleet_changes --motors 100 --store build/fleet
+    python -m benchmarks.fleet_changes --motors 48 --store build/fleet
 """
 
 from __future__ import annotations
@@ -36,7 +36,6 @@ LEVEL = 0.01
 SHIFTS_K = (0.0, 0.5, 1.0, 2.0)
 SHARES = (0.1, 0.25, 0.5)
 CHANGES = (
-    ("no batch", 0.0, 1.0, 0.0),
     ("a quarter of the motors have a sensor off by 1.5 K", 1.5, 1.0, 0.0),
     ("a quarter of the motors have 40 % more heat of one source", 0.0, 1.4, 0.0),
     ("every motor has up to 30 % more friction", 0.0, 1.0, 0.3),
@@ -48,9 +47,10 @@ def changed(store: Store, folder: Path, made: Made) -> None:
     """Watch the same fleet with other last runs, and print what is found."""
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(Path(store.url) / MODELS, folder / MODELS)
-    shutil.copytree(Path(store.url) / RUNS, folder / RUNS, ignore=shutil.ignore_patterns("day=2026-02-01"))
     place, motors = Store(str(folder)), fleet(made)
     for motor in motors:
+        own = Path(RUNS) / f"motor={motor.name}"
+        shutil.copytree(Path(store.url) / own, folder / own, ignore=shutil.ignore_patterns("day=2026-02-01"))
         add_labels(place, motor.name, motor.labels)
         place.add(motor.name, "2026-02-01", "last", ran(motor, LAST, last=True).run)
     gen("watch", place.url, "--jobs", "2")
@@ -100,7 +100,7 @@ def main() -> None:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--motors", type=int, required=True, help="as of the fleet that was kept")
+    parser.add_argument("--motors", type=int, required=True, help="of those that were kept, the first")
     parser.add_argument("--seed", type=int, default=3)
     parser.add_argument("--faulty", type=float, default=0.15)
     parser.add_argument("--store", type=Path, metavar="FOLDER", required=True, help="of benchmarks.fleet")
