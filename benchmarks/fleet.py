@@ -15,14 +15,18 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import argparse
+import json
 import resource
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import replace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import psutil
@@ -30,6 +34,7 @@ import psutil
 from benchmarks.made_fleet.draw import Made, Motor, fleet, ran
 from gen.coefficients import Coefficients, parse
 from gen.errors import CheckFailed, InputError
+from gen.fleet.labels import add_labels
 from gen.fleet.models import COMMON, model_path
 from gen.fleet.pooling import Pool, Told, pooled
 from gen.fleet.store import MODELS, RUNS, TASKS, Store
@@ -53,25 +58,45 @@ def runs_before(number: int) -> int:
 
 
 def filled(folder: Path, motors: list[Motor]) -> Store:
-    """A store with all runs."""
+    """A store with all runs; of a store that is kept, what is missing is added."""
     store = Store(str(folder))
     for number, motor in enumerate(motors):
+        add_labels(store, motor.name, motor.labels)
+        if len(store.runs(motor.name)) > runs_before(number):
+            continue
         for k in range(runs_before(number)):
             store.add(motor.name, f"2026-01-0{k + 1}", f"run{k}", ran(motor, k, last=False).run)
         store.add(motor.name, "2026-02-01", "last", ran(motor, LAST, last=True).run)
     return store
 
 
-def gen(*arguments: str, kill: bool = False, shown: bool = False) -> float:
-    """Run a command, and give the time it took in s; one of its workers is killed in the middle, if asked."""
-    began = time.perf_counter()
+@dataclass(frozen=True)
+class Took:
+    """What a command took: time on the clock, and of all processors, s; others may be at work beside it."""
+
+    clock_s: float
+    processor_s: float
+
+    def __str__(self) -> str:
+        return f"{self.clock_s:.0f} s ({self.processor_s:.0f} s of processors)"
+
+
+def gen(*arguments: str, kill: bool = False, shown: bool = False) -> Took:
+    """Run a command, and give what it took; one of its workers is killed in the middle, if asked."""
+    began, before_s = time.perf_counter(), processor_s()
     stdout = None if shown else subprocess.DEVNULL
     process = subprocess.Popen([sys.executable, "-m", "gen", "fleet", *arguments], stdout=stdout)
     if kill:
         _kill_one(process.pid, Path(arguments[1]) / TASKS)
     if process.wait():
         raise SystemExit(f"gen fleet {' '.join(arguments)} ended with {process.returncode}")
-    return time.perf_counter() - began
+    return Took(time.perf_counter() - began, processor_s() - before_s)
+
+
+def processor_s() -> float:
+    """Of all commands so far and their workers."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def _kill_one(pid: int, tasks: Path) -> None:
@@ -141,10 +166,11 @@ def after_one_run(store: Store, motors: list[Motor], most_alone: int) -> None:
 
 def shows_K(motor: Motor) -> float:
     """What a fault changes at the sensor that shows most of it, root mean square over the last run, K."""
-    healthy = replace(motor, worn=motor.sound, shifted=(0.0,) * len(motor.shifted))
+    healthy = replace(motor, worn=motor.sound, shifted=motor.usual)
     away = ran(motor, LAST, last=True).course.temperature - ran(healthy, LAST, last=True).course.temperature
     by_heat = np.sqrt(np.mean(away[:, list(motor.plant.sensed)] ** 2, axis=0))
-    return float(max(by_heat.max(), max(abs(shift) for shift in motor.shifted)))
+    by_sensor = [abs(shift - usual) for shift, usual in zip(motor.shifted, motor.usual, strict=True)]
+    return float(max(by_heat.max(), max(by_sensor)))
 
 
 def faults(store: Store, motors: list[Motor]) -> None:
@@ -154,6 +180,8 @@ def faults(store: Store, motors: list[Motor]) -> None:
     states = {state.motor: state for state in watched.motors}
     for line in watched.common:
         print(f"in common: {line}")
+    for batch in watched.batches:
+        print(f"batch: {batch.said}")
     seen = [motor for motor in motors if motor.truth and shows_K(motor) >= VISIBLE_K]
     small = [motor for motor in motors if motor.truth and shows_K(motor) < VISIBLE_K]
     healthy = [motor for motor in motors if not motor.truth]
@@ -169,6 +197,15 @@ def faults(store: Store, motors: list[Motor]) -> None:
         state = states[motor.name]
         if motor.truth or state.state not in QUIET:
             print(f"  {motor.name}: {motor.truth or 'healthy'} ({shows_K(motor):.2f} K): {state.state} {state.said}")
+
+
+def alarms(motor: Motor) -> Iterator[dict[str, Any]]:
+    """Rules without thresholds: two kinds at each sensor."""
+    for node in motor.plant.sensed:
+        name = motor.plant.names[node]
+        usual = {"component": name, "speed_percent": [10, 100], "settle_s": 600}
+        yield {"name": f"{name}_hot", "kind": "above_model", "persistence_s": 60, **usual}
+        yield {"name": f"{name}_slow", "kind": "cusum", **usual}
 
 
 def pooling(motors: int, parameters: int) -> None:
@@ -191,6 +228,22 @@ def pooling(motors: int, parameters: int) -> None:
     )
 
 
+@contextmanager
+def place_of(kept: Path | None) -> Iterator[Path]:
+    """A folder for the stores: one that stays, or one that goes."""
+    if kept is not None:
+        kept.mkdir(parents=True, exist_ok=True)
+        yield kept
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder)
+
+
+def largest_MB() -> float:
+    """Of all processes of the commands so far, the most memory that one had."""
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
+
+
 def main() -> None:
     """Make the fleet, run the commands, print."""
     parser = argparse.ArgumentParser(
@@ -202,6 +255,8 @@ def main() -> None:
     parser.add_argument("--effect", type=float, default=1.0, help="factor on the heat of all windings in the last run")
     parser.add_argument("--alone", type=int, default=6, help="motors that are identified alone, too")
     parser.add_argument("--refine", action="store_true", help="and gen fleet refine, and watch again")
+    parser.add_argument("--thresholds", action="store_true", help="and gen fleet thresholds, two rules a sensor")
+    parser.add_argument("--store", type=Path, metavar="FOLDER", help="kept; again, the job goes on where it was")
     parser.add_argument("--quick", action="store_true", help="one job on two workers only")
     parser.add_argument("--pool", type=int, metavar="N", help="only what pooling N motors costs")
     options = parser.parse_args()
@@ -212,34 +267,40 @@ def main() -> None:
     motors = fleet(made)
     if made.effect != 1.0 and not any(source.kind == "copper" for source in motors[0].plant.sources):
         raise SystemExit("this series has no copper loss")
-    with tempfile.TemporaryDirectory() as folder:
-        store = filled(Path(folder) / "two", motors)
+    with place_of(options.store) as folder:
+        began = time.perf_counter()
+        store = filled(folder / "two", motors)
+        print(f"{len(motors)} motors' runs made and added in {time.perf_counter() - began:.0f} s", flush=True)
         stores = {2: store}
         if not options.quick:
-            shutil.copytree(Path(folder) / "two" / RUNS, Path(folder) / "one" / RUNS)
-            stores = {1: Store(str(Path(folder) / "one")), 2: store}
-        print("workers  form (s)  models (s)  motors per hour, the form apart", flush=True)
+            shutil.copytree(folder / "two" / RUNS, folder / "one" / RUNS)
+            stores = {1: Store(str(folder / "one")), 2: store}
+        print("workers  form (s)  models (s)  motors per hour, the form apart  processors (s)", flush=True)
         for jobs, place in stores.items():
             began = time.time()
             took = gen(
                 "identify", place.url, "--until", UNTIL, "--jobs", str(jobs), kill=jobs == 2 and not options.quick
             )
             form = scouting_s(place, began)
-            print(
-                f"{jobs:<7}  {form:<8.0f}  {took - form:<10.0f}  {3600.0 * len(motors) / (took - form):.0f}", flush=True
-            )
+            models_s = took.clock_s - form
+            rate = 3600.0 * len(motors) / models_s
+            print(f"{jobs:<7}  {form:<8.0f}  {models_s:<10.0f}  {rate:<31.0f}  {took.processor_s:.0f}", flush=True)
         if not options.quick:
             same = "the same" if models(stores[1]) == models(stores[2]) else "DIFFER"
             print(f"one of two workers killed in the middle: {len(models(store))} files {same}")
         watching = gen("watch", store.url, "--jobs", "2")
-        peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
-        print(f"watched in {watching:.0f} s; largest process {peak:.0f} MB", flush=True)
+        print(f"watched in {watching}; largest process {largest_MB():.0f} MB", flush=True)
         faults(store, motors)
         if options.refine:
             refining = gen("refine", store.url, "--jobs", "2", shown=True)
             gen("watch", store.url, "--jobs", "2")
-            print(f"refined in {refining:.0f} s, and watched again", flush=True)
+            print(f"refined in {refining}, and watched again", flush=True)
             faults(store, motors)
+        if options.thresholds:
+            rules = folder / "rules.json"
+            rules.write_text(json.dumps({"alarms": list(alarms(motors[0]))}))
+            deriving = gen("thresholds", store.url, "--rules", str(rules), "--jobs", "2")
+            print(f"thresholds in {deriving}; largest process {largest_MB():.0f} MB", flush=True)
         after_one_run(store, motors, options.alone)
 
 

@@ -24,6 +24,8 @@ WEAR = (1.3, 1.7)
 """Factor on the heat of a source that has worn."""
 SENSOR_K = (1.5, 3.0)
 """What a sensor that has shifted is off by."""
+BATCH = "2026-03"
+"""Value of the label `batch` of those motors that are of one which differs, where there is one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +42,12 @@ class Motor:
         One for each sensed node.
     worn, sound
         As it is in its last run, and as it would be then without a fault.
-    shifted
-        By sensed node, what its sensor is off by in the last run, K.
+    shifted, usual
+        By sensed node, what its sensor is off by in the last run, K, and what it would be then without a fault.
     truth
         What is wrong with it in its last run: `""`, `worn NODE` or `sensor NODE`.
+    labels
+        Its supplier and its batch.
     """
 
     name: str
@@ -52,7 +56,9 @@ class Motor:
     worn: Plant
     sound: Plant
     shifted: tuple[float, ...]
+    usual: tuple[float, ...]
     truth: str
+    labels: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -67,12 +73,22 @@ class Made:
         Share of motors with a fault in their last run.
     effect
         Factor on all heat of the winding that all motors show in their last run; 1 for none.
+    batch
+        Share of motors that are of one batch; the others are of three.
+    batch_sensor_K, batch_heat
+        What one sensor of that batch is off by in the last run, K, and a factor on the heat of one source there.
+    ageing
+        Most that friction has grown by until the last run, as a share; of each motor, healthy or not, some of it.
     """
 
     motors: int
     seed: int = 3
     faulty: float = 0.1
     effect: float = 1.0
+    batch: float = 0.25
+    batch_sensor_K: float = 0.0
+    batch_heat: float = 1.0
+    ageing: float = 0.0
 
 
 def fleet(made: Made) -> list[Motor]:
@@ -83,6 +99,8 @@ def fleet(made: Made) -> list[Motor]:
     spreads = spread.like(nominal)
     count = round(made.faulty * made.motors)
     faulty = set(rng.permutation(made.motors)[:count].tolist())
+    labels, differing = _labels(made), np.random.default_rng([20285, made.seed])
+    sensor, source = (int(differing.integers(count)) for count in (len(nominal.sensed), len(nominal.sources)))
     found = []
     for number in range(made.motors):
         own = np.random.default_rng([20282, made.seed, number])
@@ -102,8 +120,31 @@ def fleet(made: Made) -> list[Motor]:
             truth = f"sensor {plant.names[plant.sensed[place]]}"
         copper = [i for i, source in enumerate(plant.sources) if source.kind == "copper"]
         worn, sound = (_worn(each, copper, made.effect) for each in (worn, plant))
-        found.append(Motor(f"m{number:04d}", plant, sensors, worn, sound, tuple(shifted), truth))
+        friction = [i for i, source_ in enumerate(plant.sources) if source_.kind == "friction"]
+        age = 1.0 + made.ageing * float(np.random.default_rng([20287, made.seed, number]).random())
+        worn, sound = (_worn(each, friction, age) for each in (worn, sound))
+        usual = [0.0] * len(plant.sensed)
+        if labels[number]["batch"] == BATCH:
+            worn, sound = (_worn(each, [source], made.batch_heat) for each in (worn, sound))
+            shifted[sensor] += made.batch_sensor_K
+            usual[sensor] += made.batch_sensor_K
+        found.append(
+            Motor(f"m{number:04d}", plant, sensors, worn, sound, tuple(shifted), tuple(usual), truth, labels[number])
+        )
     return found
+
+
+def _labels(made: Made) -> list[dict[str, str]]:
+    """Draw batches and suppliers, independent of each other and of faults."""
+    rng = np.random.default_rng([20284, made.seed])
+    of_batch = set(rng.permutation(made.motors)[: round(made.batch * made.motors)].tolist())
+    return [
+        {
+            "batch": BATCH if number in of_batch else str(rng.choice(["2025-11", "2025-12", "2026-01"])),
+            "supplier": str(rng.choice(["A", "B", "C"], p=[0.5, 0.3, 0.2])),
+        }
+        for number in range(made.motors)
+    ]
 
 
 def _worn(plant: Plant, which: Sequence[int], factor: float) -> Plant:

@@ -2,7 +2,8 @@
 
 One motor's first runs show few of the ways in which it may be off and healthy. What others of its series are off their
 models by counts as its own: `gen.thresholds` is given the motor's own healthy runs and those of others, spread evenly
-over the fleet. Runs that the models were fitted to take no part, nor motors that `gen fleet watch` calls different.
+over the fleet. Runs that the models were fitted to take no part, nor motors that `gen fleet watch` calls different,
+alone or with a batch that has changed.
 """
 
 from __future__ import annotations
@@ -167,9 +168,12 @@ def _others(healthy: Mapping[str, Sequence[HealthyRun]], motor: str) -> list[Hea
 
 
 def _different(store: Store) -> set[str]:
-    """Motors that were called different when they were last watched."""
+    """Motors that were called different when they were last watched, alone or with a batch that has changed."""
     watched = read_watched(store)
-    return set() if watched is None else {state.motor for state in watched.motors if state.state not in QUIET}
+    if watched is None:
+        return set()
+    alone = {state.motor for state in watched.motors if state.state not in QUIET}
+    return alone.union(*(batch.motors for batch in watched.batches if batch.changed))
 
 
 def _healthy(arrays: Arrays) -> HealthyRun:

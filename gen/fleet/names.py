@@ -25,7 +25,7 @@ def checked_motor(name: str) -> str:
     """
     if _MOTOR.fullmatch(name) is None or ".." in name:
         raise InputError(
-            f"found {_shown(name)}, expected 1 to 64 letters, digits, '.', '_' and '-', a letter or digit first, "
+            f"found {shown(name)}, expected 1 to 64 letters, digits, '.', '_' and '-', a letter or digit first, "
             "no '.' last, no '..'",
             place="--motor",
         )
@@ -45,7 +45,7 @@ def checked_day(text: str) -> str:
             raise ValueError
         date.fromisoformat(text)
     except ValueError:
-        raise InputError(f"found {_shown(text)}, expected a day as YYYY-MM-DD", place="--day") from None
+        raise InputError(f"found {shown(text)}, expected a day as YYYY-MM-DD", place="--day") from None
     return text
 
 
@@ -64,5 +64,6 @@ def stem_of(name: str) -> str:
     return kept[:_LONGEST_STEM].rstrip("._-") or "run"
 
 
-def _shown(text: str) -> str:
+def shown(text: str) -> str:
+    """Quote what a user wrote, not more than a line of it."""
     return repr(text if len(text) <= 80 else f"{text[:76]}...")

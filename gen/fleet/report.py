@@ -11,7 +11,7 @@ from gen.errors import InputError
 from gen.files import MARK
 from gen.fleet.models import paths_in_use
 from gen.fleet.store import Store
-from gen.fleet.watch import FILE, QUIET, State, read_watched
+from gen.fleet.watch import FILE, QUIET, Apart, State, read_watched
 from gen.pages.environment import page_environment
 from gen.version import __version__
 
@@ -35,6 +35,10 @@ class Row:
         The error's course as an SVG polyline's points, and its last one.
     runs
         Day and error of each run.
+    labels
+        Of the motor, `KEY=VALUE`.
+    batches
+        What it shows together with others of a label, in words.
     """
 
     motor: str
@@ -48,6 +52,8 @@ class Row:
     points: str
     last: tuple[str, str]
     runs: tuple[tuple[str, float | None], ...]
+    labels: tuple[str, ...]
+    batches: tuple[str, ...]
 
 
 def pages_of(store: Store) -> dict[str, str]:
@@ -62,7 +68,7 @@ def pages_of(store: Store) -> dict[str, str]:
     if watched is None:
         raise InputError("is missing; expected a fleet that gen fleet watch has seen", file=f"{store.url}/{FILE}")
     models = paths_in_use(store, [state.motor for state in watched.motors])
-    rows = [_row(state, models[state.motor]) for state in watched.motors]
+    rows = [_row(state, models[state.motor], watched.batches) for state in watched.motors]
     environment = page_environment()
     index, motor = (environment.get_template(f"fleet_{name}.html.j2") for name in ("index", "motor"))
     files = {
@@ -71,7 +77,7 @@ def pages_of(store: Store) -> dict[str, str]:
             version=__version__,
             rows=rows,
             fine=sum(row.state == "ok" for row in rows),
-            common=watched.common,
+            common=(*watched.common, *(batch.said for batch in watched.batches)),
             limit=watched.limit,
             level=watched.level,
         )
@@ -82,7 +88,7 @@ def pages_of(store: Store) -> dict[str, str]:
     return files
 
 
-def _row(state: State, model: str) -> Row:
+def _row(state: State, model: str, batches: Sequence[Apart]) -> Row:
     points = _points(state.course_K)
     return Row(
         motor=state.motor,
@@ -96,6 +102,8 @@ def _row(state: State, model: str) -> Row:
         points=" ".join(",".join(point) for point in points),
         last=points[-1] if points else ("0", "0"),
         runs=tuple(zip(state.days, state.course_K, strict=True)),
+        labels=state.labels,
+        batches=tuple(batch.said for batch in batches if state.motor in batch.motors),
     )
 
 

@@ -3,6 +3,7 @@
 ::
 
     runs/motor=ID/day=YYYY-MM-DD/NAME-<content>.parquet     what was measured
+    labels/motor=ID.json                                     what else is known of a motor
     models/common.json, models/motor=ID.json                 coefficient files, as identified
     refined/common.json, refined/motor=ID.json               the same with effects that all motors show
     tasks/<kind>-<inputs>.npz                                what was computed, by what it was computed from
@@ -75,6 +76,13 @@ class Store:
         return files, root.rstrip("/")
 
     @property
+    def _now(self) -> tuple[Any, str]:
+        """The same, and what it remembers of folders forgotten: other processes have written since."""
+        files, root = self._reached
+        files.invalidate_cache()
+        return files, root
+
+    @property
     def absolute(self) -> str:
         """The URL as a process with another current folder has to have it."""
         files, root = self._reached
@@ -87,7 +95,7 @@ class Store:
 
     def exists(self, path: str = "") -> bool:
         """Whether there is such a file or folder."""
-        files, root = self._reached
+        files, root = self._now
         with self._naming(path):
             return bool(files.exists(f"{root}/{path}".rstrip("/")))
 
@@ -99,7 +107,7 @@ class Store:
         InputError
             When it cannot be read.
         """
-        files, root = self._reached
+        files, root = self._now
         with self._naming(path):
             return bytes(files.cat_file(f"{root}/{path}"))
 
@@ -138,11 +146,10 @@ class Store:
 
     def names(self, folder: str) -> list[str]:
         """Give the names of what is in a folder, sorted; none where it is missing."""
-        files, root = self._reached
+        files, root = self._now
         with self._naming(folder):
             try:
-                # A cached listing would miss what another process has written since.
-                found = files.ls(f"{root}/{folder}", detail=False, refresh=True)
+                found = files.ls(f"{root}/{folder}", detail=False)
             except (FileNotFoundError, NotADirectoryError):
                 return []
         return sorted(str(path).rstrip("/").rpartition("/")[2] for path in found)
@@ -203,7 +210,7 @@ class Store:
             yield
         except InputError:
             raise
-        except (OSError, ValueError) as error:
+        except Exception as error:  # each plug-in has kinds of its own, beside OSError
             said = getattr(error, "strerror", None) or str(error) or type(error).__name__
             raise InputError(f"cannot be reached: {said}", file=f"{self.url}/{path}".rstrip("/")) from error
 

@@ -1,4 +1,4 @@
-"""A state for each motor from its newest run, and what all motors show: missing in the model, not wrong with them."""
+"""A state for each motor from its newest run, and what all motors, or all of one label, show: not wrong with one."""
 
 from __future__ import annotations
 
@@ -10,8 +10,11 @@ from typing import Any
 import numpy as np
 
 from gen.errors import InputError
+from gen.fleet.batches import groups_of
+from gen.fleet.findings import LEAST_K, Finding
 from gen.fleet.identify import runs_of
-from gen.fleet.judging import FEWEST, LEAST_K, Finding, judge
+from gen.fleet.judging import FEWEST, Judged, judge
+from gen.fleet.labels import Labels, labels_of
 from gen.fleet.models import COMMON, in_use, models_of
 from gen.fleet.names import checked_motor
 from gen.fleet.patterns import Hypothesis
@@ -50,6 +53,8 @@ class State:
         Of those runs.
     last_alarm
         Day and words of the last state that was an alarm; may be empty.
+    labels
+        `KEY=VALUE` of each.
     """
 
     motor: str
@@ -59,6 +64,29 @@ class State:
     course_K: tuple[float | None, ...] = ()
     days: tuple[str, ...] = ()
     last_alarm: str = ""
+    labels: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Apart:
+    """What motors of one label show together beside the others: no fault of one of them.
+
+    Attributes
+    ----------
+    labels
+        Which, `KEY=VALUE`; several where they name the same motors.
+    motors
+        Those whose newest runs were judged.
+    said
+        In words.
+    changed
+        Whether since they were identified; else their own models explain it.
+    """
+
+    labels: tuple[str, ...]
+    motors: tuple[str, ...]
+    said: str
+    changed: bool
 
 
 @dataclass(frozen=True)
@@ -75,12 +103,15 @@ class Watched:
         In standard deviations; None where there were too few motors.
     level
         Of false alarms, a run of a healthy motor.
+    batches
+        What motors of one label show.
     """
 
     motors: tuple[State, ...]
     common: tuple[str, ...]
     limit: float | None
     level: float
+    batches: tuple[Apart, ...] = ()
 
 
 def watch(store: Store, level: float, workers: Workers, progress: Progress) -> Watched:
@@ -92,6 +123,22 @@ def watch(store: Store, level: float, workers: Workers, progress: Progress) -> W
         When the store has no runs, or the fleet was not identified yet.
     """
     runs = runs_of(store)
+    found = residuals(store, runs, workers, progress)
+    result = _with_alarms(_judged(runs, labels_of(store, runs), found, level), read_watched(store))
+    store.write(FILE, (json.dumps(asdict(result), indent=1, allow_nan=False) + "\n").encode())
+    return result
+
+
+def residuals(
+    store: Store, runs: dict[str, list[Kept]], workers: Workers, progress: Progress
+) -> dict[str, Arrays | Failed]:
+    """Give what :func:`gen.fleet.residuals.newest_residuals` gives of each motor with a model.
+
+    Raises
+    ------
+    InputError
+        When the fleet was not identified yet.
+    """
     if not store.exists(COMMON):
         raise InputError("is missing; expected a fleet that gen fleet identify has seen", file=f"{store.url}/{COMMON}")
     mean = _hash(store.read(in_use(store, COMMON)))
@@ -100,10 +147,7 @@ def watch(store: Store, level: float, workers: Workers, progress: Progress) -> W
         for motor, model in models_of(store, runs).items()
     }
     with workers_of(store, workers) as client:
-        found = computed(store, newest_residuals, tasks, client, progress)
-    result = _with_alarms(_judged(runs, found, level), read_watched(store))
-    store.write(FILE, (json.dumps(asdict(result), indent=1, allow_nan=False) + "\n").encode())
-    return result
+        return computed(store, newest_residuals, tasks, client, progress)
 
 
 def read_watched(store: Store) -> Watched | None:
@@ -112,15 +156,17 @@ def read_watched(store: Store) -> Watched | None:
         return None
     try:
         said: dict[str, Any] = json.loads(store.read(FILE))
-        motors = [
-            State(**{**each, "course_K": tuple(each["course_K"]), "days": tuple(each["days"])})
-            for each in said["motors"]
-        ]
+        motors = [State(**_tuples(each)) for each in said["motors"]]
+        batches = tuple(Apart(**_tuples(each)) for each in said.get("batches", ()))
         for state in motors:
             checked_motor(state.motor)  # pages are named after it
-        return Watched(tuple(motors), tuple(said["common"]), said["limit"], said["level"])
+        return Watched(tuple(motors), tuple(said["common"]), said["limit"], said["level"], batches)
     except (ValueError, TypeError, KeyError, InputError) as error:
         raise InputError(f"is not what gen fleet watch writes: {error}", file=f"{store.url}/{FILE}") from error
+
+
+def _tuples(said: dict[str, Any]) -> dict[str, Any]:
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in said.items()}
 
 
 def _with_alarms(now: Watched, before: Watched | None) -> Watched:
@@ -133,16 +179,19 @@ def _with_alarms(now: Watched, before: Watched | None) -> Watched:
     return replace(now, motors=tuple(made))
 
 
-def _judged(runs: dict[str, list[Kept]], found: dict[str, Arrays | Failed], level: float) -> Watched:
+def _judged(
+    runs: dict[str, list[Kept]], labels: dict[str, Labels], found: dict[str, Arrays | Failed], level: float
+) -> Watched:
     good = {motor: each for motor, each in found.items() if not isinstance(each, Failed)}
     fresh = [motor for motor, each in good.items() if not each["seen"]]
     enough = len(fresh) >= FEWEST
     states, common, limit = {}, [], None
+    batches: tuple[Apart, ...] = ()
     if enough:
         names = [Hypothesis(*pair) for pair in json.loads(str(good[fresh[0]]["hypotheses"]))]
-        own = judge([products_in(good[motor], "own") for motor in fresh], level)
-        mean = judge([products_in(good[motor], "mean") for motor in fresh], level)
-        limit = own.limit
+        groups = groups_of([labels[motor] for motor in fresh])
+        own, mean = (judge([products_in(good[m], which) for m in fresh], groups, level) for which in ("own", "mean"))
+        limit, batches = own.limit, _apart(names, fresh, own, mean)
         if own.common is not None:
             state = names[own.common.place].state(own.common.amount)
             common.append(f"missing in the model, as all motors show it: {state} {_words(names, own.common)}")
@@ -165,7 +214,23 @@ def _judged(runs: dict[str, list[Kept]], found: dict[str, Arrays | Failed], leve
         course = tuple(float(value) if np.isfinite(value) else None for value in each["errors_K"])
         days = tuple(run.day for run in runs[motor][-SHOWN:])
         made.append(State(motor, state, said, course[-1], course, days))
-    return Watched(tuple(made), tuple(common), limit, level)
+    made = [replace(each, labels=tuple(f"{k}={v}" for k, v in sorted(labels[each.motor].items()))) for each in made]
+    return Watched(tuple(made), tuple(common), limit, level, batches)
+
+
+def _apart(names: list[Hypothesis], motors: list[str], own: Judged, mean: Judged) -> tuple[Apart, ...]:
+    """Each batch once: as a change since it was identified, else as it is beside the fleet."""
+    said = {batch.group.labels for batch in own.batches}
+    found = [(batch, True) for batch in own.batches]
+    found += [(batch, False) for batch in mean.batches if batch.group.labels not in said]
+    made = []
+    for batch, changed in found:
+        inside = tuple(motor for motor, there in zip(motors, batch.group.motors, strict=True) if there)
+        words = f"{names[batch.finding.place].state(batch.finding.amount)} {_words(names, batch.finding)}"
+        when = "together since they were identified" if changed else "together beside the fleet, as identified"
+        labels = batch.group.labels
+        made.append(Apart(labels, inside, f"{', '.join(labels)}: {len(inside)} motors, {when}: {words}", changed))
+    return tuple(made)
 
 
 def _state(names: list[Hypothesis], own: Finding | None, mean: Finding | None, *, explained: bool) -> tuple[str, str]:

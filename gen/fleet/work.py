@@ -2,7 +2,7 @@
 
 A task is a function of a module, the store and arguments that JSON can hold. What it gives is a set of arrays, kept in
 the store under a hash of the function's name, its version and its arguments; there the next call finds it. A task that
-complains costs a line, one whose worker dies is given to another.
+complains costs a line, one whose worker dies or hangs is given to another (`cluster`).
 """
 
 from __future__ import annotations
@@ -21,13 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.errors import CheckFailed, InputError
+from gen.fleet.cluster import outcomes
 from gen.fleet.store import TASKS, Store
 from gen.version import __version__
 
 Arrays = dict[str, NDArray[Any]]
 Progress = Callable[[str], None]
-RETRIES = 2
-"""How often a task that failed otherwise than by a complaint is tried again on a cluster."""
 CONNECT_S = 30.0
 """How long a scheduler may take to answer."""
 LAYOUT = 1
@@ -134,19 +133,11 @@ def _on_cluster(
     missing: Sequence[str],
     client: Any,  # noqa: ANN401
 ) -> _Done:
-    distributed = _distributed()
-
     url = store.absolute
-    names = {
-        client.submit(
-            done_at, url, keys[name], function, dict(tasks[name]), key=keys[name], pure=False, retries=RETRIES
-        ): name
-        for name in missing
-    }
-    for future in distributed.as_completed(list(names)):
-        error = future.exception()
-        yield names[future], f"{type(error).__name__}: {error}" if error is not None else future.result()
-        future.release()
+    names = {keys[name]: name for name in missing}
+    calls = {key: (url, key, function, dict(tasks[name])) for key, name in names.items()}
+    for key, complaint, error in outcomes(client, done_at, calls):
+        yield names[key], complaint if error is None else f"{type(error).__name__}: {error}"
 
 
 def done_at(url: str, key: str, function: Function, arguments: Mapping[str, Any]) -> str:

@@ -35,3 +35,13 @@ def dies_once(store: Store, *, seed: int, marks: str) -> Arrays:
         mark.touch()
         os._exit(9)
     return random_sums(store, seed=seed)
+
+
+def hangs(store: Store, *, seed: int, marks: str, always: bool = False) -> Arrays:
+    """The first worker that takes seed 2, or each, never comes back from it."""
+    mark = Path(marks) / "hung"
+    if seed == 2 and (always or not mark.exists()):
+        mark.write_text(str(os.getpid()))
+        while True:
+            time.sleep(60.0)
+    return random_sums(store, seed=seed)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from gen.commands.fleet import fleet as group
+from gen.fleet.labels import labels_of, read_labels
 from gen.fleet.store import Store
 from gen.runs import read_run, write_run
 from tests.cli.commands import gen, run_file
@@ -42,6 +43,12 @@ def test_a_run_is_added_once_with_the_day_that_it_says(tmp_path: Path) -> None:
         (["run.csv", "--motor", "a", "--day", "2026-02-30"], "error: --day: "),
         (["run.csv", "run.csv", "--motor", "a"], "error: run.csv: is given twice"),
         (["missing.csv", "--motor", "a"], "error: missing.csv: there is no such file"),
+        (["run.csv", "--motor", "a", "--label", "supplier"], "error: --label: found 'supplier', expected KEY=VALUE"),
+        (["run.csv", "--motor", "a", "--label", "a=../b"], "error: --label: found 'a=../b'"),
+        (["run.csv", "--motor", "a", "--label", "a=b", "--label", "a=c"], "error: --label: a is given twice"),
+        (["--motor", "a", "--label", "a=b"], "error: store: a has no runs there"),
+        (["--motor", "a"], "error: RUN: nothing to add"),
+        (["run.csv", "--motor", "a", *(f"--label=k{n}=v" for n in range(33))], "error: --label: a would have 33"),
     ],
 )
 def test_bad_input_is_one_line_and_nothing_is_written(tmp_path: Path, arguments: list[str], said: str) -> None:
@@ -51,6 +58,22 @@ def test_bad_input_is_one_line_and_nothing_is_written(tmp_path: Path, arguments:
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert done.stderr.startswith(said)
     assert not (tmp_path / "store").exists()
+
+
+def test_labels_stay_until_they_are_given_anew_or_taken_away(tmp_path: Path) -> None:
+    run_file(tmp_path)
+    store, add = Store(str(tmp_path / "store")), ["fleet", "add", "--motor", "a", "--to", "store"]
+    done = gen(*add, "run.csv", "--label", "supplier=A", "--label", "thermocouples=2026-03", cwd=tmp_path)
+    assert done.stdout.startswith("a: supplier=A\na: thermocouples=2026-03\nrun.csv: runs/motor=a/")
+    assert gen(*add, "run.csv", cwd=tmp_path).stdout.startswith("run.csv: already there")
+    assert labels_of(store, ["a", "b"]) == {"a": {"supplier": "A", "thermocouples": "2026-03"}, "b": {}}
+    done = gen(*add, "--label", "supplier=B", "--label", "thermocouples=", "--label", "none=", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "a: supplier=B, before A\na: thermocouples=2026-03 taken away\n")
+    assert read_labels(store, "a") == {"supplier": "B"}
+    store.write("labels/motor=a.json", b'["supplier"]')
+    done = gen(*add, "run.csv", "--label", "supplier=C", cwd=tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "store/labels/motor=a.json: is no file of labels" in done.stderr
 
 
 @pytest.mark.parametrize("command", [["identify"], ["refine"], ["watch"], ["report", "--out", "pages"]])

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gen.fleet.judging import Finding, judge, limit_of
+from gen.fleet.findings import Finding, limit_of
+from gen.fleet.judging import judge
 from gen.fleet.patterns import Hypothesis, Products
 from gen.fleet.pooling import FloatArray
 from gen.fleet.watch import _explained, _state
@@ -33,7 +34,7 @@ def products(seed: int, amounts: dict[int, float], scatter: float = 0.1) -> Prod
 def test_a_healthy_fleet_is_called_so() -> None:
     false = 0
     for fleet in range(40):
-        found = judge([products(1000 * fleet + m, {}) for m in range(30)], 0.01)
+        found = judge([products(1000 * fleet + m, {}) for m in range(30)], (), 0.01)
         assert found.common is None
         false += sum(finding is not None for finding in found.own)
     # 1200 runs at a level of 1 % for both models together, so half of that here: 6 are expected at most.
@@ -42,7 +43,7 @@ def test_a_healthy_fleet_is_called_so() -> None:
 
 def test_one_is_found_and_named_among_many_that_share_an_effect() -> None:
     fleet = [products(m, {1: 2.0} | ({3: 3.0} if m == 7 else {})) for m in range(30)]
-    found = judge(fleet, 0.01)
+    found = judge(fleet, (), 0.01)
     assert found.common is not None
     assert found.common.place == 1
     assert found.common.amount == pytest.approx(2.0, abs=0.2)
@@ -55,7 +56,7 @@ def test_one_is_found_and_named_among_many_that_share_an_effect() -> None:
 
 def test_what_explains_less_than_a_step_of_the_converter_is_no_finding() -> None:
     fleet = [products(m, {0: 0.1} if m == 3 else {}, scatter=0.001) for m in range(30)]
-    assert judge(fleet, 0.01).own[3] is None
+    assert judge(fleet, (), 0.01).own[3] is None
 
 
 def test_few_motors_need_more() -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from gen.commands.fleet.options import usual_jobs
 from gen.errors import InputError
+from gen.fleet import cluster
 from gen.fleet.store import TASKS, Store
 from gen.fleet.work import Arrays, Failed, Workers, computed, key_of, workers_of
 from tests.fleet import tasks
@@ -83,6 +84,45 @@ def test_two_workers_one_of_which_dies_give_the_same_bits_as_this_process(tmp_pa
     assert odd == {"1": Failed("seed 1 is odd")}
     assert bits(killed) == bits(computed(alone, tasks.dies_once, some, None, silent))
     assert alone.names(TASKS) == both.names(TASKS)
+
+
+def hung(marks: Path) -> bool:
+    """Whether the process of the worker that hung is still there."""
+    try:
+        os.kill(int((marks / "hung").read_text()), 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_a_task_that_hangs_is_done_by_another_worker_and_its_own_is_restarted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "LEAST_S", 2.0)
+    alone, both = Store(str(tmp_path / "alone")), Store(str(tmp_path / "both"))
+    some = {f"t{seed}": {"seed": seed, "marks": str(tmp_path)} for seed in range(6)}
+    with workers_of(both, Workers(jobs=2)) as client:
+        found = computed(both, tasks.hangs, some, client, silent)
+        assert not hung(tmp_path)
+        after = computed(both, tasks.refused, {str(seed): {"seed": 2 * seed} for seed in range(4)}, client, silent)
+        assert len(client.nthreads()) == 2
+    assert not any(isinstance(result, Failed) for result in after.values())
+    assert bits(found) == bits(computed(alone, tasks.hangs, some, None, silent))
+
+
+def test_a_task_that_hangs_wherever_it_is_costs_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "LEAST_S", 2.0)
+    monkeypatch.setattr(cluster, "HOPELESS", 20.0)
+    store = Store(str(tmp_path / "store"))
+    some = {f"t{seed}": {"seed": seed, "marks": str(tmp_path), "always": True} for seed in range(6)}
+    with workers_of(store, Workers(jobs=2)) as client:
+        found = computed(store, tasks.hangs, some, client, silent)
+        assert not hung(tmp_path)
+        assert computed(store, tasks.refused, {"1": {"seed": 1}}, client, silent) == {"1": Failed("seed 1 is odd")}
+    lost = found.pop("t2")
+    assert isinstance(lost, Failed)
+    assert lost.message.startswith("TimeoutError: not done in ")
+    assert len(bits(found)) == 5
 
 
 def test_workers_elsewhere_do_not_see_this_processs_memory() -> None:

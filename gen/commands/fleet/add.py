@@ -12,23 +12,37 @@ from gen.commands.options import check_once
 
 @click.command(
     short_help="Keep runs of a motor in a store.",
-    epilog="Example:  gen fleet add monday.csv tuesday.csv --motor pump-17 --to fleet --day 2026-03-02",
+    epilog="Example:  gen fleet add monday.csv --motor pump-17 --to fleet --label supplier=A --label sensors=2026-03",
 )
-@click.argument("runs", metavar="RUN...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("runs", metavar="[RUN...]", nargs=-1, type=click.Path(path_type=Path))
 @click.option("--motor", metavar="ID", required=True, help="Whose runs they are.")
 @click.option("--to", "store", metavar="STORE", required=True, help="A folder, or a URL that fsspec takes.")
 @click.option(
     "--day", metavar="YYYY-MM-DD", help="When.  [default: the run's comment `started`, else when its file was written]"
 )
-def add(runs: tuple[Path, ...], motor: str, store: str, day: str | None) -> None:
+@click.option(
+    "--label",
+    "labels",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="What else is known of the motor, in the place of its KEY's value before; may be given with no run.",
+)
+def add(runs: tuple[Path, ...], motor: str, store: str, day: str | None, labels: tuple[str, ...]) -> None:
     """Keep run files of one motor in a store, as Parquet by motor and day.
 
-    The same run a second time is left as it is. All files are checked before the first is written.
+    The same run a second time is left as it is. All files are checked before the first is written. A label is the
+    motor's from then on, whatever the day of the runs: gen fleet watch tells whether the motors of one label differ
+    together from the others. KEY= takes a label away.
     """
+    from gen.errors import InputError
+    from gen.fleet.labels import add_labels, parse_labels
     from gen.fleet.names import checked_day, checked_motor, said_day
     from gen.runs import check_head, check_run, read_run
 
+    if not runs and not labels:
+        raise InputError("nothing to add; expected runs or --label", place="RUN")
     checked_motor(motor)
+    wanted = parse_labels(labels)
     if day is not None:
         checked_day(day)
     check_once(runs)
@@ -41,6 +55,10 @@ def add(runs: tuple[Path, ...], motor: str, store: str, day: str | None) -> None
     from gen.fleet.store import Store
 
     target = Store(store)
+    if not runs and not target.runs(motor):
+        raise InputError(f"{motor} has no runs there; expected a motor that has, or runs", file=store)
+    for line in add_labels(target, motor, wanted) if wanted else []:
+        click.echo(f"{motor}: {line}")
     for path in runs:
         run = read_run(path)
         when = day or said_day(run.comments) or _written(path)

@@ -20,7 +20,8 @@ from gen.commands.options import Finite
 def watch(store: str, scheduler: str | None, jobs: int | None, level: float) -> None:
     """Hold each motor's newest run against its own model and the fleet's, and give each motor a state.
 
-    What all motors show is missing in the model; what one shows is that motor. Runs that a model was fitted to say
+    What all motors show is missing in the model; what those of one label show (gen fleet add --label) is their batch;
+    what one shows is that motor. Runs that a model was fitted to say
     nothing of it: identify with --until, and let newer runs be watched. Writes STORE/watch.json.
     """
     from gen.fleet.store import Store
@@ -33,7 +34,7 @@ def watch(store: str, scheduler: str | None, jobs: int | None, level: float) -> 
 
     with progress_line() as progress:
         found = run(place, level, Workers(usual_jobs(jobs), scheduler), progress)
-    for line in found.common:
+    for line in (*found.common, *(batch.said for batch in found.batches)):
         click.echo(line)
     for motor in found.motors:
         if motor.state != "ok":
