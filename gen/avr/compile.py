@@ -31,7 +31,6 @@ def machine_flags(chip: Chip) -> tuple[str, ...]:
     )
 
 
-MACHINE_FLAGS = machine_flags(MEGA)
 OPTIMISATION = "-Os"
 """How PlatformIO compiles for the board (platform-atmelavr, `builder/frameworks/arduino.py`), so how users do."""
 LINK_TIME_FLAGS = ("-flto", "-fno-fat-lto-objects")
@@ -93,7 +92,7 @@ class Sizes:
 
 
 class ArduinoCore:
-    """The real Arduino core for the Mega, compiled once into a static library.
+    """The real Arduino core for a board, compiled once into a static library.
 
     Parameters
     ----------
@@ -103,6 +102,8 @@ class ArduinoCore:
         The compiler's optimisation flag for the core.
     link_time
         Compile it for optimisation at link time, as PlatformIO does.
+    chip
+        The board's.
 
     Raises
     ------
@@ -112,10 +113,12 @@ class ArduinoCore:
         When the core does not compile.
     """
 
-    def __init__(self, cache: Path, *, optimisation: str = OPTIMISATION, link_time: bool = False) -> None:
-        self.root = toolchain.arduino_core()
-        self._flags = (*MACHINE_FLAGS, optimisation, *(LINK_TIME_FLAGS if link_time else ()), *CORE_FLAGS)
-        self._own_folders = (self.root / "cores/arduino", self.root / "variants/mega")
+    def __init__(
+        self, cache: Path, *, optimisation: str = OPTIMISATION, link_time: bool = False, chip: Chip = MEGA
+    ) -> None:
+        self.root = toolchain.arduino_core(chip.variant)
+        self._flags = (*machine_flags(chip), optimisation, *(LINK_TIME_FLAGS if link_time else ()), *CORE_FLAGS)
+        self._own_folders = (self.root / "cores/arduino", self.root / "variants" / chip.variant)
         compiler = toolchain.avr_compiler()
         self._sources = sorted(path for path in self._own_folders[0].rglob("*") if path.suffix in (".c", ".cpp", ".S"))
         self.folder = cache / f"arduino-core-{self._key(compiler)}"
@@ -217,7 +220,7 @@ def build_elf(
     own_warnings
         Whether the sources have to compile under `WARNING_FLAGS`.
     chip
-        For which; the core is the Mega's.
+        For which, as the core.
 
     Returns
     -------

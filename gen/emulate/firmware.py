@@ -10,6 +10,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from gen.avr.chip import BOARDS
 from gen.avr.compile import OPTIMISATION, ArduinoCore, build_elf
 from gen.coefficients import Coefficients
 from gen.firmware.project import project_files
@@ -63,7 +64,8 @@ def build_firmware(
     files = project_files(coefficients, program, source_name, None)
     library = f"lib/{coefficients.name}/src/"
     wanted = {path: text for path, text in files.items() if path.startswith(("src/", library))}
-    core = ArduinoCore(cache, link_time=True)
+    chip = BOARDS[coefficients.document.wiring.board if coefficients.document.wiring else "mega"]
+    core = ArduinoCore(cache, link_time=True, chip=chip)
     digest = hashlib.sha256(f"{files[SEAL]} {core.folder.name} {OPTIMISATION} link time".encode())
     for path, text in sorted(wanted.items()):
         digest.update(f"{path}\0{text}\0".encode())
