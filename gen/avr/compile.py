@@ -36,6 +36,7 @@ OPTIMISATION = "-Os"
 LINK_TIME_FLAGS = ("-flto", "-fno-fat-lto-objects")
 """The rest of it: optimised once more when all is linked, where calls between files are inlined."""
 LINK_TIME_LINKER_FLAGS = ("-flto", "-fuse-linker-plugin")
+ANY_SIZE_LINKER_FLAGS = ("-Wl,--defsym=__TEXT_REGION_LENGTH__=0x800000", "-Wl,--defsym=__DATA_REGION_LENGTH__=0xF000")
 CPP_FLAGS = ("-std=gnu++11", "-fno-exceptions", "-fno-threadsafe-statics")
 C_FLAGS = ("-std=gnu11",)
 WARNING_FLAGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
@@ -197,6 +198,7 @@ def build_elf(
     defines: Sequence[str] = (),
     own_warnings: bool = True,
     chip: Chip = MEGA,
+    any_size: bool = False,
 ) -> Path:
     """Compile sources for a board's chip and link them.
 
@@ -221,6 +223,8 @@ def build_elf(
         Whether the sources have to compile under `WARNING_FLAGS`.
     chip
         For which, as the core.
+    any_size
+        Link it even where the chip has no room for it: to see what it takes.
 
     Returns
     -------
@@ -248,6 +252,7 @@ def build_elf(
         linked = Path(scratch) / "linked.elf"
         link = [str(toolchain.avr_compiler()), f"-mmcu={chip.mcu}", optimisation, "-Wl,--gc-sections"]
         link += LINK_TIME_LINKER_FLAGS if link_time else ()
+        link += ANY_SIZE_LINKER_FLAGS if any_size else ()
         _run([*link, "-o", str(linked), *objects, *archives, "-lm"])
         linked.replace(out)
     return out

@@ -50,6 +50,8 @@ class Board:
         Whether some of the flash lies beyond 64 KB.
     eeprom_bytes
         What the EEPROM holds.
+    stack_reserve
+        Bytes of RAM that the self test wants never to have been touched.
     """
 
     name: str
@@ -69,6 +71,7 @@ class Board:
     upper_inputs: bool
     far_flash: bool
     eeprom_bytes: int
+    stack_reserve: int
 
     def port_bit(self, pin: int) -> tuple[str, int]:
         """Port letter and bit of an Arduino pin."""
@@ -114,6 +117,7 @@ MEGA = Board(
     upper_inputs=True,
     far_flash=True,
     eeprom_bytes=4096,
+    stack_reserve=512,
 )
 UNO = Board(
     name="Uno",
@@ -133,6 +137,7 @@ UNO = Board(
     upper_inputs=False,
     far_flash=False,
     eeprom_bytes=1024,
+    stack_reserve=128,
 )
 BOARDS: Mapping[BoardName, Board] = {"mega": MEGA, "uno": UNO}
 

@@ -118,7 +118,7 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
     """
     document = coefficients.document
     wiring = document.wiring or Wiring()
-    board = BOARDS[wiring.board]
+    board = BOARDS[document.board]
     drive, encoder, observe = wiring.drive, wiring.encoder, wiring.observe
     sample_time, full_scale = program.model.sample_time, document.input.full_scale
     sample_ms = round(sample_time * 1000.0)
