@@ -180,8 +180,13 @@ def avr_compiler(mcu: str = MCU) -> Path:
     return compiler
 
 
-def arduino_core() -> Path:
-    """Find the Arduino AVR core: the folder with ``cores/arduino`` and ``variants/mega``.
+def arduino_core(variant: str = "mega") -> Path:
+    """Find the Arduino AVR core: the folder with ``cores/arduino`` and ``variants``.
+
+    Parameters
+    ----------
+    variant
+        Of the board whose pins it has to have.
 
     Raises
     ------
@@ -190,7 +195,7 @@ def arduino_core() -> Path:
     """
     named = os.environ.get(ARDUINO_ENVIRONMENT)
     root = Path(named) if named else ARDUINO_DEFAULT
-    for part in ("cores/arduino/Arduino.h", "variants/mega/pins_arduino.h"):
+    for part in ("cores/arduino/Arduino.h", f"variants/{variant}/pins_arduino.h"):
         if not (root / part).is_file():
             raise ToolMissing(
                 f"the Arduino AVR core ({root / part})",

@@ -31,12 +31,12 @@ def machine_flags(chip: Chip) -> tuple[str, ...]:
     )
 
 
-MACHINE_FLAGS = machine_flags(MEGA)
 OPTIMISATION = "-Os"
 """How PlatformIO compiles for the board (platform-atmelavr, `builder/frameworks/arduino.py`), so how users do."""
 LINK_TIME_FLAGS = ("-flto", "-fno-fat-lto-objects")
 """The rest of it: optimised once more when all is linked, where calls between files are inlined."""
 LINK_TIME_LINKER_FLAGS = ("-flto", "-fuse-linker-plugin")
+ANY_SIZE_LINKER_FLAGS = ("-Wl,--defsym=__TEXT_REGION_LENGTH__=0x800000", "-Wl,--defsym=__DATA_REGION_LENGTH__=0xF000")
 CPP_FLAGS = ("-std=gnu++11", "-fno-exceptions", "-fno-threadsafe-statics")
 C_FLAGS = ("-std=gnu11",)
 WARNING_FLAGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
@@ -93,7 +93,7 @@ class Sizes:
 
 
 class ArduinoCore:
-    """The real Arduino core for the Mega, compiled once into a static library.
+    """The real Arduino core for a board, compiled once into a static library.
 
     Parameters
     ----------
@@ -103,6 +103,8 @@ class ArduinoCore:
         The compiler's optimisation flag for the core.
     link_time
         Compile it for optimisation at link time, as PlatformIO does.
+    chip
+        The board's.
 
     Raises
     ------
@@ -112,10 +114,12 @@ class ArduinoCore:
         When the core does not compile.
     """
 
-    def __init__(self, cache: Path, *, optimisation: str = OPTIMISATION, link_time: bool = False) -> None:
-        self.root = toolchain.arduino_core()
-        self._flags = (*MACHINE_FLAGS, optimisation, *(LINK_TIME_FLAGS if link_time else ()), *CORE_FLAGS)
-        self._own_folders = (self.root / "cores/arduino", self.root / "variants/mega")
+    def __init__(
+        self, cache: Path, *, optimisation: str = OPTIMISATION, link_time: bool = False, chip: Chip = MEGA
+    ) -> None:
+        self.root = toolchain.arduino_core(chip.variant)
+        self._flags = (*machine_flags(chip), optimisation, *(LINK_TIME_FLAGS if link_time else ()), *CORE_FLAGS)
+        self._own_folders = (self.root / "cores/arduino", self.root / "variants" / chip.variant)
         compiler = toolchain.avr_compiler()
         self._sources = sorted(path for path in self._own_folders[0].rglob("*") if path.suffix in (".c", ".cpp", ".S"))
         self.folder = cache / f"arduino-core-{self._key(compiler)}"
@@ -194,6 +198,7 @@ def build_elf(
     defines: Sequence[str] = (),
     own_warnings: bool = True,
     chip: Chip = MEGA,
+    any_size: bool = False,
 ) -> Path:
     """Compile sources for a board's chip and link them.
 
@@ -217,7 +222,9 @@ def build_elf(
     own_warnings
         Whether the sources have to compile under `WARNING_FLAGS`.
     chip
-        For which; the core is the Mega's.
+        For which, as the core.
+    any_size
+        Link it even where the chip has no room for it: to see what it takes.
 
     Returns
     -------
@@ -245,6 +252,7 @@ def build_elf(
         linked = Path(scratch) / "linked.elf"
         link = [str(toolchain.avr_compiler()), f"-mmcu={chip.mcu}", optimisation, "-Wl,--gc-sections"]
         link += LINK_TIME_LINKER_FLAGS if link_time else ()
+        link += ANY_SIZE_LINKER_FLAGS if any_size else ()
         _run([*link, "-o", str(linked), *objects, *archives, "-lm"])
         linked.replace(out)
     return out

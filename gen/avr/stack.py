@@ -61,6 +61,11 @@ class Stack:
         if high > low:
             self._memory.poke(low, _canary(low, high).tobytes())
 
+    @property
+    def top(self) -> int:
+        """The address behind the RAM's last byte."""
+        return int(self._handle.call("ramend")) + 1
+
     def use(self) -> StackUse:
         """Measure the deepest stack use since the last `paint`, in bytes.
 
@@ -68,12 +73,11 @@ class Stack:
         a byte in one case of 256. A frame that is reserved and never written to is not seen.
         """
         low, high = self._painted
-        top = int(self._handle.call("ramend")) + 1
         floor = max(low, self._floor())
         memory = np.frombuffer(self._memory.peek(floor, max(high - floor, 0)), dtype=np.uint8)
         touched = np.flatnonzero(memory != _canary(floor, floor + memory.size))
         lowest = floor + int(touched[0]) if touched.size else max(high, floor)
-        return StackUse(deepest=top - lowest, below_paint=high - lowest, free=lowest - floor)
+        return StackUse(deepest=self.top - lowest, below_paint=high - lowest, free=lowest - floor)
 
     def _floor(self) -> int:
         floor = self._memory.address("_end")

@@ -25,7 +25,7 @@ from gen.coefficients.references import (
     within,
 )
 from gen.coefficients.schedule import ScheduleEntry
-from gen.coefficients.wiring import Wiring
+from gen.coefficients.wiring import BoardName, Wiring
 from gen.model.dynamics import MAX_PWM
 
 SKETCH_FILES = frozenset(
@@ -243,6 +243,11 @@ class Document(Part):
             raise fault('a network holds effects as its own terms; expected no "effects" beside it', "effects")
         if self.accuracy.unproven != "refuse":
             raise fault("a network is built with a guarantee or not at all", "accuracy", "unproven")
+
+    @property
+    def board(self) -> BoardName:
+        """The board that the firmware is for; without wiring the Mega."""
+        return self.wiring.board if self.wiring is not None else "mega"
 
     @property
     def component_names(self) -> list[str]:

@@ -18,6 +18,7 @@ from gen.errors import CheckFailed, InputError
 from gen.files import shown_name
 
 if TYPE_CHECKING:
+    from gen.avr.chip import Chip
     from gen.coefficients import Coefficients
     from gen.coefficients.wiring import Wiring
     from gen.emulate.board import Board
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from gen.emulate.session import Event, Session
     from gen.record.profile import Profile
 
-_EEPROM_BYTES = 4096
 _PATH = click.Path(path_type=Path)
 _SECONDS = Finite(min=0.0)
 
@@ -195,6 +195,7 @@ class _Wanted:
 
 
 def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -> _Wanted:
+    from gen.avr.chip import BOARDS
     from gen.emulate.options import check_profile, parse_events
     from gen.emulate.scenario import make_plant
     from gen.record.profile import carried_comments, parse_profile
@@ -210,7 +211,7 @@ def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -
     events = parse_events(options["duration"], **{name: options[name] for name in names})
     made = make_plant(_scenario(options), loaded, coefficients)
     carried = carried_comments(options["profile"])
-    return _Wanted(wiring, made, profile, carried, events, _eeprom_image(options["eeprom"]))
+    return _Wanted(wiring, made, profile, carried, events, _eeprom_image(options["eeprom"], BOARDS[wiring.board]))
 
 
 def _scenario(options: dict[str, Any]) -> Scenario:
@@ -275,15 +276,17 @@ def _run(board: Board, wanted: _Wanted, stack: ExitStack, options: dict[str, Any
     return session
 
 
-def _eeprom_image(path: Path | None) -> bytes | None:
+def _eeprom_image(path: Path | None, chip: Chip) -> bytes | None:
     if path is None or not path.exists():
         return None
     try:
         image = path.read_bytes()
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", file=str(path)) from error
-    if len(image) != _EEPROM_BYTES:
-        raise InputError(f"has {len(image)} bytes, expected the {_EEPROM_BYTES} of the Mega's EEPROM", file=str(path))
+    if len(image) != chip.eeprom_bytes:
+        raise InputError(
+            f"has {len(image)} bytes, expected the {chip.eeprom_bytes} of an {chip.name}'s EEPROM", file=str(path)
+        )
     return image
 
 

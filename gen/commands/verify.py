@@ -12,6 +12,7 @@ from gen.progress import progress_line
 from gen.toolchain import HOST_COMPILERS, PACKAGES, host_compilers
 
 if TYPE_CHECKING:
+    from gen.coefficients.wiring import BoardName
     from gen.lowering.kinds import Arithmetic, ScheduleKind
     from gen.verification.verify import Target
 
@@ -26,9 +27,7 @@ if TYPE_CHECKING:
 @click.option(
     "--board",
     type=click.Choice(["mega", "uno"]),
-    default="mega",
-    show_default=True,
-    help="Which is emulated. An Uno has no sketch of gen's: the library alone, for a sketch of your own.",
+    help="Which is emulated, with the library alone.  [default: the file's own, $.wiring.board]",
 )
 @click.option(
     "--compilers",
@@ -43,7 +42,7 @@ def verify(
     arithmetic: Arithmetic | Literal["all"],
     schedule: ScheduleKind | Literal["all"],
     target: Target,
-    board: str,
+    board: BoardName | None,
     compilers: tuple[str, ...],
     json_file: Path | None,
     scale: float,

@@ -24,7 +24,7 @@ _LED_EDGES = 512
 
 
 class Board:
-    """An emulated Mega with what the wiring names, and a plant that answers.
+    """An emulated Mega or Uno with what the wiring names, and a plant that answers.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class Board:
     """
 
     def __init__(self, elf: Path, cache: Path, wiring: Wiring, plant: Plant, *, encoder: EncoderMode = "true") -> None:
-        self.mega = DeviceMega(elf, cache)
+        self.mega = DeviceMega(elf, cache, wiring.board)
         self.wiring = wiring
         self._plant = plant
         self.thermocouples: dict[str, Max6675 | RegisterChip | Divider] = {

@@ -1,4 +1,4 @@
-"""The Mega with the world at its pins: `levels`, `max6675`, `pulses`, `eeprom`; losses of power and the clock here."""
+"""A board with the world at its pins: `levels`, `max6675`, `pulses`, `eeprom`; losses of power and the clock here."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ import math
 from enum import IntFlag
 from pathlib import Path
 
+from gen.avr.chip import BOARDS
 from gen.avr.simulator import FREQUENCY_HZ, EmulatedMega
-from gen.coefficients.wiring import ChipName
+from gen.coefficients.wiring import BoardName, ChipName
 from gen.emulate.divider import Divider
 from gen.emulate.eeprom import Eeprom
 from gen.emulate.levels import Pins
 from gen.emulate.max6675 import CONVERSION_S, Max6675
+from gen.emulate.pins import PIN_MAPS, PortPin
 from gen.emulate.pulses import EncoderPulses
 from gen.emulate.registers import RegisterChip
 
@@ -29,12 +31,14 @@ class ResetCause(IntFlag):
 
 
 class DeviceMega(EmulatedMega):
-    """An emulated Mega whose pins are reached by their Arduino numbers.
+    """An emulated Mega, or Uno, whose pins are reached by their Arduino numbers.
 
     Parameters
     ----------
     elf, cache
         See `EmulatedMega`.
+    board
+        As the coefficient file names it.
 
     Attributes
     ----------
@@ -46,16 +50,17 @@ class DeviceMega(EmulatedMega):
         What it keeps without power.
     """
 
-    def __init__(self, elf: Path, cache: Path) -> None:
-        super().__init__(elf, cache)
-        self.pins = Pins(self._handle, self.memory)
-        self.encoder = EncoderPulses(self._handle)
+    def __init__(self, elf: Path, cache: Path, board: BoardName = "mega") -> None:
+        super().__init__(elf, cache, BOARDS[board])
+        self._map = PIN_MAPS[board]
+        self.pins = Pins(self._handle, self.memory, self._map)
+        self.encoder = EncoderPulses(self._handle, self._map)
         self.eeprom = Eeprom(self._handle)
         self._dividers: list[Divider] = []
 
     def add_max6675(self, cs: int, so: int, sck: int, *, conversion_s: float = CONVERSION_S) -> Max6675:
         """Connect a MAX6675 to three pins; raises as `Max6675`."""
-        return Max6675(self._handle, cs, so, sck, conversion_s=conversion_s)
+        return Max6675(self._handle, self._places(cs, so, sck), conversion_s=conversion_s)
 
     def add_chip(
         self,
@@ -69,15 +74,18 @@ class DeviceMega(EmulatedMega):
         """Connect a sensor of any kind: its chip's lines, or a thermistor's pin; raises as `Max6675`."""
         if chip == "NTC":
             assert analog is not None
-            self._dividers.append(Divider(self._handle, analog))
+            self._dividers.append(Divider(self._handle, self._map.analog_input(analog)))
             return self._dividers[-1]
         assert cs is not None and so is not None and sck is not None
         if chip == "MAX6675":
             return self.add_max6675(cs, so, sck)
         if chip == "MAX31855":
-            return Max6675(self._handle, cs, so, sck, conversion_s=MAX31855_S, bits=32)
+            return Max6675(self._handle, self._places(cs, so, sck), conversion_s=MAX31855_S, bits=32)
         assert sdi is not None
-        return RegisterChip(self._handle, chip, cs, so, sck, sdi)
+        return RegisterChip(self._handle, chip, self._places(cs, so, sck, sdi))
+
+    def _places(self, *pins: int) -> list[PortPin]:
+        return [self._map.port_pin(pin) for pin in pins]
 
     def cut_power(self, off_s: float, *, cause: ResetCause = ResetCause.POWER_ON, seed: int = 1) -> None:
         """Take the power away for a time, and give it back.

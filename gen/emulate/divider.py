@@ -20,20 +20,13 @@ class Divider:
     ----------
     handle
         The emulator that it is connected to.
-    pin
-        54..61: simavr's converter has no A8..A15.
-
-    Raises
-    ------
-    ValueError
-        For another pin.
+    number
+        The converter's input.
     """
 
-    def __init__(self, handle: Handle, pin: int) -> None:
-        if not 54 <= pin <= 61:
-            raise ValueError(f"pin {pin}: the emulator's converter has A0..A7 only")
+    def __init__(self, handle: Handle, number: int) -> None:
         self._handle = handle
-        self._input = pin - 54
+        self._input = number
         self._code = 0
         self._supply_mV = 5000.0
 

@@ -7,17 +7,25 @@ import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from gen.avr.compile import OPTIMISATION, ArduinoCore, build_elf
+from gen.avr.chip import BOARDS, Chip
+from gen.avr.compile import OPTIMISATION, ArduinoCore, BuildFailed, build_elf, sizes
+from gen.avr.room import OVERFLOW, check_room
 from gen.coefficients import Coefficients
+from gen.firmware.boards import BOARDS as FIRMWARE_BOARDS
 from gen.firmware.project import project_files
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
 
 SEAL = "seal.py"
 """The project's script that writes into a program what it sums up to."""
+
+
+STACK_BYTES = 256
+"""What the deepest stack may take, beside what the self test wants untouched (`STACK_RESERVE` in `config.h`)."""
 
 
 @dataclass(frozen=True)
@@ -58,12 +66,15 @@ def build_firmware(
         When the compiler or the core is not installed.
     BuildFailed
         When the project does not compile.
+    CheckFailed
+        When the board has no room for it, with the sizes.
     """
     program = lower(coefficients, arithmetic, schedule)
     files = project_files(coefficients, program, source_name, None)
     library = f"lib/{coefficients.name}/src/"
     wanted = {path: text for path, text in files.items() if path.startswith(("src/", library))}
-    core = ArduinoCore(cache, link_time=True)
+    chip, reserve = BOARDS[coefficients.document.board], FIRMWARE_BOARDS[coefficients.document.board].stack_reserve
+    core = ArduinoCore(cache, link_time=True, chip=chip)
     digest = hashlib.sha256(f"{files[SEAL]} {core.folder.name} {OPTIMISATION} link time".encode())
     for path, text in sorted(wanted.items()):
         digest.update(f"{path}\0{text}\0".encode())
@@ -76,10 +87,24 @@ def build_firmware(
                 target.parent.mkdir(parents=True, exist_ok=True)
                 target.write_text(text, encoding="utf-8")
             sources = [folder / path for path in wanted if path.endswith(".cpp")]
-            linked = build_elf(
-                sources, [folder / "src", folder / library], folder / "linked.elf", core=core, link_time=True
-            )
+            linked = _linked(sources, [folder / "src", folder / library], folder / "linked.elf", core, chip, reserve)
             (folder / SEAL).write_text(files[SEAL], encoding="utf-8")
             subprocess.run([sys.executable, str(folder / SEAL), str(linked)], check=True, capture_output=True)
             linked.replace(elf)
     return Firmware(elf, cache)
+
+
+def _linked(
+    sources: Sequence[Path], include_dirs: Sequence[Path], elf: Path, core: ArduinoCore, chip: Chip, reserve: int
+) -> Path:
+    def build(*, any_size: bool) -> Path:
+        return build_elf(sources, include_dirs, elf, core=core, link_time=True, chip=chip, any_size=any_size)
+
+    try:
+        build(any_size=False)
+    except BuildFailed as failed:
+        if OVERFLOW not in str(failed):
+            raise
+        build(any_size=True)
+    check_room("the sketch and its stack take", sizes(elf), STACK_BYTES + reserve, chip)
+    return elf

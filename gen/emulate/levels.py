@@ -1,4 +1,4 @@
-"""Levels that the world puts on the Mega's pins and levels that it sees there, by their Arduino numbers."""
+"""Levels that the world puts on the board's pins and levels that it sees there, by their Arduino numbers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gen.avr.memory import Memory
 from gen.avr.shim import Handle
 from gen.avr.simulator import FREQUENCY_HZ
-from gen.emulate.pins import compare_output, duty, port_pin
+from gen.emulate.pins import PinMap, duty
 from gen.emulate.plant import FULL_PWM
 
 _WAVE_HZ = 490.2  # the core's analogWrite on most pins: 16 MHz / 64 / 510
@@ -53,7 +53,7 @@ class Probe:
 class Pins:
     """The pins of an open emulator.
 
-    All methods raise ValueError for a pin that the Mega does not have.
+    All methods raise ValueError for a pin that the board does not have.
 
     Parameters
     ----------
@@ -61,10 +61,13 @@ class Pins:
         The emulator.
     memory
         Its memory: the timers' registers tell the PWM.
+    pins
+        The board's.
     """
 
-    def __init__(self, handle: Handle, memory: Memory) -> None:
+    def __init__(self, handle: Handle, memory: Memory, pins: PinMap) -> None:
         self._handle = handle
+        self._map = pins
         self._memory = memory
 
     # ---- from outside ----
@@ -74,10 +77,8 @@ class Pins:
         self._call("pin_drive", pin, -1 if level is None else int(level))
 
     def drive_analog(self, pin: int, volts: float) -> None:
-        """Put a voltage, 0..5 V, on an analog pin, 54..69."""
-        if not 54 <= pin <= 69:
-            raise ValueError(f"pin {pin} has no converter")
-        self._handle.call("adc", pin - 54, round(min(max(volts, 0.0), 5.0) * 1000.0))
+        """Put a voltage, 0..5 V, on an analog pin."""
+        self._handle.call("adc", self._map.analog_input(pin), round(min(max(volts, 0.0), 5.0) * 1000.0))
 
     def drive_wave(self, pin: int, share: float, *, frequency_hz: float = _WAVE_HZ) -> None:
         """Put a PWM signal on a pin, as another controller would: high for a share 0..1 of each period.
@@ -101,7 +102,7 @@ class Pins:
         """Give the share of time for which the firmware keeps the pin high, 0..1: its PWM, or its level."""
         if not self.is_output(pin):
             return 0.0
-        output = compare_output(pin)
+        output = self._map.compare_output(pin)
         share = duty(output, self._memory.peek(output.control, 14)) if output is not None else None
         return float(self.level(pin)) if share is None else share
 
@@ -130,5 +131,5 @@ class Pins:
         return Probe(self._handle, number)
 
     def _call(self, name: str, pin: int, *arguments: int) -> Any:  # noqa: ANN401
-        place = port_pin(pin)
+        place = self._map.port_pin(pin)
         return self._handle.call(name, place.port.encode(), place.bit, *arguments)

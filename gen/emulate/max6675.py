@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gen.avr.shim import Handle
 from gen.avr.simulator import FREQUENCY_HZ
-from gen.emulate.pins import port_pin
+from gen.emulate.pins import PortPin
 
 CONVERSION_S = 0.22
 """Longest conversion of a MAX6675 by its data sheet, s (0.17 s is typical): the hardest case for the firmware."""
@@ -39,8 +40,8 @@ class Max6675:
     ----------
     handle
         The emulator that it is connected to.
-    cs, so, sck
-        The pins.
+    lines
+        Where CS, SO and SCK are.
     conversion_s
         How long a conversion takes, s.
     bits
@@ -49,13 +50,12 @@ class Max6675:
     Raises
     ------
     ValueError
-        When the Mega has no such pin, or the emulator no converter left.
+        When the emulator has no converter left.
     """
 
     def __init__(
-        self, handle: Handle, cs: int, so: int, sck: int, *, conversion_s: float = CONVERSION_S, bits: int = 16
+        self, handle: Handle, lines: Sequence[PortPin], *, conversion_s: float = CONVERSION_S, bits: int = 16
     ) -> None:
-        lines = [port_pin(pin) for pin in (cs, so, sck)]
         places = [part for line in lines for part in (line.port.encode(), line.bit)]
         self._handle = handle
         self._bits = bits

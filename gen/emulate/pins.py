@@ -1,26 +1,13 @@
-"""The Arduino Mega's pin numbers: where each lies on the ATmega2560, and which timer makes its PWM.
+"""The boards' pin numbers: where each lies on the chip, and which timer makes its PWM.
 
-The map is the emulator's own, not the one that the generator has for the firmware (`gen.firmware.pins`): a wrong pin in
-one of them then shows as a sensor that does not answer. A test compares this one with the Arduino core's.
+The maps are the emulator's own, not those that the generator has for the firmware (`gen.firmware.boards`): a wrong pin
+in one of them then shows as a sensor that does not answer. A test compares these with the Arduino core's.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-
-PINS = 70
-"""Digital pins 0..53, then A0..A15 as 54..69."""
-
-# Port and bit of each Arduino pin, in order (schematic of the Arduino Mega 2560, revision 3).
-_PORTS = (
-    *("E0", "E1", "E4", "E5", "G5", "E3", "H3", "H4", "H5", "H6"),
-    *("B4", "B5", "B6", "B7", "J1", "J0", "H1", "H0", "D3", "D2"),
-    *("D1", "D0", "A0", "A1", "A2", "A3", "A4", "A5", "A6", "A7"),
-    *("C7", "C6", "C5", "C4", "C3", "C2", "C1", "C0", "D7", "G2"),
-    *("G1", "G0", "L7", "L6", "L5", "L4", "L3", "L2", "L1", "L0"),
-    *("B3", "B2", "B1", "B0", "F0", "F1", "F2", "F3", "F4", "F5"),
-    *("F6", "F7", "K0", "K1", "K2", "K3", "K4", "K5", "K6", "K7"),
-)
 
 
 @dataclass(frozen=True)
@@ -34,22 +21,9 @@ class PortPin:
         return f"P{self.port}{self.bit}"
 
 
-def port_pin(pin: int) -> PortPin:
-    """Give the port and bit of an Arduino pin number, 0..69.
-
-    Raises
-    ------
-    ValueError
-        When the Mega has no such pin.
-    """
-    if not 0 <= pin < PINS:
-        raise ValueError(f"the Arduino Mega has no pin {pin}; expected 0..{PINS - 1}")
-    return PortPin(_PORTS[pin][0], int(_PORTS[pin][1]))
-
-
 @dataclass(frozen=True)
 class CompareOutput:
-    """The timer output behind a PWM pin; addresses are data addresses of the ATmega2560.
+    """The timer output behind a PWM pin; addresses are data addresses.
 
     Parameters
     ----------
@@ -69,7 +43,8 @@ class CompareOutput:
     wide: bool
 
 
-# Timer -> TCCRnA, {output: OCRnx} (data sheet of the ATmega2560, section 33).
+# Timer -> TCCRnA, {output: OCRnx} (data sheets of the ATmega2560, section 33, and of the ATmega328P, section 36, which
+# has the first three at the same places).
 _TIMERS = {
     0: (0x44, {"A": 0x47, "B": 0x48}),
     1: (0x80, {"A": 0x88, "B": 0x8A, "C": 0x8C}),
@@ -78,34 +53,95 @@ _TIMERS = {
     4: (0xA0, {"A": 0xA8, "B": 0xAA, "C": 0xAC}),
     5: (0x120, {"A": 0x128, "B": 0x12A, "C": 0x12C}),
 }
-# Arduino pin -> timer and output. Pin 13 has two; the core's analogWrite uses 0A.
-_OUTPUTS = {
-    2: "3B",
-    3: "3C",
-    4: "0B",
-    5: "3A",
-    6: "4A",
-    7: "4B",
-    8: "4C",
-    9: "2B",
-    10: "2A",
-    11: "1A",
-    12: "1B",
-    13: "0A",
-    44: "5C",
-    45: "5B",
-    46: "5A",
-}
 _ICR_OFFSET = 6  # ICRn lies 6 bytes behind TCCRnA in every 16-bit timer
 
 
-def compare_output(pin: int) -> CompareOutput | None:
-    """Give the timer output of an Arduino pin, None when it has no PWM."""
-    if pin not in _OUTPUTS:
-        return None
-    timer, output = int(_OUTPUTS[pin][0]), _OUTPUTS[pin][1]
-    control, compares = _TIMERS[timer]
-    return CompareOutput(control, {"A": 6, "B": 4, "C": 2}[output], compares[output], timer not in (0, 2))
+@dataclass(frozen=True)
+class PinMap:
+    """The pins of a board.
+
+    Parameters
+    ----------
+    board
+        Its name, for people.
+    ports
+        Port and bit of each Arduino pin, in order.
+    first_analog
+        A0.
+    outputs
+        Arduino pin to timer and output.
+    """
+
+    board: str
+    ports: tuple[str, ...]
+    first_analog: int
+    outputs: Mapping[int, str]
+
+    def port_pin(self, pin: int) -> PortPin:
+        """Give the port and bit of an Arduino pin number.
+
+        Raises
+        ------
+        ValueError
+            When the board has no such pin.
+        """
+        if not 0 <= pin < len(self.ports):
+            raise ValueError(f"the Arduino {self.board} has no pin {pin}; expected 0..{len(self.ports) - 1}")
+        return PortPin(self.ports[pin][0], int(self.ports[pin][1]))
+
+    def compare_output(self, pin: int) -> CompareOutput | None:
+        """Give the timer output of an Arduino pin, None when it has no PWM."""
+        if pin not in self.outputs:
+            return None
+        timer, output = int(self.outputs[pin][0]), self.outputs[pin][1]
+        control, compares = _TIMERS[timer]
+        return CompareOutput(control, {"A": 6, "B": 4, "C": 2}[output], compares[output], timer not in (0, 2))
+
+    def analog_input(self, pin: int) -> int:
+        """Give the converter's input of an Arduino pin.
+
+        Raises
+        ------
+        ValueError
+            When it is none of the emulator's.
+        """
+        inputs = min(len(self.ports) - self.first_analog, _MOST_INPUTS)
+        if not 0 <= pin - self.first_analog < inputs:
+            raise ValueError(f"pin {pin}: the emulator's converter has A0..A{inputs - 1} only")
+        return pin - self.first_analog
+
+
+_MOST_INPUTS = 8
+"""simavr's converter of the ATmega2560 has no A8..A15."""
+_MEGA = PinMap(
+    "Mega",
+    (  # schematic of the Arduino Mega 2560, revision 3: digital pins 0..53, then A0..A15
+        *("E0", "E1", "E4", "E5", "G5", "E3", "H3", "H4", "H5", "H6"),
+        *("B4", "B5", "B6", "B7", "J1", "J0", "H1", "H0", "D3", "D2"),
+        *("D1", "D0", "A0", "A1", "A2", "A3", "A4", "A5", "A6", "A7"),
+        *("C7", "C6", "C5", "C4", "C3", "C2", "C1", "C0", "D7", "G2"),
+        *("G1", "G0", "L7", "L6", "L5", "L4", "L3", "L2", "L1", "L0"),
+        *("B3", "B2", "B1", "B0", "F0", "F1", "F2", "F3", "F4", "F5"),
+        *("F6", "F7", "K0", "K1", "K2", "K3", "K4", "K5", "K6", "K7"),
+    ),
+    54,
+    {  # pin 13 has two outputs; the core's analogWrite uses 0A
+        **{2: "3B", 3: "3C", 4: "0B", 5: "3A", 6: "4A", 7: "4B", 8: "4C", 9: "2B", 10: "2A", 11: "1A", 12: "1B"},
+        **{13: "0A", 44: "5C", 45: "5B", 46: "5A"},
+    },
+)
+_UNO = PinMap(
+    "Uno",
+    (  # schematic of the Arduino Uno, revision 3: digital pins 0..13, then A0..A5
+        *("D0", "D1", "D2", "D3", "D4", "D5", "D6", "D7"),
+        *("B0", "B1", "B2", "B3", "B4", "B5"),
+        *("C0", "C1", "C2", "C3", "C4", "C5"),
+    ),
+    14,
+    {3: "2B", 5: "0B", 6: "0A", 9: "1A", 10: "1B", 11: "2A"},
+)
+PIN_MAPS: Mapping[str, PinMap] = {"mega": _MEGA, "uno": _UNO}
+"""By the name that the coefficient file has for the board."""
 
 
 def duty(output: CompareOutput, registers: bytes) -> float | None:

@@ -1,10 +1,10 @@
-"""The encoder on one of the Mega's pins."""
+"""The encoder on one of the board's pins."""
 
 from __future__ import annotations
 
 from gen.avr.shim import Handle
 from gen.avr.simulator import FREQUENCY_HZ
-from gen.emulate.pins import port_pin
+from gen.emulate.pins import PinMap
 
 
 class EncoderPulses:
@@ -14,10 +14,13 @@ class EncoderPulses:
     ----------
     handle
         The emulator.
+    pins
+        The board's.
     """
 
-    def __init__(self, handle: Handle) -> None:
+    def __init__(self, handle: Handle, pins: PinMap) -> None:
         self._handle = handle
+        self._map = pins
 
     def attach(self, pin: int, *, batch_s: float = 0.0) -> None:
         """Connect the encoder.
@@ -36,9 +39,9 @@ class EncoderPulses:
         Raises
         ------
         ValueError
-            When the Mega has no such pin.
+            When the board has no such pin.
         """
-        place = port_pin(pin)
+        place = self._map.port_pin(pin)
         self._handle.call("encoder_attach", place.port.encode(), place.bit, round(batch_s * FREQUENCY_HZ))
 
     def send(self, count: int, seconds: float) -> None:

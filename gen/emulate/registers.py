@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Sequence
 from typing import Literal
 
 from gen.avr.shim import Handle
 from gen.avr.simulator import FREQUENCY_HZ
 from gen.emulate.max6675 import ChipCounts
-from gen.emulate.pins import port_pin
+from gen.emulate.pins import PortPin
 
 RegisterChipName = Literal["MAX31856", "MAX31865"]
 #: Longest conversion in s, first register of the data, their bytes, and what makes the chip convert again and again
@@ -28,18 +29,17 @@ class RegisterChip:
         The emulator that it is connected to.
     kind
         Which chip.
-    cs, so, sck, sdi
-        The pins.
+    lines
+        Where CS, SO, SCK and SDI are.
 
     Raises
     ------
     ValueError
-        When the Mega has no such pin, or the emulator no converter left.
+        When the emulator has no converter left.
     """
 
-    def __init__(self, handle: Handle, kind: RegisterChipName, cs: int, so: int, sck: int, sdi: int) -> None:
+    def __init__(self, handle: Handle, kind: RegisterChipName, lines: Sequence[PortPin]) -> None:
         conversion_s, at, self._bytes, converts = _KINDS[kind]
-        lines = [port_pin(pin) for pin in (cs, so, sck, sdi)]
         places = [part for line in lines for part in (line.port.encode(), line.bit)]
         cycles = round(conversion_s * FREQUENCY_HZ)
         self._handle = handle

@@ -19,8 +19,6 @@ from gen.record import Part
 
 Array = NDArray[np.float64]
 
-_RAM_END = 0x21FF
-
 
 @dataclass(frozen=True)
 class Alarm:
@@ -147,7 +145,7 @@ def deepest_stack(mega: EmulatedMega) -> int:
     What `Stack.use` looks for is gone then. A frame that is reserved and never written to is not seen.
     """
     floor = mega.memory.address("_end")
-    memory = np.frombuffer(mega.memory.peek(floor, _RAM_END + 1 - floor), dtype=np.uint8)
+    memory = np.frombuffer(mega.memory.peek(floor, mega.stack.top - floor), dtype=np.uint8)
     used = np.flatnonzero(memory != memory[0])
     return int(memory.size - used[0]) if used.size else 0
 

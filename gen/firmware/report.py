@@ -76,7 +76,7 @@ def report_html(coefficients: Coefficients, program: Program, verification: Mapp
             combinations=combinations,
             comparisons=comparisons(combinations),
             compared_words=count_words(combinations),
-            targets=TARGETS,
+            targets=targets_of(combinations),
             course=course_chart(*own["error_course"].values()) if own and "error_course" in own else None,
             contract=contract(program),
             limit_name=limit_name,
@@ -163,8 +163,15 @@ def verdict(own: Mapping[str, Any] | None) -> Verdict:
     return Verdict("different", "Different", detail, f"First mismatch, {failed['target']}: {failed['mismatch']}")
 
 
-#: Columns of the table of comparisons: how `gen verify` calls its targets.
-TARGETS = ("g++ -O2", "clang++ -O2", "g++ sanitized", "clang++ sanitized", "ATmega2560 (simavr)")
+#: Columns of the table of comparisons: how `gen verify` calls its targets; behind them the emulated chips.
+HOSTS = ("g++ -O2", "clang++ -O2", "g++ sanitized", "clang++ sanitized")
+
+
+def targets_of(combinations: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
+    """Columns of the table of comparisons."""
+    names = (target["target"].partition(", ")[0] for combination in combinations for target in combination["targets"])
+    chips = dict.fromkeys(name for name in names if name.endswith("(simavr)"))
+    return (*HOSTS, *(chips or ("ATmega2560 (simavr)",)))
 
 
 @dataclass(frozen=True)
@@ -178,7 +185,7 @@ class Comparison:
     compared
         What was compared.
     cells
-        For each of `TARGETS` a text, and whether it is an alarm.
+        For each of the targets a text, and whether it is an alarm.
     """
 
     combinations: str
@@ -196,7 +203,7 @@ def comparisons(combinations: Sequence[Mapping[str, Any]]) -> list[Comparison]:
             name, _, what = target["target"].partition(", ")
             by_kind.setdefault(what or "states, random profiles", {})[name] = target
         for what, by_target in by_kind.items():
-            cells = tuple(_compared(by_target.get(name)) for name in TARGETS)
+            cells = tuple(_compared(by_target.get(name)) for name in targets_of(combinations))
             found.setdefault((what, cells), []).append(label)
     return [Comparison(", ".join(labels), what, cells) for (what, cells), labels in found.items()]
 

@@ -1,4 +1,4 @@
-"""The wiring diagram of a project: the Mega's pins on the left, what is connected to them on the right."""
+"""The wiring diagram of a project: the board's pins on the left, what is connected to them on the right."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
 
-from gen.firmware.pins import label
 from gen.firmware.sketch.device import DeviceContext
 from gen.firmware.sketch.pin import Pin
 
@@ -89,7 +88,7 @@ def parts(device: DeviceContext) -> list[Part]:
             Part(f"{title} (on the board)" if device["led"] == 13 else title, (Terminal("+", str(device["led"])),))
         )
     if device["button"] is not None:
-        found.append(Part("Button", (Terminal("1", label(device["button"])), Terminal("2", "GND"))))
+        found.append(Part("Button", (Terminal("1", device["board"].label(device["button"])), Terminal("2", "GND"))))
     return found
 
 
@@ -123,7 +122,7 @@ def wiring_svg(title: str, device: DeviceContext) -> str:
         f"<title>{escape(title)}</title><style>{_STYLE}</style>",
         f'<rect width="{width}" height="{bottom}" fill="white"/>',
         f'<text class="title" x="{_BOARD_X}" y="28">{escape(title)}</text>',
-        *_board(board_rows),
+        *_board(device["board"].title, board_rows),
         *_wires(wired, board_rows, heights, device_x),
         *_devices(devices, heights, device_x),
         "</svg>",
@@ -147,10 +146,10 @@ def _places(devices: list[Part]) -> list[tuple[int, Part, Terminal]]:
     return found
 
 
-def _board(rows: dict[str, int]) -> Iterator[str]:
+def _board(title: str, rows: dict[str, int]) -> Iterator[str]:
     height = max(rows.values()) - _TOP + _ROW
     yield f'<rect class="box" x="{_BOARD_X}" y="{_TOP}" width="{_BOARD_WIDTH}" height="{height}" rx="6"/>'
-    yield f'<text class="title" x="{_BOARD_X + 10}" y="{_TOP + 18}">Arduino Mega 2560</text>'
+    yield f'<text class="title" x="{_BOARD_X + 10}" y="{_TOP + 18}">{title}</text>'
     for pin, y in rows.items():
         yield f'<text x="{_BOARD_X + _BOARD_WIDTH - 8}" y="{y + 4}" text-anchor="end">{pin}</text>'
 

@@ -15,6 +15,7 @@ from gen.interface.threads import one_thread
 if TYPE_CHECKING:
     import pandas as pd
 
+    from gen.coefficients.wiring import BoardName
     from gen.lowering.kinds import Arithmetic, ScheduleKind
     from gen.lowering.program import Program
     from gen.verification.verify import CombinationResult, Target
@@ -220,7 +221,7 @@ def verify(
     schedule: ScheduleKind | Literal["all"] = "all",
     target: Target = "all",
     compilers: Sequence[str] | None = None,
-    board: str = "mega",
+    board: BoardName | None = None,
     scale: float = 1.0,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Verification:
@@ -237,7 +238,7 @@ def verify(
     compilers
         Of this computer: ``g++``, ``clang++``. Default: those that are there.
     board
-        Which is emulated: ``mega``, or ``uno``, for the library alone, without a sketch.
+        Which is emulated, with the library alone: ``mega`` or ``uno``; None: the one that the file is for.
     scale
         Share of the full campaign of samples.
     progress
@@ -265,7 +266,8 @@ def verify(
     one_of("arithmetic", arithmetic, ("fixed", "float", "all"))
     one_of("schedule", schedule, ("table", "onboard", "all"))
     one_of("target", target, ("host", "avr", "all"))
-    one_of("board", board, ("mega", "uno"))
+    if board is not None:
+        one_of("board", board, ("mega", "uno"))
     within("scale", scale, 0.001, 10.0)
     is_network = model.coefficients.model.network is not None
     if schedule == "onboard":

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from gen import toolchain
 from gen.avr.compile import sizes
+from gen.avr.room import check_room
 from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
 from gen.errors import CheckFailed
 from gen.templating import environment
-from gen.verification.runners import HOST_BUILDS, WARNINGS, Library, check_room, link_harness
+from gen.verification.runners import HOST_BUILDS, TAKEN, WARNINGS, Library, link_harness
 
 Records = NDArray[np.void]
 
@@ -122,5 +123,5 @@ class AvrHarness:
                 len(flat) * self._cycles,
             )
             stack = mega.stack.use().deepest
-        check_room(sizes(self._elf), stack, self._chip)
+        check_room(TAKEN, sizes(self._elf), stack, self._chip)
         return np.ascontiguousarray(output).view(self._type).reshape(inputs.shape)[:, 1:]

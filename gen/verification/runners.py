@@ -23,6 +23,7 @@ from gen.avr.compile import (
     sizes,
     undefined_symbols,
 )
+from gen.avr.room import OVERFLOW, check_room
 from gen.avr.simulator import MAILBOX_FOLDER, MARKER_OVERHEAD, EmulatedMega
 from gen.errors import CheckFailed
 from gen.firmware.context import LibraryContext
@@ -123,6 +124,9 @@ class HostRunner:
         return np.frombuffer(done.stdout, dtype=record_type(self._library.program)).reshape(profile.pwm.shape)
 
 
+TAKEN = "the emitted library and its test take"
+
+
 def link_harness(library: Library, sources: Sequence[Path], include_dirs: Sequence[Path], name: str) -> Path:
     """Link the emitted library and a harness for the library's chip, as PlatformIO does.
 
@@ -138,30 +142,13 @@ def link_harness(library: Library, sources: Sequence[Path], include_dirs: Sequen
     try:
         build_elf(made, include_dirs, elf, link_time=True, chip=library.chip)
     except BuildFailed as failed:
-        if library.chip == MEGA or " region `" not in str(failed):
+        if OVERFLOW not in str(failed):
             raise
-        # The linker does not say by how much it is too large; in the Mega it has room, and is no smaller.
-        build_elf(made, include_dirs, elf, link_time=True)
-        check_room(sizes(elf), 0, library.chip)
+        build_elf(made, include_dirs, elf, link_time=True, chip=library.chip, any_size=True)
+        check_room(TAKEN, sizes(elf), 0, library.chip)
         raise
-    check_room(sizes(elf), 0, library.chip)
+    check_room(TAKEN, sizes(elf), 0, library.chip)
     return elf
-
-
-def check_room(used: Sizes, stack: int, chip: Chip) -> None:
-    """Check that a program and the deepest of its stack, in bytes, have room in a chip.
-
-    Raises
-    ------
-    CheckFailed
-        If they have not, with the sizes.
-    """
-    ram = used.ram + stack
-    if used.flash > chip.flash_bytes or ram > chip.ram_bytes:
-        raise CheckFailed(
-            f"the emitted library and its test take {used.flash} bytes of flash and {ram} of RAM, "
-            f"and an {chip.name} has {chip.flash_bytes} and {chip.ram_bytes}"
-        )
 
 
 @dataclass(frozen=True)
@@ -226,7 +213,7 @@ class AvrRunner:
                 len(records) * _CYCLES_PER_RECORD,
             )
             self.stack_bytes = mega.stack.use().deepest
-        check_room(self.sizes(), self.stack_bytes, self._library.chip)
+        check_room(TAKEN, self.sizes(), self.stack_bytes, self._library.chip)
         lanes, length = profile.pwm.shape
         self.cycles = cycles.astype(np.int64).reshape(lanes, length + 1)[:, 1:] - MARKER_OVERHEAD
         frame = np.ascontiguousarray(output).view(layout).reshape(lanes, length + 1)

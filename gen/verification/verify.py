@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from gen.avr.chip import BOARDS, MEGA, Chip
 from gen.coefficients import Coefficients
+from gen.coefficients.wiring import BoardName
 from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.alarms import lower_alarms
@@ -107,7 +108,7 @@ def verify(
     mutation: Mutation | None = None,
     scale: float = 1.0,
     host_builds: Iterable[str] = tuple(HOST_BUILDS),
-    board: str = "mega",
+    board: BoardName | None = None,
 ) -> list[CombinationResult]:
     """Compare every asked combination on every asked target.
 
@@ -126,7 +127,7 @@ def verify(
     host_builds
         Which of :data:`gen.verification.runners.HOST_BUILDS` to run.
     board
-        Which is emulated, of :data:`gen.avr.chip.BOARDS`.
+        Which is emulated; None: the file's own.
 
     Raises
     ------
@@ -151,7 +152,7 @@ def verify(
                     mutation,
                     scale,
                     tuple(host_builds),
-                    BOARDS[board],
+                    BOARDS[board or coefficients.document.board],
                 )
             )
     return results

@@ -10,13 +10,13 @@ from typing import Any
 
 import jsonschema
 import pytest
+from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, label, port_bit
 
 from gen import toolchain
 from gen.coefficients import parse
 from gen.coefficients.schema import json_schema
 from gen.coefficients.versions import VERSION
 from gen.errors import InputError
-from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, label, port_bit
 from gen.firmware.project import project_files
 from gen.firmware.sketch.device import device_context
 from gen.firmware.wiring_svg import parts, wiring_svg

@@ -10,6 +10,7 @@ import pytest
 
 from gen.avr.chip import MEGA, UNO, Chip
 from gen.avr.compile import sizes
+from gen.avr.room import check_room
 from gen.coefficients import load
 from gen.errors import CheckFailed
 from gen.firmware import render
@@ -17,7 +18,7 @@ from gen.firmware.context import project_context
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.lower import lower
 from gen.toolchain import arduino_core
-from gen.verification.runners import Library, check_room, link_harness, write_library
+from gen.verification.runners import TAKEN, Library, link_harness, write_library
 from gen.verification.verify import verify
 from tests.examples import ROOT
 
@@ -62,7 +63,10 @@ def test_what_has_no_room_is_refused_with_its_sizes(flash: int, ram: int, tmp_pa
     library = emitted(tmp_path, UNO)
     with pytest.raises(CheckFailed, match=r"and an ATmega328P has 32256 and 2048$") as caught:
         check_room(
-            sizes(link_harness(library, [harness(tmp_path, flash, ram)], [library.include], "large.elf")), 20, UNO
+            TAKEN,
+            sizes(link_harness(library, [harness(tmp_path, flash, ram)], [library.include], "large.elf")),
+            20,
+            UNO,
         )
     assert "\n" not in str(caught.value)
     numbers = re.search(r"take (\d+) bytes of flash and (\d+) of RAM", str(caught.value))

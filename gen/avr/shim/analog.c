@@ -6,7 +6,6 @@
 #include <string.h>
 
 #define SUPPLY_MV 5000
-#define REFERENCE_MUX 0x1E
 
 int gen_mega_adc(struct gen_mega *mega, uint8_t input, uint32_t millivolts)
 {
@@ -27,10 +26,15 @@ static avr_adc_t *converter(struct gen_mega *mega)
 int gen_mega_supply(struct gen_mega *mega, uint32_t millivolts, uint32_t reference)
 {
 	avr_adc_t *adc = converter(mega);
-	if (!adc || millivolts == 0 || reference >= 1u << 13 || adc->muxmode[REFERENCE_MUX].kind != ADC_MUX_REF)
+	uint8_t own = 0;
+	if (!adc || millivolts == 0 || reference == 0 || reference >= 1u << 13)
 		return -1;
+	/* The other reference that can be chosen is ground. */
+	while (adc->muxmode[own].kind != ADC_MUX_REF || adc->muxmode[own].src == 0)
+		if (++own == sizeof adc->muxmode / sizeof *adc->muxmode)
+			return -1;
 	mega->avr->vcc = mega->avr->avcc = mega->avr->aref = millivolts;
-	adc->muxmode[REFERENCE_MUX].src = reference & 0x1fff;
+	adc->muxmode[own].src = reference & 0x1fff;
 	return 0;
 }
 

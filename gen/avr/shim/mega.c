@@ -21,7 +21,6 @@
 
 #define MCUSR 0x54 /* data address */
 #define PORF 1u
-#define RAM_START 0x200
 #define DATA_SPACE 0x10000u    /* what a 16-bit address reaches */
 #define FLASH_SPACE 0x2000004u /* what EIND and RAMPZ reach: 2^24 words, and an opcode's second word */
 
@@ -207,7 +206,7 @@ static uint32_t noise(uint32_t *state) /* xorshift32, G. Marsaglia 2003 */
 
 static void fill_with_noise(avr_t *avr, uint32_t *state)
 {
-	for (uint32_t address = RAM_START; address <= avr->ramend; address++)
+	for (uint32_t address = avr->ioend + 1u; address <= avr->ramend; address++)
 		avr->data[address] = (uint8_t)(noise(state) >> 11);
 }
 

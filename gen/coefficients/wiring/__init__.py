@@ -1,7 +1,8 @@
-"""The board's wiring: which pin of the Mega carries what, and what is plausible on it."""
+"""The board's wiring: which pin carries what, and what is plausible on it."""
 
 from gen.coefficients.wiring.board import Memory, Wiring, Zero
 from gen.coefficients.wiring.drive import Drive, Observe, Profile, ProfileStep
+from gen.coefficients.wiring.pins import BoardName
 from gen.coefficients.wiring.sensors import (
     REGISTER_CHIPS,
     SUPPLY_V,
@@ -17,6 +18,7 @@ from gen.coefficients.wiring.thermistor import ENDS_degC, Thermistor
 __all__ = [
     "REGISTER_CHIPS",
     "SUPPLY_V",
+    "BoardName",
     "CHIP_RANGES_degC",
     "ChannelInput",
     "ChipName",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
@@ -11,13 +11,15 @@ from gen.coefficients.base import Note, Part, Positive, fault
 from gen.coefficients.wiring.drive import DRIVE_PINS, Drive, Observe
 from gen.coefficients.wiring.pins import (
     BOOT_LED_PIN,
-    CLOCK_TIMER_PINS,
     COUNTER_TIMER_PINS,
-    PWM_PINS,
+    PINS_OF,
+    BoardName,
+    BoardPins,
     Pin,
     Role,
     check_free,
     roles,
+    spans,
 )
 from gen.coefficients.wiring.sensors import ChannelInput, Encoder, Thermocouple
 from gen.coefficients.wiring.supply import Supply
@@ -55,6 +57,7 @@ class Zero(Part):
 class Wiring(Part):
     """All pins; one pin has one role, except that clock and data lines may be shared."""
 
+    board: Annotated[BoardName, Field(description="The Arduino Mega 2560, or the Uno (ATmega328P).")] = "mega"
     serial_baud: Literal[9600, 19200, 38400, 57600, 76800, 115200, 250000, 500000, 1000000] = 115200
     row_every_s: Annotated[Positive, Field(le=3600, description="Time between two rows on the serial line.")] = 1.0
     led_pin: Pin | None = None
@@ -90,8 +93,12 @@ class Wiring(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Wiring:
+        pins = PINS_OF[self.board]
+        _check_there(_all_roles(self), pins)
+        if self.encoder:
+            _check_encoder(self.encoder, pins)
         if self.drive:
-            _check_pwm_pins(self.drive, self.encoder)
+            _check_pwm_pins(self.drive, self.encoder, pins)
         if self.drive and self.observe:
             raise fault('found both "drive" and "observe"; expected one of them: who drives the motor?', "observe")
         if self.command_timeout_s is not None and self.drive is None:
@@ -113,12 +120,40 @@ class Wiring(Part):
         return {"time_s", "pwm", *measured, *speed, *models, "flags", "sensors", "alarms", "protection"}
 
 
-def _check_pwm_pins(drive: Drive, encoder: Encoder | None) -> None:
+def _check_there(taken: Iterable[Role], pins: BoardPins) -> None:
+    """The board has each pin, and voltages lie where it converts them."""
+    for role in taken:
+        if role.pin >= pins.pins:
+            raise fault(f"{pins.name} has no pin {role.pin}; expected 0..{pins.pins - 1}", *role.at)
+        if role.at[-1] == "analog_pin" and role.pin < pins.first_analog:
+            raise fault(
+                f"pin {role.pin} of {pins.name} measures no voltage; expected {pins.first_analog}..{pins.pins - 1}",
+                *role.at,
+            )
+
+
+def _check_encoder(encoder: Encoder, pins: BoardPins) -> None:
+    """Something counts the pulses."""
+    if encoder.counts_in_hardware:
+        if pins.counter is None:
+            raise fault(f'no timer of {pins.name} is free to count; expected "interrupt"', "encoder", "method")
+        if encoder.pin != pins.counter:
+            raise fault(f"pin {encoder.pin} is no counter's input; expected {pins.counter}", "encoder", "pin")
+    elif encoder.pin not in pins.interrupts:
+        counted = f" (or {pins.counter}, counted in hardware)" if pins.counter is not None else ""
+        raise fault(
+            f"pin {encoder.pin} has no external interrupt; expected one of {spans(pins.interrupts)}{counted}",
+            "encoder",
+            "pin",
+        )
+
+
+def _check_pwm_pins(drive: Drive, encoder: Encoder | None, pins: BoardPins) -> None:
     """The motor's pins have PWM, leave the motor alone at a reset, and leave the encoder its timer."""
     timer_5 = encoder is not None and encoder.counts_in_hardware
     for key, pin in drive.pwm_pins.items():
-        if pin not in PWM_PINS:
-            raise fault(f"pin {pin} has no PWM; expected one of 2..13, 44, 45, 46", "drive", key)
+        if pin not in pins.pwm:
+            raise fault(f"pin {pin} has no PWM; expected one of {spans(pins.pwm)}", "drive", key)
         if pin == BOOT_LED_PIN:
             raise fault(
                 f"pin {BOOT_LED_PIN} is the boot loader's LED: the motor would run at every reset before the "
@@ -126,7 +161,7 @@ def _check_pwm_pins(drive: Drive, encoder: Encoder | None) -> None:
                 "drive",
                 key,
             )
-        if pin in CLOCK_TIMER_PINS and drive.frequency_Hz != Drive.model_fields["frequency_Hz"].default:
+        if pin in pins.clock_timer and drive.frequency_Hz != Drive.model_fields["frequency_Hz"].default:
             raise fault(
                 f"the PWM of pin {pin} is Timer 0's, which keeps the time: it stays at 976 Hz; expected another pin, "
                 'or no "frequency_Hz"',

@@ -68,7 +68,10 @@ class Drive(Part):
     ] = 0.5
     frequency_Hz: Annotated[
         Literal[490, 3922, 31373],
-        Field(description="Of the PWM, by its timer's prescaler. Pin 4 has 976 Hz whatever is said: the core's clock."),
+        Field(
+            description="Of the PWM, by its timer's prescaler. Pin 4 of the Mega, 5 and 6 of the Uno have 976 Hz "
+            "whatever is said: the core's clock."
+        ),
     ] = 490
     profile: Profile | None = None
     note: Note | None = None

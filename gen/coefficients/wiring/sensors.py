@@ -7,12 +7,12 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from gen.coefficients.base import Celsius, Note, NotNegative, Part, Positive, fault
-from gen.coefficients.wiring.pins import COUNTER_PIN, INTERRUPT_PINS, Pin
+from gen.coefficients.wiring.pins import COUNTER_PIN, Pin
 from gen.coefficients.wiring.thermistor import ENDS_degC, Thermistor
 from gen.model.dynamics import MAX_PWM
 
 ChipName = Literal["MAX6675", "MAX31855", "MAX31856", "MAX31865", "NTC"]
-"""What turns a sensor's voltage or resistance into a word; a thermistor's is the Mega's own converter."""
+"""What turns a sensor's voltage or resistance into a word; a thermistor's is the board's own converter."""
 CHIP_RANGES_degC: dict[str, tuple[float, float]] = {
     "MAX6675": (0.0, 1023.75),
     "MAX31855": (-270.0, 1372.0),
@@ -66,7 +66,7 @@ class Thermocouple(Part):
     ] = None
     wires: Annotated[Literal[2, 3, 4] | None, Field(description="Of a MAX31865: to the resistor; without it 4.")] = None
     analog_pin: Annotated[
-        Pin | None, Field(ge=54, description="Of an NTC: A0..A15, between the thermistor and its resistor.")
+        Pin | None, Field(description="Of an NTC: A0 or one behind it, between the thermistor and its resistor.")
     ] = None
     r25_ohm: Annotated[float | None, Field(ge=100, le=1e6, description="Of an NTC: its resistance at 25 degC.")] = None
     beta_K: Annotated[
@@ -197,7 +197,10 @@ class Encoder(Part):
     pulses_per_revolution: Annotated[int, Field(ge=1, le=65535)]
     method: Annotated[
         Literal["interrupt", "counter"] | None,
-        Field(description="counter: Timer 5 counts, on pin 47 only. Without it: counter on pin 47, else interrupt."),
+        Field(
+            description="counter: Timer 5 counts, on the Mega's pin 47 only. Without it: counter on pin 47, else "
+            "interrupt."
+        ),
     ] = None
     stall_pwm: Annotated[int, Field(ge=1, le=MAX_PWM, description="|PWM| from which on the motor must turn.")] = 51
     stall_s: Annotated[Positive, Field(le=3600, description="No pulse for this long at such a PWM is a stall.")] = 2.0
@@ -207,18 +210,6 @@ class Encoder(Part):
     def counts_in_hardware(self) -> bool:
         """Whether Timer 5 counts the pulses."""
         return self.method == "counter" or (self.method is None and self.pin == COUNTER_PIN)
-
-    @model_validator(mode="after")
-    def _check(self) -> Encoder:
-        if self.counts_in_hardware and self.pin != COUNTER_PIN:
-            raise fault(f"pin {self.pin} is no counter's input; expected {COUNTER_PIN}", "pin")
-        if not self.counts_in_hardware and self.pin not in INTERRUPT_PINS:
-            raise fault(
-                f"pin {self.pin} has no external interrupt; expected one of 2, 3, 18, 19, 20, 21 "
-                f"(or {COUNTER_PIN}, counted in hardware)",
-                "pin",
-            )
-        return self
 
 
 class ChannelInput(Part):
@@ -231,7 +222,7 @@ class ChannelInput(Part):
             description="Its column in run files, the unit at the end: current_A.",
         ),
     ]
-    analog_pin: Annotated[Pin | None, Field(ge=54, description="A0..A15: a voltage of 0..5 V.")] = None
+    analog_pin: Annotated[Pin | None, Field(description="A0 or one behind it: a voltage of 0..5 V.")] = None
     contact_pin: Annotated[Pin | None, Field(description="1 while it is closed to ground, else 0.")] = None
     zero_V: Annotated[float, Field(ge=-5, le=10, description="Voltage at which the value is 0.")] = 0.0
     per_V: Annotated[float, Field(description="Change of the value for each volt, in its unit.")] = 1.0

@@ -8,8 +8,9 @@ import zlib
 from typing import TypedDict
 
 from gen.coefficients.wiring import Wiring
+from gen.firmware.boards import Board
 from gen.firmware.sketch.drive import DriveContext
-from gen.firmware.sketch.memory import COMMISSIONED_AT, COMMISSIONED_BYTES
+from gen.firmware.sketch.memory import COMMISSIONED_BYTES, commissioned_at
 from gen.lowering.program import Program
 from gen.lowering.samples import samples
 from gen.lowering.sensors import NOISE_COUNTS, COUNT_mK
@@ -56,12 +57,14 @@ class CommissioningContext(TypedDict):
     no_pulse_samples: int
 
 
-def commissioning_context(wiring: Wiring, drive: DriveContext | None, program: Program) -> CommissioningContext:
+def commissioning_context(
+    board: Board, wiring: Wiring, drive: DriveContext | None, program: Program
+) -> CommissioningContext:
     """Describe the dialogue of a board with thermocouples and copies in EEPROM.
 
     Parameters
     ----------
-    wiring
+    board, wiring
         The file's.
     drive
         The motor's driver as the sketch has it.
@@ -79,7 +82,7 @@ def commissioning_context(wiring: Wiring, drive: DriveContext | None, program: P
     if drive is not None:
         run += drive["pause_samples"] + (math.ceil(256 * pwm / drive["ramp_step"]) if drive["ramp_step"] else 0)
     return {
-        "at": COMMISSIONED_AT,
+        "at": commissioned_at(board),
         "bytes": COMMISSIONED_BYTES,
         "wiring": f"0x{wiring_identity(wiring, program.model.name):08X}UL",
         "agree": round(_AGREE_K * 1000 / COUNT_mK),

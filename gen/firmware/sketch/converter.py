@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final, TypedDict
 
+from gen.firmware.boards import Board
+
 CONVERSION_CYCLES: Final = 14 * 128
 """From one conversion to the next, which its interrupt begins: 13 cycles of the converter's clock, and another."""
 STEPS: Final = 1024
@@ -28,26 +30,35 @@ class ConvertedInput(TypedDict):
 
 
 class ConverterContext(TypedDict):
-    """All that is converted in a sample; `didr` turns the digital inputs of its pins off."""
+    """All that is converted in a sample.
+
+    `didr` turns the digital inputs of its pins off: register and value.
+    """
 
     converted: list[ConvertedInput]
     settling: int
-    didr: list[int]
+    didr: list[tuple[str, int]]
 
 
-def converter_context(inputs: Sequence[ConvertedInput]) -> ConverterContext:
+def converter_context(board: Board, inputs: Sequence[ConvertedInput]) -> ConverterContext:
     """What the templates of the converter need.
 
     Parameters
     ----------
+    board
+        Whose converter it is.
     inputs
         Of all parts that share it, in the order in which they are converted.
     """
     pins = [one for one in inputs if one["mux"] & 0x18 == 0]
+    registers = [("DIDR0", False), ("DIDR2", True)] if board.upper_inputs else [("DIDR0", False)]
     return {
         "converted": [*inputs],
         "settling": SETTLING,
-        "didr": [sum(1 << (one["mux"] & 7) for one in pins if bool(one["upper"]) == upper) for upper in (False, True)],
+        "didr": [
+            (register, sum(1 << (one["mux"] & 7) for one in pins if bool(one["upper"]) == upper))
+            for register, upper in registers
+        ],
     }
 
 
@@ -72,12 +83,6 @@ def converted(what: str, mux: int, conversions: int, settling: int = 0) -> Conve
         "settling": settling,
         "conversions": conversions,
     }
-
-
-def pin_mux(pin: int) -> int:
-    """MUX5..MUX0 of an analog pin, 54..69: A0..A7 are 0..7, A8..A15 are 32..39."""
-    number = pin - 54
-    return number if number < 8 else 0x20 | number & 7
 
 
 def round_ms(inputs: Sequence[ConvertedInput]) -> float:

@@ -11,9 +11,17 @@ from gen.coefficients.protecting import protections, watched_channels
 from gen.coefficients.protection import Protection
 from gen.coefficients.wiring import Wiring
 from gen.firmware.alarm_text import AlarmText, alarm_texts
+from gen.firmware.boards import BOARDS, Board
 from gen.firmware.sketch.commissioning import CommissioningContext, commissioning_context
 from gen.firmware.sketch.converter import ConverterContext, converter_context
-from gen.firmware.sketch.drive import DriveContext, ObserveContext, drive_context, idle_timers, observe_context
+from gen.firmware.sketch.drive import (
+    DriveContext,
+    ObserveContext,
+    drive_context,
+    idle_timers,
+    observe_context,
+    switched_off,
+)
 from gen.firmware.sketch.encoder import EncoderContext, encoder_context
 from gen.firmware.sketch.inputs import InputsContext, converted_inputs, inputs_context
 from gen.firmware.sketch.memory import LatchContext, MemoryContext, latch_context, memory_context
@@ -55,6 +63,8 @@ class DeviceContext(SensorsContext, InputsContext, ConverterContext, RowsContext
     unseen: int
     timeout_samples: int
     idle_timers: list[int]
+    switched_off: dict[str, list[str]]
+    board: Board
     alarms: list[str]
     alarm_texts: tuple[AlarmText, ...]
 
@@ -108,23 +118,25 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
     """
     document = coefficients.document
     wiring = document.wiring or Wiring()
+    board = BOARDS[document.board]
     drive, encoder, observe = wiring.drive, wiring.encoder, wiring.observe
     sample_time, full_scale = program.model.sample_time, document.input.full_scale
     sample_ms = round(sample_time * 1000.0)
     first_input = sum(channel.analog_pin is not None for channel in wiring.channels)
-    sensors = sensors_context(coefficients, wiring.thermocouples, program, sample_ms, first_input)
-    memory = memory_context(wiring, sensors, program, coefficients.sha256, sample_ms)
+    sensors = sensors_context(board, coefficients, wiring.thermocouples, program, sample_ms, first_input)
+    memory = memory_context(board, wiring, sensors, program, coefficients.sha256, sample_ms)
     entries = protections(document)
-    thermistors, reference = thermistor_inputs(wiring.thermocouples), supply_input(entries)
-    inputs = inputs_context(wiring.channels, program, sample_ms, [*thermistors, *reference])
-    converted = [*converted_inputs(inputs), *thermistors, *reference]
-    driver = drive_context(drive, full_scale, sample_time) if drive else None
+    thermistors, reference = thermistor_inputs(board, wiring.thermocouples), supply_input(board, entries)
+    inputs = inputs_context(board, wiring.channels, program, sample_ms, [*thermistors, *reference])
+    converted = [*converted_inputs(board, inputs), *thermistors, *reference]
+    driver = drive_context(board, drive, full_scale, sample_time) if drive else None
     lasting = any(entry.until != "itself" for entry in entries)
+    idle = idle_timers(board, wiring)
     start_samples = max(2 * CONFIRMATIONS * sensors["read_samples"], math.ceil(_START_MS / sample_ms))
     return {
         **sensors,
         **inputs,
-        **converter_context(converted),
+        **converter_context(board, converted),
         **rows_context(coefficients, wiring, sensors["chips"], protects=bool(entries)),
         "cold_mK": COLD_mK,
         "baud": wiring.serial_baud,
@@ -133,19 +145,21 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
         "start_s": f"{start_samples * sample_ms / 1000:g}",
         "led": wiring.led_pin,
         "button": wiring.button_pin,
-        "encoder": encoder_context(encoder, document.input.nominal_speed_rpm, sample_ms) if encoder else None,
+        "encoder": encoder_context(board, encoder, document.input.nominal_speed_rpm, sample_ms) if encoder else None,
         "drive": driver,
-        "observe": observe_context(observe) if observe else None,
+        "observe": observe_context(board, observe) if observe else None,
         "memory": memory,
-        "latch": latch_context() if memory and (document.alarms or lasting) else None,
-        "commissioning": commissioning_context(wiring, driver, program) if memory else None,
-        "zero": zero_context(wiring, program, sensors["reading_ms"]) if memory else None,
-        "relay": pin_context(wiring.relay_pin, "$.wiring.relay_pin") if wiring.relay_pin is not None else None,
+        "latch": latch_context(board) if memory and (document.alarms or lasting) else None,
+        "commissioning": commissioning_context(board, wiring, driver, program) if memory else None,
+        "zero": zero_context(board, wiring, program, sensors["reading_ms"]) if memory else None,
+        "relay": pin_context(board, wiring.relay_pin, "$.wiring.relay_pin") if wiring.relay_pin is not None else None,
         "supply": supply_context(wiring, len(converted) - 1) if reference else None,
         "protects": bool(entries),
         "unseen": _unseen(document, entries),
         "timeout_samples": samples(wiring.command_timeout_s or 0.0, sample_time),
-        "idle_timers": idle_timers(wiring),
+        "idle_timers": idle,
+        "switched_off": switched_off(board, idle, converts=bool(converted)),
+        "board": board,
         "alarms": [alarm.name for alarm in document.alarms],
         "alarm_texts": alarm_texts(coefficients),
     }

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TypedDict
 
 from gen.coefficients.wiring import Drive, Observe, Wiring
-from gen.firmware.pins import PWM_TIMERS, TIMER_RUNS
+from gen.firmware.boards import TIMER_RUNS, Board
 from gen.firmware.sketch.pin import Pin, pin_context
 from gen.lowering.samples import samples
 
@@ -51,12 +52,14 @@ class ObserveContext(TypedDict):
     reverse: Pin | None
 
 
-def drive_context(drive: Drive, full_scale: int, sample_time: float) -> DriveContext:
+def drive_context(board: Board, drive: Drive, full_scale: int, sample_time: float) -> DriveContext:
     """Describe a driver; a sample has so many s."""
     steps = drive.profile.steps if drive.profile else ()
     lines = {key: getattr(drive, f"{key}_pin") for key in ("forward", "reverse", "pwm", "direction")}
-    pins = {key: None if pin is None else pin_context(pin, f"$.wiring.drive.{key}_pin") for key, pin in lines.items()}
-    of_timer = {key.removesuffix("_pin"): PWM_TIMERS[pin] for key, pin in drive.pwm_pins.items()}
+    pins = {
+        key: None if pin is None else pin_context(board, pin, f"$.wiring.drive.{key}_pin") for key, pin in lines.items()
+    }
+    of_timer = {key.removesuffix("_pin"): board.pwm_timers[pin] for key, pin in drive.pwm_pins.items()}
     return {
         "forward": pins["forward"],
         "reverse": pins["reverse"],
@@ -93,18 +96,37 @@ def _ramp_step(ramp_s: float, full_scale: int, sample_time: float) -> int:
     return 0 if step >= 256.0 * full_scale else math.ceil(step)
 
 
-def observe_context(observe: Observe) -> ObserveContext:
+def observe_context(board: Board, observe: Observe) -> ObserveContext:
     """Describe the pins of another controller."""
     reverse = observe.reverse_pin
     return {
-        "forward": pin_context(observe.forward_pin, "$.wiring.observe.forward_pin"),
-        "reverse": pin_context(reverse, "$.wiring.observe.reverse_pin") if reverse is not None else None,
+        "forward": pin_context(board, observe.forward_pin, "$.wiring.observe.forward_pin"),
+        "reverse": pin_context(board, reverse, "$.wiring.observe.reverse_pin") if reverse is not None else None,
     }
 
 
-def idle_timers(wiring: Wiring) -> list[int]:
-    """Timers that this wiring never uses."""
-    used = {PWM_TIMERS[pin] for pin in wiring.drive.pwm_pins.values()} if wiring.drive else set()
+def idle_timers(board: Board, wiring: Wiring) -> list[int]:
+    """Timers of the board that this wiring never uses."""
+    used = {board.pwm_timers[pin] for pin in wiring.drive.pwm_pins.values()} if wiring.drive else set()
     if wiring.encoder and wiring.encoder.counts_in_hardware:
         used.add(5)
-    return [timer for timer in range(1, 6) if timer not in used]
+    return [timer for timer in board.timers if timer not in used]
+
+
+def switched_off(board: Board, idle: Sequence[int], *, converts: bool) -> dict[str, list[str]]:
+    """What the board can do without: bits to set, by register.
+
+    Parameters
+    ----------
+    board
+        Which.
+    idle
+        Timers that nothing uses.
+    converts
+        Whether the converter is used.
+    """
+    found: dict[str, list[str]] = {}
+    converter = [] if converts else [board.converter]
+    for register, bit in [*board.unused, *converter, *(board.timers[timer] for timer in idle)]:
+        found.setdefault(register, []).append(bit)
+    return found

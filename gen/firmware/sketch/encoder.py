@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from gen.coefficients.wiring import Encoder
-from gen.firmware.pins import INTERRUPTS
+from gen.firmware.boards import Board
 from gen.firmware.sketch.pin import Pin, pin_context
 
 _LATE_SAMPLES = 3
@@ -37,7 +37,7 @@ class EncoderContext(Pin):
     stall_s: str
 
 
-def encoder_context(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> EncoderContext:
+def encoder_context(board: Board, encoder: Encoder, nominal_rpm: float, sample_ms: int) -> EncoderContext:
     """Describe an encoder on a motor of a nominal speed, rpm; a sample has so many ms."""
     fastest_rpm = nominal_rpm * _MARGIN
     fastest = fastest_rpm / 60.0 * encoder.pulses_per_revolution * sample_ms / 1000.0
@@ -45,9 +45,9 @@ def encoder_context(encoder: Encoder, nominal_rpm: float, sample_ms: int) -> Enc
     shift = max(2, math.ceil(math.log2(fastest_rpm * _MARGIN * sample_ms * 1000.0)) - 32)
     factor = max(1, round(60e6 / 2**shift / encoder.pulses_per_revolution))
     return {
-        **pin_context(encoder.pin, "$.wiring.encoder.pin"),
+        **pin_context(board, encoder.pin, "$.wiring.encoder.pin"),
         "counter": encoder.counts_in_hardware,
-        "interrupt": INTERRUPTS.get(encoder.pin),
+        "interrupt": board.interrupts.get(encoder.pin),
         "pulses_per_revolution": encoder.pulses_per_revolution,
         "shift": shift,
         "unit_us": 2**shift,

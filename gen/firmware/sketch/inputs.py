@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from typing import TypedDict
 
 from gen.coefficients.wiring import SUPPLY_V, ChannelInput
+from gen.firmware.boards import Board
 from gen.firmware.contexts.channels import told_channels
-from gen.firmware.sketch.converter import STEPS, ConvertedInput, converted, pin_mux, round_ms
+from gen.firmware.sketch.converter import STEPS, ConvertedInput, converted, round_ms
 from gen.firmware.sketch.pin import Pin, pin_context
 from gen.lowering.program import Program
 from gen.model.network_parts import PWM
@@ -50,11 +51,11 @@ class InputsContext(TypedDict):
 
 
 def inputs_context(
-    wired: Sequence[ChannelInput], program: Program, sample_ms: int, others: Sequence[ConvertedInput]
+    board: Board, wired: Sequence[ChannelInput], program: Program, sample_ms: int, others: Sequence[ConvertedInput]
 ) -> InputsContext:
-    """Describe the inputs of a wiring, in its order; a sample has so many ms, of which `others` take some."""
+    """Describe the inputs of a board's wiring, in its order; a sample has so many ms, of which `others` take some."""
     conversions = _conversions(sum(channel.analog_pin is not None for channel in wired), sample_ms, others)
-    channels = _channels(wired, program, conversions)
+    channels = _channels(board, wired, program, conversions)
     return {
         "channels": channels,
         "analog": [channel for channel in channels if channel["analog"]],
@@ -64,10 +65,11 @@ def inputs_context(
     }
 
 
-def converted_inputs(inputs: InputsContext) -> list[ConvertedInput]:
+def converted_inputs(board: Board, inputs: InputsContext) -> list[ConvertedInput]:
     """What the converter does for them, in the order of the voltages."""
     return [
-        converted(f"{c['path']}: pin {c['label']}", pin_mux(c["pin"]), inputs["conversions"]) for c in inputs["analog"]
+        converted(f"{c['path']}: pin {c['label']}", board.mux(c["pin"]), inputs["conversions"])
+        for c in inputs["analog"]
     ]
 
 
@@ -79,7 +81,7 @@ def _conversions(voltages: int, sample_ms: int, others: Sequence[ConvertedInput]
     return count
 
 
-def _channels(wired: Sequence[ChannelInput], program: Program, conversions: int) -> list[InputContext]:
+def _channels(board: Board, wired: Sequence[ChannelInput], program: Program, conversions: int) -> list[InputContext]:
     """Inputs of the wiring; a voltage's value is zero + (sum of conversions times scale >> shift), in thousandths."""
     told = {channel.column: channel for channel in program.channels}
     names = told_channels(program)
@@ -94,7 +96,7 @@ def _channels(wired: Sequence[ChannelInput], program: Program, conversions: int)
         shift = max(0, min(30, _SCALE_BITS - 1 - math.floor(math.log2(abs(for_each)))))
         found.append(
             {
-                **pin_context(pin, path),
+                **pin_context(board, pin, path),
                 "number": number,
                 "column": channel.column,
                 "analog": channel.analog_pin is not None,

@@ -1,10 +1,10 @@
-"""A pin of the Mega as the templates print it."""
+"""A pin as the templates print it."""
 
 from __future__ import annotations
 
 from typing import TypedDict
 
-from gen.firmware.pins import label, port_bit
+from gen.firmware.boards import Board
 
 
 class Pin(TypedDict):
@@ -17,7 +17,7 @@ class Pin(TypedDict):
     path: str
 
 
-def pin_context(pin: int, path: str) -> Pin:
-    """Describe an Arduino pin, which stands at a path of the coefficient file."""
-    letter, bit = port_bit(pin)
-    return {"pin": pin, "label": label(pin), "letter": letter, "bit": bit, "path": path}
+def pin_context(board: Board, pin: int, path: str) -> Pin:
+    """Describe a board's pin, which stands at a path of the coefficient file."""
+    letter, bit = board.port_bit(pin)
+    return {"pin": pin, "label": board.label(pin), "letter": letter, "bit": bit, "path": path}

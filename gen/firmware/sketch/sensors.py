@@ -8,9 +8,9 @@ from typing import TypedDict
 
 from gen.coefficients import Coefficients
 from gen.coefficients.wiring import CHIP_RANGES_degC, Thermocouple
+from gen.firmware.boards import Board
 from gen.firmware.contexts.channels import told_channels
-from gen.firmware.pins import label
-from gen.firmware.sketch.converter import ConvertedInput, converted, pin_mux
+from gen.firmware.sketch.converter import ConvertedInput, converted
 from gen.firmware.sketch.pin import Pin, pin_context
 from gen.lowering.platinum import HIGHEST_COUNTS, LOWEST_COUNTS, SEGMENT_BITS
 from gen.lowering.program import Program
@@ -104,10 +104,15 @@ class SensorsContext(TypedDict):
 
 
 def sensors_context(
-    coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program, sample_ms: int, first_input: int
+    board: Board,
+    coefficients: Coefficients,
+    wired: tuple[Thermocouple, ...],
+    program: Program,
+    sample_ms: int,
+    first_input: int,
 ) -> SensorsContext:
     """Describe the chips of a wiring, in its order; a sample has so many ms, the first NTC that converter's input."""
-    chips = _chips(coefficients, wired, program, first_input)
+    chips = _chips(board, coefficients, wired, program, first_input)
     names = coefficients.document.component_names
     longest_ms = conversion_ms(wired)
     read_samples = reading_samples(program.model.sample_time, longest_ms)
@@ -140,17 +145,17 @@ def sensors_context(
     }
 
 
-def thermistor_inputs(wired: Sequence[Thermocouple]) -> list[ConvertedInput]:
+def thermistor_inputs(board: Board, wired: Sequence[Thermocouple]) -> list[ConvertedInput]:
     """What the converter does for NTCs, in the wiring's order; the first conversion after another pin's is left out."""
     return [
-        converted(f"$.wiring.thermocouples[{number}]: pin {label(pin)}", pin_mux(pin), CONVERSIONS, 1)
+        converted(f"$.wiring.thermocouples[{number}]: pin {board.label(pin)}", board.mux(pin), CONVERSIONS, 1)
         for number, chip in enumerate(wired)
         if (pin := chip.analog_pin) is not None
     ]
 
 
 def _chips(
-    coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program, first_input: int
+    board: Board, coefficients: Coefficients, wired: tuple[Thermocouple, ...], program: Program, first_input: int
 ) -> list[ThermocoupleContext]:
     names = coefficients.document.component_names
     told = told_channels(program)
@@ -168,11 +173,13 @@ def _chips(
                 "column": chip.channel in coefficients.document.thermocouple_columns,
                 "told": told.get(chip.channel),
                 "lines": {
-                    key: pin_context(pin, f"{path}.{key}")
+                    key: pin_context(board, pin, f"{path}.{key}")
                     for key in ("cs", "so", "sck", "sdi")
                     if (pin := getattr(chip, key)) is not None
                 },
-                "analog": pin_context(chip.analog_pin, f"{path}.analog_pin") if chip.analog_pin is not None else None,
+                "analog": pin_context(board, chip.analog_pin, f"{path}.analog_pin")
+                if chip.analog_pin is not None
+                else None,
                 "input": next(following) if chip.analog_pin is not None else 0,
                 "converter": chip.chip,
                 "platinum": tables.index(limits.platinum) if limits.platinum else 0,

@@ -7,10 +7,9 @@ from typing import TypedDict
 
 from gen.coefficients.protection import Protection
 from gen.coefficients.wiring import HYSTERESIS_mV, Wiring
+from gen.firmware.boards import Board
 from gen.firmware.sketch.converter import STEPS, ConvertedInput, converted
 
-_BANDGAP_MUX = 0x1E
-"""MUX5..MUX0 of the reference of 1.1 V (data sheet, "Input Channel Selections")."""
 _CONVERSIONS = 16
 _SETTLING = 8
 """The reference is a weak source, and needs 70 us at most to start: these are 0.9 ms."""
@@ -33,11 +32,11 @@ class SupplyContext(TypedDict):
     sound_mV: str
 
 
-def supply_input(entries: Sequence[Protection]) -> list[ConvertedInput]:
+def supply_input(board: Board, entries: Sequence[Protection]) -> list[ConvertedInput]:
     """What the converter does for it: nothing where no entry asks for it."""
     if all(entry.cause != "supply_low" for entry in entries):
         return []
-    return [converted("the reference of 1.1 V", _BANDGAP_MUX, _CONVERSIONS, _SETTLING)]
+    return [converted("the reference of 1.1 V", board.bandgap_mux, _CONVERSIONS, _SETTLING)]
 
 
 def supply_context(wiring: Wiring, number: int) -> SupplyContext:

@@ -6,6 +6,7 @@ import math
 from typing import TypedDict
 
 from gen.coefficients.wiring import Wiring
+from gen.firmware.boards import Board
 from gen.firmware.sketch.memory import zero_place, zeroed_channels
 from gen.lowering.program import Program
 
@@ -30,12 +31,12 @@ class ZeroContext(TypedDict):
     automatic: bool
 
 
-def zero_context(wiring: Wiring, program: Program, reading_ms: int) -> ZeroContext | None:
+def zero_context(board: Board, wiring: Wiring, program: Program, reading_ms: int) -> ZeroContext | None:
     """Describe what is learnt at a cold start.
 
     Parameters
     ----------
-    wiring
+    board, wiring
         The file's.
     program
         What is emitted.
@@ -50,7 +51,7 @@ def zero_context(wiring: Wiring, program: Program, reading_ms: int) -> ZeroConte
     """
     if wiring.zero is None:
         return None
-    at, size = zero_place(wiring, program)
+    at, size = zero_place(board, wiring, program)
     pairs = math.ceil(500.0 * _WINDOW_S / reading_ms)
     readings = 2 * min(max(pairs, _LEAST_READINGS // 2), _MOST_READINGS // 2)
     follows = program.network is not None or program.ambient is not None
