@@ -42,7 +42,7 @@ from gen.emulate.firmware import build_firmware, cache_folder
 from gen.emulate.results import deepest_stack
 from gen.emulate.rig import RigPlant
 from gen.emulate.session import Event, run_session
-from gen.firmware.pins import PWM_TIMERS
+from gen.firmware.boards import MEGA
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.rig import SensorFault
 
@@ -76,7 +76,7 @@ class Cost:
 def modules_on(wiring: Wiring) -> list[str]:
     """The I/O modules that the sketch for a wiring leaves on, by their names in `MODULES`."""
     pins = wiring.drive.pwm_pins.values() if wiring.drive else ()
-    timers = {PWM_TIMERS[pin] for pin in pins} | {0}
+    timers = {MEGA.pwm_timers[pin] for pin in pins} | {0}
     if wiring.encoder and wiring.encoder.counts_in_hardware:
         timers.add(5)
     return ["usart0", *(f"timer{timer}" if timer in (0, 2) else "timer" for timer in sorted(timers))]

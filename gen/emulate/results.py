@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.avr.compile import sizes
 from gen.avr.simulator import EmulatedMega
 from gen.coefficients.document import Document
 from gen.coefficients.protecting import protections
@@ -111,6 +112,7 @@ def summary(results: Results, board: Board, session: Session, settings: dict[str
         What it was run with; stands first.
     """
     mega = board.mega
+    taken = sizes(mega.elf)
     return settings | {
         "seconds": session.seconds,
         "wall_s": round(session.wall_s, 3),
@@ -126,6 +128,8 @@ def summary(results: Results, board: Board, session: Session, settings: dict[str
         "flags": results.flags,
         "measured_minus_model_K": _differences(results.columns),
         "board": {
+            "flash_bytes": taken.flash,
+            "ram_bytes": taken.ram,
             "awake_share": round(1.0 - mega.asleep / mega.cycle, 6),
             "stack_bytes": deepest_stack(mega),
             "pulses": mega.encoder.sent,

@@ -109,6 +109,10 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
     "started.json": ("97708ee09880950acc8e84f5fbdfa7d16c4cf62f18a96b67a4ae9ebca487cf46", {"casing": 37.7854816146}),
     "supplied.json": ("a7ff1056e23680b0a0c7460b473c455f0c810d9049ffdbeac326aa9df86499ca", FROZEN["my1016.json"][1]),
     "thermistors.json": ("4c1c75e69ac07b5a07c6b91a82b95ba15c48e38d66e42d36898a6b6bfd590e86", FROZEN["my1016.json"][1]),
+    "uno.json": (
+        "0e00911266016a87658b5187ea10a48c3782837136fa909916d5fc7d0fb25014",
+        {"casing": FROZEN["my1016.json"][1]["casing"]},
+    ),
     "zeroed.json": ("c967ffcbb618351e5961c368dbb3305981c457f91b549462cfaf1e0c197a6efa", FROZEN["my1016.json"][1]),
 }
 

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gen.coefficients import parse
-from gen.emulate.divider import Divider
+from gen.emulate.pins import PIN_MAPS
 from gen.emulate.scenario import converters
 from gen.errors import InputError
 from gen.firmware.project import project_files
@@ -279,7 +279,7 @@ def example(**changes: object) -> dict[str, Any]:
         ({"r25_ohm": None, "beta_K": None}, r'thermocouples\[0\]: expected either "r25_ohm"'),
         ({"steinhart_hart": [1e-3, 2e-4, 1e-7]}, r'thermocouples\[0\]: expected either "r25_ohm"'),
         ({"beta_K": 300}, r"thermocouples\[0\]\.beta_K: found 300, expected"),
-        ({"analog_pin": 22}, r"thermocouples\[0\]\.analog_pin: found 22, expected"),
+        ({"analog_pin": 22}, r"thermocouples\[0\]\.analog_pin: pin 22 of the Mega 2560 measures"),
         ({"cs": 22}, r"thermocouples\[0\]\.cs: the chip is an NTC"),
         ({"wires": 3}, r"thermocouples\[0\]\.wires: the chip is an NTC"),
         ({"r25_ohm": 1e6, "series_ohm": 100}, r"thermocouples\[0\]\.series_ohm: found 100: a step of the converter"),
@@ -331,4 +331,6 @@ def test_the_round_of_a_full_board_is_within_its_conversion() -> None:
 
 def test_the_emulator_says_which_pins_it_has() -> None:
     with pytest.raises(ValueError, match=r"A0\.\.A7"):
-        Divider(None, 62)  # type: ignore[arg-type]
+        PIN_MAPS["mega"].analog_input(62)
+    with pytest.raises(ValueError, match=r"A0\.\.A5"):
+        PIN_MAPS["uno"].analog_input(13)

@@ -10,13 +10,13 @@ from typing import Any
 
 import jsonschema
 import pytest
-from gen.firmware.pins import INTERRUPTS, PWM_TIMERS, label, port_bit
 
 from gen import toolchain
 from gen.coefficients import parse
 from gen.coefficients.schema import json_schema
 from gen.coefficients.versions import VERSION
 from gen.errors import InputError
+from gen.firmware.boards import MEGA
 from gen.firmware.project import project_files
 from gen.firmware.sketch.device import device_context
 from gen.firmware.wiring_svg import parts, wiring_svg
@@ -151,14 +151,14 @@ def test_pins_lie_where_the_arduino_core_has_them() -> None:
     ports = re.findall(r"^\s*P([A-L])\s*,\s*// P\w (\d) \*\* (\d+) \*\*", text, re.M)
     assert len(ports) == 70
     for letter, bit, pin in ports:
-        assert port_bit(int(pin)) == (letter, int(bit))
+        assert MEGA.port_bit(int(pin)) == (letter, int(bit))
     timers = re.findall(r"^\s*(NOT_ON_TIMER|TIMER\w+)\s*,\s*// P\w \d \*\* (\d+) \*\*", text, re.M)
     on_timer = {int(pin): CORE_TIMERS[name.removeprefix("TIMER")] for name, pin in timers if name != "NOT_ON_TIMER"}
-    assert on_timer == PWM_TIMERS
-    assert {pin: f"{port_bit(pin)[0]}{port_bit(pin)[1]}" for pin in INTERRUPTS} == {
+    assert on_timer == MEGA.pwm_timers
+    assert {pin: f"{MEGA.port_bit(pin)[0]}{MEGA.port_bit(pin)[1]}" for pin in MEGA.interrupts} == {
         2: "E4", 3: "E5", 18: "D3", 19: "D2", 20: "D1", 21: "D0",
     }  # fmt: skip
-    assert (label(53), label(54), label(69)) == ("53", "A0", "A15")
+    assert (MEGA.label(53), MEGA.label(54), MEGA.label(69)) == ("53", "A0", "A15")
 
 
 @pytest.mark.parametrize("name", VARIANTS)

@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from gen.avr.chip import BOARDS
 from gen.avr.compile import ArduinoCore, build_elf
+from gen.coefficients.wiring import BoardName
 from gen.emulate.devices import DeviceMega
 
 SOURCES = Path(__file__).parent / "firmware"
@@ -19,17 +21,14 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def core(cache: Path) -> ArduinoCore:
-    return ArduinoCore(cache)
-
-
-@pytest.fixture(scope="session")
-def open_board(cache: Path, core: ArduinoCore, tmp_path_factory: pytest.TempPathFactory) -> OpenBoard:
+def open_board(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> OpenBoard:
     """Build one file of firmware/ against the Arduino core and open it, not yet started."""
 
-    def build(name: str, *defines: str) -> DeviceMega:
+    def build(name: str, *defines: str, board: BoardName = "mega") -> DeviceMega:
         out = tmp_path_factory.mktemp("firmware") / f"{name}.elf"
-        elf = build_elf([SOURCES / name], [], out, core=core, defines=defines)
-        return DeviceMega(elf, cache)
+        elf = build_elf(
+            [SOURCES / name], [], out, core=ArduinoCore(cache, chip=BOARDS[board]), chip=BOARDS[board], defines=defines
+        )
+        return DeviceMega(elf, cache, board)
 
     return build
