@@ -2,9 +2,9 @@
 
 For motor m and hypothesis h with pattern p along its run, the amount is a = <p, r> / <p, p>. Over the fleet the centre
 is c_h = median a, the scale s_h a robust one (`findings`). In common is what |c_h| / (1.2533 s_h / sqrt(M)) exceeds a
-limit for; of those the one that explains most is taken off every residual. Then the same for motors that share a label
-(`batches`). A motor is different where |a - c_h| / s_h exceeds the limit, and of those hypotheses it is the one that
-explains most of its residual.
+limit for; of those the one that explains most is taken off every residual. The same holds for motors that share a
+label (`batches`), before that, lest half a fleet is taken for all of it, and once more after it. A motor is different
+where |a - c_h| / s_h exceeds the limit, and of those hypotheses it is the one that explains most of its residual.
 
 The limit is at level / (2 H), two-sided, H hypotheses on each of two models. By Bonferroni's inequality a healthy motor
 whose amounts are normal as the fleet's is called different in no more than `level` of its runs.
@@ -65,17 +65,20 @@ def judge(products: Sequence[Products], groups: Sequence[Group], level: float) -
     count = np.array([each.count for each in products])
     limit = limit_of(len(products), along.shape[1], level)
     strength = np.maximum(np.einsum("mhh->mh", gram), 1e-12)
+    of_labels = limit_of(len(products) - 1, along.shape[1] * max(len(groups), 1), level)
+    before, along = batches(along, gram, count, groups, of_labels, farther=True)
     common = _in_common(along / strength, strength, count, limit)
     if common is not None:
         along = along - common.amount * gram[:, :, common.place]
-    apart, along = batches(along, gram, count, groups, level)
+    left = [group for group in groups if all(group is not batch.group for batch in before)]
+    after, along = batches(along, gram, count, left, of_labels, farther=False)
     amount = along / strength
     centre = np.median(amount, axis=0)
     rest = amount - centre
     score = rest / spread(rest)
     explained = np.sqrt(strength * rest**2 / count[:, None])
     own = tuple(best(score[m], rest[m], explained[m], limit) for m in range(len(products)))
-    return Judged(common, apart, own, limit)
+    return Judged(common, (*before, *after), own, limit)
 
 
 def _in_common(amount: FloatArray, strength: FloatArray, count: FloatArray, limit: float) -> Finding | None:

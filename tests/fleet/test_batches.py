@@ -49,6 +49,30 @@ def test_of_two_suppliers_with_half_the_fleet_each_it_is_the_one_that_has_change
     assert batch.finding.amount == pytest.approx(-SHIFT, abs=0.2)
 
 
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.8])
+def test_a_batch_is_its_own_label_however_large_it_is(share: float) -> None:
+    others = ["y" if m % 2 else "z" for m in range(MANY)]
+    labels: list[Labels] = [{"batch": "x" if m < share * MANY else others[m]} for m in range(MANY)]
+    fleet = [products(m, {1: SHIFT} if labels[m]["batch"] == "x" else {}) for m in range(MANY)]
+    found = judge(fleet, groups_of(labels), 0.01)
+    (batch,) = found.batches
+    assert batch.group.labels == ("batch=x",)
+    assert batch.finding.amount == pytest.approx(SHIFT, abs=0.2)
+    assert found.common is None
+    assert not any(found.own)
+
+
+def test_a_batch_that_lacks_what_all_others_show_is_told_beside_it() -> None:
+    labels: list[Labels] = [{"batch": "x" if m < 8 else "yz"[m % 2]} for m in range(MANY)]
+    found = judge([products(m, {} if m < 8 else {1: 2.0}) for m in range(MANY)], groups_of(labels), 0.01)
+    assert found.common is not None
+    assert found.common.amount == pytest.approx(2.0, abs=0.2)
+    (batch,) = found.batches
+    assert batch.group.labels == ("batch=x",)
+    assert batch.finding.amount == pytest.approx(-2.0, abs=0.2)
+    assert not any(found.own)
+
+
 def test_a_supplier_of_whose_motors_half_are_of_the_batch_is_not_called_beside_it() -> None:
     supplier = ["A" if m < 12 or m > 27 else "B" for m in range(MANY)]
     fleet = [products(m, {2: SHIFT} if m < 8 else {}) for m in range(MANY)]
