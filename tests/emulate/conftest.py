@@ -21,6 +21,11 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def core(cache: Path) -> ArduinoCore:
+    return ArduinoCore(cache)
+
+
+@pytest.fixture(scope="session")
 def open_board(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> OpenBoard:
     """Build one file of firmware/ against the Arduino core and open it, not yet started."""
 
