@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import shutil
+import signal
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -31,6 +32,36 @@ def write_bytes(path: Path, data: bytes) -> None:
     """Write one file as :func:`replacing` does."""
     with replacing(path) as stream:
         stream.write(data)
+
+
+@contextmanager
+def scratch(prefix: str, parent: Path | None = None) -> Iterator[Path]:
+    """Give a folder that goes with the block, also where an interrupt comes in the moment in which it is made.
+
+    Between the folder and the object that removes it again lie some instructions: until both are there a signal waits.
+
+    Parameters
+    ----------
+    prefix
+        Of its name.
+    parent
+        Where; by default where the system keeps such folders.
+    """
+    waiting = {signal.SIGINT, signal.SIGTERM}
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, waiting) if hasattr(signal, "pthread_sigmask") else None
+
+    def let_in() -> None:
+        if before is not None:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+    try:
+        made = tempfile.TemporaryDirectory(dir=parent, prefix=prefix)
+    except BaseException:
+        let_in()
+        raise
+    with made as folder:
+        let_in()
+        yield Path(folder)
 
 
 @contextmanager

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import subprocess
-import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from pathlib import Path
 from gen import toolchain
 from gen.avr.chip import MEGA, Chip
 from gen.errors import CheckFailed
+from gen.files import scratch
 
 SRAM_OFFSET = 0x800000
 """Where the GNU linker places SRAM in the one address space of an AVR ELF file."""
@@ -160,8 +160,8 @@ class ArduinoCore:
 
     def _build(self) -> None:
         self.folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=self.folder.parent, prefix="core-") as scratch:
-            stage = Path(scratch) / "core"
+        with scratch("core-", self.folder.parent) as beside:
+            stage = beside / "core"
             stage.mkdir()
             self._write_quiet_headers(stage / "quiet")
             includes = [f"-I{folder}" for folder in self._own_folders]
@@ -246,10 +246,10 @@ def build_elf(
         flags += core.include_flags()
     flags += [f"-I{folder}" for folder in include_dirs]
     out.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=out.parent, prefix="objects-") as scratch:
-        objects = [str(path) for path in compile_objects(sources, Path(scratch), flags)]
+    with scratch("objects-", out.parent) as beside:
+        objects = [str(path) for path in compile_objects(sources, beside, flags)]
         archives = [] if core is None else [str(core.archive)]
-        linked = Path(scratch) / "linked.elf"
+        linked = beside / "linked.elf"
         link = [str(toolchain.avr_compiler()), f"-mmcu={chip.mcu}", optimisation, "-Wl,--gc-sections"]
         link += LINK_TIME_LINKER_FLAGS if link_time else ()
         link += ANY_SIZE_LINKER_FLAGS if any_size else ()

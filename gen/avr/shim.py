@@ -6,13 +6,13 @@ import ctypes
 import hashlib
 import os
 import re
-import tempfile
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from gen import toolchain
 from gen.errors import CheckFailed
+from gen.files import scratch
 
 SHIM_FOLDER = Path(__file__).with_name("shim")
 """The folder of the C sources."""
@@ -186,8 +186,8 @@ def _build(folder: Path) -> Path:
     if target.is_file():
         return target
     folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder, prefix="shim-") as scratch:
-        built = Path(scratch) / target.name
+    with scratch("shim-", folder) as beside:
+        built = beside / target.name
         command = [str(toolchain.program("gcc")), *flags, "-o", str(built), *map(str, sources), *links]
         done = toolchain.run(command)
         if done.returncode != 0:

@@ -6,7 +6,6 @@ import hashlib
 import os
 import subprocess
 import sys
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ from gen.avr.chip import BOARDS, Chip
 from gen.avr.compile import OPTIMISATION, ArduinoCore, BuildFailed, build_elf, sizes
 from gen.avr.room import OVERFLOW, check_room
 from gen.coefficients import Coefficients
+from gen.files import scratch
 from gen.firmware.boards import BOARDS as FIRMWARE_BOARDS
 from gen.firmware.project import project_files
 from gen.lowering.kinds import Arithmetic, ScheduleKind
@@ -80,8 +80,7 @@ def build_firmware(
         digest.update(f"{path}\0{text}\0".encode())
     elf = cache / f"firmware-{digest.hexdigest()[:16]}.elf"
     if not elf.is_file():
-        with tempfile.TemporaryDirectory(dir=cache, prefix="project-") as scratch:
-            folder = Path(scratch)
+        with scratch("project-", cache) as folder:
             for path, text in wanted.items():
                 target = folder / path
                 target.parent.mkdir(parents=True, exist_ok=True)

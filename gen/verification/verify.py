@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any, Literal
 from gen.avr.chip import BOARDS, MEGA, Chip
 from gen.coefficients import Coefficients
 from gen.coefficients.wiring import BoardName
+from gen.files import scratch
 from gen.firmware import render
 from gen.firmware.context import project_context
 from gen.lowering.alarms import lower_alarms
@@ -141,12 +141,12 @@ def verify(
         programs.append(lower(coefficients, arithmetic, schedule))
     results = []
     for program in programs:
-        with tempfile.TemporaryDirectory(prefix="gen-verify-") as folder:
+        with scratch("gen-verify-") as folder:
             results.append(
                 _combination(
                     coefficients,
                     program,
-                    Path(folder),
+                    folder,
                     target,
                     progress,
                     mutation,
