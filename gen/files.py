@@ -5,8 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import secrets
 import shutil
-import signal
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -38,7 +38,8 @@ def write_bytes(path: Path, data: bytes) -> None:
 def scratch(prefix: str, parent: Path | None = None) -> Iterator[Path]:
     """Give a folder that goes with the block, also where an interrupt comes in the moment in which it is made.
 
-    Between the folder and the object that removes it again lie some instructions: until both are there a signal waits.
+    Its name is chosen before it is there, so that whatever happens from then on ends in its removal.
+    :class:`tempfile.TemporaryDirectory` knows its name only some instructions after.
 
     Parameters
     ----------
@@ -47,21 +48,12 @@ def scratch(prefix: str, parent: Path | None = None) -> Iterator[Path]:
     parent
         Where; by default where the system keeps such folders.
     """
-    waiting = {signal.SIGINT, signal.SIGTERM}
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, waiting) if hasattr(signal, "pthread_sigmask") else None
-
-    def let_in() -> None:
-        if before is not None:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
+    folder = (parent or Path(tempfile.gettempdir())) / f"{prefix}{secrets.token_hex(8)}"
     try:
-        made = tempfile.TemporaryDirectory(dir=parent, prefix=prefix)
-    except BaseException:
-        let_in()
-        raise
-    with made as folder:
-        let_in()
-        yield Path(folder)
+        folder.mkdir(mode=0o700)
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 @contextmanager

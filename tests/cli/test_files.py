@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
-import signal
-import tempfile
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -20,17 +19,14 @@ def test_a_folder_goes_with_its_block(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_interrupt_between_the_folder_and_who_removes_it_leaves_none(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    real = tempfile.mkdtemp
+def test_an_interrupt_as_it_is_made_leaves_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    real = os.mkdir
 
-    def interrupted(*given: str | None) -> str:
-        made = real(*given)
-        os.kill(os.getpid(), signal.SIGINT)
-        return made
+    def interrupted(*given: Any, **named: Any) -> None:  # noqa: ANN401
+        real(*given, **named)
+        raise KeyboardInterrupt
 
-    monkeypatch.setattr(tempfile, "mkdtemp", interrupted)
+    monkeypatch.setattr(os, "mkdir", interrupted)
     with pytest.raises(KeyboardInterrupt), scratch("some-", tmp_path):
         pass
     assert list(tmp_path.iterdir()) == []
