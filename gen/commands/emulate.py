@@ -35,7 +35,7 @@ _EXAMPLE = (
 )
 
 
-@click.command(short_help="Run the firmware on an emulated Mega with a simulated motor.", epilog=_EXAMPLE)
+@click.command(short_help="Run the firmware on an emulated board with a simulated motor.", epilog=_EXAMPLE)
 @click.argument("coefficients", metavar="COEFFS", type=_PATH)
 @click.option("--arithmetic", type=click.Choice(["fixed", "float"]), default="fixed", show_default=True)
 @click.option("--schedule", type=click.Choice(["table", "onboard"]), default="table", show_default=True)
@@ -105,7 +105,7 @@ _EXAMPLE = (
 @click.option("--json", "json_file", type=_PATH, help="Write alarms, faults and counts as JSON.")
 @click.option("--plot", type=_PATH, help="Draw the run, as gen plot does: FILE.html, FILE.svg or FILE.png.")
 def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | None, **options: Any) -> None:  # noqa: ANN401
-    """Run the firmware itself on an emulated Mega against a simulated motor.
+    """Run the firmware itself on an emulated Mega, or Uno, against a simulated motor.
 
     The firmware of the coefficient file is built as for the board and executed instruction by instruction; its
     thermocouples, encoder, drive, button, LED and serial line lead to a simulated motor: the MY1016, or a model. The
@@ -204,7 +204,7 @@ def _wanted(loaded: Coefficients, coefficients: Path, options: dict[str, Any]) -
     if wiring is None or not wiring.thermocouples:
         raise InputError("has no thermocouples: there is nothing to emulate", file=str(coefficients), place="$.wiring")
     if options["elf"] is not None and not options["elf"].is_file():
-        raise InputError("there is no such file; expected a firmware for the Mega", file=str(options["elf"]))
+        raise InputError("there is no such file; expected a firmware for the board", file=str(options["elf"]))
     profile = parse_profile(options["profile"])
     check_profile(profile, options["duration"])
     names = ("button", "reset", "power_cut", "brown_out", "send", "flood")

@@ -1,4 +1,4 @@
-"""The EEPROM of the Mega."""
+"""The EEPROM."""
 
 from __future__ import annotations
 

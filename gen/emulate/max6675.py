@@ -1,4 +1,4 @@
-"""The MAX6675s and MAX31855s on the Mega's pins."""
+"""The MAX6675s and MAX31855s on the board's pins."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The MAX31856s and MAX31865s on the Mega's pins."""
+"""The MAX31856s and MAX31865s on the board's pins."""
 
 from __future__ import annotations
 

@@ -36,9 +36,12 @@ PULSES_PER_S = 500
 class Warm:
     """A casing at 40 degC in a room of 25 degC, turning while it is driven."""
 
+    def __init__(self, word: int = word_of(40.0)) -> None:
+        self._word = word
+
     def step(self, pwm: int, dt_s: float) -> Reading:
         """See `gen.emulate.plant.Plant.step`."""
-        return Reading({"casing": word_of(40.0), "ambient": word_of(25.0)}, round(PULSES_PER_S * dt_s) if pwm else 0)
+        return Reading({"casing": self._word, "ambient": word_of(25.0)}, round(PULSES_PER_S * dt_s) if pwm else 0)
 
 
 def changed(change: Callable[[dict[str, Any]], None]) -> Coefficients:
@@ -104,6 +107,52 @@ def test_its_self_test_passes_and_a_copy_outlives_the_power(board: Board) -> Non
     run(board, 610.0)
     board.mega.cut_power(2.0)
     assert "start from memory" in run(board, 8.0)
+
+
+SUM_40 = round(16 * 1024 * 5302 / (5302 + 1000))
+"""Sixteen conversions of a thermistor at 40 degC on 1 kOhm: 10e3 exp(3950 (1/313.15 - 1/298.15)) = 5302 ohm."""
+AMBIENT = {"channel": "ambient", "cs": 5, "so": 7, "sck": 8}
+OTHERS: dict[str, dict[str, Any]] = {
+    "converter, and PWM of Timer 2": {
+        "thermocouples": [
+            {
+                "channel": "casing",
+                **{"chip": "NTC", "analog_pin": 14, "r25_ohm": 10_000, "beta_K": 3950, "series_ohm": 1000},
+            },
+            AMBIENT,
+        ],
+        "channels": [{"column": "current_A", "analog_pin": 15}],
+        "drive": {"pwm_pin": 3, "direction_pin": 4, "frequency_Hz": 31373},
+        "supply": {"bandgap_mV": 1100},
+    },
+    "another controller's PWM": {
+        "thermocouples": [{"channel": "casing", "chip": "MAX31856", "cs": 4, "so": 7, "sck": 8, "sdi": 9}, AMBIENT],
+        "observe": {"forward_pin": 10, "reverse_pin": 11},
+    },
+}
+
+
+@pytest.mark.parametrize("wiring", OTHERS)
+def test_other_parts_work_there_too(wiring: str, cache: Path) -> None:
+    def change(tree: dict[str, Any]) -> None:
+        tree["wiring"] = {"board": "uno", "memory": None, **OTHERS[wiring]}
+        if "supply" in OTHERS[wiring]:
+            tree["protection"] = [{"cause": "supply_low", "delay_s": 1, "action": "log"}]
+
+    loaded = changed(change)
+    firmware = build_firmware(loaded, "fixed", "table", "uno.json", cache)
+    assert loaded.document.wiring is not None
+    plant = Warm(SUM_40) if "supply" in OTHERS[wiring] else Warm()
+    board = Board(firmware.elf, cache, loaded.document.wiring, plant)
+    run(board, 6.0)
+    board.command(-102)
+    board.mega.uart.send(b"test\n")
+    said = run(board, 30.0)
+    assert "test passed" in said
+    assert "FAILED" not in said
+    pwm = int([line for line in said.splitlines() if re.match(r"\d", line)][-1].split(",")[1])
+    assert abs(pwm + 102) <= (2 if "observe" in OTHERS[wiring] else 0)  # what the observer takes for its own scatter
+    assert board.pwm == -102
 
 
 @pytest.mark.parametrize("arithmetic", ["fixed", "float"])
