@@ -41,11 +41,16 @@ class Hypothesis:
             return "sensor differs"
         return "warmer" if amount > 0.0 else "cooler"
 
-    def said(self, amount: float) -> str:
-        """Say where and by how much."""
+    def said(self, amount: float, explained_K: float) -> str:
+        """Say where and by how much; of heat also what it does to the readings, root mean square over all of them.
+
+        A share of all heat alone would say little: a hidden node with a large capacity may have most of it, and
+        nobody reads that node.
+        """
         match self.kind:
             case "heat":
-                return f"at {self.node}, by {amount:+.1%} of the motor's heat"
+                shown_K = np.copysign(explained_K, amount)
+                return f"at {self.node}, by {shown_K:+.2f} K in the readings, {amount:+.1%} of the motor's heat"
             case "offset":
                 return f"of {self.node}, by {amount:+.2f} K"
             case _:

@@ -249,7 +249,8 @@ def _explained(errors_K: FloatArray) -> bool:
 
 
 def _words(names: list[Hypothesis], finding: Finding) -> str:
-    return f"{names[finding.place].said(finding.amount)} ({finding.score:+.1f} standard deviations)"
+    said = names[finding.place].said(finding.amount, finding.explained_K)
+    return f"{said} ({finding.score:+.1f} standard deviations)"
 
 
 def _hash(data: bytes) -> str:
