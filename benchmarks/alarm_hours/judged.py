@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.alarm_hours.lives import Life, fault_lives, healthy_lives, load_lives, other_lives
 from gen.coefficients import Coefficients, load
@@ -14,6 +15,7 @@ from gen.reference.run_alarms import raised_s
 from gen.reference.simulate import simulate_run
 from gen.rig import Setup, make_run, zeroed
 from gen.rig.runs import CHANNELS
+from gen.runs import Run
 
 DEFAULT = Path(__file__).parents[2] / "examples" / "my1016_rig" / "coeffs.json"
 TABLES = ("healthy", "faults", "lives", "loads")
@@ -65,9 +67,33 @@ def judge(campaign: Campaign, name: str, number: int) -> Heard:
     """Run the motor, and the rules on what its sensors read."""
     coefficients, life = coefficients_of(campaign.path), lives_of(campaign, name)[number]
     run = make_run(life.profile, setup_of(campaign, life)).run
-    shown = simulate_run(coefficients, run, "exact", "auto", life.kind)
-    degrees = {part: shown[f"{part}_degC"].astype(np.float64) for part in coefficients.model.component_names}
-    return Heard(life.kind, life.fault_s, raised_s(coefficients, run, degrees))
+    first_s: dict[str, float] = {}
+    for piece in pieces(run, life.reset_s):
+        shown = simulate_run(coefficients, piece, "exact", "auto", life.kind)
+        degrees = {part: shown[f"{part}_degC"].astype(np.float64) for part in coefficients.model.component_names}
+        first_s = raised_s(coefficients, piece, degrees) | first_s
+    return Heard(life.kind, life.fault_s, first_s)
+
+
+def pieces(run: Run, reset_s: float | None) -> list[Run]:
+    """What a board sees of a run as one: all of it, or before and from a reset on, for which it begins anew.
+
+    A board with copies in EEPROM, or one that is reset by its watchdog, goes on instead: this is the worst case.
+    """
+    if reset_s is None:
+        return [run]
+    return [_rows(run, run.time_s < reset_s), _rows(run, run.time_s >= reset_s)]
+
+
+def _rows(run: Run, kept: NDArray[np.bool_]) -> Run:
+    return replace(
+        run,
+        time_s=run.time_s[kept],
+        pwm=run.pwm[kept],
+        temps={name: values[kept] for name, values in run.temps.items()},
+        ambient=None if run.ambient is None else run.ambient[kept],
+        extras={name: values[kept] for name, values in run.extras.items()},
+    )
 
 
 def setup_of(campaign: Campaign, life: Life) -> Setup:

@@ -40,12 +40,15 @@ class Life:
         Of the simulated motor.
     fault_s
         When a fault begins, or None.
+    reset_s
+        When the board loses its power for a moment, or None: it knows nothing of before, and the motor runs on.
     """
 
     kind: str
     profile: Profile
     setup: Setup
     fault_s: float | None = None
+    reset_s: float | None = None
 
 
 def _random_speed(rng: np.random.Generator) -> int:
@@ -122,7 +125,13 @@ HEALTHY: dict[str, tuple[Making, Setting]] = {
     "noise twice as large": (_held, _noisy),
     "a sensor drifts 0.5 K/h": (_held, _drifting),
     "load steps to 2 %": (_held, _loaded),
+    "resets at one speed": (_held, _plain),
+    "resets, speeds of 15 to 45 min": (_changing(900.0, 2700.0), _plain),
 }
+
+
+def _reset(kind: str, rng: np.random.Generator) -> float | None:
+    return float(rng.uniform(1800.0, 9000.0)) if kind.startswith("resets") else None
 
 
 def healthy_lives(hours: float, seed: int, kinds: Sequence[str] = ()) -> Iterable[Life]:
@@ -132,7 +141,7 @@ def healthy_lives(hours: float, seed: int, kinds: Sequence[str] = ()) -> Iterabl
     for kind, (making, setting) in kept.items():
         for number in range(runs):
             rng = np.random.default_rng([seed, *kind.encode(), number])
-            yield Life(kind, making(rng), setting(rng))
+            yield Life(kind, making(rng), setting(rng), reset_s=_reset(kind, rng))
 
 
 def fault_lives(seed: int) -> Iterable[Life]:
@@ -153,7 +162,9 @@ LIVES: dict[str, tuple[Making, Setting, dict[str, float]]] = {
     "in a moving room": (_held, lambda rng: _plain(rng, ambient=_room(rng)), {}),
     "ten minutes after a cold start": (_held, _plain, {"start_s": 600.0}),
     "ten minutes after a warm start": (_held, _warm, {"start_s": 600.0}),
+    "half an hour after a reset": (_held, _plain, {}),
 }
+RESET_S = FAULT_S - 1800.0
 
 
 def other_lives(seed: int, each: int) -> Iterable[Life]:
@@ -164,7 +175,8 @@ def other_lives(seed: int, each: int) -> Iterable[Life]:
             kind = KINDS[number % 2]
             fault = Fault(kind, **({"start_s": FAULT_S} | how))
             setup = replace(setting(rng), motor=MotorConfig(faults=(fault,)))
-            yield Life(f"{kind} {name}", making(rng), setup, fault.start_s)
+            reset_s = RESET_S if name.endswith("reset") else None
+            yield Life(f"{kind} {name}", making(rng), setup, fault.start_s, reset_s)
 
 
 def load_lives(seed: int, each: int) -> Iterable[Life]:

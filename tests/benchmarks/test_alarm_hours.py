@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.alarm_hours.lives import FAULT_S, LOADS_NM, Life, load_lives
+from benchmarks.alarm_hours.judged import pieces
+from benchmarks.alarm_hours.lives import FAULT_S, LOADS_NM, RUN_S, Life, healthy_lives, load_lives, other_lives
 from benchmarks.alarm_hours.oracle import LATEST_S, RATES_H, Delays, oracle_delays, oracle_table
-from gen.rig import SensorConfig, Setup
+from gen.rig import SensorConfig, Setup, make_run
 from gen.rig.profiles import step
 from gen.rig.signals import value
 
@@ -56,3 +57,24 @@ def test_loads_come_and_go_and_are_the_same_each_time() -> None:
         assert loads == [value(other.setup.load_Nm, t) for t in times]
         assert 0.0 <= max(loads) <= float(one.kind.split()[-2])
     assert sum(life.fault_s is None for life in lives) == len(LOADS_NM) * 2
+
+
+def test_a_reset_hides_from_the_board_what_was_before() -> None:
+    """Each piece begins with its own first reading, and no row is in both or in none."""
+    run = make_run(step(100, 60.0), Setup(seed=1)).run
+    before, after = pieces(run, 20.0)
+    assert before.time_s[-1] < 20.0 <= after.time_s[0]
+    for name, values in run.columns().items():
+        np.testing.assert_array_equal(np.concatenate([before.columns()[name], after.columns()[name]]), values)
+    assert pieces(run, None) == [run]
+
+
+def test_lives_with_a_reset_have_one_in_the_middle() -> None:
+    lives = list(healthy_lives(60.0, 5, ("resets at one speed", "steady")))
+    assert {life.reset_s is not None for life in lives if life.kind == "steady"} == {False}
+    times = [life.reset_s for life in lives if life.kind != "steady"]
+    assert len(times) == 10
+    assert all(time is not None and 1800.0 <= time <= RUN_S - 1800.0 for time in times)
+    struck = [life for life in other_lives(5, 2) if life.reset_s is not None]
+    assert [life.kind for life in struck] == ["bearing half an hour after a reset", "brush half an hour after a reset"]
+    assert all(life.fault_s is not None and life.reset_s is not None for life in struck)
