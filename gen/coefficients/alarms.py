@@ -34,7 +34,12 @@ class Rule(Part):
         str | None, Field(description="The rule is evaluated only while this earlier rule's alarm is raised.")
     ] = None
     unless: Annotated[
-        str | None, Field(description="The rule is not evaluated while this earlier rule's alarm is raised.")
+        str | None,
+        Field(
+            description="The rule is not evaluated while this earlier rule's alarm is raised; where that rule is on "
+            "missing heat, neither while it is unsettled, nor if it was when the alarm of `requires` came: its silence "
+            "says nothing then."
+        ),
     ] = None
     stop_motor: Annotated[
         bool | None,

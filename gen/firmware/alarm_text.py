@@ -62,10 +62,15 @@ def _condition(document: Document, rule: AlarmRule) -> str:
     if rule.requires is not None:
         parts.append(f"only while {rule.requires} is raised")
     if rule.unless is not None:
-        parts.append(f"not while {rule.unless} is raised")
+        parts.append(f"not while {rule.unless} is raised{_or_deaf(document, rule.unless)}")
     if any(entry.rule == rule.name and entry.stops for entry in protections(document)):
         parts.append("stops the motor")
     return ", ".join(parts)
+
+
+def _or_deaf(document: Document, name: str) -> str:
+    heard = any(isinstance(rule, MissingHeat) and rule.name == name for rule in document.alarms)
+    return ", nor where it had been unsettled and could hear nothing" if heard else ""
 
 
 def _looks_ahead(rule: AlarmRule) -> bool:

@@ -6,6 +6,7 @@ Usually there is one.  A threshold that is counted from the declared error band 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -156,6 +157,11 @@ def lower_alarms(coefficients: Coefficients) -> tuple[LoweredRule, ...]:
             )
         )
     return tuple(rules)
+
+
+def asks_heat(rules: Sequence[LoweredRule]) -> bool:
+    """Whether any rule waits for one on missing heat to stay silent."""
+    return any(rule.unless is not None and rules[rule.unless].heat is not None for rule in rules)
 
 
 def start_wait(model: ThermalModel, name: str, counts: range) -> int:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.alarms import AHEAD_TIMES, HASTE_mK, LoweredRule
+from gen.lowering.alarms import AHEAD_TIMES, HASTE_mK, LoweredRule, asks_heat
 from gen.model.dynamics import MAX_PWM
 from gen.reference.heat import ReferenceHeat, fields
 
@@ -27,8 +27,9 @@ class ReferenceAlarms:
 
     Attributes
     ----------
-    latched, active, asleep
-        Bit masks of the rules, shape (L,).
+    latched, active, asleep, deaf
+        Bit masks of the rules, shape (L,). Deaf: the rule on missing heat that they wait for to stay silent had nothing
+        to hear when the alarm came that they require.
     """
 
     def __init__(self, rules: Sequence[LoweredRule], trusted: NDArray[np.bool_]) -> None:
@@ -37,6 +38,7 @@ class ReferenceAlarms:
         self.latched = np.zeros(lanes, dtype=np.int64)
         self.active = np.zeros(lanes, dtype=np.int64)
         self.asleep = np.full(lanes, (1 << len(rules)) - 1, dtype=np.int64)
+        self.deaf = self.asleep.copy()
         self._settled = np.zeros((len(rules), lanes), dtype=np.int64)
         self._held = np.zeros((len(rules), lanes), dtype=np.int64)
         self._sum = np.zeros((len(rules), lanes), dtype=np.int64)
@@ -53,9 +55,8 @@ class ReferenceAlarms:
             self._held[number] = record[f"{rule.name}.held"]
             self._sum[number] = record[f"{rule.name}.sum"]
         self._heat.advance(record)
-        self.latched, self.active, self.asleep = (
-            record[mask].astype(np.int64) for mask in ("latched", "active", "asleep")
-        )
+        for mask in _masks(self._rules):
+            setattr(self, mask, record[mask].astype(np.int64))
 
     def restore(self, latched: Integers) -> None:
         """Raise alarms that were latched before a reset of the board.
@@ -131,7 +132,8 @@ class ReferenceAlarms:
             record[f"{rule.name}.held"] = self._held[number]
             record[f"{rule.name}.sum"] = self._sum[number]
         self._heat.keep(record)
-        record["latched"], record["active"], record["asleep"] = self.latched, self.active, self.asleep
+        for mask in _masks(self._rules):
+            record[mask] = getattr(self, mask)
         return record
 
     def _awake(self, number: int, rule: LoweredRule, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -144,6 +146,11 @@ class ReferenceAlarms:
             awake &= ((self.latched >> rule.requires) & 1) == 1
         if rule.unless is not None:
             awake &= ((self.latched >> rule.unless) & 1) == 0
+            if self._rules[rule.unless].heat is not None:
+                hears = self._heat.settled(rule.unless)
+                early = inside if rule.requires is None else inside & (((self.latched >> rule.requires) & 1) == 0)
+                self._mark(number, "deaf", on=early & ~hears, off=early & hears)
+                awake &= hears & (((self.deaf >> number) & 1) == 0)
         return awake
 
     def _holds(
@@ -173,8 +180,13 @@ def alarm_record_type(rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
         for rule in rules
         for field, kind in (("settled", "<u2"), ("start_wait", "<u2"), ("held", "<u2"), ("sum", "<i4"))
     ]
-    masks = [(mask, "<u2") for mask in ("latched", "active", "asleep")]
+    masks = [(mask, "<u2") for mask in _masks(rules)]
     return np.dtype([*timers, *fields([rule.heat for rule in rules]), *masks])
+
+
+def _masks(rules: Sequence[LoweredRule]) -> tuple[str, ...]:
+    usual = ("latched", "active", "asleep")
+    return (*usual, "deaf") if asks_heat(rules) else usual
 
 
 def compared(

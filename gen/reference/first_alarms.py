@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.alarms import LoweredRule
+from gen.lowering.heat import MOST_UNSETTLED, LoweredHeat
 from gen.model.dynamics import MAX_PWM
 from gen.reference.alarms import compared, counted, thresholds
-from gen.reference.heat import watched
-from gen.reference.heat_blocks import blocks_of, sums_after
+from gen.reference.heat import is_settled, watched
+from gen.reference.heat_blocks import Course, blocks_of, course_of
 
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -52,11 +53,13 @@ def first_raised(
         By rule: an index of the samples, None for a rule that is not raised.
     """
     magnitude = np.minimum(np.abs(pwm), MAX_PWM)
-    full = _heat_reached(rules, pwm, measured_mC - model_mC, valid, trusted=trusted)
+    full, settled = _heat(rules, pwm, measured_mC - model_mC, valid, trusted=trusted)
     first: list[int | None] = []
     for number, rule in enumerate(rules):
         inside, trip, clear = thresholds(rule, magnitude)
         awake = inside & _awake(rule, inside, 0 if trusted else rule.start_wait, first)
+        if rule.unless is not None and rules[rule.unless].heat is not None:
+            awake &= _denied(rule, inside, settled[rule.unless], first)
         seen = awake & ((valid >> rule.component & 1) == 1)
         if rule.relative_to is not None:
             seen &= (valid >> rule.relative_to & 1) == 1
@@ -76,21 +79,36 @@ def first_raised(
     return first
 
 
-def _heat_reached(
+def _heat(
     rules: Sequence[LoweredRule], pwm: Integers, deviation_mK: Integers, valid: Integers, *, trusted: bool
-) -> Flags:
-    """Where the sum of a rule on missing heat has reached its limit, shape (rules, K); False for other rules."""
+) -> tuple[Flags, Flags]:
+    """Where the sum of a rule on missing heat has reached its limit, and where such a rule is settled.
+
+    Shape (rules, K) each; False and True for other rules.
+    """
     reached = np.zeros((len(rules), len(pwm)), dtype=np.bool_)
+    settled = ~reached
     lowered = [rule.heat for rule in rules]
     block = next((rule.block for rule in lowered if rule is not None), 0)
-    if not block or len(pwm) < block:
-        return reached
-    sums = sums_after(lowered, [blocks_of(block, watched(lowered), pwm, deviation_mK, valid)], np.array([trusted]))
+    if not block:
+        return reached, settled
+    record = blocks_of(block, watched(lowered), pwm, deviation_mK, valid)
+    course = course_of(lowered, [record], np.array([trusted]))
+    after = (np.arange(len(pwm)) + 1) // block  # blocks that have ended, a sample that ends one included
     for number, rule in enumerate(lowered):
         if rule is not None:
-            after = np.repeat(sums[number, 0] >= rule.limit, block)[: len(pwm) - block + 1]
-            reached[number, block - 1 : block - 1 + len(after)] = after
-    return reached
+            reached[number] = (course.sums[number, 0] >= rule.limit)[after]
+            settled[number] = _settled(rule, course, number, pwm, after)
+    return reached, settled
+
+
+def _settled(rule: LoweredHeat, course: Course, number: int, pwm: Integers, after: Integers) -> Flags:
+    """Where a rule is settled: PWM may change within a block, and unsettles it at once."""
+    changed = np.cumsum(np.abs(np.diff(np.clip(pwm, -MAX_PWM, MAX_PWM), prepend=0)))
+    ends = np.arange(1, after[-1] + 1) * rule.block - 1
+    until = np.concatenate([[0], changed[ends]])  # counts of change that each block's end has seen
+    unsettled = course.unsettled[number, 0][after] + rule.change * (changed - until[after])
+    return is_settled(np.minimum(MOST_UNSETTLED, unsettled), course.slack[number, 0][after])
 
 
 def _awake(rule: LoweredRule, inside: Flags, wait: int, first: Sequence[int | None]) -> Flags:
@@ -104,6 +122,15 @@ def _awake(rule: LoweredRule, inside: Flags, wait: int, first: Sequence[int | No
         until = first[rule.unless]
         awake &= sample < (inside.size if until is None else until)
     return awake
+
+
+def _denied(rule: LoweredRule, inside: Flags, settled: Flags, first: Sequence[int | None]) -> Flags:
+    """Where the silence of a rule on missing heat says no: it is settled, and was when the required alarm came."""
+    if rule.requires is None:
+        return settled
+    since = first[rule.requires]
+    before = np.flatnonzero(inside[:since])
+    return settled & bool(before.size and settled[before[-1]])
 
 
 def _sum_is_full(rule: LoweredRule, seen: Flags, beyond: Integers) -> Flags:

@@ -39,21 +39,23 @@ class ReferenceHeat:
 
     Attributes
     ----------
-    sums
-        Shape (rules, L); zero for rules of another kind.
+    sums, unsettled
+        What was summed, and the slack that changes of PWM and starts have left, in 2^-FINE_BITS of a heat; shape
+        (rules, L) each, zero for rules of another kind.
     """
 
     def __init__(self, rules: Sequence[LoweredHeat | None], trusted: Flags) -> None:
         self._rules = [(number, rule) for number, rule in enumerate(rules) if rule is not None]
+        self._by_number = dict(self._rules)
         self._watched = watched(rules)
         self._block = self._rules[0][1].block if self._rules else 1
         lanes = len(trusted)
         self.sums = np.zeros((len(rules), lanes), dtype=np.int64)
-        self._usual, self._before, self._unsettled, self._pending, self._learnt, self._waited = (
+        self._usual, self._before, self.unsettled, self._pending, self._learnt, self._waited = (
             np.zeros((len(rules), lanes), dtype=np.int64) for _ in range(6)
         )
         for number, rule in self._rules:
-            self._unsettled[number] = np.where(trusted, 0, rule.start)
+            self.unsettled[number] = np.where(trusted, 0, rule.start)
             self._learnt[number] = heat.PRIOR_BLOCKS
         self._sum, self._count, self._mean, self._known = (
             np.zeros((len(self._watched), lanes), dtype=np.int64) for _ in range(4)
@@ -95,10 +97,19 @@ class ReferenceHeat:
             for values in (self._samples, *self._sum, *self._count):
                 values[ended] = 0
 
+    def settled(self, number: int) -> Flags:
+        """Where what a change of PWM or a start has left is too little to hide what a rule would hear, shape (L,)."""
+        return is_settled(self.unsettled[number], self.slack(number))
+
+    def slack(self, number: int) -> Integers:
+        """A rule's slack for a settled motor, shape (L,)."""
+        rule = self._by_number[number]
+        return np.asarray(rule.slack + rule.unknown * heat.PRIOR_BLOCKS // self._learnt[number])
+
     def change(self, counts: Integers) -> None:
         """Take changes of PWM, shape (L,)."""
         for number, rule in self._rules:
-            self._unsettled[number] = np.minimum(heat.MOST_UNSETTLED, self._unsettled[number] + rule.change * counts)
+            self.unsettled[number] = np.minimum(heat.MOST_UNSETTLED, self.unsettled[number] + rule.change * counts)
 
     def end_block(self, magnitude: Integers, means: Integers, present: Flags, ended: Flags) -> None:
         """End a block.
@@ -127,9 +138,9 @@ class ReferenceHeat:
         ended: Flags,
     ) -> None:  # fmt: skip
         fading = np.array(rule.fading)[bins]
-        unsettled = self._unsettled[number]
+        unsettled = self.unsettled[number]
         unsettled = np.where(ended, unsettled - (unsettled * fading >> heat.RATE_BITS), unsettled)
-        self._unsettled[number] = unsettled
+        self.unsettled[number] = unsettled
         inside = ended & (magnitude >= rule.low) & (magnitude <= rule.high)
         gained, complete = np.zeros_like(magnitude), inside.copy()
         for term in rule.terms:
@@ -141,16 +152,15 @@ class ReferenceHeat:
         pending = np.clip(self._pending[number] + (gained >> heat.WEIGHT_BITS), -most, most)
         waited = self._waited[number]
         blocks = waited + 1
-        unsettled >>= heat.FINE_BITS
         usual, before = self._usual[number], self._before[number]
-        slack = rule.slack + rule.unknown * heat.PRIOR_BLOCKS // self._learnt[number]
-        counted = pending - blocks * ((before >> heat.FINE_BITS) + slack + unsettled)
+        slack = self.slack(number)
+        counted = pending - blocks * ((before >> heat.FINE_BITS) + slack + (unsettled >> heat.FINE_BITS))
         self.sums[number] = np.where(
             complete, np.clip(self.sums[number] + counted, 0, 2 * rule.limit), self.sums[number]
         )
         most = heat.MOST_RATE << heat.FINE_BITS
         rate = np.clip(truncated(pending << heat.FINE_BITS, blocks), -most, most)
-        learns = complete & (2 * unsettled < slack)
+        learns = complete & is_settled(unsettled, slack)
         self._usual[number] = np.where(learns, usual + truncated(rate - usual, self._learnt[number]), usual)
         self._learnt[number] = np.where(learns, np.minimum(self._learnt[number] + 1, rule.memory), self._learnt[number])
         self._remember(number, rule, ended)
@@ -191,7 +201,7 @@ class ReferenceHeat:
         return self._sum, self._count, self._mean, self._known
 
     def _rule_words(self) -> tuple[Integers, ...]:
-        return self.sums, self._usual, self._before, self._unsettled, self._pending, self._learnt, self._waited
+        return self.sums, self._usual, self._before, self.unsettled, self._pending, self._learnt, self._waited
 
 
 def watched(rules: Sequence[LoweredHeat | None]) -> tuple[int, ...]:
@@ -211,6 +221,12 @@ def fields(rules: Sequence[LoweredHeat | None]) -> list[tuple[str, str]]:
         for field, kind in _RULE
     ]
     return [*parts, *sums, ("heat.samples", "<u2"), ("heat.pwm", "<i2")]
+
+
+def is_settled(unsettled: Integers, slack: Integers) -> Flags:
+    """Whether an unsettled slack, in 2^-FINE_BITS of a heat, is small beside a settled one, in heats."""
+    small: Flags = 2 * (unsettled >> heat.FINE_BITS) < slack
+    return small
 
 
 def truncated(values: Integers, by: Integers) -> Integers:

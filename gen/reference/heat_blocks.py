@@ -79,8 +79,30 @@ def blocks_of(block: int, components: Sequence[int], pwm: Integers, deviation_mK
     return Blocks(magnitude, changes, np.array(means), np.array(present))
 
 
+@dataclass(frozen=True, eq=False)
+class Course:
+    """What every rule has come to before the first block and after each, shape (rules, L, B + 1) each.
+
+    Attributes
+    ----------
+    sums, unsettled
+        As :class:`gen.reference.heat.ReferenceHeat` has them.
+    slack
+        A settled motor's.
+    """
+
+    sums: Integers
+    unsettled: Integers
+    slack: Integers
+
+
 def sums_after(rules: Sequence[LoweredHeat | None], records: Sequence[Blocks], trusted: Flags) -> Integers:
-    """Sums of every rule after each block, if nobody resets them.
+    """Sums of every rule after each block, shape (rules, L, B), see :func:`course_of`."""
+    return course_of(rules, records, trusted).sums[:, :, 1:]
+
+
+def course_of(rules: Sequence[LoweredHeat | None], records: Sequence[Blocks], trusted: Flags) -> Course:
+    """Follow every rule over all blocks, if nobody resets them.
 
     Parameters
     ----------
@@ -93,12 +115,20 @@ def sums_after(rules: Sequence[LoweredHeat | None], records: Sequence[Blocks], t
 
     Returns
     -------
-    NDArray
-        Shape (rules, L, B) with B the blocks of the longest record; a shorter one's last sum stays.
+    Course
+        B is the blocks of the longest record; what a shorter one has come to stays.
     """
     longest = max((len(record.magnitude) for record in records), default=0)
     reference = ReferenceHeat(rules, trusted)
-    sums = np.zeros((len(rules), len(records), longest), dtype=np.int64)
+    sums, unsettled, slack = np.zeros((3, len(rules), len(records), longest + 1), dtype=np.int64)
+    present_rules = [number for number, rule in enumerate(rules) if rule is not None]
+
+    def note(after: int) -> None:
+        sums[:, :, after], unsettled[:, :, after] = reference.sums, reference.unsettled
+        for number in present_rules:
+            slack[number, :, after] = reference.slack(number)
+
+    note(0)
     lengths = np.array([len(record.magnitude) for record in records])
     magnitude, changes = (
         _padded([getattr(item, key) for item in records], longest) for key in ("magnitude", "changes")
@@ -108,8 +138,8 @@ def sums_after(rules: Sequence[LoweredHeat | None], records: Sequence[Blocks], t
     for block in range(longest):
         reference.change(changes[:, block])
         reference.end_block(magnitude[:, block], means[..., block], present[..., block] == 1, lengths > block)
-        sums[:, :, block] = reference.sums
-    return sums
+        note(block + 1)
+    return Course(sums, unsettled, slack)
 
 
 def _padded(rows: Sequence[NDArray[np.generic]], length: int) -> Integers:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gen.lowering.alarms import LoweredRule, Segment
+from gen.lowering.heat import BINS, FINE_BITS, RATE_BITS, HeatTerm, LoweredHeat
 from gen.reference.alarms import ReferenceAlarms
 
 RULE = LoweredRule(
@@ -218,6 +220,58 @@ def test_a_rule_with_an_excluding_alarm_sleeps_once_that_is_raised() -> None:
     assert bench.step(9000)[2] == 2
     bench.alarms.reset(np.array([True]))
     assert bench.step(9000)[0] == 2
+
+
+HEARD = LoweredHeat(
+    block=2,
+    low=0,
+    high=255,
+    terms=(HeatTerm(0, 256, (1,) * BINS),),
+    slack=100,
+    unknown=0,
+    change=0,
+    start=1000 << FINE_BITS,
+    fading=(1 << (RATE_BITS - 1),) * BINS,  # half of it in a block: 1000 is below 50 after five
+    memory=40,
+    forgetting=1 << RATE_BITS,
+    limit=1 << 20,
+)
+
+
+@pytest.mark.parametrize(
+    ("hot_from", "latched"),
+    [(3, 2), (9, 2), (10, 2 + 4), (11, 2 + 4), (30, 2 + 4)],
+    ids=["right after the start", "just before it is settled", "as it is", "after it", "long after"],
+)
+def test_a_sum_that_heard_nothing_says_no_only_if_it_was_settled_when_the_required_alarm_came(
+    hot_from: int, latched: int
+) -> None:
+    """It is settled from the tenth sample on, after five blocks; what it learns of later is a faulty motor."""
+    silent = replace(EAGER, name="silent", quantity="heat", heat=HEARD)
+    hot = replace(EAGER, name="hot")
+    other = replace(EAGER, name="other", requires=1, unless=0)
+    bench = Bench(silent, hot, other, trusted=False)
+    found = [bench.step(9000 if sample >= hot_from else 0)[0] for sample in range(60)]
+    assert found[-1] == latched
+    bench.alarms.reset(np.array([True]))
+    assert bench.step(0)[0] == 0
+    assert bench.step(9000)[0] == 2 + 4, "by now it is settled"
+
+
+def test_a_cold_start_is_settled() -> None:
+    silent = replace(EAGER, name="silent", quantity="heat", heat=HEARD)
+    rules = silent, replace(EAGER, name="hot"), replace(EAGER, name="other", requires=1, unless=0)
+    for trusted, latched in ((True, 2 + 4), (False, 2)):
+        bench = Bench(*rules, trusted=trusted)
+        bench.step(0)
+        assert bench.step(9000)[0] == latched
+
+
+def test_without_a_required_alarm_it_says_no_whenever_it_is_settled() -> None:
+    silent = replace(EAGER, name="silent", quantity="heat", heat=HEARD)
+    bench = Bench(silent, replace(EAGER, name="other", unless=0), trusted=False)
+    found = [bench.step(9000)[0] for _ in range(12)]
+    assert found == [0] * 9 + [2] * 3
 
 
 def test_a_relative_rule_sees_only_what_the_other_part_does_not_share() -> None:

@@ -73,7 +73,8 @@ def test_rules_are_first_raised_when_the_definition_raises_them(
 ) -> None:
     rules = [data.draw(rule(number)) for number in range(count)]
     rng = np.random.default_rng(seed)
-    pwm = np.repeat(rng.integers(-255, 256, 8), SAMPLES // 8)
+    changes = np.sort(rng.integers(0, SAMPLES, 7))  # anywhere in a block
+    pwm = np.repeat(rng.integers(-255, 256, 8), np.diff(changes, prepend=0, append=SAMPLES))
     wander = np.cumsum(rng.normal(0.0, 150.0, (PARTS, SAMPLES)), axis=1) + rng.normal(0.0, 300.0, (PARTS, SAMPLES))
     model = np.full((PARTS, SAMPLES), 40_000, dtype=np.int64)
     measured = model + STEP_mK * np.rint(wander / STEP_mK).astype(np.int64)

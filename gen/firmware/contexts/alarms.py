@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TypedDict
 
 from gen.firmware.contexts.heat import HeatContext, heat_context
-from gen.lowering.alarms import AHEAD_TIMES, HASTE_mK, LoweredRule, Segment
+from gen.lowering.alarms import AHEAD_TIMES, HASTE_mK, LoweredRule, Segment, asks_heat
 from gen.model import ThermalModel
 
 _QUANTITIES = {"above": "ABOVE_MODEL", "below": "BELOW_MODEL", "measured": "MEASURED", "heat": "HEAT"}
@@ -35,9 +35,13 @@ class Rule(TypedDict):
 
 
 class AlarmsContext(HeatContext):
-    """The rules, and what is summed of missing heat; how limits look ahead, if any (`ahead_rules`) does."""
+    """The rules, and what is summed of missing heat; how limits look ahead, if any (`ahead_rules`) does.
+
+    `heat_asked`: whether a rule waits for one on missing heat to stay silent.
+    """
 
     alarms: list[Rule]
+    heat_asked: bool
     ahead_rules: bool
     ahead_times: int
     haste_mK: int
@@ -81,6 +85,7 @@ def alarms_context(rules: Sequence[LoweredRule], model: ThermalModel) -> AlarmsC
         first += len(rule.segments)
     return {
         "alarms": entries,
+        "heat_asked": asks_heat(rules),
         "ahead_rules": any(rule.looks_ahead for rule in rules),
         "ahead_times": AHEAD_TIMES,
         "haste_mK": HASTE_mK,
