@@ -14,15 +14,18 @@ from numpy.typing import NDArray
 
 from gen.coefficients.reader import parse
 from gen.errors import CheckFailed
+from gen.lowering import lower as lowering
 from gen.lowering.fixed import formats
+from gen.lowering.fixed import lower as fixed_lowering
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
 from gen.lowering.onboard import OnboardComponent, compile_component, steady_excess
 from gen.lowering.onboard.evaluate import RangeError, evaluate
 from gen.lowering.onboard.graph import Graph
 from gen.lowering.onboard.sources import schedule_node
+from gen.lowering.onboard.tape import GUARD_BITS
 from gen.lowering.recursion import bounds, increments
-from gen.lowering.recursion.dynamics import dynamics
+from gen.lowering.recursion.dynamics import TOWARDS_SETTLED, dynamics
 from gen.model import ExponentialSum, Polynomial
 from gen.model.dynamics import Pole
 from tests.lowering.onboard import harness
@@ -200,3 +203,24 @@ def test_comments_name_the_entries_of_the_file_that_a_line_comes_from(
     schedule_node(graph, gain, graph.input(), Decimal(1), "$.gain", "gain", tolerance=tolerance)
     found = {label.text: label.path for label in graph.labels.values()}
     assert {text: path for text, path in found.items() if "[" in path} == said
+
+
+def test_tuning_that_makes_the_bound_worse_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It looks at the rates alone; the steady rise goes through the same constants."""
+    the_model = model("my1016")
+    component, lowered = the_model.components[0], harness.lowered("my1016")[0]
+    monkeypatch.setattr(fixed_lowering, "TARGET_K", 0.0)  # no bound is good enough: every component is tuned
+
+    def spoiled(tape: OnboardComponent, *_: object) -> OnboardComponent:
+        place = next(i for i, step in enumerate(tape.steps) if step.op == "power_series")
+        table = tape.steps[place].table
+        worse = replace(tape.steps[place], table=(*table[:-1], table[-1] + 3 * 2**GUARD_BITS))
+        return replace(tape, steps=(*tape.steps[:place], worse, *tape.steps[place + 1 :]))
+
+    bounds_K = {}
+    for name, tuning in (("left", lambda tape, *_: tape), ("spoiled", spoiled)):
+        monkeypatch.setattr(lowering, "tuned", tuning)
+        found, _ = lowering._onboard(the_model, component, lowered, harness.LIMIT_K, TOWARDS_SETTLED[0])
+        assert found.proof is not None
+        bounds_K[name] = found.proof.bound_K
+    assert bounds_K["spoiled"] == bounds_K["left"]
