@@ -133,6 +133,25 @@ def test_any_order_and_unpaired_complex_poles_compile(order: int) -> None:
     assert np.abs(rates / exact - 1.0).max() <= 5e-6
 
 
+def test_at_standstill_outside_of_a_validity_from_1_on_a_negative_gain_is_0_on_the_board_too(tmp_path: Path) -> None:
+    """In float 0 times a negative gain would be -0, other words than those that were proven."""
+    base = model("two_mass")
+    component = replace(
+        base.component("housing"),
+        order=1,
+        poles=(Pole(Polynomial((-3e-6, -0.0006))),),
+        gain=Polynomial((3e-8, -2e-6)),  # negative up to PWM 66
+        outside="extrapolate",
+        negative_gain="zero",
+        validity=(1, 200),
+    )
+    compiled = compile_component(replace(base, components=(component,)), component, "float", None, 1)
+    rates, steady = evaluate(compiled, PWM)
+    assert (steady[0], np.signbit(steady[0]), steady[1] < 0.0) == (0.0, False, True)
+    found = harness.host_words(harness.write(tmp_path, (compiled,)), "g++", ())
+    np.testing.assert_array_equal(found, harness.words([(rates, steady)]))
+
+
 def test_inputs_outside_the_domain_are_refused() -> None:
     component = harness.compiled("my1016", "fixed")[0]
     with pytest.raises(ValueError, match=r"0\.\.255"):
