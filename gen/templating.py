@@ -33,7 +33,6 @@ def environment(room: Room, *, own_line_breaks: bool = False) -> Environment:
         loader=FileSystemLoader(folder(room)),
         undefined=StrictUndefined,
         trim_blocks=not own_line_breaks,
-        lstrip_blocks=not own_line_breaks,
         keep_trailing_newline=room != "pages",
         autoescape=room == "pages",
     )

@@ -122,11 +122,12 @@ def check_apart(fit_paths: Sequence[Path], test_paths: Sequence[Path]) -> None:
     Raises
     ------
     InputError
-        With the file that is in both.
+        With the first file that is in both, by the name under which it was given as a test run.
     """
-    both = {path.resolve() for path in fit_paths} & {path.resolve() for path in test_paths}
-    if both:
-        raise InputError("is given as --fit and as --test; test runs must take no part", file=str(sorted(both)[0]))
+    fitted = {path.resolve() for path in fit_paths}
+    for path in test_paths:
+        if path.resolve() in fitted:
+            raise InputError("is given as --fit and as --test; test runs must take no part", file=str(path))
 
 
 def check_measured(coefficients: Coefficients, path: Path) -> None:

@@ -4,6 +4,8 @@ import os
 import signal
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -101,6 +103,35 @@ def test_an_interrupted_compiler_ends_with_all_that_it_started(tmp_path: Path, a
             assert process.poll() is None
         process.send_signal(signal.SIGINT)
     assert list(scratch.iterdir()) == []
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="no groups of processes")
+def test_a_group_that_is_not_gone_at_once_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a killed driver started stays in its group until somebody has taken note of its end."""
+    gone: list[float] = []
+    noted: list[threading.Thread] = []
+
+    def interrupted(process: subprocess.Popen[str]) -> tuple[str, str]:
+        child = subprocess.Popen(["sleep", "60"], process_group=process.pid)
+        for pipe in (process.stdout, process.stderr):
+            assert pipe is not None
+            pipe.close()
+
+        def take_note() -> None:
+            time.sleep(0.3)
+            child.wait()
+            gone.append(time.monotonic())
+
+        noted.append(threading.Thread(target=take_note))
+        noted[0].start()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(subprocess.Popen, "communicate", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        toolchain.run(["sleep", "60"])
+    ended = time.monotonic()
+    noted[0].join()
+    assert ended > gone[0] - 0.1  # not before it was gone (the thread tells of it a moment later)
 
 
 def test_a_tool_runs_in_the_environment_that_is_asked_for() -> None:

@@ -202,6 +202,20 @@ def test_mapping_files_that_do_not_fit(text: str, match: str, tmp_path: Path) ->
     assert not (tmp_path / "runs").exists()
 
 
+@pytest.mark.parametrize(
+    ("letters", "quoted"), [(58, '"' + 58 * "x" + '"'), (59, '"' + 59 * "x"), (5000, '"' + 59 * "x")]
+)
+def test_of_a_wrong_value_as_long_as_a_page_a_message_quotes_sixty_characters(
+    letters: int, quoted: str, tmp_path: Path
+) -> None:
+    mapping = file(
+        tmp_path, GOOD_MAPPING.replace('columns = ["time_s"]', f'interval_s = "{letters * "x"}"'), "map.toml"
+    )
+    with pytest.raises(InputError) as caught:
+        read_mapping(mapping)
+    assert str(caught.value).partition(", found ")[2] == quoted
+
+
 def test_a_mapping_is_corrected_in_its_file_and_nowhere_else(tmp_path: Path) -> None:
     mapping = tmp_path / "map.toml"
     path = file(tmp_path, TEXT)

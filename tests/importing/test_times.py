@@ -64,6 +64,28 @@ def test_date_and_time_in_two_columns(tmp_path: Path) -> None:
     same(taken(write(tmp_path, csv(frame)), tmp_path / "runs"), TRUE)
 
 
+def test_of_two_columns_of_dates_the_example_is_of_the_one_that_is_taken(tmp_path: Path) -> None:
+    """A logger that writes when its file was begun, beside when each row was."""
+    stamps = pd.Timestamp("2024-12-31 09:00:00") + pd.to_timedelta(TRUE.time_s, unit="s")
+    frame = TRUE.drop(columns="time_s")
+    frame.insert(0, "Date", stamps.dt.strftime("%d.%m.%Y"))
+    frame.insert(1, "Time", stamps.dt.strftime("%H:%M:%S.%f"))
+    frame["Calibrated"] = "17.03.2021"
+    why = str(take(write(tmp_path, csv(frame)), tmp_path / "runs").guesses().loc["Date, Time", "why"])
+    assert "31.12.2024" in why
+    assert "17.03.2021" not in why
+
+
+@pytest.mark.parametrize(("columns", "expected"), [("n,Time", "a date and time"), ("Date,n", "times of day")])
+def test_of_a_date_and_a_time_the_column_that_holds_numbers_is_named(
+    columns: str, expected: str, tmp_path: Path
+) -> None:
+    frame = TRUE.assign(Date="31.12.2024", Time="23:59:40", n=range(len(TRUE)))
+    frame.to_parquet(tmp_path / "log.parquet")
+    with pytest.raises(InputError, match=f"column n: holds numbers, expected {expected}$"):
+        take(tmp_path / "log.parquet", tmp_path / "runs", time=columns)
+
+
 def test_a_time_of_day_that_passes_midnight(tmp_path: Path) -> None:
     stamps = pd.Timestamp("2024-12-31 23:59:40") + pd.to_timedelta(TRUE.time_s, unit="s")
     frame = TRUE.assign(time_s=stamps.dt.strftime("%H:%M:%S.%f")).rename(columns={"time_s": "Time"})

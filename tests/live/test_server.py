@@ -62,6 +62,14 @@ def test_the_token_opens_the_page_and_leaves_the_address(stranger: TestClient) -
     assert "script-src 'self';" in policy
 
 
+def test_a_page_that_asks_for_hardly_any_points_still_gets_sixty_four(client: TestClient, source: FedSource) -> None:
+    """What thins a curve needs so many; a run of no more rows comes whole."""
+    rows = "".join(f"{i},5,{30 + i % 7},30,0,0,0\n" for i in range(64))
+    source.view.feed(HEADER + rows.encode(), 0.0)
+    times, _ = client.get("/1/history?most=1").json()["curves"]["coil_degC"]
+    assert times == [float(i) for i in range(64)]
+
+
 def test_another_name_that_leads_here_is_refused(client: TestClient) -> None:
     assert client.get("/about", headers={"host": f"localhost:{PORT}"}).status_code == 200
     for host in ("evil.example", f"evil.example:{PORT}", "127.0.0.1:1"):

@@ -198,3 +198,26 @@ def test_q_in_words_is_as_close_to_the_exact_one_as_the_bound_counts(
     wanted = -rates[-1] * value
     found = Fraction(FixedStep(component).increment(state, integers, steady), 1 << layout.fraction_bits[-1])
     assert abs(found - wanted) <= Fraction(float(counted) * (1.0 + 1e-9))
+
+
+@pytest.mark.parametrize(("name", "place"), [("my1016", 0), ("my1016", 1), ("two_mass", 0), ("two_mass", 1)])
+def test_what_a_sum_grows_by_at_a_change_of_pwm_goes_on_times_its_rate(
+    name: str, place: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """x[n-1] takes over its share of q late: the sum there is off by that, and the next one by R[n-2] times that."""
+    model = example(name).model
+    component = model.components[place]
+    exact = dynamics(model, component, 1)
+    recursion, n = SwitchedRecursion(exact.exact), exact.order
+    with_carry = bounds.inner_ranges(recursion, exact)
+    monkeypatch.setattr(increments, "CARRY", 0.0)
+    without = bounds.inner_ranges(recursion, exact)
+    sums, products = with_carry.sums - without.sums, with_carry.products - without.products
+    if n == 1:
+        assert not sums.any()
+        assert not products.any()
+        return
+    assert sums[n - 2] > 0.0
+    onward = float(exact.rates[:, n - 2].max()) * sums[n - 2]
+    assert [sums[n - 1], products[n - 1]] == pytest.approx([onward, onward], rel=1e-6)
+    assert not products[: n - 1].any()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,8 +15,10 @@ from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
 from gen.lowering.network.defect import error_bound
 from gen.lowering.network.factors import lower_factor
+from gen.lowering.network.fixed import FixedFormat, heat_programs, roundings
 from gen.lowering.network.lower import lower_network
 from gen.lowering.network.ranges import matrix_row, reachable
+from gen.lowering.network.series import FIRST
 from gen.lowering.network.terms import Terms, terms_of
 from gen.model.network_parts import Channel, Factor
 from gen.model.network_solution import NetworkSolution, Steps
@@ -284,3 +287,23 @@ def test_a_slow_network_takes_few_orders_of_the_series(arithmetic: Arithmetic) -
     network = lower(load("examples/two_nodes/coeffs.json"), arithmetic, "table").network
     assert network is not None
     assert network.orders <= 3
+
+
+@pytest.mark.parametrize("shift", [0, 4, 8, 12, 16, 20])
+def test_a_heat_errs_by_half_a_unit_of_the_word_that_it_has(shift: int) -> None:
+    """It is rounded to nearest; where 32 bits are too few it is coarser: the unit is what one more of it means."""
+    model = loaded(network_tree(3, 5, plain=True)).model
+    terms = terms_of(model)
+    ranges = reachable(model, terms)
+    assert ranges is not None
+    shape = FixedFormat(20, (shift,) * len(terms.states))
+    cold = replace(terms, heats=())
+    errors = [roundings(each, ranges, shape, (), (FIRST,), ()).first.max(axis=0) for each in (terms, cold)]
+    assert terms.heats
+    for target in range(len(terms.states)):
+        half = 0.0
+        for program in heat_programs(terms, target, shape, ()):
+            row = int(program.words.argmax())
+            assert program.words[row] > 10_000
+            half += 0.5 * float(program.heat.heat[row]) / int(program.words[row])
+        assert errors[0][target] - errors[1][target] == pytest.approx(half, rel=1e-3)

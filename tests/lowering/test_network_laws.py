@@ -18,6 +18,7 @@ from gen.lowering.network.laws import limited, lower_law
 from gen.lowering.network.lower import lower_network
 from gen.lowering.network.ranges import MARGIN_K, reachable, speeds
 from gen.lowering.network.terms import PathLaw, Terms, terms_of
+from gen.model.laws import Convection
 from gen.model.network_solution import NetworkSolution
 from gen.reference.network import ReferenceNetwork
 from tests.drawn_networks import with_laws
@@ -49,6 +50,24 @@ def test_words_are_as_near_to_their_law_as_is_said(seed: int) -> None:
             found, (least, most) = own.law.slope(one, other) / own.scale, own.slopes
             assert least - 1e-7 <= found.min()  # a word may be rounded out of its range
             assert found.max() <= most + 1e-7
+
+
+@pytest.mark.parametrize("conductance", [0.5, 0.02, 3e-5])
+def test_the_slope_of_a_flat_law_fills_its_word(conductance: float) -> None:
+    """However flat a law is, its slope has 30 of its 31 bits: a coarser one would count in the bound."""
+    tree = with_laws(1, 4)
+    for path in tree["network"]["paths"]:
+        if "convection" in path:
+            path["convection"]["poly"] = [conductance]
+    model = read(tree).model
+    terms = terms_of(model)
+    ranges = reachable(model, terms)
+    assert ranges is not None
+    flat = [own for own in limited(terms, ranges).laws if isinstance(own.law, Convection)]
+    assert flat
+    for own in flat:
+        assert 1.0 <= own.slopes[1] < 2.0
+        assert own.slopes[1] * own.scale == pytest.approx(conductance)
 
 
 def _words(random: np.random.Generator, ranges: Any, place: int | None, bits: int) -> Any:  # noqa: ANN401

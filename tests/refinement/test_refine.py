@@ -18,7 +18,7 @@ from gen.coefficients import load, parse
 from gen.errors import InputError
 from gen.model.exact import ExactSolution
 from gen.refinement.admission import admitted
-from gen.refinement.condense import check_measured, condense, free_run
+from gen.refinement.condense import check_apart, check_measured, condense, free_run
 from gen.refinement.page import page
 from gen.refinement.refine import Refinement, refine
 from gen.runs import Run, read_run, write_run
@@ -167,6 +167,17 @@ def test_test_runs_take_no_part(tmp_path: Path) -> None:
     assert honest.verdict == spoilt.verdict
     assert honest.after.summary()["fit"] == spoilt.after.summary()["fit"]
     assert honest.after.summary()["test"] != spoilt.after.summary()["test"]
+
+
+def test_a_run_that_is_fitted_and_tested_is_named_as_it_was_given(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    fit = [Path("a.csv"), tmp_path / "b.csv"]
+    check_apart(fit, [Path("c.csv")])
+    with pytest.raises(InputError, match="must take no part") as refused:
+        check_apart(fit, [Path("c.csv"), Path("b.csv"), Path("a.csv")])
+    assert refused.value.file == "b.csv"
 
 
 @pytest.mark.parametrize(

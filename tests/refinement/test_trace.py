@@ -149,6 +149,20 @@ def test_effects_that_do_not_pass_together_go_together(tmp_path: Path) -> None:
     assert judged.components["brush"] is given.components["brush"]
 
 
+def test_together_all_of_an_effects_sizes_are_judged_and_not_the_later_ones_alone(gained: TraceState) -> None:
+    """The first of two effects has one free size; when the left-out runs do not agree on it, neither stays."""
+    at = planted_at(gained)
+    given = with_effects(gained.components[at], "sensor_gain", "drift")
+    first = np.where(np.arange(given.final.folds.shape[1]) % 2 == 0, 1.0, -1.0)
+    torn = given.final.folds.copy()
+    torn[0, :, 0] = first * np.abs(given.final.numbers[0, 0])
+    sure = replace(given.final, spread=1e-3 * np.abs(given.final.numbers))
+    for folds, kept in ((np.broadcast_to(sure.numbers[:, None, :], torn.shape), True), (torn, False)):
+        unlike = replace(given, final=replace(sure, folds=folds))
+        judged = judge_again(replace(gained, components={at: unlike}), lambda _: None).components[at]
+        assert bool(judged.found) == kept
+
+
 def test_parts_that_would_heat_each_other_without_end_keep_the_effect_that_helps_more(tmp_path: Path) -> None:
     """Each part settles with what it takes from the other; together more comes back than went out."""
     state = begun(tmp_path, seed=11)

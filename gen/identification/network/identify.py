@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.bins import Binned, FloatArray
 from gen.identification.network.data import NetworkData
 from gen.identification.network.inputs import Inputs, inputs_of
 from gen.identification.network.left_out import LeftOut, each_alone, folds_for_nodes, folds_of, left_out
@@ -100,7 +100,7 @@ def identify_network(
     inputs = inputs_of(data.coarse)
     scale = scale_of(inputs)
     folds, by_nodes = folds_of(inputs), folds_for_nodes(inputs)
-    noise = float(np.sqrt(np.mean([run.noise_K**2 for run in data.coarse])))
+    noise = noise_of(data.coarse)
     most_hidden = min(most_hidden, MOST_ALONE) if each_alone(inputs) else most_hidden
     tried: list[tuple[Found, LeftOut]] = []
     for hidden in range(max(0, min(most_hidden, MOST_NODES - len(data.names))) + 1):
@@ -118,6 +118,11 @@ def identify_network(
     progress("last fit")
     last = _polished(data, found, scale)
     return NetworkFound(_with_room(data, last), last, judged, inputs, candidates)
+
+
+def noise_of(runs: Sequence[Binned]) -> float:
+    """What the sensors scatter by in all runs together, as a root mean square, K: a node must gain more than that."""
+    return float(np.sqrt(np.mean([run.noise_K**2 for run in runs])))
 
 
 def _enough(scores: list[float], slack: float) -> bool:

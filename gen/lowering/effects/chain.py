@@ -44,9 +44,9 @@ def chain(
     """
     if isinstance(lowered, FixedComponent):
         bits = [f - RESIDUE_BITS for f in lowered.layout.fraction_bits]
-        room = 2.0**GUARD_BITS
+        room, drive_bits = 2.0**GUARD_BITS, 38
     else:
-        bits, room = list(lowered.fraction_bits), 1.0
+        bits, room, drive_bits = list(lowered.fraction_bits), 1.0, 31
     capacity = room * 2.0 ** (31.0 - np.array(bits))
     exact = dynamics(model, component, lowered.substeps)
     largest = reached(exact) if not lowered.saturates else None
@@ -55,7 +55,7 @@ def chain(
     coarser = 0
     if isinstance(lowered, FloatComponent):
         coarser = min(max(0, ceil(log2(max(magnitude_K, 1e-9) / limit_K))), _MOST_COARSER)
-    limit = min(limit_K * 2.0 ** bits[0], 2.0 ** (38 if room > 1.0 else 31) - 128.0)
+    limit = min(limit_K * 2.0 ** bits[0], 2.0**drive_bits - 128.0)
     return Chain(bits[0] - coarser, int(limit), largest is not None)
 
 

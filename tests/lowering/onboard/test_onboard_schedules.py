@@ -14,15 +14,18 @@ from numpy.typing import NDArray
 
 from gen.coefficients.reader import parse
 from gen.errors import CheckFailed
+from gen.lowering import lower as lowering
 from gen.lowering.fixed import formats
+from gen.lowering.fixed import lower as fixed_lowering
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
 from gen.lowering.onboard import OnboardComponent, compile_component, steady_excess
 from gen.lowering.onboard.evaluate import RangeError, evaluate
 from gen.lowering.onboard.graph import Graph
 from gen.lowering.onboard.sources import schedule_node
+from gen.lowering.onboard.tape import GUARD_BITS
 from gen.lowering.recursion import bounds, increments
-from gen.lowering.recursion.dynamics import dynamics
+from gen.lowering.recursion.dynamics import TOWARDS_SETTLED, dynamics
 from gen.model import ExponentialSum, Polynomial
 from gen.model.dynamics import Pole
 from tests.lowering.onboard import harness
@@ -130,6 +133,25 @@ def test_any_order_and_unpaired_complex_poles_compile(order: int) -> None:
     assert np.abs(rates / exact - 1.0).max() <= 5e-6
 
 
+def test_at_standstill_outside_of_a_validity_from_1_on_a_negative_gain_is_0_on_the_board_too(tmp_path: Path) -> None:
+    """In float 0 times a negative gain would be -0, other words than those that were proven."""
+    base = model("two_mass")
+    component = replace(
+        base.component("housing"),
+        order=1,
+        poles=(Pole(Polynomial((-3e-6, -0.0006))),),
+        gain=Polynomial((3e-8, -2e-6)),  # negative up to PWM 66
+        outside="extrapolate",
+        negative_gain="zero",
+        validity=(1, 200),
+    )
+    compiled = compile_component(replace(base, components=(component,)), component, "float", None, 1)
+    rates, steady = evaluate(compiled, PWM)
+    assert (steady[0], np.signbit(steady[0]), steady[1] < 0.0) == (0.0, False, True)
+    found = harness.host_words(harness.write(tmp_path, (compiled,)), "g++", ())
+    np.testing.assert_array_equal(found, harness.words([(rates, steady)]))
+
+
 def test_inputs_outside_the_domain_are_refused() -> None:
     component = harness.compiled("my1016", "fixed")[0]
     with pytest.raises(ValueError, match=r"0\.\.255"):
@@ -200,3 +222,24 @@ def test_comments_name_the_entries_of_the_file_that_a_line_comes_from(
     schedule_node(graph, gain, graph.input(), Decimal(1), "$.gain", "gain", tolerance=tolerance)
     found = {label.text: label.path for label in graph.labels.values()}
     assert {text: path for text, path in found.items() if "[" in path} == said
+
+
+def test_tuning_that_makes_the_bound_worse_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It looks at the rates alone; the steady rise goes through the same constants."""
+    the_model = model("my1016")
+    component, lowered = the_model.components[0], harness.lowered("my1016")[0]
+    monkeypatch.setattr(fixed_lowering, "TARGET_K", 0.0)  # no bound is good enough: every component is tuned
+
+    def spoiled(tape: OnboardComponent, *_: object) -> OnboardComponent:
+        place = next(i for i, step in enumerate(tape.steps) if step.op == "power_series")
+        table = tape.steps[place].table
+        worse = replace(tape.steps[place], table=(*table[:-1], table[-1] + 3 * 2**GUARD_BITS))
+        return replace(tape, steps=(*tape.steps[:place], worse, *tape.steps[place + 1 :]))
+
+    bounds_K = {}
+    for name, tuning in (("left", lambda tape, *_: tape), ("spoiled", spoiled)):
+        monkeypatch.setattr(lowering, "tuned", tuning)
+        found, _ = lowering._onboard(the_model, component, lowered, harness.LIMIT_K, TOWARDS_SETTLED[0])
+        assert found.proof is not None
+        bounds_K[name] = found.proof.bound_K
+    assert bounds_K["spoiled"] == bounds_K["left"]
