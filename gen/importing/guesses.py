@@ -62,6 +62,8 @@ class Choices:
         The column that says which run a row belongs to.
     duplicates
         Which of the rows of one time to take: "first", "last", or "spread" over the time until the next.
+    sort
+        Whether rows are put in the order of their times.
     """
 
     time: str = ""
@@ -72,6 +74,7 @@ class Choices:
     decimal: str = ""
     runs: str = ""
     duplicates: str = ""
+    sort: bool = False
 
 
 def quoted(text: str) -> str:

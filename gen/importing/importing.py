@@ -128,7 +128,9 @@ def _with_options(known: Mapping, choices: Choices) -> Mapping:
     ]
     if told:
         raise InputError("the mapping file exists and says it; expected it to be corrected there", place=told[0])
-    return known.model_copy(update={"duplicates": choices.duplicates}) if choices.duplicates else known
+    if choices.duplicates:
+        known = known.model_copy(update={"duplicates": choices.duplicates})
+    return known.model_copy(update={"sort": True}) if choices.sort else known
 
 
 def write(

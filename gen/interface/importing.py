@@ -84,6 +84,7 @@ def import_runs(
     decimal: str = "",
     runs: str = "",
     duplicates: str = "",
+    sort: bool = False,
     split: bool = False,
     gap: float | None = None,
     overwrite: bool = False,
@@ -116,6 +117,8 @@ def import_runs(
         The column that says which run a row belongs to.
     duplicates
         Of rows with the same time: ``first``, ``last``, or ``spread`` until the next time.
+    sort
+        Whether rows are put in the order of their times, as of exports newest first.
     split
         Whether gaps and a clock that begins anew part runs.
     gap
@@ -162,6 +165,7 @@ def import_runs(
         decimal=decimal,
         runs=runs,
         duplicates=duplicates,
+        sort=sort,
     )
     planned = plan(paths, choices, file, progress)
     seen(planned)
