@@ -106,3 +106,9 @@ def test_of_times_that_run_otherwise_none_is_chosen(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"cpu_time by 2\.95, print_time by 59: either may be the time"):
         take(log, tmp_path / "out")
     assert taken(log, tmp_path / "out", time="print_time").time_s[-1] == ROWS + 2
+
+
+def test_degrees_as_a_small_computer_prints_them(tmp_path: Path) -> None:
+    lines = [f"2024-05-01 10:{i // 60:02d}:{i % 60:02d} temp={WARM[i]:.1f}'C load=0.50" for i in range(ROWS)]
+    run = taken(write(tmp_path, "\n".join(lines)), tmp_path / "out", input="load", full_scale=1.0)
+    np.testing.assert_allclose(run.temps["temp"], WARM)
