@@ -50,6 +50,9 @@ _WIDTH = 140
     help="Of rows with one time: which to take, or to spread them until the next time.",
 )
 @click.option(
+    "--series", metavar="NAMES[,VALUES]", default="", help="A row for each reading: each of the names becomes a column."
+)
+@click.option(
     "--sort", is_flag=True, help="Put rows in the order of their times: exports newest first, or in any order."
 )
 @click.option("--overwrite", is_flag=True, help="Replace run files of the same names.")
@@ -67,6 +70,7 @@ def import_runs(
     split: bool,
     gap: float | None,
     duplicates: str | None,
+    series: str,
     sort: bool,
     overwrite: bool,
 ) -> None:
@@ -90,6 +94,7 @@ def import_runs(
             decimal=decimal or "",
             runs=runs,
             duplicates=duplicates or "",
+            series=series,
             sort=sort,
             split=split,
             gap=gap,

@@ -124,7 +124,8 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
         input=drive,
         runs=runs,
         duplicates=choices.duplicates,  # type: ignore[arg-type]
-        sort=choices.sort,
+        sort=choices.sort or bool(choices.series),
+        series=choices.series,
         column=entries,
     )
     return Decided(evidence, mapping, guesses, _suspicious(evidence, mapping, choices))
@@ -146,8 +147,8 @@ def _check_wide(evidence: Evidence) -> None:
         if facts.kind == "text" and SERIES.fullmatch(name.casefold()) and 1 < len(set(facts.texts)) <= _MOST_SERIES:
             found = ", ".join(sorted(set(facts.texts))[:4])
             raise InputError(
-                f"has a row for each of {found} ..; expected a column for each (in pandas: "
-                f"frame.pivot(index=.., columns={name!r}, values=..))",
+                f"has a row for each of {found} ..; expected --series {quoted(name)}, which gives each a column of its "
+                "own",
                 place=f"column {name}",
             )
 

@@ -64,6 +64,8 @@ class Choices:
         Which of the rows of one time to take: "first", "last", or "spread" over the time until the next.
     sort
         Whether rows are put in the order of their times.
+    series
+        The column whose names each become a column; behind a comma, that of the values.
     """
 
     time: str = ""
@@ -75,6 +77,7 @@ class Choices:
     runs: str = ""
     duplicates: str = ""
     sort: bool = False
+    series: str = ""
 
 
 def quoted(text: str) -> str:

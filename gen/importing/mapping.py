@@ -84,6 +84,7 @@ class Mapping(_Part):
     overflow: Literal["empty", "keep"] = "empty"
     duplicates: Literal["", "first", "last", "spread"] = ""
     sort: bool = False
+    series: str = ""
     column: list[Entry] = []
 
     @property
@@ -141,6 +142,9 @@ def mapping_text(mapping: Mapping, files: Sequence[str], why: Dict[str, str]) ->
     document.add("overflow", _explained(mapping.overflow, '"keep": values that a sensor gives when it fails stay'))
     document.add("duplicates", _explained(mapping.duplicates, '"first", "last" or "spread": rows of one time'))
     document.add("sort", _explained(mapping.sort, "true: rows are put in the order of their times"))
+    document.add(
+        "series", _explained(mapping.series, "the column of names that each become a column, and that of values")
+    )
     document.add("runs", _explained(mapping.runs, "the column that says which run a row belongs to"))
     for name, part in (("text", mapping.text), ("time", mapping.time), ("input", mapping.input)):
         table = tomlkit.table()

@@ -84,6 +84,7 @@ def import_runs(
     decimal: str = "",
     runs: str = "",
     duplicates: str = "",
+    series: str = "",
     sort: bool = False,
     split: bool = False,
     gap: float | None = None,
@@ -117,6 +118,9 @@ def import_runs(
         The column that says which run a row belongs to.
     duplicates
         Of rows with the same time: ``first``, ``last``, or ``spread`` until the next time.
+    series
+        In a log with a row for each reading, the column of names, each of which becomes a column; behind a comma, the
+        column of values.
     sort
         Whether rows are put in the order of their times, as of exports newest first.
     split
@@ -166,6 +170,7 @@ def import_runs(
         runs=runs,
         duplicates=duplicates,
         sort=sort,
+        series=series,
     )
     planned = plan(paths, choices, file, progress)
     seen(planned)
