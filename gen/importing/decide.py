@@ -246,6 +246,7 @@ def _check_entries(mapping: Mapping, evidence: Evidence) -> None:
 def _likeliest(mapping: Mapping, evidence: Evidence) -> str:
     """Which columns hold what temperatures may be: numbers that move, from where a log may begin."""
     left = [facts for entry in mapping.column if (facts := evidence.facts[entry.source]).kind == "number"]
+    left = [f for f in left if not (f.whole and (f.steps > 0).all())]  # a number of the row
     fit = [f for f in left if len(set(f.values.tolist())) > _LEAST_VALUES and f.span[0] > -50.0 and f.span[1] < 2000.0]
     named = ", or ".join(f"--column {quoted(f'{f.name}=winding_degC')} ({spanned(f)})" for f in fit[:_MOST_SHOWN])
     return f", such as {named}" if named else ""

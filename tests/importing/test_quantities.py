@@ -94,6 +94,13 @@ def test_without_names_the_message_says_which_column_may_be_what(tmp_path: Path)
     assert run.time_s[-1] == ROWS - 1
 
 
+def test_a_number_of_the_row_is_proposed_for_no_part(tmp_path: Path) -> None:
+    rows = "".join(f"2020-05-03 14:00:{i:02d} UTC,{i + 1},{20 + 0.3 * i:.1f}\n" for i in range(ROWS))
+    log = write(tmp_path, f"created_at,entry_id,field1\n{rows}")
+    with pytest.raises(InputError, match=r"NAME_degC, such as --column field1=winding_degC \(20\.\.37\.7\)$"):
+        take(log, tmp_path / "out", input="0")
+
+
 @pytest.mark.parametrize(("highest", "scale"), [(255, "255"), (1023, "1023"), (254, "500")])
 def test_counts_of_a_timer_propose_their_own_full_scale(tmp_path: Path, highest: int, scale: str) -> None:
     rows = "".join(f"{i},{20 + 0.3 * i:.1f},93,{highest if i > 5 else 0}\n" for i in range(ROWS))
