@@ -35,8 +35,9 @@ FAR, FAR_K = 3.0, 2.0
 
 def missed(errors: Errors) -> list[str]:
     """A sentence where the test runs are missed by far more than the fit runs, of which the verdict is."""
-    of = errors.summary()
-    fit, test = of["fit"]["rmse_K"], of["test"]["rmse_K"]
+    fit, test = (
+        total(score for run in of.values() for score in run.values()).rmse_K for of in (errors.fit, errors.test)
+    )
     if not test > max(FAR * fit, FAR_K):
         return []
     return [
