@@ -49,6 +49,12 @@ _WIDTH = 140
     type=click.Choice(["first", "last", "spread"]),
     help="Of rows with one time: which to take, or to spread them until the next time.",
 )
+@click.option(
+    "--series", metavar="NAMES[,VALUES]", default="", help="A row for each reading: each of the names becomes a column."
+)
+@click.option(
+    "--sort", is_flag=True, help="Put rows in the order of their times: exports newest first, or in any order."
+)
 @click.option("--overwrite", is_flag=True, help="Replace run files of the same names.")
 def import_runs(
     files: tuple[Path, ...],
@@ -64,6 +70,8 @@ def import_runs(
     split: bool,
     gap: float | None,
     duplicates: str | None,
+    series: str,
+    sort: bool,
     overwrite: bool,
 ) -> None:
     """Turn what a logger wrote into run files: CSV of any dialect, serial captures, JSON lines, Excel, Parquet, MATLAB.
@@ -86,6 +94,8 @@ def import_runs(
             decimal=decimal or "",
             runs=runs,
             duplicates=duplicates or "",
+            series=series,
+            sort=sort,
             split=split,
             gap=gap,
             overwrite=overwrite,

@@ -13,6 +13,8 @@ from gen.runs import Run
 
 ALIKE_K = 3.0
 """Components that begin no further apart than this begin cold."""
+ASTRAY = 3.0
+"""A first reading is astray by more than this many times what the next two differ by, and `ALIKE_K`."""
 SAME_ROOM_K = 4.0
 """Rooms of several runs differ by no more than this: what begins warmer does not begin cold."""
 UNKNOWN_K = 5.0
@@ -115,8 +117,16 @@ def _said_ambient(source: Source, fixed: float | None, warnings: list[str]) -> F
 
 
 def _first_readings(run: Run) -> list[float]:
-    """The first reading of each component that has one, degC."""
-    return [float(values[np.isfinite(values)][0]) for values in run.temps.values() if np.isfinite(values).any()]
+    """The first reading of each component that has one, degC; the next, where the first alone is astray."""
+    known = [values[np.isfinite(values)][:3] for values in run.temps.values()]
+    return [float(first[1] if _astray(first) else first[0]) for first in known if first.size]
+
+
+def _astray(first: FloatArray) -> bool:
+    """Whether a sensor began with what it had before its first conversion: far from two readings that agree."""
+    if first.size < 3:
+        return False
+    return bool(abs(first[0] - first[1]) > ALIKE_K + ASTRAY * abs(first[1] - first[2]))
 
 
 def _alike(firsts: Sequence[float]) -> bool:

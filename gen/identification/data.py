@@ -84,6 +84,7 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     common_drive((source.path, source.run) for source in sources)
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     sources = [sound(source, warnings) for source in sources]
+    warnings += apart(sources)
     if not any(np.any(source.run.pwm != 0) for source in sources):
         raise InputError("found PWM 0 in every row, expected runs in which the motor turns", file=sources[0].path)
     names = components_of(sources)
@@ -104,6 +105,20 @@ def sound(source: Source, warnings: list[str]) -> Source:
     run = believed_run(source.run)
     warnings += [f"{source.path}: {sentence}" for sentence in run.doubted]
     return replace(source, run=run)
+
+
+def apart(sources: Sequence[Source]) -> list[str]:
+    """A sentence for each run that shares no component with any other: one sensor under two names."""
+    own = [{name for name, values in s.run.temps.items() if np.isfinite(values).any()} for s in sources]
+    said = []
+    for k, (source, names) in enumerate(zip(sources, own, strict=True)):
+        others = set().union(*own[:k], *own[k + 1 :])
+        if names and others and not names & others:
+            said.append(
+                f"{source.path}: {', '.join(sorted(names))} is in no other run, and {', '.join(sorted(others))} not in "
+                "this one: where it is the same sensor, give it the same name (gen import --column)"
+            )
+    return said
 
 
 def _records(

@@ -22,6 +22,8 @@ _FULL = 255
 _MOST_REPEATED = 0.1
 _FEW_REPEATED = 5
 _MOST_UNTIMED = 0.5
+_MOST_BACKWARD = 0.5
+"""Of the rows: a clock that begins anew at more of them runs backward."""
 _CELSIUS = (-273.15, 5000.0)
 _HIGHEST = 1e12
 _DIGITS = 9
@@ -87,6 +89,8 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
     InputError
         Without a file name: too much is no sample, the clock begins anew, the input exceeds its scale.
     """
+    if mapping.sort:
+        evidence, index = _in_order(evidence, index, mapping), 0
     table = evidence.tables[index]
     made = Converted(table, counted=list(table.counted))
     time, begun = _time(evidence, index, mapping, made)
@@ -113,6 +117,23 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
             made.runs.append((name, run))
     _suspect(made)
     return made
+
+
+def _in_order(evidence: Evidence, index: int, mapping: Mapping) -> Evidence:
+    """One table with its rows in the order of their times; those without a time behind all others."""
+    table = evidence.tables[index]
+    time, _ = _time(evidence, index, mapping, Converted(table))
+    rows = np.argsort(time, kind="stable")
+    moved = int((np.diff(rows) < 0).sum())
+    if not moved:
+        return Evidence([table])
+    columns = [
+        replace(column, cells=[column.cells[i] for i in rows] if isinstance(column.cells, list) else column.cells[rows])
+        for column in table.columns
+    ]
+    first = table.place(int(np.argmax(np.diff(rows) < 0)) + 1)
+    counted = (*table.counted, Counted("place at which rows were put in the order of their times", moved, first))
+    return Evidence([replace(table, columns=columns, places=table.places[rows], counted=counted)])
 
 
 def _time(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> tuple[FloatArray, str]:
@@ -265,6 +286,13 @@ def _report(order: sequence.Order, stretch: IntArray, mapping: Mapping, made: Co
             "spread (a clock that is too coarse), first or last; or --runs COLUMN, where several series share the file",
             place=made.table.place(int(order.repeated[0]), column),
         )
+    astray = np.sort(np.concatenate([order.late, order.jumped]))
+    if astray.size > max(_MOST_REPEATED * stretch.size, _FEW_REPEATED):
+        raise InputError(
+            f"{astray.size} of {stretch.size} rows are not in the order of their times; expected --sort, which puts "
+            "them there",
+            place=made.table.place(int(astray[0]), column),
+        )
     which = "last" if mapping.duplicates == "last" else "first"
     made.count(f"repeated time, the {which} row taken", order.repeated, column)
     made.count("time before that of an earlier row, left out", order.late, column)
@@ -277,6 +305,11 @@ def _pieces(order: sequence.Order, splitting: Splitting, made: Converted) -> lis
     """Begin and end of each run among the rows kept."""
     length = splitting.gap_s if splitting.gap_s is not None else sequence.gap_length(order.time_s)
     wide = sequence.gaps(order.time_s, order.resets, length)
+    if order.resets.size > _MOST_BACKWARD * order.time_s.size:
+        raise InputError(
+            "rows stand in the order of falling times; expected --sort, which turns them round",
+            place=made.table.place(int(order.kept[order.resets[0]])),
+        )
     if order.resets.size and not splitting.at_all:
         at = int(order.resets[0])
         raise InputError(

@@ -10,7 +10,7 @@ from itertools import pairwise
 from gen.errors import InputError
 from gen.importing.evidence import Evidence
 from gen.importing.guess_columns import decide_columns
-from gen.importing.guess_input import decide_input
+from gen.importing.guess_input import decide_input, spanned
 from gen.importing.guess_time import decide_time
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.mapping import Entry, Mapping, TextForm
@@ -24,6 +24,9 @@ _LEAST_ROWS = 2
 """Of a run, on average."""
 _MOST_SERIES = 200
 _PERCENT = 100.0
+_LEAST_VALUES = 3
+"""Different ones, of a column that moves."""
+_MOST_SHOWN = 3
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,7 @@ def decide(tables: Sequence[Table], choices: Choices, known: Mapping | None) -> 
     try:
         _check_choices(evidence, choices)
         decided = _by_mapping(evidence, known) if known is not None else _by_guess(evidence, choices)
-        _check_entries(decided.mapping)
+        _check_entries(decided.mapping, evidence)
     except InputError as error:
         raise InputError(error.message, file=error.file or tables[0].label, place=error.place) from None
     return decided
@@ -121,6 +124,8 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
         input=drive,
         runs=runs,
         duplicates=choices.duplicates,  # type: ignore[arg-type]
+        sort=choices.sort or bool(choices.series),
+        series=choices.series,
         column=entries,
     )
     return Decided(evidence, mapping, guesses, _suspicious(evidence, mapping, choices))
@@ -142,8 +147,8 @@ def _check_wide(evidence: Evidence) -> None:
         if facts.kind == "text" and SERIES.fullmatch(name.casefold()) and 1 < len(set(facts.texts)) <= _MOST_SERIES:
             found = ", ".join(sorted(set(facts.texts))[:4])
             raise InputError(
-                f"has a row for each of {found} ..; expected a column for each (in pandas: "
-                f"frame.pivot(index=.., columns={name!r}, values=..))",
+                f"has a row for each of {found} ..; expected --series {quoted(name)}, which gives each a column of its "
+                "own",
                 place=f"column {name}",
             )
 
@@ -223,7 +228,7 @@ def _by_mapping(evidence: Evidence, known: Mapping) -> Decided:
     return Decided(evidence, known, guesses)
 
 
-def _check_entries(mapping: Mapping) -> None:
+def _check_entries(mapping: Mapping, evidence: Evidence) -> None:
     """Every name once, each a name that a run file can have; and a temperature among them."""
     given = Counter(entry.to for entry in mapping.column if entry.to)
     for name, count in given.items():
@@ -233,11 +238,18 @@ def _check_entries(mapping: Mapping) -> None:
             raise InputError(f"{name!r} cannot be a run file's column", place="--column")
     _check_units(mapping.column)
     if not any(name.endswith("_degC") and name != "ambient_degC" for name in given):
-        shown = next((entry.source for entry in mapping.column), "OLD")
         raise InputError(
-            f"no column is a part's temperature; expected --column OLD=NAME_degC, such as "
-            f"--column {quoted(f'{shown}=winding_degC')}"
+            f"no column is a part's temperature; expected --column OLD=NAME_degC{_likeliest(mapping, evidence)}"
         )
+
+
+def _likeliest(mapping: Mapping, evidence: Evidence) -> str:
+    """Which columns hold what temperatures may be: numbers that move, from where a log may begin."""
+    left = [facts for entry in mapping.column if (facts := evidence.facts[entry.source]).kind == "number"]
+    left = [f for f in left if not (f.whole and (f.steps > 0).all())]  # a number of the row
+    fit = [f for f in left if len(set(f.values.tolist())) > _LEAST_VALUES and f.span[0] > -50.0 and f.span[1] < 2000.0]
+    named = ", or ".join(f"--column {quoted(f'{f.name}=winding_degC')} ({spanned(f)})" for f in fit[:_MOST_SHOWN])
+    return f", such as {named}" if named else ""
 
 
 def _check_units(entries: Sequence[Entry]) -> None:

@@ -329,10 +329,10 @@ def _sorted_out(
     head = [name.strip() for name in names]
     for i in range(first, len(rows)):
         row = rows[i]
-        if len(row) == width and (row[0][:1].isdigit() or any(map(_may_be_number, row))):
-            good.append(i)
-        elif [cell.strip() for cell in row] == head:
+        if head and row and row[0].strip() == head[0] and [cell.strip() for cell in row] == head:
             others.setdefault("repeated header", []).append(i)
+        elif len(row) == width and (row[0][:1].isdigit() or any(map(_may_be_number, row))):
+            good.append(i)
         else:
             others.setdefault(f"line that is no row of {width} columns", []).append(i)
     return good, [Counted(what, len(found), f"{word} {numbers[found[0]]}") for what, found in others.items()]

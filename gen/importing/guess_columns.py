@@ -12,7 +12,7 @@ from gen.importing import names
 from gen.importing.evidence import Evidence, Facts
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.mapping import Entry
-from gen.importing.units import CURRENT, SPEED, TEMPERATURE, VOLTAGE, Unit, unit_of
+from gen.importing.units import CURRENT, SPEED, TEMPERATURE, VOLTAGE, Unit, split_name, unit_of
 
 AMBIENT = "ambient_degC"
 _CANONICAL = {
@@ -22,6 +22,11 @@ _CANONICAL = {
 }
 _COLD_C = (-40.0, 45.0)
 """degC at which a log may begin."""
+_WARM_C = 100.0
+_FEW_VALUES = 3
+_UNSAID = 0.5
+"""How sure it is that a column named after a part is its temperature."""
+_SAYS_SO = re.compile(r"(?i)temp|thermo|°")
 _LETTER = re.compile(r".*[_ ][A-Za-z]")
 
 
@@ -82,11 +87,14 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     target = choices.columns.get(facts.name, "")
     if names.WANTED.search(base) and not target:
         return _Sorted(facts, "", unit, 0.8, "a wanted or modelled value by its name")
-    thermal = bool(names.THERMAL.fullmatch(base) or names.PARTS.search(base) or names.AMBIENT.search(base))
     if unit is not None and unit.quantity == TEMPERATURE:
-        return _by_unit(facts, unit, where, thermal)
-    if unit is None and (target.endswith("_degC") or (thermal and not _electrical(base))):
-        return _by_range(facts, bool(target))
+        if names.DIFFERENCE.search(base) and not target:
+            return _Sorted(facts, "", unit, 0.8, "a difference of temperatures by its name")
+        return _by_unit(facts, unit, where, _thermal(facts, base))
+    if unit is None and target:
+        return _by_range(facts, True) if target.endswith("_degC") or _thermal(facts, base) else _by_name(facts, base)
+    if unit is None and _thermal(facts, base):
+        return _by_range(facts, False) if _said(base) else _of_a_part(facts)
     if unit is not None:
         return _Sorted(facts, unit.quantity, unit, 0.9, f"in {unit.name} by its {where}")
     return _by_name(facts, base)
@@ -98,6 +106,38 @@ def _one_of_letters(name: str, evidence: Evidence) -> bool:
         return False
     others = {other[-1] for other in evidence.facts if other[:-1] == name[:-1]}
     return len(others) > 1 and (others - set("CFKAVWs")) != set()
+
+
+def _thermal(facts: Facts, base: str) -> bool:
+    """Whether a name may be that of a temperature."""
+    if not (names.THERMAL.fullmatch(base) or names.PARTS.search(base) or names.AMBIENT.search(base)):
+        return False
+    if _electrical(base) or names.FLAG.search(base) or names.DIFFERENCE.search(base):
+        return False
+    if _SAYS_SO.search(base):
+        return True
+    return not names.OTHER.search(base) and not names.OTHER_UNIT.fullmatch(split_name(facts.name)[2])
+
+
+def _said(base: str) -> bool:
+    """Whether a name says that it is a temperature, or nothing but which part, or where: `stator end 2`."""
+    if names.THERMAL.fullmatch(base):
+        return True
+    return all(
+        names.PARTS.search(word) or names.AMBIENT.search(word) or names.WHERE.search(word)
+        for word in re.split(r"[^A-Za-zÄÖÜäöüß\d]+", base)
+        if word
+    )
+
+
+def _of_a_part(facts: Facts) -> _Sorted:
+    """A part's name with a word that nobody knows: `motor_dither`."""
+    low, high = facts.span
+    begin = float(np.median(facts.starts)) if facts.starts.size else low
+    if low < _COLD_C[0] or not _COLD_C[0] <= begin <= _WARM_C or len(np.unique(facts.values)) <= _FEW_VALUES:
+        return _Sorted(facts, "", None, 0.8, "kept as it is")
+    said = f"named after a part, {low:.4g}..{high:.4g}, and nothing says that it is a temperature"
+    return _Sorted(facts, TEMPERATURE, unit_of("degC"), _UNSAID, said)
 
 
 def _electrical(base: str) -> bool:
@@ -122,6 +162,8 @@ def _by_range(facts: Facts, told: bool) -> _Sorted:
     low, high = facts.span
     starts = facts.starts
     begin = float(np.median(starts)) if starts.size else low
+    if facts.values.size and low == high == 0.0 and not told:
+        return _Sorted(facts, "", None, 0.8, "0 in all rows: no sensor is there; kept as it is")
     said = f"begins at {begin:.4g}, {low:.4g}..{high:.4g}"
     celsius, kelvin = unit_of("degC"), unit_of("K")
     if facts.values.size and 260 <= begin <= 330 and low > 230 and not facts.whole:
@@ -173,6 +215,8 @@ def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool) -> 
             to = new if new.endswith("_degC") else f"{new}_degC"
         shown = quoted(f"{facts.name}=degC")
         settle = f"--unit {shown} or =degF or =K"
+        if confidence == _UNSAID:
+            settle += f", or --column {quoted(f'{facts.name}=')} to leave it out"
     elif new:
         to = new
     else:

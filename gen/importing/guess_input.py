@@ -10,11 +10,15 @@ from gen.errors import InputError
 from gen.importing.evidence import Evidence, Facts
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.mapping import InputForm
-from gen.importing.names import DRIVES, DUTY, PWM, SIGN
+from gen.importing.names import DRIVES, DUTY, PWM, SIGN, WANTED
 from gen.importing.numbers import plain_number
 from gen.importing.units import COUNTS, SHARE, Unit, unit_of
 
 FULL = 255
+_FULL_COUNTS = {127.0, 255.0, 511.0, 1023.0, 2047.0, 4095.0, 8191.0, 16383.0, 32767.0, 65535.0}
+"""Whole numbers that reach one of these are counts of a converter or timer."""
+_SHOWN = 12
+"""Columns that a message names."""
 
 
 @dataclass(frozen=True)
@@ -100,13 +104,24 @@ def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[F
 
 
 def _none(numbers: list[Facts]) -> str:
-    drives = [entry for entry in numbers if DRIVES.search(entry.name)]
+    drives = [entry for entry in numbers if DRIVES.search(entry.name) and entry.span != (0.0, 0.0)]
+    drives = [entry for entry in drives if not WANTED.search(entry.name)] or drives  # what was wanted heats nothing
     said = "no column is a motor's PWM"
     options = [f"--input {quoted(entry.name)}{_full_scale(entry)}" for entry in drives[:4]]
     if options:
         return f"{said}; expected what drives it, such as {' or '.join(options)}"
-    names = ", ".join(entry.name for entry in numbers)
-    return f"{said} among {names}; expected --input COLUMN --full-scale X, or --input COUNTS for what all rows have"
+    if not numbers:
+        return f"{said}, and none holds numbers; expected a table"
+    names = ", ".join(f"{entry.name} ({spanned(entry)})" for entry in numbers[:_SHOWN])
+    more = " .." if len(numbers) > _SHOWN else ""
+    wanted = "--input COLUMN --full-scale X, or --input COUNTS for what all rows have"
+    return f"{said} among {names}{more}; expected {wanted}"
+
+
+def spanned(entry: Facts) -> str:
+    """From where to where a column's numbers go."""
+    low, high = entry.span
+    return f"{low:g}" if low == high else f"{low:g}..{high:g}"
 
 
 def _full_scale(entry: Facts) -> str:
@@ -117,6 +132,8 @@ def _full_scale(entry: Facts) -> str:
 def _round_up(entry: Facts) -> float:
     low, high = entry.span
     reached = max(abs(low), abs(high), 1e-9)
+    if entry.whole and reached in _FULL_COUNTS:
+        return reached
     power = 10.0 ** np.floor(np.log10(reached))
     return float(next(m for m in (1.0, 2.0, 5.0, 10.0) if m * power >= reached) * power)
 

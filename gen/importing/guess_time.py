@@ -17,6 +17,11 @@ from gen.importing.units import unit_of
 _KINDS = {"instant": "timestamp", "clock": "time of day", "minutes": "mm:ss"}
 _EPOCHS = ((1e9, 2.5e9, "s"), (1e12, 2.5e12, "ms"), (1e15, 2.5e15, "us"), (1e18, 2.5e18, "ns"))
 _ROUND_S = {60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0}
+_PLAIN = {"t", "ts", "time", "times", "zeit", "timestamp", "zeitstempel", "elapsed", "seconds", "millis", "ms"}
+"""Names of a time that need nothing beside them."""
+_EITHER = 0.5
+_RATIOS = tuple(x for r in (1.0, 60.0, 3600.0, 1e3, 1e6, 1e9) for x in (r, 1.0 / r))
+_SAME_LENGTH = 0.05
 _SHORTEST_S = 20.0
 """A log of a motor's temperature lasts longer."""
 
@@ -69,17 +74,43 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
     if dates and clocks:
         return [dates[0].name, clocks[0].name], choices, 0.95, f"a date and a time: {_example(dates[0])}"
     if named:
-        return [named[0].name], choices, 0.85, "by its name; it rises"
+        return _one_of(named, choices)
     if clocks:
         return [clocks[0].name], choices, 0.85, f"times such as {_example(clocks[0])}"
     unnamed = [entry for entry in numbers if entry.name.startswith("column_")]
     if unnamed:
-        return [unnamed[0].name], choices, 0.7, "the first column that rises all the way"
+        since = [entry for entry in unnamed if _epoch(entry)]
+        best = (since or unnamed)[0]
+        return [best.name], choices, 0.7, "" if since else "the first column that rises all the way"
     raise InputError(
         f"no column is a time among {', '.join(evidence.facts)}; expected --time COLUMN, or --time SECONDS for the "
         "interval of its rows",
         place=evidence.tables[0].place(0),
     )
+
+
+def _one_of(named: list[Facts], choices: Choices) -> tuple[list[str], Choices, float, str]:
+    """The first of the columns that say time; doubtful where another runs otherwise: a processor's time, a print's."""
+    plain = [entry for entry in named if entry.named[0].casefold() in _PLAIN]
+    if plain or len(named) == 1:
+        return [(plain or named)[0].name], choices, 0.85, "by its name; it rises"
+    first, *others = named
+    other = next((entry for entry in others if not _alike(first, entry)), None)
+    if other is None:
+        return [first.name], choices, 0.85, "by its name; it rises"
+    lasts = ", ".join(f"{entry.name} by {entry.span[1] - entry.span[0]:g}" for entry in (first, other))
+    return [first.name], choices, _EITHER, f"{lasts}: either may be the time"
+
+
+def _length(entry: Facts) -> float:
+    low, high = np.percentile(entry.values, (5, 95))  # the first row may be stale
+    return float(high - low)
+
+
+def _alike(one: Facts, other: Facts) -> bool:
+    """Whether two columns last equally long, in whatever units."""
+    ratio = _length(one) / max(_length(other), 1e-12)
+    return any(abs(ratio * scale - 1.0) < _SAME_LENGTH for scale in _RATIOS)
 
 
 def _form(
@@ -108,6 +139,8 @@ def _form(
     name, sure, reason = _unit(entry, choices)
     form = TimeForm(columns=names, unit=name)
     settle = f"--unit {quoted(f'{entry.name}=s')}, =ms, =min or =h"
+    if confidence == _EITHER:
+        settle = "--time COLUMN, of those that rise"
     return form, [
         Guess(subject, f"time in {name}", min(confidence, sure), "; ".join(filter(None, (why, reason))), settle)
     ]
@@ -123,13 +156,18 @@ def _unit(entry: Facts, choices: Choices) -> tuple[str, float, str]:
     base, unit, where = entry.named
     if unit is None and (alone := unit_of(base)) and alone.quantity == TIME_QUANTITY:
         unit, where = alone, "name"
-    first = float(np.median(entry.starts)) if entry.starts.size else 0.0
-    epoch = next((name for low, high, name in _EPOCHS if low < first < high), None)
+    epoch = _epoch(entry)
     if unit is not None and unit.quantity == TIME_QUANTITY:
         return unit.name, 0.95, "" if where == "name" else f"unit from the {where}"
     if epoch:
-        return epoch, 0.95, f"begins at {first:.0f}, {epoch} since 1970"
+        return epoch, 0.95, f"begins at {float(np.median(entry.starts)):.0f}, {epoch} since 1970"
     return _unit_by_steps(entry)
+
+
+def _epoch(entry: Facts) -> str:
+    """The unit of a time since 1970; empty where it is none."""
+    first = float(np.median(entry.starts)) if entry.starts.size else 0.0
+    return next((name for low, high, name in _EPOCHS if low < first < high), "")
 
 
 def _unit_by_steps(entry: Facts) -> tuple[str, float, str]:

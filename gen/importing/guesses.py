@@ -62,6 +62,10 @@ class Choices:
         The column that says which run a row belongs to.
     duplicates
         Which of the rows of one time to take: "first", "last", or "spread" over the time until the next.
+    sort
+        Whether rows are put in the order of their times.
+    series
+        The column whose names each become a column; behind a comma, that of the values.
     """
 
     time: str = ""
@@ -72,6 +76,8 @@ class Choices:
     decimal: str = ""
     runs: str = ""
     duplicates: str = ""
+    sort: bool = False
+    series: str = ""
 
 
 def quoted(text: str) -> str:

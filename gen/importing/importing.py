@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from gen.errors import InputError
@@ -15,6 +15,7 @@ from gen.importing.decide import Decided, decide, doubts
 from gen.importing.guesses import Choices
 from gen.importing.mapping import Mapping, read_mapping
 from gen.importing.provenance import commented_mapping, comments_of
+from gen.importing.series import spread_out
 from gen.importing.sources import read_tables
 from gen.importing.table import Reading, Table
 from gen.runs import Run, write_run
@@ -95,10 +96,14 @@ def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress
     given = Reading(text.encoding, text.delimiter, text.decimal) if text is not None else Reading()
     if choices.decimal:
         given = Reading(given.encoding, given.delimiter, choices.decimal)
+    series = known.series if known is not None else choices.series
     tables: list[Table] = []
     for file in files:
         progress(f"reading {file.name}")
         tables += read_tables(file, given)
+    if series:
+        progress("a column for each name")
+        tables = [spread_out(table, replace(choices, series=series)) for table in tables]
     progress("deciding")
     groups: dict[tuple[str, ...], list[Table]] = {}
     for table in tables:
@@ -123,12 +128,15 @@ def _with_options(known: Mapping, choices: Choices) -> Mapping:
             ("--unit", choices.units),
             ("--decimal", choices.decimal),
             ("--runs", choices.runs),
+            ("--series", choices.series),
         )
         if value
     ]
     if told:
         raise InputError("the mapping file exists and says it; expected it to be corrected there", place=told[0])
-    return known.model_copy(update={"duplicates": choices.duplicates}) if choices.duplicates else known
+    if choices.duplicates:
+        known = known.model_copy(update={"duplicates": choices.duplicates})
+    return known.model_copy(update={"sort": True}) if choices.sort else known
 
 
 def write(

@@ -1,9 +1,8 @@
-"""Lines that name their numbers: JSON objects, and what sketches print (``T1:23.4 T2:25.1``)."""
+"""Lines that name their numbers: JSON objects, and what sketches print (``T1:23.4 T2:25.1``), to tables."""
 
 from __future__ import annotations
 
 import json
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,33 +11,17 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.delimited import MOST_COLUMNS, Lines, keyed_comments
+from gen.importing.pairs import LONGEST, SAMPLE, names_in, record_of
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
-_PAIR = re.compile(
-    r"(?P<key>[A-Za-zÄÖÜäöü°%µ][\w°%µ ./()\[\]-]{0,40}?)\s*[:=]\s*(?P<value>[+-]?\d*[.,]?\d+(?:[eE][+-]?\d+)?|nan|null)"
-    r"(?P<unit>\s?(?:°\s?[CFK]|degC|degF|[CFKVA%]|mA|mV|rpm|ms|s)(?=[\s,;|]|$))?",
-    re.IGNORECASE,
-)
-_SAMPLE = 400
-_LONGEST = 2000
-"""Of a line that names its numbers."""
+_SHOWN = 8
+"""Names that a message says."""
 
 
 def is_json(lines: Sequence[str]) -> bool:
     """Whether most lines are JSON objects."""
-    sample = lines[:_SAMPLE]
+    sample = lines[:SAMPLE]
     return bool(sample) and sum(1 for line in sample if line.lstrip().startswith("{")) > 0.5 * len(sample)
-
-
-def is_keyed(lines: Sequence[str]) -> bool:
-    """Whether most lines consist of names with numbers, the same in most."""
-    sample = [line[:_LONGEST] for line in lines[:_SAMPLE]]
-    found = Counter(tuple(match["key"].strip() for match in _PAIR.finditer(line)) for line in sample)
-    found.pop((), None)
-    if not found or found.most_common(1)[0][1] < 0.5 * len(sample):
-        return False
-    left = sorted(len(_PAIR.sub("", line).strip(" ,;|\t")) / len(line) for line in sample)
-    return left[len(left) // 2] < 0.3
 
 
 def json_table(file: Path, lines: Lines, reading: Reading) -> Table:
@@ -85,18 +68,22 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
 def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading) -> Table:
     """A table of lines such as ``T1:23.4 T2:25.1``."""
     records, numbers, bad = [], [], []
-    wanted = Counter(
-        tuple(match["key"].strip() for match in _PAIR.finditer(line[:_LONGEST])) for line in lines.texts[:_SAMPLE]
-    ).most_common(1)[0][0]
+    step = max(1, len(lines.texts) // SAMPLE)
+    found = Counter(names_in(line[:LONGEST]) for line in lines.texts[::step])
+    found.pop((), None)
+    alike = found.most_common(1)[0][0]
+    twice = frozenset(key for key, count in Counter(alike).items() if count > 1)
+    first = next(line for line in lines.texts if names_in(line[:LONGEST]) == alike)
+    wanted = record_of(first, twice)
     for i, (text, number) in enumerate(zip(lines.texts, lines.numbers, strict=True)):
-        found = list(_PAIR.finditer(text)) if len(text) <= _LONGEST else []
-        record = {m["key"].strip(): m["value"] + (m["unit"] or "") for m in found}
-        if found and set(record) <= set(wanted):
+        record = record_of(text, twice) if len(text) <= LONGEST else {}
+        if 2 * len(set(record) & set(wanted)) >= len(wanted) and set(record) <= set(wanted):
             records.append({"clock": times[i], **record} if times else record)
             numbers.append(number)
         else:
             bad.append(number)
-    return _table(file, records, numbers, bad, lines, reading, f"line without {', '.join(wanted)}")
+    shown = ", ".join(list(wanted)[:_SHOWN]) + (" .." if len(wanted) > _SHOWN else "")
+    return _table(file, records, numbers, bad, lines, reading, f"line without {shown}")
 
 
 def _flat(record: Mapping[str, object], before: str = "") -> dict[str, str]:

@@ -83,6 +83,8 @@ class Mapping(_Part):
     runs: str = ""
     overflow: Literal["empty", "keep"] = "empty"
     duplicates: Literal["", "first", "last", "spread"] = ""
+    sort: bool = False
+    series: str = ""
     column: list[Entry] = []
 
     @property
@@ -139,6 +141,10 @@ def mapping_text(mapping: Mapping, files: Sequence[str], why: Dict[str, str]) ->
     document.add("version", tomlkit.item(mapping.version))
     document.add("overflow", _explained(mapping.overflow, '"keep": values that a sensor gives when it fails stay'))
     document.add("duplicates", _explained(mapping.duplicates, '"first", "last" or "spread": rows of one time'))
+    document.add("sort", _explained(mapping.sort, "true: rows are put in the order of their times"))
+    document.add(
+        "series", _explained(mapping.series, "the column of names that each become a column, and that of values")
+    )
     document.add("runs", _explained(mapping.runs, "the column that says which run a row belongs to"))
     for name, part in (("text", mapping.text), ("time", mapping.time), ("input", mapping.input)):
         table = tomlkit.table()
@@ -161,7 +167,7 @@ def mapping_text(mapping: Mapping, files: Sequence[str], why: Dict[str, str]) ->
     return tomlkit.dumps(document)
 
 
-def _explained(value: str, comment: str) -> object:
+def _explained(value: str | bool, comment: str) -> object:
     import tomlkit
 
     return tomlkit.item(value).comment(comment)

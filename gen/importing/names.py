@@ -22,7 +22,8 @@ TIME = re.compile(
 PWM = _words(r"pwm\d*")
 DUTY = _words(r"duty|duty.?cycle|dutycycle|tastgrad|tastverh(?:ä|ae)ltnis")
 DRIVES = _words(
-    r"throttle|command|cmd|power|leistung|gas|drive|output|current|strom|speed|drehzahl|rpm|heater\d*|setpoint|load|i|p|q\d*"
+    r"throttle|command|cmd|power|leistung|gas|drive|output|current|strom|speed|drehzahl|rpm|heat|heater\d*|heating|heizung|"
+    r"heizleistung|setpoint|load|control|pid|ssr|utili[sz]ation|i|p|q\d*"
 )
 SIGN = _words(r"dir|direction|richtung|drehrichtung|sign")
 RUNS = re.compile(
@@ -35,6 +36,35 @@ AMBIENT = _words(
     r"amb|ambient|ambiance|umgebung|umgebungstemperatur|room|raum|raumtemperatur|zimmer|outside|air|luft|env|t_?amb"
 )
 WANTED = _words(r"set|setpoint|soll|target|ziel|limit|threshold|grenze|model|estimated?|predicted")
+FLAG = _words(
+    r"open|opened|fault|faults|fehler|error|errors|flag|flags|alarm|alarms|alert|status|state|ok|valid|invalid|enabled?|active|"
+    r"connected|missing|code|id|nr|counts?|counter|index|mode|type"
+)
+"""What a sensor says beside its temperature: `Thermocouple open`, `temp_fault`."""
+DIFFERENCE = _words(
+    r"distance|difference|diff|differenz|delta|deviation|abweichung|abstand|gradient|slope|rate|change|drift|offset"
+)
+"""In a unit of temperature, and none: `Distance to TjMAX [°C]`."""
+OTHER = _words(
+    r"current|currents|strom|amps?|amperes?|voltage|spannung|volts?|speed|drehzahl|rpm|erpm|velocity|omega|power|leistung|watts?|"
+    r"energy|torque|drehmoment|moment|force|thrust|load|last|position|pos|angle|winkel|encoder|tacho(?:meter)?|clock|freq|"
+    r"frequency|usage|utili[sz]ation|duty|pwm|throttle|cmd|command|on|off|enable|pressure|druck|flow|fan|vibration|vib|accel|"
+    r"acceleration|gyro|flux|field|noise|level|resistance|ohms?|inductance|charge|soc|capacity|efficiency|hours|time|age|"
+    r"humidity|feuchte|distance|weight|mass|pole|poles|kv|kp|ki|kd"
+)
+"""Another quantity of a part: `motor_torque`, `Core 0 Clock`."""
+WHERE = _words(
+    r"ends?|front|rear|back|left|right|upper|lower|inner|outer|top|bottom|middle|centre|center|drive|side|de|nde|hot|cold|spot|"
+    r"tip|slot|head|phase|avg|average|mean|mittel|max|min|vorn|vorne|hinten|links|rechts|oben|unten|innen|aussen|au(?:ß|ss)en|"
+    r"nut|kopf|wickelkopf|present|actual|[a-z]|\d+|measured|meas|mess|ist|degrees?|sensor|probe|f(?:ü|ue)hler"
+)
+"""Words that say which part, or where on it, and not what was measured there."""
+OTHER_UNIT = re.compile(
+    r"[kMG]?Hz|[kKMGT]i?B(?:/s)?|[kMG]?bit(?:/s)?|[kM]?Pa|hPa|bar|mbar|psi|m?m/s\^?2?|m/s²|mm|cm|m|km/h|g|kg|N|mNm|l/min|m?Ah|[km]?Wh|"
+    r"k?Ohm|k?Ω|lx|ppm|x|T/s|GT/s|Yes/No|on/off|0/1|bool",
+    re.IGNORECASE,
+)
+"""Units in brackets that nothing here converts, but that are none of a temperature."""
 THERMAL = re.compile(
     r".*(?:temp|thermo|°).*|tc\d*|t\d+|t_.*|ntc\d*.*|pt\d{3,4}.*|ds18.*|max6675.*|max31855.*|.*[^a-z]t\d*",
     re.IGNORECASE,

@@ -123,7 +123,10 @@ def _resets(time_s: FloatArray) -> list[int]:
         if time_s[row] >= peak or _late(time_s, int(row), peak):
             continue
         if len(found) == _MOST_RESETS:
-            raise InputError(f"time goes back more than {_MOST_RESETS} times; expected a column that rises")
+            raise InputError(
+                f"time goes back more than {_MOST_RESETS} times; expected a column that rises, or --sort, which puts "
+                "rows in its order"
+            )
         found.append(int(row))
         begin, peaks = int(row), np.maximum.accumulate(time_s[row:])
     return found

@@ -15,8 +15,9 @@ from gen.importing.delimited import (
     table_of_rows,
 )
 from gen.importing.encoding import decode
-from gen.importing.keyed import array_table, is_json, is_keyed, json_table, keyed_table
+from gen.importing.keyed import array_table, is_json, json_table, keyed_table
 from gen.importing.numbers import decimal_mark
+from gen.importing.pairs import is_keyed
 from gen.importing.table import Reading, Table
 
 

@@ -50,8 +50,8 @@ DUTY = Unit(SHARE, "duty", "percent", 100.0)
 PWM_COUNTS = Unit(COUNTS, "counts", "counts")
 
 _SPELT: dict[Unit, str] = {
-    DEGC: "degc °c c celsius ℃ grad gradc deg ºc",
-    DEGF: "degf °f f fahrenheit ℉ gradf ºf",
+    DEGC: "degc °c c celsius ℃ grad gradc deg ºc 'c",
+    DEGF: "degf °f f fahrenheit 'f ℉ gradf ºf",
     KELVIN: "k kelvin degk °k",
     Unit(CURRENT, "A", "A"): "a amp amps ampere amperes",
     Unit(CURRENT, "mA", "A", 1e-3): "ma milliamp milliamps",
@@ -77,6 +77,7 @@ _SPELT: dict[Unit, str] = {
 _KNOWN = {spelling: unit for unit, text in _SPELT.items() for spelling in text.split()}
 _FACTOR = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)\s*\*?\s*(.+)", re.ASCII)
 _BRACKETED = re.compile(r"^(?P<base>.*?)\s*[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]\s*(?P<rest>.*)$")
+_BRACKETED_FROM = re.compile(r"[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]")
 _SPOKEN = re.compile(r"^(?P<base>.*\S)\s*(?:\s(?:in|/)\s|,\s+|\s*/\s*)(?P<unit>\S+)$", re.IGNORECASE)
 _ALONE = {"deg", "count", "raw", "digits", "d", "min", "cnt", "duty", "perc", "fraction", "grad"}
 """No units where they only stand behind an underscore: `cell_count`, `T_min`, `motor_duty`."""
@@ -102,6 +103,19 @@ def unit_of(text: str) -> Unit | None:
     return None
 
 
+def _last_unit(text: str) -> re.Match[str] | None:
+    """The last pair of brackets that holds a unit: `Core Temperatures (avg) [°C]`."""
+    found = [
+        match
+        for at in range(len(text))
+        if text[at] in "([<{" and (match := _BRACKETED_FROM.match(text, at)) and unit_of(match["unit"])
+    ]
+    if not found:
+        return None
+    at = found[-1].start()
+    return re.match(rf"^(?P<base>.{{{at}}})[\(\[<{{](?P<unit>[^\)\]>}}]*)[\)\]>}}]\s*(?P<rest>.*)$", text)
+
+
 def split_name(header: str) -> tuple[str, Unit | None, str]:
     """Part a column's name from the unit in it.
 
@@ -120,9 +134,9 @@ def split_name(header: str) -> tuple[str, Unit | None, str]:
         The unit as it was written, recognised or not; empty without one.
     """
     text = header.strip()
-    bracketed = _BRACKETED.match(text)
+    bracketed = _last_unit(text) or _BRACKETED.match(text)
     if bracketed and (bracketed["base"] or bracketed["rest"]):
-        base = f"{bracketed['base']} {bracketed['rest']}".strip()
+        base = f"{bracketed['base'].strip()} {bracketed['rest']}".strip()
         return base, unit_of(bracketed["unit"]), bracketed["unit"].strip()
     spoken = _SPOKEN.match(text)
     if spoken and (unit := unit_of(spoken["unit"])):

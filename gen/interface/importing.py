@@ -84,6 +84,8 @@ def import_runs(
     decimal: str = "",
     runs: str = "",
     duplicates: str = "",
+    series: str = "",
+    sort: bool = False,
     split: bool = False,
     gap: float | None = None,
     overwrite: bool = False,
@@ -116,6 +118,11 @@ def import_runs(
         The column that says which run a row belongs to.
     duplicates
         Of rows with the same time: ``first``, ``last``, or ``spread`` until the next time.
+    series
+        In a log with a row for each reading, the column of names, each of which becomes a column; behind a comma, the
+        column of values.
+    sort
+        Whether rows are put in the order of their times, as of exports newest first.
     split
         Whether gaps and a clock that begins anew part runs.
     gap
@@ -162,6 +169,8 @@ def import_runs(
         decimal=decimal,
         runs=runs,
         duplicates=duplicates,
+        sort=sort,
+        series=series,
     )
     planned = plan(paths, choices, file, progress)
     seen(planned)

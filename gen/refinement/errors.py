@@ -29,6 +29,24 @@ class Errors:
         return made
 
 
+FAR, FAR_K = 3.0, 2.0
+"""Test runs are missed by far with an error of so many times that of the fit runs, and of so many kelvin."""
+
+
+def missed(errors: Errors) -> list[str]:
+    """A sentence where the test runs are missed by far more than the fit runs, of which the verdict is."""
+    fit, test = (
+        total(score for run in of.values() for score in run.values()).rmse_K for of in (errors.fit, errors.test)
+    )
+    if not test > max(FAR * fit, FAR_K):
+        return []
+    return [
+        f"the test runs are missed by {test:.3g} K, the fit runs by {fit:.2g} K: the verdict is of the fit runs alone, "
+        "and what the test runs show is in none of them; give one of those to --fit, and look whether it is the same "
+        "motor"
+    ]
+
+
 def said_of(paths: Sequence[Path], errors: Errors) -> list[str]:
     """A sentence for each run of which something was left out: rows of a long one, readings that are not believed."""
     left_out = {path: errors.curves[str(path)].left_out for path in paths}

@@ -12,7 +12,7 @@ from gen.refinement.admission import admitted
 from gen.refinement.candidates import Tracing
 from gen.refinement.condense import Condensed, check_apart, check_measured, condense
 from gen.refinement.effect_entries import effect_entries
-from gen.refinement.errors import Errors, said_of
+from gen.refinement.errors import Errors, missed, said_of
 from gen.refinement.excitation import Excitation, excitation
 from gen.refinement.leftover import Remains, leftover
 from gen.refinement.offered import each_speed_once
@@ -122,7 +122,7 @@ def refine(
         runs=runs,
         excitation=excitation(baseline, runs),
         remains={name: leftover(tracing, runs, name) for name in tracing.problem.components},
-        warnings=[*warnings, *said_of(test_paths, before)],
+        warnings=[*warnings, *said_of(test_paths, before), *missed(after)],
     )
 
 

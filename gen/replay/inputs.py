@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -64,7 +65,18 @@ def read_for(coefficients: Coefficients, path: Path, *, most_rows: int | None = 
     names = coefficients.model.component_names
     run = read_run(path, names, ambient=ambient_column(coefficients), most_rows=most_rows)
     check_meaning(coefficients, run.comments, str(path))
-    return run
+    return run if coefficients.model.ambient_fixed is not None else _with_noted_ambient(run)
+
+
+def _with_noted_ambient(run: Run) -> Run:
+    """A run whose ambient stands in a comment, as `gen identify` takes it, where no column has it."""
+    if run.ambient is not None and not np.all(np.isnan(run.ambient)):
+        return run
+    try:
+        noted = float(run.comments.get(AMBIENT, "nan"))
+    except ValueError:
+        return run
+    return replace(run, ambient=np.full(run.time_s.size, noted)) if isfinite(noted) else run
 
 
 def inputs_of(coefficients: Coefficients, run: Run, file: str, *, as_declared: bool = True) -> Inputs:
@@ -153,7 +165,8 @@ def _counted_from(
 
 def _no_ambient(coefficients: Coefficients, file: str) -> InputError:
     return InputError(
-        f"the column {ambient_column(coefficients)} is missing, and the coefficient file has no fixed ambient",
+        f"the column {ambient_column(coefficients)} is missing, and the coefficient file has no fixed ambient; "
+        f"expected the column, or a line # {AMBIENT}: 22",
         file=file,
         place="header",
     )

@@ -45,7 +45,7 @@ OTHER_FORMATS = {
     # times and lines as loggers write them, the mapping file of `gen import`, comments of a run file
     "importing/clock.py": {"min"},
     "importing/provenance.py": {"input"},
-    "importing/keyed.py": {"value", "unit"},
+    "importing/pairs.py": {"value", "unit"},
     "importing/units.py": {"unit"},
     "importing/mapping.py": {"input"},
     # the manifest of a project

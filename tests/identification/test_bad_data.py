@@ -15,6 +15,7 @@ from gen.coefficients import load
 from gen.errors import InputError
 from gen.identification.data import make_data, read_data
 from gen.identification.identify import identify
+from gen.identification.network.data import make_network_data
 from gen.identification.sources import Source
 from gen.runs import Run, write_run
 
@@ -196,3 +197,28 @@ def test_read_data_reads_files(tmp_path: Path) -> None:
     data = read_data([tmp_path / "a.csv"], None)
     assert list(data.records) == ["brush"]
     assert data.ambient_measured
+
+
+def test_one_wild_first_reading_is_no_room() -> None:
+    """A sensor before its first conversion, in a log so coarse that a part might have warmed as quickly."""
+    run = replace(step(ambient=24.0), ambient=None)
+    slow = Run(run.time_s[::2] * 5, run.pwm[::2], {"brush": run.temps["brush"][::2]})
+    slow.temps["brush"][0] = 3.75
+    data = make_data([Source("glitch.csv", slow)], None)
+    assert data.ambient_fixed == pytest.approx(24.0, abs=1.0)
+    warm = Run(slow.time_s, slow.pwm, {"brush": np.where(slow.time_s < 1.0, 24.0, slow.temps["brush"])})
+    assert make_data([Source("sound.csv", warm)], None).ambient_fixed == pytest.approx(24.0, abs=0.3)
+
+
+def test_one_sensor_under_two_names_is_told() -> None:
+    first, second = step(), step(rise=60.0, pwm=204)
+    renamed = replace(second, temps={"carbon": second.temps["brush"]})
+    for make in (make_data, make_network_data):
+        said = [
+            w for w in make([Source("a.csv", first), Source("b.csv", renamed)], None).warnings if "no other run" in w
+        ]
+        assert [warning.partition(":")[0] for warning in said] == ["a.csv", "b.csv"]
+        assert "a.csv: brush is in no other run, and carbon not in this one" in said[0]
+        assert not [
+            w for w in make([Source("a.csv", first), Source("b.csv", second)], None).warnings if "no other" in w
+        ]

@@ -216,3 +216,31 @@ def test_a_number_that_counts_rows_or_comes_back_parts_no_runs(numbers: np.ndarr
     run = taken(write(tmp_path, csv(TRUE.assign(test=numbers))), tmp_path / "runs")
     same(run, TRUE)
     np.testing.assert_array_equal(run.extras["test"], numbers)
+
+
+def shuffled(rows: int, order: list[int]) -> str:
+    lines = [f"2024-05-01 10:{i // 60:02d}:{i % 60:02d},{i % 2 * 50}.5,{20 + 0.1 * i:.1f}" for i in range(rows)]
+    return "time,duty [%],winding [°C]\n" + "\n".join(lines[i] for i in order)
+
+
+def test_exports_in_another_order_are_sorted_when_that_is_said(tmp_path: Path) -> None:
+    order = [i for begin in range(0, 120, 8) for i in (*range(begin + 4, begin + 8), *range(begin, begin + 4))]
+    log = write(tmp_path, shuffled(120, order))
+    with pytest.raises(InputError, match=r"rows are not in the order of their times; expected --sort"):
+        take(log, tmp_path / "out")
+    found = take(log, tmp_path / "out", sort=True, mapping=tmp_path / "map.toml")
+    run = read_run(found.runs[0])
+    np.testing.assert_allclose(run.time_s, np.arange(120.0))
+    np.testing.assert_allclose(run.temps["winding"], 20 + 0.1 * np.arange(120))
+    assert run.pwm[:4].tolist() == [1, 129, 1, 129]
+    assert found.counted().index.tolist() == ["place at which rows were put in the order of their times"]
+    again = take(log, tmp_path / "again", mapping=tmp_path / "map.toml")
+    assert again.runs[0].read_bytes() == found.runs[0].read_bytes()
+
+
+@pytest.mark.parametrize("split", [False, True])
+def test_newest_first_is_turned_round_when_that_is_said(tmp_path: Path, split: bool) -> None:
+    log = write(tmp_path, shuffled(120, list(reversed(range(120)))))
+    with pytest.raises(InputError, match=r"line 3: rows stand in the order of falling times; expected --sort"):
+        take(log, tmp_path / "out", split=split)
+    np.testing.assert_allclose(taken(log, tmp_path / "out", sort=True, split=split).time_s, np.arange(120.0))

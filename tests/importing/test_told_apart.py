@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from gen.importing.keyed import is_keyed
 from gen.importing.numbers import parse
+from gen.importing.pairs import is_keyed
 
 
 @pytest.mark.parametrize(

@@ -113,7 +113,7 @@ def test_three_digits_behind_a_comma_are_doubtful(tmp_path: Path) -> None:
 
 def test_a_row_for_each_sensor_is_refused_with_what_to_do(tmp_path: Path) -> None:
     long = TRUE.melt(["time_s", "pwm"], var_name="sensor", value_name="T_C").sort_values("time_s", kind="stable")
-    with pytest.raises(InputError, match=r"column sensor: has a row for each of .*; expected a column for each"):
+    with pytest.raises(InputError, match=r"column sensor: has a row for each of .*; expected --series sensor"):
         take(write(tmp_path, csv(long)), tmp_path / "runs")
 
 

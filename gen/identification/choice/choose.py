@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from gen.errors import CheckFailed, InputError
@@ -53,7 +53,7 @@ def choose(sources: Sequence[Source], options: Options, progress: Progress) -> C
     InputError
         When a run or a setting has a fault, or nothing can be identified by either kind.
     CheckFailed
-        When neither kind leads to a model that can be built.
+        When neither kind leads to a model that can be built, with hidden nodes or without.
     """
     fits: dict[Kind, Fit] = {"network": network_of, "parts": parts_of}
     models: dict[Kind, Fitted] = {}
@@ -67,9 +67,31 @@ def choose(sources: Sequence[Source], options: Options, progress: Progress) -> C
             tried[kind] = Tried(refused=_said(error))
             refusals.append(error)
     if not models:
-        raise _neither(refusals)
+        bare = _without_hidden_nodes(sources, options, refusals, progress)
+        if bare is None:
+            raise _neither(refusals)
+        return bare
     decision = told_without_folds(tried) or _compared(sources, fits, options, progress)
     return Chosen(models[decision.kind].noted(decision.note), decision)
+
+
+def _without_hidden_nodes(
+    sources: Sequence[Source], options: Options, refusals: Sequence[InputError | CheckFailed], progress: Progress
+) -> Chosen | None:
+    """The network of what is sensed alone, where none with hidden nodes can be built; None where that refuses, too.
+
+    It errs more, and says so. But it is a model, from which a user learns what the next run has to be.
+    """
+    of_network, of_parts = refusals
+    if options.max_hidden == 0 or not isinstance(of_network, CheckFailed):
+        return None
+    try:
+        model = network_of(sources, replace(options, max_hidden=0), _told(progress, "network without hidden nodes"))
+    except (InputError, CheckFailed):
+        return None
+    why = f"network without hidden nodes, because parts refused: {_said(of_parts)}; and with them: {_said(of_network)}"
+    decision = Decision("network", why, refused=_said(of_parts))
+    return Chosen(model.noted(decision.note), decision)
 
 
 def _compared(sources: Sequence[Source], fits: Mapping[Kind, Fit], options: Options, progress: Progress) -> Decision:

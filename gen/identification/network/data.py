@@ -9,7 +9,7 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.identification.ambients import ambients_of
-from gen.identification.data import FEWEST, MOVES_K, components_of, sound
+from gen.identification.data import FEWEST, MOVES_K, apart, components_of, sound
 from gen.identification.drive import common_drive
 from gen.identification.network.bins import Binned, FloatArray, binned, longest_bin
 from gen.identification.network.driving import Driving, driving_of, values_of
@@ -88,6 +88,7 @@ def make_network_data(
     common_drive((source.path, source.run) for source in sources)
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     sources = [sound(source, warnings) for source in sources]
+    warnings += apart(sources)
     _check(sources, full_scale)
     names = _reacting(sources, components_of(sources), warnings)
     ambients, unsure = ambients_of(sources, ambient, warnings, estimated=True)

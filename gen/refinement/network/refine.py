@@ -12,7 +12,7 @@ import numpy as np
 from gen.coefficients import Coefficients, parse
 from gen.reference.simulate import simulate_run
 from gen.refinement.condense import check_apart, check_measured, read_measured
-from gen.refinement.errors import Errors, said_of
+from gen.refinement.errors import Errors, missed, said_of
 from gen.refinement.network.ambient import moving_ambient
 from gen.refinement.network.changed import looks_like_a_change
 from gen.refinement.network.effects.warm_start import WarmStart, warm_start
@@ -140,7 +140,7 @@ def refine_network(
     holds = not made.refused and not any(changes) and all(found.effect.held_by_the_file for found in traced.added)
     verdict = _verdict(traced, start, anything=bool(effects), holds=holds)
     told, ignored = settled(runs, traced)
-    warnings += [*ignored, *said_of(test_paths, before)]
+    warnings += [*ignored, *said_of(test_paths, before), *missed(after)]
     return NetworkRefinement(made.text, before, after, effects, verdict, made.refitted, traced, warnings, told)
 
 

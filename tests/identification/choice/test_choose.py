@@ -17,7 +17,7 @@ from gen.identification.choice import choose as module
 from gen.identification.choice.choose import choose
 from gen.identification.choice.folds import MOST_FOLDS, STRETCHES, Fold, folds_of
 from gen.identification.choice.left_out import BLOCKS, Judged, errors
-from gen.identification.choice.models import Options, network_of, parts_of
+from gen.identification.choice.models import NetworkModel, Options, Progress, network_of, parts_of
 from gen.identification.coefficient_file import Settings
 from gen.identification.sources import Source
 from gen.identification.structure import FloatArray
@@ -214,3 +214,30 @@ def test_from_python_and_in_the_report(tmp_path: Path) -> None:
     assert asked.choice is None
     assert "choice" not in asked.details()
     assert "chosen" not in asked.text()
+
+
+def test_where_neither_can_be_built_the_sensed_parts_alone_are_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried: list[int] = []
+
+    def needs_none(sources: Sequence[Source], options: Options, progress: Progress) -> NetworkModel:
+        tried.append(options.max_hidden)
+        if options.max_hidden:
+            raise CheckFailed('"hidden1" settles 9488 K over ambient')
+        return network_of(sources, options, progress)
+
+    def refuse(sources: Sequence[Source], options: Options, progress: Progress) -> NetworkModel:
+        raise InputError("where casing settles is not shown", file="folder/day_0.csv")
+
+    monkeypatch.setattr(module, "network_of", needs_none)
+    monkeypatch.setattr(module, "parts_of", refuse)
+    made = choose(days(1), replace(QUICK, max_hidden=3), silent)
+    assert tried == [3, 0]
+    assert made.decision.kind == "network"
+    assert made.decision.why == (
+        "network without hidden nodes, because parts refused: day_0.csv: where casing settles is not shown; and with "
+        'them: "hidden1" settles 9488 K over ambient'
+    )
+    assert made.decision.why.split('"')[0] in str(made.model.coefficients.document.provenance)
+    with pytest.raises(InputError, match="settles is not shown"):
+        monkeypatch.setattr(module, "network_of", refuse)
+        choose(days(1), replace(QUICK, max_hidden=3), silent)

@@ -1,0 +1,123 @@
+"""What a line of a sketch, a daemon or a printer names: a time before it, then names with numbers."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from gen.importing.delimited import MOST_COLUMNS
+
+_NUMBER = r"[+-]?\d*[.,]?\d+(?:[eE][+-]?\d+)?"
+_PAIR = re.compile(
+    r"(?P<key>[A-Za-zÄÖÜäöü°%µ@][\w°%µ@ ./()\[\]-]{0,40}?)\s*[:=]\s*(?P<value>" + _NUMBER + r"|nan|null)"
+    r"(?P<unit>\s?(?:[°']\s?[CFK]|degC|degF|[CFKVA%]|mA|mV|rpm|ms|s)(?=[\s,;|]|$))?"
+    r"(?:\s?/\s?(?P<target>" + _NUMBER + r")(?=[\s,;|]|$))?",
+    re.IGNORECASE,
+)
+_DAY = r"(?:\d{4}[-/.]\d{2}[-/.]\d{2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{4})"
+_CLOCK = r"\d{1,2}:\d{2}:\d{2}(?:[.,]\d{1,9})?"
+_HEADS = (
+    (
+        "timestamp",
+        re.compile(rf"[\[(]?(?P<stamp>{_DAY}[T ,]\s?{_CLOCK}(?:Z|[+-]\d{{2}}:?\d{{2}})?)[\])]?(?=[\s,;:|>-])"),
+    ),
+    ("clock", re.compile(rf"^\s*(?:[A-Z][a-z]{{2}} [ \d]\d )?[\[(]?(?P<stamp>{_CLOCK})[\])]?(?=[\s,;:|>-])")),
+)
+"""The time that a logger, a daemon or a terminal puts before a line."""
+_COUNT = re.compile(r"^\s*(?P<key>[A-Za-z]+) (?P<value>\d+(?:\.\d+)?):\s")
+"""A line's own number: `Stats 420126.9: ..`."""
+_SECTION = re.compile(r"(?P<of>[A-Za-z_]\w*)\s*:\s+$")
+"""Of what the numbers behind it are: `extruder: target=200 temp=199.8`."""
+_SAID = re.compile(r"^(?:ok|recv|rx|info|debug|data|out)\s+", re.IGNORECASE)
+SAMPLE = 400
+LONGEST = 2000
+"""Of a line that names its numbers."""
+_LEAST_ALIKE = 0.5
+_LEAST_BETWEEN = 0.25
+"""Of the lines, where others stand between them that are no rows: commands, answers."""
+_MOST_PLAIN = 0.05
+_PLAIN = re.compile(r"\s*[+-]?\d[\d.,eE+-]*\s*[,;\t| ]\s*[+-]?\d")
+"""A line that begins as a row of a table does."""
+_SECTION_MARK = re.compile(r"[A-Za-z_]\w*\s*:\s+(?=[A-Za-z_])")
+_LONGEST_HEAD = 120
+
+
+def is_keyed(lines: Sequence[str]) -> bool:
+    """Whether most lines consist of names with numbers, the same in most; or many, and the others hold no rows."""
+    step = max(1, len(lines) // SAMPLE)
+    sample = [line[:LONGEST] for line in lines[::step]]
+    found = Counter(names_in(line) for line in sample)
+    found.pop((), None)
+    if not found:
+        return False
+    names, count = found.most_common(1)[0]
+    if count < _LEAST_BETWEEN * len(sample):
+        return False
+    if count < _LEAST_ALIKE * len(sample):
+        plain = sum(1 for line in sample if _PLAIN.match(_headed(line)[1]))
+        if len(names) < 2 or plain > _MOST_PLAIN * len(sample):
+            return False
+    alike = [line for line in sample if names_in(line) == names]
+    left = sorted(_share_left(line) for line in alike)
+    return left[len(left) // 2] < 0.3
+
+
+def _share_left(line: str) -> float:
+    """Which share of a line, without its time, is no number with a name."""
+    body = _headed(line)[1]
+    return len(_PAIR.sub("", _SECTION_MARK.sub("", body)).strip(" ,;|\t")) / max(len(body), 1)
+
+
+def _headed(line: str) -> tuple[dict[str, str], str]:
+    """The time before a line's numbers, and the line without it."""
+    for name, pattern in _HEADS:
+        match = pattern.search(line[:_LONGEST_HEAD])
+        if match and not _PAIR.search(line[: match.start()].replace(":", " ")):
+            return {name: match["stamp"]}, line[match.end() :]
+    counted = _COUNT.match(line)
+    return ({counted["key"]: counted["value"]}, line[counted.end() :]) if counted else ({}, line)
+
+
+@dataclass(frozen=True)
+class _Pair:
+    section: str
+    key: str
+    value: str
+
+
+def _pairs(body: str) -> list[_Pair]:
+    """What a line names, with what stands before it in the way of `extruder: `."""
+    found, section, end = [], "", 0
+    for match in _PAIR.finditer(body):
+        named = _SECTION.search(body[end : match.start()])
+        section, end = named["of"] if named else section, match.end()
+        key = _SAID.sub("", match["key"].strip())
+        found.append(_Pair(section, key, match["value"] + (match["unit"] or "")))
+        if match["target"]:
+            found.append(_Pair(section, f"{key} target", match["target"]))
+    return found
+
+
+def names_in(line: str) -> tuple[str, ...]:
+    """The names of a line's numbers, in order."""
+    return tuple(pair.key for pair in _pairs(_headed(line)[1]))
+
+
+def record_of(line: str, twice: frozenset[str]) -> dict[str, str]:
+    """A line's time and numbers by their names.
+
+    Parameters
+    ----------
+    line
+        The line.
+    twice
+        Names that a line has more than once: they get what they are of before them (``extruder.temp``), else a number.
+    """
+    head, body = _headed(line)
+    made = dict(head)
+    for pair in _pairs(body):
+        name = f"{pair.section}.{pair.key}" if pair.key in twice and pair.section else pair.key
+        made[next(n for n in (name, *(f"{name}_{i}" for i in range(2, MOST_COLUMNS))) if n not in made)] = pair.value
+    return made

@@ -1,0 +1,93 @@
+"""A table with a row for each reading of any sensor, to one with a column for each sensor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from gen.errors import InputError
+from gen.importing.evidence import Evidence
+from gen.importing.guess_time import decide_time
+from gen.importing.guesses import Choices
+from gen.importing.table import Column, Counted, Table
+
+MOST_SERIES = 200
+_VALUES = ("value", "_value", "state", "reading", "wert", "messwert")
+
+
+def spread_out(table: Table, choices: Choices) -> Table:
+    """Give each name of a column a column of its own, with one row for each time.
+
+    Parameters
+    ----------
+    table
+        As it was read.
+    choices
+        `series` is the column of names, or with a comma that of names and that of values.
+
+    Raises
+    ------
+    InputError
+        With the file: there is no such column, no time, or nobody knows which column holds the values.
+    """
+    try:
+        names, values = _columns(table, choices.series)
+        rest = [column for column in table.columns if column.name not in (names, values)]
+        form, _ = decide_time(Evidence([replace(table, columns=rest)]), choices)
+        if not form.columns:
+            raise InputError("rows of one time cannot be told without a column of times", place="--time")
+        return _spread(table, names, values, form.columns)
+    except InputError as error:
+        raise InputError(error.message, file=table.label, place=error.place) from None
+
+
+def _columns(table: Table, said: str) -> tuple[str, str]:
+    """The column of names, and that of values."""
+    parts = [said] if said in table.names else [part.strip() for part in said.split(",")]
+    for name in parts:
+        if name not in table.names:
+            raise InputError(f'found "{name}", expected one of the columns {", ".join(table.names)}', place="--series")
+    if len(parts) == 2:
+        return parts[0], parts[1]
+    named = [name for name in table.names if name.casefold() in _VALUES and name != parts[0]]
+    if len(parts) != 1 or len(named) != 1:
+        raise InputError(
+            f"which column holds the values nobody knows; expected --series {parts[0]},COLUMN", place="--series"
+        )
+    return parts[0], named[0]
+
+
+def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Table:
+    of, said = _texts(table.column(names)), _texts(table.column(values))
+    when = list(zip(*(_texts(table.column(name)) for name in times), strict=True))
+    series = list(dict.fromkeys(name for name in of if name))
+    if not 0 < len(series) <= MOST_SERIES:
+        raise InputError(f"found {len(series)} names, expected {MOST_SERIES} at most", place=f"column {names}")
+    rows = {time: row for row, time in enumerate(dict.fromkeys(when))}
+    cells = {name: [""] * len(rows) for name in series}
+    first, twice = np.zeros(len(rows), dtype=np.int64), []
+    for i in reversed(range(table.rows)):
+        first[rows[when[i]]] = table.places[i]
+    for i, (name, value, time) in enumerate(zip(of, said, when, strict=True)):
+        if not name:
+            continue
+        if cells[name][rows[time]] and value:
+            twice.append(i)
+        elif value:
+            cells[name][rows[time]] = value
+    counted = list(table.counted)
+    if twice:
+        counted.append(Counted("second reading of one name and time, left out", len(twice), table.place(twice[0])))
+    columns = [Column(name, [time[k] for time in rows], table.column(name).unit) for k, name in enumerate(times)]
+    columns += [Column(name, cells[name]) for name in series]
+    return replace(table, columns=columns, places=first, counted=tuple(counted))
+
+
+def _texts(column: Column) -> list[str]:
+    if isinstance(column.cells, list):
+        return [cell.strip() for cell in column.cells]
+    if column.cells.dtype.kind == "M":
+        return ["" if np.isnat(cell) else str(cell.astype("datetime64[ns]")) for cell in column.cells]
+    return ["" if not np.isfinite(value) else repr(float(value)) for value in column.cells.astype(np.float64)]

@@ -1,0 +1,114 @@
+"""Lines of printers, kilns and daemons: sections, wanted values, times before them, other lines between."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gen.errors import InputError
+from gen.runs import read_run
+from tests.importing.logs import take, taken, write
+
+ROWS = 60
+WARM = [20.0 + 0.5 * i for i in range(ROWS)]
+"""What is heated."""
+COOL = [20.0 + 0.1 * i for i in range(ROWS)]
+
+
+def of_sections() -> str:
+    """As a printer's host prints its state: the same names behind each heater's, after a long text about itself."""
+    lines = [f"text of the configuration, line {i}" for i in range(20)]
+    for i in range(ROWS):
+        bed = f"heater_bed: target=60 temp={COOL[i]:.1f} pwm=0.250"
+        tool = f"extruder: target=210 temp={WARM[i]:.1f} pwm=0.640"
+        lines.append(f"Stats {420126.9 + i:.1f}: gcodein=0 mcu: awake=0.010 {bed} print_time={5.0 + i:.1f} {tool}")
+    return "\n".join(lines)
+
+
+def test_names_that_return_are_those_of_their_section(tmp_path: Path) -> None:
+    log = write(tmp_path, of_sections(), name="host.log")
+    run = taken(log, tmp_path / "out", input="extruder.pwm", time="Stats")
+    np.testing.assert_allclose(run.temps["extruder"], WARM)
+    np.testing.assert_allclose(run.temps["heater_bed"], COOL)
+    assert set(run.pwm.tolist()) == {163}
+    np.testing.assert_allclose(np.diff(run.time_s), 1.0, atol=1e-6)
+    with pytest.raises(
+        InputError, match=r"2 columns may be the input; expected --input heater_bed\.pwm or --input extr"
+    ):
+        take(log, tmp_path / "more")
+
+
+def test_a_long_text_before_the_lines_hides_none_of_them(tmp_path: Path) -> None:
+    text = "\n".join(f"[section {i}]" for i in range(700)) + "\n" + "\n".join(of_sections().splitlines() * 20)
+    with pytest.raises(InputError, match="columns may be the input"):
+        take(write(tmp_path, text, name="host.log"), tmp_path / "out")
+
+
+def of_a_printer(stamp: bool) -> str:
+    lines = ["echo:Marlin 1.1.9", "echo:  M301 P22.20 I1.08 D114.00"]
+    for i in range(ROWS):
+        before = f"2020-03-01 10:{i // 30:02d}:{2 * i % 60:02d},123 - " if stamp else ""
+        lines.append(f"{before}{'Send: ' if stamp else 'SENDING:'}M105")
+        said = "Recv: ok" if stamp else "ok"
+        lines.append(f"{before}{said} T:{WARM[i]:.2f} /200.00 B:{COOL[i]:.2f} /60.00 @:127 B@:64")
+    return "\n".join(lines)
+
+
+def test_wanted_values_and_commands_between_the_answers(tmp_path: Path) -> None:
+    log = write(tmp_path, of_a_printer(False), name="printer.log")
+    named = {"T": "hotend_degC", "B": "bed_degC"}
+    run = taken(log, tmp_path / "out", time="2", input="@", full_scale=127, columns=named)
+    np.testing.assert_allclose(run.temps["hotend"], WARM)
+    np.testing.assert_allclose(run.temps["bed"], COOL)
+    assert set(run.extras["T_target"].tolist()) == {200.0}
+    assert set(run.pwm.tolist()) == {255}
+    with pytest.raises(
+        InputError, match=r"--column T=winding_degC \(20\.\.49\.5\), or --column B=winding_degC \(20\.\."
+    ):
+        take(log, tmp_path / "more", time="2", input="@", full_scale=127)
+
+
+def test_a_time_before_each_line_is_its_time(tmp_path: Path) -> None:
+    log = write(tmp_path, of_a_printer(True), name="serial.log")
+    run = taken(log, tmp_path / "out", input="@", full_scale=127, columns={"T": "hotend_degC", "B": "bed_degC"})
+    np.testing.assert_allclose(np.diff(run.time_s), 2.0)
+    np.testing.assert_allclose(run.temps["hotend"], WARM)
+
+
+def test_of_a_daemon_s_line_its_own_time_counts_and_strangers_are_counted(tmp_path: Path) -> None:
+    lines = []
+    for i in range(ROWS):
+        clock = f"06:{i // 30:02d}:{2 * i % 60:02d}"
+        if i % 20 == 7:
+            lines.append(f"Jan 21 {clock} pi systemd[1]: Started Session {i} of user pi.")
+        said = f"temp ={WARM[i]:.1f}, target=93.2, pid=1.000, heat_on=2.00, run_time={2 * i}"
+        lines.append(f"Jan 21 {clock} pi python[286]: 2019-01-21 {clock},390 INFO oven: {said}")
+    log = write(tmp_path, "\n".join(lines), name="daemon.log")
+    found = take(log, tmp_path / "out", input="pid", full_scale=1.0, units={"temp": "degF"})
+    run = read_run(found.runs[0])
+    assert run.time_s.size == ROWS
+    np.testing.assert_allclose(np.diff(run.time_s), 2.0)
+    np.testing.assert_allclose(run.temps["temp"], (np.array(WARM) - 32.0) / 1.8, atol=1e-6)
+    assert found.counted()["count"].tolist() == [3]
+
+
+def test_a_daemon_s_heating_is_proposed_for_the_input(tmp_path: Path) -> None:
+    lines = [f"temp={WARM[i]}, target=93.2, pid=0.5, run_time={2 * i}" for i in range(ROWS)]
+    with pytest.raises(InputError, match=r"expected what drives it, such as --input pid --full-scale 0\.5$"):
+        take(write(tmp_path, "\n".join(lines)), tmp_path / "out")
+
+
+def test_of_times_that_run_otherwise_none_is_chosen(tmp_path: Path) -> None:
+    lines = [f"temp={WARM[i]} pwm=12.5 cpu_time={7 + 0.05 * i:.2f} print_time={3 + i}" for i in range(ROWS)]
+    log = write(tmp_path, "\n".join(lines))
+    with pytest.raises(InputError, match=r"cpu_time by 2\.95, print_time by 59: either may be the time"):
+        take(log, tmp_path / "out")
+    assert taken(log, tmp_path / "out", time="print_time").time_s[-1] == ROWS + 2
+
+
+def test_degrees_as_a_small_computer_prints_them(tmp_path: Path) -> None:
+    lines = [f"2024-05-01 10:{i // 60:02d}:{i % 60:02d} temp={WARM[i]:.1f}'C load=0.50" for i in range(ROWS)]
+    run = taken(write(tmp_path, "\n".join(lines)), tmp_path / "out", input="load", full_scale=1.0)
+    np.testing.assert_allclose(run.temps["temp"], WARM)

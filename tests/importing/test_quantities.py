@@ -1,0 +1,109 @@
+"""Which columns are temperatures, and which only stand near one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gen.errors import InputError
+from gen.runs import Run
+from tests.importing.logs import take, taken, write
+
+ROWS = 60
+
+
+def run_with(tmp_path: Path, head: str, values: list[float], **options: object) -> Run:
+    """A log with a winding and one more column."""
+    rows = "".join(f"{i},80.5,{20 + 0.3 * i:.1f},{values[i]:g}\n" for i in range(ROWS))
+    log = write(tmp_path, f"time [s],duty [%],winding [°C],{head}\n{rows}")
+    return taken(log, tmp_path / "out", **options)
+
+
+RISING = [15.0 + 0.2 * i for i in range(ROWS)]
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "motor_torque",
+        "motor_position",
+        "current_motor_setup",
+        "motor speed setup",
+        "Core 0 Clock [MHz]",
+        "rotor flux",
+        "bearing vibration",
+        "T1 fault code",
+        "Distance to TjMAX [°C]",
+        "temperature error",
+        "Core_load_x [x]",
+    ],
+)
+def test_another_quantity_of_a_part_is_no_temperature(tmp_path: Path, head: str) -> None:
+    run = run_with(tmp_path, head, RISING)
+    assert list(run.temps) == ["winding"]
+    np.testing.assert_allclose(next(iter(run.extras.values())), RISING)
+
+
+@pytest.mark.parametrize(
+    ("head", "part"),
+    [
+        ("stator end 2", "stator_end_2"),
+        ("Current Temperature", "current"),
+        ("present_temperature", "present"),
+        ("bearing DE", "bearing_de"),
+        ("Core Temperatures (avg) [°C]", "core_temperatures_avg"),
+        ("TC3", "TC3"),
+    ],
+)
+def test_a_part_or_a_temperature_by_its_name_is_one(tmp_path: Path, head: str, part: str) -> None:
+    assert part in run_with(tmp_path, head, RISING).temps
+
+
+def test_a_part_with_a_word_that_nobody_knows_is_asked_for(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"rotor quux: .*nothing says that it is a temperature; settle it by --unit"):
+        run_with(tmp_path, "rotor quux", RISING)
+    assert "rotor_quux" in run_with(tmp_path, "rotor quux", RISING, units={"rotor quux": "degC"}).temps
+
+
+def test_a_flag_is_no_temperature(tmp_path: Path) -> None:
+    run = run_with(tmp_path, "Thermocouple open", [0.0] * ROWS)
+    assert list(run.temps) == ["winding"]
+    assert list(run_with(tmp_path, "rotor quux", [float(i % 2) for i in range(ROWS)], overwrite=True).temps) == [
+        "winding"
+    ]
+
+
+def test_a_sensor_that_reads_nothing_but_0_is_none(tmp_path: Path) -> None:
+    run = run_with(tmp_path, "temp_mos_2", [0.0] * ROWS)
+    assert list(run.temps) == ["winding"]
+    assert "temp_mos_2" in run.extras
+
+
+def test_without_names_the_message_says_which_column_may_be_what(tmp_path: Path) -> None:
+    rows = "".join(f"  1.0   30.0   {20 + 0.3 * i:.1f}   {1412400132197 + 1000 * i}.0\n" for i in range(ROWS))
+    log = write(tmp_path, rows, name="log.txt")
+    with pytest.raises(
+        InputError, match=r"among column_1 \(1\), column_2 \(30\), column_3 \(20\.\.37\.7\); expected --inp"
+    ):
+        take(log, tmp_path / "out")
+    with pytest.raises(InputError, match=r"such as --column column_3=winding_degC \(20\.\.37\.7\)$"):
+        take(log, tmp_path / "out", input="column_2", full_scale=100.0)
+    run = taken(log, tmp_path / "out", input="column_2", full_scale=100.0, columns={"column_3": "plate_degC"})
+    assert run.time_s[-1] == ROWS - 1
+
+
+def test_a_number_of_the_row_is_proposed_for_no_part(tmp_path: Path) -> None:
+    rows = "".join(f"2020-05-03 14:00:{i:02d} UTC,{i + 1},{20 + 0.3 * i:.1f}\n" for i in range(ROWS))
+    log = write(tmp_path, f"created_at,entry_id,field1\n{rows}")
+    with pytest.raises(InputError, match=r"NAME_degC, such as --column field1=winding_degC \(20\.\.37\.7\)$"):
+        take(log, tmp_path / "out", input="0")
+
+
+@pytest.mark.parametrize(("highest", "scale"), [(255, "255"), (1023, "1023"), (254, "500")])
+def test_counts_of_a_timer_propose_their_own_full_scale(tmp_path: Path, highest: int, scale: str) -> None:
+    rows = "".join(f"{i},{20 + 0.3 * i:.1f},93,{highest if i > 5 else 0}\n" for i in range(ROWS))
+    log = write(tmp_path, f"time,temperature,setpoint,output\n{rows}")
+    with pytest.raises(InputError, match=rf"such as --input output --full-scale {scale}$"):
+        take(log, tmp_path / "out")
