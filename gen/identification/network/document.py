@@ -35,10 +35,11 @@ from gen.identification.network.foresight import Foresight, foresight
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.inputs import held, joined, turning
 from gen.identification.network.speed_laws import CONSTANT, WITHIN, Law
+from gen.identification.network.stiffness import slowed
 from gen.identification.network.uncertainty import Spread, spread_of
 
 FASTEST = 20.0
-"""No node follows its neighbours within fewer steps of the board: its capacity is raised to this."""
+"""No node follows its neighbours within fewer steps of the board: paths are limited, then its capacity is raised."""
 HELD_SHARE = 0.05
 """Of the whole time: a |PWM| that is held for longer is named."""
 TWICE = 2.0
@@ -148,12 +149,14 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     physics = structure.physical(levels, vector)
     paths = []
     loss = np.zeros(structure.nodes)
+    least_s = FASTEST * settings.sample_time_s
+    conductance = slowed(physics.conductance, structure.paths, physics.capacity, least_s)
     for q, (i, j) in enumerate(structure.paths):
-        own = physics.conductance[:, q]
+        own = conductance[:, q]
         curve = _path_curve(structure.laws[q], pwm, own, settings.full_scale)
         paths.append(PathEntry(between=(names[i], names[j]), conductance_W_per_K=curve))
         loss[[k for k in (i, j) if k >= 0]] += own.max()
-    capacity = np.maximum(physics.capacity, FASTEST * settings.sample_time_s * loss)
+    capacity = np.maximum(physics.capacity, least_s * loss)
     nodes = []
     for i, name in enumerate(structure.names):
         mass = six_digits(float(capacity[i]))
