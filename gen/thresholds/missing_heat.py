@@ -32,8 +32,9 @@ SOON_S = 300.0
 """A heat is to be heard within so long."""
 TRANSIENT_SHARE = 0.8
 HOUR_S = 3600.0
-HEADROOM = 1.2
-"""The threshold is no less than this times the greatest sum of any healthy run."""
+HEADROOM = 1.8
+"""The threshold is no less than this times the greatest sum of any healthy run. What these runs do not show (speeds
+that change every few minutes, a sensor that scatters more) comes to more than what they show would let one expect."""
 SLACKS_K_PER_H = tuple(0.5 * 2.0 ** (number / 2.0) for number in range(15))
 """Half a kelvin an hour to 64."""
 DECAYS_S = tuple(
