@@ -35,6 +35,8 @@ HOUR_S = 3600.0
 HEADROOM = 1.8
 """The threshold is no less than this times the greatest sum of any healthy run. What these runs do not show (speeds
 that change every few minutes, a sensor that scatters more) comes to more than what they show would let one expect."""
+HEADROOM_AFTER = 1.2
+"""The same of a rule that another alarm must precede: it tells which fault it is, and speaks too late with more."""
 SLACKS_K_PER_H = tuple(0.5 * 2.0 ** (number / 2.0) for number in range(15))
 """Half a kelvin an hour to 64."""
 DECAYS_S = tuple(
@@ -88,6 +90,11 @@ class _Trial:
         return block_samples(step_s) * step_s
 
     @property
+    def headroom(self) -> float:
+        """The threshold's, times the greatest sum of any run."""
+        return HEADROOM if self.rule.requires is None else HEADROOM_AFTER
+
+    @property
     def hours(self) -> float:
         """How long the runs are together."""
         return sum(len(record.magnitude) for record in self.records) * self.block_s / HOUR_S
@@ -97,10 +104,10 @@ class _Trial:
         maxima = np.array(list(self._hourly(sums)))
         greatest = float(maxima.max())
         if greatest == float(maxima.min()):
-            return HEADROOM * greatest
+            return self.headroom * greatest
         place, scale = gumbel_r.fit(maxima)
         by_rate = float(place - scale * np.log(-np.log1p(-1.0 / max(hours, 1.0 + 1e-6))))
-        return max(by_rate, HEADROOM * greatest)
+        return max(by_rate, self.headroom * greatest)
 
     def _hourly(self, sums: Array) -> Iterator[float]:
         blocks = max(1, round(HOUR_S / self.block_s))
@@ -151,7 +158,7 @@ def with_heat(rule: RuleDraft, coefficients: Coefficients, runs: Sequence[Health
         unsettled=unsettled,
         note=f"{len(trial.records)} healthy runs, {trial.hours:.0f} h together: greatest sum {sums.max():.3f} K. The "
         f"threshold is for one false alarm in {hours:g} h, by a Gumbel distribution of the greatest sums of their "
-        f"hours, and no less than {HEADROOM:g} times the greatest; such a rate rests on these "
+        f"hours, and no less than {trial.headroom:g} times the greatest; such a rate rests on these "
         f"{trial.hours:.0f} h. Heat of {slack + threshold * HOUR_S / SOON_S:.1f} K/h is heard within "
         f"{SOON_S / 60.0:g} min of a settled motor."
         + ("" if not trial.trusted.all() else " No run starts warm: a start is taken for a change by full scale."),
