@@ -32,11 +32,12 @@ SOON_S = 300.0
 """A heat is to be heard within so long."""
 TRANSIENT_SHARE = 0.8
 HOUR_S = 3600.0
-HEADROOM = 1.8
-"""The threshold is no less than this times the greatest sum of any healthy run. What these runs do not show (speeds
-that change every few minutes, a sensor that scatters more) comes to more than what they show would let one expect."""
-HEADROOM_AFTER = 1.2
-"""The same of a rule that another alarm must precede: it tells which fault it is, and speaks too late with more."""
+HEADROOM = 1.2
+"""The level is no less than this times the greatest sum of any healthy run."""
+BEYOND = 1.5
+"""The threshold is this times the level: what the healthy runs do not show (speeds that change every few minutes, a
+sensor that scatters more) comes to more than they let one expect. Not of a rule that another alarm must precede: it
+tells which fault it is, and would speak too late."""
 SLACKS_K_PER_H = tuple(0.5 * 2.0 ** (number / 2.0) for number in range(15))
 """Half a kelvin an hour to 64."""
 DECAYS_S = tuple(
@@ -90,9 +91,9 @@ class _Trial:
         return block_samples(step_s) * step_s
 
     @property
-    def headroom(self) -> float:
-        """The threshold's, times the greatest sum of any run."""
-        return HEADROOM if self.rule.requires is None else HEADROOM_AFTER
+    def beyond(self) -> float:
+        """The threshold over the level that healthy hours tell of."""
+        return BEYOND if self.rule.requires is None else 1.0
 
     @property
     def hours(self) -> float:
@@ -100,14 +101,14 @@ class _Trial:
         return sum(len(record.magnitude) for record in self.records) * self.block_s / HOUR_S
 
     def level_K(self, sums: Array, hours: float) -> float:
-        """The level that a healthy hour's greatest sum exceeds once in so many hours."""
+        """A threshold for so many hours between two healthy hours whose greatest sum exceeds its level."""
         maxima = np.array(list(self._hourly(sums)))
         greatest = float(maxima.max())
         if greatest == float(maxima.min()):
-            return self.headroom * greatest
+            return self.beyond * HEADROOM * greatest
         place, scale = gumbel_r.fit(maxima)
         by_rate = float(place - scale * np.log(-np.log1p(-1.0 / max(hours, 1.0 + 1e-6))))
-        return max(by_rate, self.headroom * greatest)
+        return self.beyond * max(by_rate, HEADROOM * greatest)
 
     def _hourly(self, sums: Array) -> Iterator[float]:
         blocks = max(1, round(HOUR_S / self.block_s))
@@ -158,7 +159,7 @@ def with_heat(rule: RuleDraft, coefficients: Coefficients, runs: Sequence[Health
         unsettled=unsettled,
         note=f"{len(trial.records)} healthy runs, {trial.hours:.0f} h together: greatest sum {sums.max():.3f} K. The "
         f"threshold is for one false alarm in {hours:g} h, by a Gumbel distribution of the greatest sums of their "
-        f"hours, and no less than {trial.headroom:g} times the greatest; such a rate rests on these "
+        f"hours, no less than {HEADROOM:g} times the greatest, and {trial.beyond:g} times that; it rests on these "
         f"{trial.hours:.0f} h. Heat of {slack + threshold * HOUR_S / SOON_S:.1f} K/h is heard within "
         f"{SOON_S / 60.0:g} min of a settled motor."
         + ("" if not trial.trusted.all() else " No run starts warm: a start is taken for a change by full scale."),

@@ -112,7 +112,7 @@ def test_missing_heat_and_time_to_a_limit_have_values_and_curves(page: Page) -> 
     example = load(EXAMPLE)
     source = FedSource(known_of(example), HeatFromRows(example))
     limits = {rule.name: rule.threshold_K for rule in example.document.alarms if isinstance(rule, MissingHeat)}
-    heat, brush = (f"{limits[name]:g}" for name in ("heat", "brush_fault"))
+    heat, brush, bearing = (f"{limits[name]:g}" for name in ("heat", "brush_fault", "bearing_fault"))
     parts = ("brush", "bearing", "magnet", "casing")
     names = [*(f"{name}_degC" for name in parts), *(f"{name}_model_degC" for name in parts), "ambient_degC"]
     header = ",".join(["time_s", "pwm", *names, "flags", "time_to_limit_s", "holdable_pwm"])
@@ -126,7 +126,7 @@ def test_missing_heat_and_time_to_a_limit_have_values_and_curves(page: Page) -> 
         page.goto(address)
         expect(page.locator("#heat")).to_have_text(
             "Missing heat (computed here from the rows): "
-            f"heat 0 % of {heat} K, brush_fault 0 % of {brush} K, bearing_fault 0 % of {heat} K"
+            f"heat 0 % of {heat} K, brush_fault 0 % of {brush} K, bearing_fault 0 % of {bearing} K"
         )
         expect(page.locator("#plot")).to_have_attribute("data-panels", "3")
         assert panels(page) == {"°C", "PWM", "heat, %"}
