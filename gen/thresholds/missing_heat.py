@@ -91,24 +91,19 @@ class _Trial:
         return block_samples(step_s) * step_s
 
     @property
-    def beyond(self) -> float:
-        """The threshold over the level that healthy hours tell of."""
-        return BEYOND if self.rule.requires is None else 1.0
-
-    @property
     def hours(self) -> float:
         """How long the runs are together."""
         return sum(len(record.magnitude) for record in self.records) * self.block_s / HOUR_S
 
     def level_K(self, sums: Array, hours: float) -> float:
-        """A threshold for so many hours between two healthy hours whose greatest sum exceeds its level."""
+        """The level that a healthy hour's greatest sum exceeds once in so many hours."""
         maxima = np.array(list(self._hourly(sums)))
         greatest = float(maxima.max())
         if greatest == float(maxima.min()):
-            return self.beyond * HEADROOM * greatest
+            return HEADROOM * greatest
         place, scale = gumbel_r.fit(maxima)
         by_rate = float(place - scale * np.log(-np.log1p(-1.0 / max(hours, 1.0 + 1e-6))))
-        return self.beyond * max(by_rate, HEADROOM * greatest)
+        return max(by_rate, HEADROOM * greatest)
 
     def _hourly(self, sums: Array) -> Iterator[float]:
         blocks = max(1, round(HOUR_S / self.block_s))
@@ -151,7 +146,8 @@ def with_heat(rule: RuleDraft, coefficients: Coefficients, runs: Sequence[Health
         settled = trial.level_K(trial.sums_K(trial.lowered(slack, _GENEROUS)), hours)
         unsettled = _unsettled(trial, slack, TRANSIENT_SHARE * settled)
     sums = trial.sums_K(trial.lowered(slack, unsettled))
-    threshold = float(np.ceil(1000.0 * trial.level_K(sums, hours)) / 1000.0)
+    beyond = BEYOND if trial.rule.requires is None else 1.0
+    threshold = float(np.ceil(1000.0 * beyond * trial.level_K(sums, hours)) / 1000.0)
     return rule.completed(
         slack_K_per_h=slack,
         unknown_K_per_h=unknown,
@@ -159,7 +155,7 @@ def with_heat(rule: RuleDraft, coefficients: Coefficients, runs: Sequence[Health
         unsettled=unsettled,
         note=f"{len(trial.records)} healthy runs, {trial.hours:.0f} h together: greatest sum {sums.max():.3f} K. The "
         f"threshold is for one false alarm in {hours:g} h, by a Gumbel distribution of the greatest sums of their "
-        f"hours, no less than {HEADROOM:g} times the greatest, and {trial.beyond:g} times that; it rests on these "
+        f"hours, no less than {HEADROOM:g} times the greatest, and {beyond:g} times that; it rests on these "
         f"{trial.hours:.0f} h. Heat of {slack + threshold * HOUR_S / SOON_S:.1f} K/h is heard within "
         f"{SOON_S / 60.0:g} min of a settled motor."
         + ("" if not trial.trusted.all() else " No run starts warm: a start is taken for a change by full scale."),
