@@ -2,6 +2,6 @@
 
 `compile` makes ELF files and reads their symbols and sizes. `simulator` runs them, with the chip's `memory`, `uart` and
 `stack`; its C half are the files in ``shim/``, which `shim` builds, loads and opens.
-``mailbox.h`` is what a harness ``main`` includes to take inputs from `EmulatedMega.run_records`. The board around the
+``mailbox.h`` is what a harness ``main`` includes to take inputs from `EmulatedChip.run_records`. The board around the
 chip is in `gen.emulate`.
 """

@@ -49,7 +49,7 @@ class Memory:
         return self.symbols[name]
 
     def address(self, name: str) -> int:
-        """Give the SRAM address of a variable in bytes, as `peek` and `EmulatedMega.run_records` take it.
+        """Give the SRAM address of a variable in bytes, as `peek` and `EmulatedChip.run_records` take it.
 
         Raises
         ------

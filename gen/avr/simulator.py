@@ -21,7 +21,7 @@ from gen.avr.shim import EmulationFailed, Handle
 from gen.avr.stack import Stack
 from gen.avr.uart import Uart
 
-__all__ = ["FREQUENCY_HZ", "MAILBOX_FOLDER", "MARKER_OVERHEAD", "EmulatedMega", "EmulationFailed", "Stop"]
+__all__ = ["FREQUENCY_HZ", "MAILBOX_FOLDER", "MARKER_OVERHEAD", "EmulatedChip", "EmulationFailed", "Stop"]
 
 FREQUENCY_HZ = 16_000_000
 MARKER_OVERHEAD = 2
@@ -45,8 +45,8 @@ class Stop(IntEnum):
     PLACE = 6
 
 
-class EmulatedMega:
-    """An ATmega2560 with a firmware in its flash, just out of reset.
+class EmulatedChip:
+    """An AVR with a firmware in its flash, just out of reset: an ATmega2560, or another one.
 
     Parameters
     ----------

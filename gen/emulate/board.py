@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 from gen.coefficients.wiring import Wiring
-from gen.emulate.devices import DeviceMega
+from gen.emulate.devices import DeviceBoard
 from gen.emulate.divider import Divider
 from gen.emulate.led import shown_now
 from gen.emulate.levels import Edges
@@ -43,7 +43,7 @@ class Board:
     """
 
     def __init__(self, elf: Path, cache: Path, wiring: Wiring, plant: Plant, *, encoder: EncoderMode = "true") -> None:
-        self.mega = DeviceMega(elf, cache, wiring.board)
+        self.mega = DeviceBoard(elf, cache, wiring.board)
         self.wiring = wiring
         self._plant = plant
         self.thermocouples: dict[str, Max6675 | RegisterChip | Divider] = {

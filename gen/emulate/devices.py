@@ -7,7 +7,7 @@ from enum import IntFlag
 from pathlib import Path
 
 from gen.avr.chip import BOARDS
-from gen.avr.simulator import FREQUENCY_HZ, EmulatedMega
+from gen.avr.simulator import FREQUENCY_HZ, EmulatedChip
 from gen.coefficients.wiring import BoardName, ChipName
 from gen.emulate.divider import Divider
 from gen.emulate.eeprom import Eeprom
@@ -30,13 +30,13 @@ class ResetCause(IntFlag):
     WATCHDOG = 8
 
 
-class DeviceMega(EmulatedMega):
+class DeviceBoard(EmulatedChip):
     """An emulated Mega, or Uno, whose pins are reached by their Arduino numbers.
 
     Parameters
     ----------
     elf, cache
-        See `EmulatedMega`.
+        See `EmulatedChip`.
     board
         As the coefficient file names it.
 

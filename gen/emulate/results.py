@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.avr.compile import sizes
-from gen.avr.simulator import EmulatedMega
+from gen.avr.simulator import EmulatedChip
 from gen.coefficients.document import Document
 from gen.coefficients.protecting import protections
 from gen.emulate.board import Board
@@ -143,7 +143,7 @@ def summary(results: Results, board: Board, session: Session, settings: dict[str
     }
 
 
-def deepest_stack(mega: EmulatedMega) -> int:
+def deepest_stack(mega: EmulatedChip) -> int:
     """Give the deepest stack since the start, in bytes, of a firmware that fills its free RAM with one byte at start.
 
     What `Stack.use` looks for is gone then. A frame that is reserved and never written to is not seen.

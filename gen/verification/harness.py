@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gen import toolchain
 from gen.avr.compile import sizes
 from gen.avr.room import check_room
-from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 from gen.errors import CheckFailed
 from gen.templating import environment
 from gen.verification.runners import HOST_BUILDS, TAKEN, WARNINGS, Library, link_harness
@@ -112,7 +112,7 @@ class AvrHarness:
     def run(self, inputs: Records) -> Records:
         """The records after every input but each lane's first, shape (L, N) of (L, N + 1)."""
         flat = inputs.reshape(-1)
-        with EmulatedMega(self._elf, self._cache, self._chip) as mega:
+        with EmulatedChip(self._elf, self._cache, self._chip) as mega:
             output, _ = mega.run_records(
                 flat,
                 mega.memory.address("gen_input"),

@@ -24,7 +24,7 @@ from gen.avr.compile import (
     undefined_symbols,
 )
 from gen.avr.room import OVERFLOW, check_room
-from gen.avr.simulator import MAILBOX_FOLDER, MARKER_OVERHEAD, EmulatedMega
+from gen.avr.simulator import MAILBOX_FOLDER, MARKER_OVERHEAD, EmulatedChip
 from gen.errors import CheckFailed
 from gen.firmware.context import LibraryContext
 from gen.lowering.program import Program
@@ -199,7 +199,7 @@ class AvrRunner:
         """Everything after every sample, shape (L, N); keeps the cycles of each in :attr:`cycles`."""
         records = profile.records()
         layout = record_type(self._library.program)
-        with EmulatedMega(self._elf, self._cache, self._library.chip) as mega:
+        with EmulatedChip(self._elf, self._cache, self._library.chip) as mega:
             model = mega.memory.symbol(self._model)
             if model.size != layout.itemsize:
                 raise CheckFailed(f"the board's structure has {model.size} bytes, the reference's {layout.itemsize}")

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from gen.avr.compile import ArduinoCore, build_elf
-from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 
 SOURCES = Path(__file__).parent / "firmware"
 
-Emulate = Callable[..., EmulatedMega]
+Emulate = Callable[..., EmulatedChip]
 
 
 @pytest.fixture(scope="session")
@@ -27,13 +27,13 @@ def core(cache: Path) -> ArduinoCore:
 def emulate(cache: Path, tmp_path: Path) -> Emulate:
     """Build one file of firmware/ (or a text of its own) and open it on the emulator."""
 
-    def build(name: str, *, text: str | None = None, core: ArduinoCore | None = None) -> EmulatedMega:
+    def build(name: str, *, text: str | None = None, core: ArduinoCore | None = None) -> EmulatedChip:
         source = SOURCES / name
         if text is not None:
             source = tmp_path / name
             source.write_text(text, encoding="utf-8")
         # -O2: single instructions are timed between two marks, and -Os puts jumps of its own between them.
         elf = build_elf([source], [MAILBOX_FOLDER], tmp_path / f"{name}.elf", core=core, optimisation="-O2")
-        return EmulatedMega(elf, cache)
+        return EmulatedChip(elf, cache)
 
     return build

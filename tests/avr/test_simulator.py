@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gen.avr import simulator
 from gen.avr.compile import ArduinoCore
-from gen.avr.simulator import MARKER_OVERHEAD, EmulatedMega, EmulationFailed, Stop
+from gen.avr.simulator import MARKER_OVERHEAD, EmulatedChip, EmulationFailed, Stop
 
 from .conftest import Emulate
 
@@ -40,7 +40,7 @@ CLR = 1  # each probe ends with a clr r1
 
 
 def records(
-    mega: EmulatedMega, inputs: NDArray[np.generic], out_size: int, *, max_cycles: int = 100_000_000
+    mega: EmulatedChip, inputs: NDArray[np.generic], out_size: int, *, max_cycles: int = 100_000_000
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint32]]:
     """Run one record for each element of ``inputs`` (a structured or plain array)."""
     return mega.run_records(
@@ -244,8 +244,8 @@ def test_crash_is_an_error_with_its_place(emulate: Emulate, name: str, body: str
 ASTRAY = """
 import sys
 from pathlib import Path
-from gen.avr.simulator import EmulatedMega, EmulationFailed
-with EmulatedMega(Path(sys.argv[1]), Path(sys.argv[2])) as mega:
+from gen.avr.simulator import EmulatedChip, EmulationFailed
+with EmulatedChip(Path(sys.argv[1]), Path(sys.argv[2])) as mega:
     try:
         mega.run_cycles(100_000)
     except EmulationFailed:
@@ -323,7 +323,7 @@ def test_closed_emulator_refuses_work(emulate: Emulate) -> None:
 
 def test_unreadable_firmware_is_an_error(cache: Path, tmp_path: Path) -> None:
     with pytest.raises(EmulationFailed, match="no such firmware"):
-        EmulatedMega(tmp_path / "absent.elf", cache)
+        EmulatedChip(tmp_path / "absent.elf", cache)
 
 
 def test_sleep_and_the_longest_stretch_awake(emulate: Emulate, core: ArduinoCore) -> None:

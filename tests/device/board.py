@@ -10,7 +10,7 @@ from pathlib import Path
 
 from gen import toolchain
 from gen.coefficients import Coefficients
-from gen.emulate.devices import DeviceMega, ResetCause
+from gen.emulate.devices import DeviceBoard, ResetCause
 from gen.emulate.scenario import converters
 
 OPEN, ZEROS, ONES = 0x0004, 0x0000, 0xFFFF
@@ -47,7 +47,7 @@ class Said:
         return [float(row[column]) for row in self.rows if row[column]]
 
 
-class Board(DeviceMega):
+class Board(DeviceBoard):
     """A Mega with the sensor chips of a coefficient file, each at 30 degC until told otherwise."""
 
     def __init__(self, elf: Path, cache: Path, coefficients: Coefficients | None) -> None:
@@ -75,7 +75,7 @@ class Board(DeviceMega):
         self.send(str(pwm))
 
     def cut_power(self, off_s: float, *, cause: ResetCause = ResetCause.POWER_ON, seed: int = 1) -> None:
-        """As `DeviceMega.cut_power`; of a line that it cuts off nothing is heard."""
+        """As `DeviceBoard.cut_power`; of a line that it cuts off nothing is heard."""
         super().cut_power(off_s, cause=cause, seed=seed)
         self._text += self.uart.take().decode("ascii")
         self._text = self._text[: self._text.rfind("\n") + 1]

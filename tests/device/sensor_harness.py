@@ -12,7 +12,7 @@ import numpy as np
 
 from gen import toolchain
 from gen.avr.compile import build_elf
-from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 from gen.coefficients import Coefficients
 from gen.firmware import render
 from gen.firmware.context import project_context
@@ -164,7 +164,7 @@ class Cpp:
         (self._folder / "avr.cpp").write_text(BOARD_MAIN)
         sources = [self._folder / "avr.cpp", self._folder / "my1016_sensors.cpp"]
         elf = build_elf(sources, [MAILBOX_FOLDER, self._folder], self._folder / "avr.elf", optimisation="-Os")
-        with EmulatedMega(elf, self._folder) as mega:
+        with EmulatedChip(elf, self._folder) as mega:
             places = [mega.memory.address(name) for name in ("gen_input", "gen_output")]
             output, cycles = mega.run_records(
                 records, places[0], RECORD.itemsize, places[1], JUDGED.itemsize, len(records), len(records) * 20_000

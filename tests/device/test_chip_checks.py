@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from gen.avr.compile import build_elf
-from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 from gen.firmware import render
 from gen.firmware.sketch.chip_checks import chip_checks
 from tests.device.board import Board
@@ -55,7 +55,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def verdict(elf: Path, cache: Path) -> tuple[bool, int]:
     """Whether the registers hold, and how many cycles it took."""
-    with EmulatedMega(elf, cache) as mega:
+    with EmulatedChip(elf, cache) as mega:
         given, output = (mega.memory.address(name) for name in ("gen_given", "gen_output"))
         found, cycles = mega.run_records(np.zeros(2, dtype="u1"), given, 1, output, 4, 2, 100_000)
     assert found[0, 1] == 0, "interrupts are as they were"

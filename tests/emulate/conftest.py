@@ -8,11 +8,11 @@ import pytest
 from gen.avr.chip import BOARDS
 from gen.avr.compile import ArduinoCore, build_elf
 from gen.coefficients.wiring import BoardName
-from gen.emulate.devices import DeviceMega
+from gen.emulate.devices import DeviceBoard
 
 SOURCES = Path(__file__).parent / "firmware"
 
-OpenBoard = Callable[..., DeviceMega]
+OpenBoard = Callable[..., DeviceBoard]
 
 
 @pytest.fixture(scope="session")
@@ -29,11 +29,11 @@ def core(cache: Path) -> ArduinoCore:
 def open_board(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> OpenBoard:
     """Build one file of firmware/ against the Arduino core and open it, not yet started."""
 
-    def build(name: str, *defines: str, board: BoardName = "mega") -> DeviceMega:
+    def build(name: str, *defines: str, board: BoardName = "mega") -> DeviceBoard:
         out = tmp_path_factory.mktemp("firmware") / f"{name}.elf"
         elf = build_elf(
             [SOURCES / name], [], out, core=ArduinoCore(cache, chip=BOARDS[board]), chip=BOARDS[board], defines=defines
         )
-        return DeviceMega(elf, cache, board)
+        return DeviceBoard(elf, cache, board)
 
     return build

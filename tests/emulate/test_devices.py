@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gen.emulate.devices import DeviceMega, ResetCause
+from gen.emulate.devices import DeviceBoard, ResetCause
 
 from .conftest import OpenBoard
 
@@ -28,7 +28,7 @@ class Asked:
         self.mega = open_board("devices.cpp", f"CHIPS={table}", f"EDGE={edge}")
         self.chips = [self.mega.add_max6675(*chip) for chip in chips]
 
-    def start(self) -> DeviceMega:
+    def start(self) -> DeviceBoard:
         self.mega.run_until_bytes(b"ready\r\n", SECOND)
         return self.mega
 

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from gen.avr.compile import build_elf
-from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 from gen.coefficients import load
 from gen.firmware import render
 from gen.firmware.context import project_context
@@ -83,7 +83,7 @@ def board(example: str, records: NDArray[np.void], folder: Path, schedule: Sched
     main.write_text(MAIN.format(name=name, NAME=name.upper()), encoding="utf-8")
     elf = build_elf([main, *sources], [MAILBOX_FOLDER, sources[0].parent], folder / "test.elf")
     words = sum(component.order for component in lowered.components)
-    with EmulatedMega(elf, folder / "cache") as mega:
+    with EmulatedChip(elf, folder / "cache") as mega:
         out, cycles = mega.run_records(
             records,
             mega.memory.address("input"),

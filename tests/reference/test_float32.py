@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from gen.avr.compile import build_elf
-from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 from gen.coefficients import parse
 from gen.lowering.kinds import ScheduleKind
 from gen.reference.float32 import accumulated
@@ -106,7 +106,7 @@ def test_the_addition_is_the_reference_s_on_host_and_board(tmp_path: Path) -> No
     done = subprocess.run([str(tmp_path / "host")], input=records.tobytes(), capture_output=True, check=True)
     assert np.array_equal(sums(np.frombuffer(done.stdout, INPUT)), expected)
     elf = build_elf(sources(tmp_path), [tmp_path, MAILBOX_FOLDER], tmp_path / "board.elf")
-    with EmulatedMega(elf, tmp_path) as mega:
+    with EmulatedChip(elf, tmp_path) as mega:
         place = mega.memory.address("gen_input")
         size = INPUT.itemsize
         out, cycles = mega.run_records(records, place, size, place, size, len(records), len(records) * 2_000)

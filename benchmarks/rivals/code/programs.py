@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from benchmarks.rivals.code.catalogue import SOURCES, Made, Rival
 from gen import toolchain
 from gen.avr.compile import BuildFailed, Sizes, build_elf, sizes
-from gen.avr.simulator import MAILBOX_FOLDER, MARKER_OVERHEAD, EmulatedMega
+from gen.avr.simulator import MAILBOX_FOLDER, MARKER_OVERHEAD, EmulatedChip
 from gen.model import ThermalModel
 from gen.verification.profiles import Profile, record_type
 
@@ -85,7 +85,7 @@ class Program:
         )
         records = profile.records()
         size = PARTS * self._dtype.itemsize
-        with EmulatedMega(elf, cache) as mega:
+        with EmulatedChip(elf, cache) as mega:
             output, cycles = mega.run_records(
                 records,
                 mega.memory.address("gen_input"),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gen import toolchain
 from gen.avr.compile import build_elf
-from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 from gen.firmware.onboard_cpp import helpers, math_header
 from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.fixed.component import FixedComponent
@@ -142,7 +142,7 @@ def host_words(sources: Sources, compiler: str, extra: tuple[str, ...]) -> NDArr
 
 def mega_words(sources: Sources, cache_folder: Path) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
     elf = build_elf([sources.folder / "avr.cpp"], [MAILBOX_FOLDER, sources.folder], sources.folder / "avr.elf")
-    with EmulatedMega(elf, cache_folder) as mega:
+    with EmulatedChip(elf, cache_folder) as mega:
         inputs = PWM.astype(np.uint8)
         output, cycles = mega.run_records(
             inputs,

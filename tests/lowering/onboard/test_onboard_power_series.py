@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from gen import toolchain
 from gen.avr.compile import build_elf
-from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 from gen.firmware.onboard_cpp import five_bytes
 from gen.firmware.onboard_shared import schedule_sources
 from gen.lowering.onboard import compile_component, tuned
@@ -111,7 +111,7 @@ def test_the_rule_on_the_mega_and_its_twins_equal_the_reference(tmp_path: Path) 
     )
     want = np.stack([horner(table, PWM) for table in TABLES], axis=1)
     elf = build_elf([tmp_path / "avr.cpp"], [MAILBOX_FOLDER, tmp_path], tmp_path / "avr.elf")
-    with EmulatedMega(elf, tmp_path) as mega:
+    with EmulatedChip(elf, tmp_path) as mega:
         inputs, outputs = mega.memory.address("gen_input"), mega.memory.address("gen_output")
         output, _ = mega.run_records(PWM.astype(np.uint8), inputs, 1, outputs, 4 * len(TABLES), 256, 100_000_000)
     np.testing.assert_array_equal(output.view("<i4").reshape(256, -1), want)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from gen import toolchain
 from gen.avr.compile import build_elf
-from gen.avr.simulator import MAILBOX_FOLDER, EmulatedMega
+from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 from gen.lowering.onboard.evaluate import divide, mul_byte, mul_shift, wrapped
 from gen.lowering.onboard.graph import exponential_factors
 from tests.lowering.onboard.harness import NAME, write_header
@@ -128,7 +128,7 @@ def test_primitives_on_the_mega_and_their_twins_equal_the_reference(
         encoding="utf-8",
     )
     elf = build_elf([tmp_path / "avr.cpp"], [MAILBOX_FOLDER, tmp_path], tmp_path / "avr.elf")
-    with EmulatedMega(elf, tmp_path) as mega:
+    with EmulatedChip(elf, tmp_path) as mega:
         addresses = mega.memory.address("gen_input"), mega.memory.address("gen_output")
         output, _ = mega.run_records(records, addresses[0], INPUT.itemsize, addresses[1], 16, len(records), 500_000_000)
     want = expected(records)
