@@ -15,9 +15,10 @@ import pytest
 
 from gen.coefficients import parse
 from gen.errors import InputError
+from gen.fleet import identify
 from gen.fleet.common import common_of, kept
 from gen.fleet.fitting import model_name
-from gen.fleet.identify import Identified, identify_fleet, runs_of
+from gen.fleet.identify import Identified, evenly, identify_fleet, runs_of
 from gen.fleet.models import COMMON, model_path
 from gen.fleet.report import pages_of
 from gen.fleet.store import TASKS, Store
@@ -70,6 +71,18 @@ def test_again_gives_the_same_bytes_and_computes_nothing(fleet: Store) -> None:
     identify_fleet(fleet, OPTIONS, Workers(), silent)
     assert {path: fleet.read(path) for path in before} == before
     assert fleet.names(TASKS) == tasks
+
+
+def test_of_many_motors_some_make_the_mean_and_all_get_a_model(fleet: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    runs = runs_of(fleet)
+    assert list(evenly(runs, 3)) == [sorted(runs)[0], sorted(runs)[(MOTORS - 1) // 2], sorted(runs)[-1]]
+    assert evenly(runs, 100) == runs
+    before = set(fleet.names(TASKS))
+    monkeypatch.setattr(identify, "MOST_POOLED", 3)
+    found = identify_fleet(fleet, OPTIONS, Workers(), silent)
+    fits = [name for name in set(fleet.names(TASKS)) - before if name.startswith("fitted_in_common")]
+    assert len(fits) == 2  # of the second round, the first one is there; the run of "short" cannot be used
+    assert set(found.left_out_K) == set(runs) - {"short"}
 
 
 def test_what_the_fleet_shares_is_kept_exactly(fleet: Store) -> None:
