@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Protocol
 
 import numpy as np
@@ -47,13 +48,11 @@ class Partial:
             return
         value = self.value.astype(unit.dtype)
         each = unit[..., self.of] * (value if level is None else value[level])[:, None, :]
-        first = int(self.by[0])
-        if np.array_equal(self.by, np.arange(first, first + self.by.size)):
-            made[..., first : first + self.by.size] += each
-            return
-        # One parameter may act in several places.
-        for column, by in enumerate(self.by.tolist()):
-            made[..., by] += each[..., column]
+        # One parameter may act in several places; neighbours are added at once.
+        begins = np.flatnonzero(np.diff(self.by, prepend=-2) != 1).tolist()
+        for begin, end in pairwise([*begins, self.by.size]):
+            first = int(self.by[begin])
+            made[..., first : first + end - begin] += each[..., begin:end]
 
 
 @dataclass(frozen=True, eq=False)

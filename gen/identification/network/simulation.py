@@ -223,5 +223,5 @@ def _divided(steps: Steps, width: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _confluent(rate: FloatArray, h: FloatArray, by_product: FloatArray) -> FloatArray:
     """phi'(l) = (h e^(lh) - phi(l)) / l, by its series where lh is small."""
     x = rate * h
-    series = h**2 * (0.5 + x / 3.0 + x**2 / 8.0 + x**3 / 30.0)
+    series = h * h * (0.5 + x * (1.0 / 3.0 + x * (1.0 / 8.0 + x / 30.0)))
     return np.where(np.abs(x) < 1e-3, series, by_product)
