@@ -69,7 +69,7 @@ def promised(store: Store, *, motor: str, runs: list[list[str]], model: str, fou
     for effect in at.every if leaves_some(at.bench, at.now) else ():
         gain = at.bench.promise(base.shape.with_effects(*base.shape.effects, effect), base)
         name = json.dumps(key_of(effect), sort_keys=True)
-        gains[name] = max(gain - PRICE * len(effect.numbers), gains.get(name, -np.inf))
+        gains[name] = max(gain - PRICE * effect.freedom, gains.get(name, -np.inf))
     return {
         "gains": np.array(json.dumps(gains)),
         "offered": np.array(json.dumps(asdict(at.bench.data.offered))),
@@ -139,7 +139,9 @@ def _read(store: Store, motor: str, runs: list[list[str]]) -> tuple[Coefficients
     network_of(coefficients)
     sources = _sources(store, runs)
     named = [(source.name, measured_in(coefficients, source.run, source.name)) for source in sources]
-    return coefficients, make_data(coefficients, named)
+    data = make_data(coefficients, named)
+    # Walls that lag belong to a room: motors that stand elsewhere have others.
+    return coefficients, replace(data, offered=replace(data.offered, room_moves=False))
 
 
 def _sources(store: Store, runs: list[list[str]]) -> tuple[Source, ...]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -271,9 +271,4 @@ def _alike(told: Told, pool: Pool) -> NDArray[np.bool_]:
 
 def _plain(offered: Offered) -> dict[str, Any]:
     """As a task's arguments: pairs are lists there."""
-    return {
-        "ranges": {name: list(ends) for name, ends in offered.ranges.items()},
-        "typical": offered.typical,
-        "backwards": offered.backwards,
-        "rests": offered.rests,
-    }
+    return {**asdict(offered), "ranges": {name: list(ends) for name, ends in offered.ranges.items()}}

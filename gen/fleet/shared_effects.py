@@ -58,7 +58,9 @@ def bare(coefficients: Coefficients, columns: Columns) -> Anchored:
 
 
 def variants(every: Sequence[NetworkEffect], key: Key) -> list[NetworkEffect]:
-    """Give the candidates that are one effect: they differ in where their search begins.
+    """Give the candidates that are one effect: they differ in where their search begins, or in how finely they bend.
+
+    The first one is what is written for the whole fleet.
 
     Raises
     ------
@@ -119,4 +121,5 @@ def together(each: Sequence[Offered]) -> Offered:
         typical={name: float(np.median([one.typical[name] for one in each])) for name in names},
         backwards=any(one.backwards for one in each),
         rests=any(one.rests for one in each),
+        room_moves=all(one.room_moves for one in each),
     )

@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from gen.coefficients import Coefficients
 from gen.refinement.judgement import LEAST_GAIN, LEVEL
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import Data, make_data
+from gen.refinement.network.effects.walls import Walls
 from gen.refinement.network.fit import Bench
-from gen.refinement.network.judged import Judged, judged, p_better
+from gen.refinement.network.judged import judged, p_better
+from gen.refinement.network.trace import Traced
 from gen.runs import AMBIENT, Run
-
-MOVES_K = 0.3
-"""Standard deviation of an ambient that moves."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +40,13 @@ class MovingAmbient:
 
 
 def moving_ambient(
-    coefficients: Coefficients, runs: Sequence[tuple[str, Run]], data: Data, file: Judged, null: Judged
+    coefficients: Coefficients, runs: Sequence[tuple[str, Run]], data: Data, traced: Traced
 ) -> MovingAmbient | None:
     """Compare the file's fixed ambient with the measured one.
 
     The file's numbers are fitted with either: a motor that was identified in a room that stood still shows nothing of
-    how it follows one that moves, and its file may predict that badly.
+    how it follows one that moves, and its file may predict that badly. Where walls were found that lag behind the air,
+    they and the air together are compared with a fixed ambient, all else that was found on both sides.
 
     Parameters
     ----------
@@ -56,25 +54,30 @@ def moving_ambient(
         The file.
     runs, data
         The later runs, and their bins with the measured ambient.
-    file, null
-        The file as it is, judged on these, and its numbers fitted to them, without any effect.
+    traced
+        What was found in these.
 
     Returns
     -------
     MovingAmbient or None
         None where the file names a channel, not every run has one, it does not move, or nothing gets better.
     """
-    if coefficients.model.ambient_channel is not None or any(run.ambient is None for _, run in runs):
-        return None
-    if float(np.std(data.inputs.ambient[data.is_later])) < MOVES_K:
+    if coefficients.model.ambient_channel is not None or not data.offered.room_moves:
         return None
     fixed = make_data(coefficients, runs, as_declared=True)
     bench = Bench(fixed)
-    shape = Anchored(null.fitted.shape.network, null.fitted.shape.full_scale, fixed.columns)
+    shape = Anchored(traced.null.fitted.shape.network, traced.null.fitted.shape.full_scale, fixed.columns)
     base = bench.first(shape)
+    found = traced.final.fitted.shape.effects
+    others = [effect for effect in found if not isinstance(effect, Walls)]
+    through_walls = len(others) < len(found)
+    measured = traced.final if through_walls else traced.null
+    if through_walls and others:
+        base = bench.fit(shape.with_effects(*others), base)
     without = judged(fixed, base, bench.left_out(base))
-    p = p_better(data, without, null)
-    if p > LEVEL or null.score_K > (1.0 - LEAST_GAIN) * without.score_K:
+    p = p_better(data, without, measured)
+    if p > LEVEL or measured.score_K > (1.0 - LEAST_GAIN) * without.score_K:
         return None
     as_it_is = judged(fixed, base, bench.as_it_is(shape))
-    return MovingAmbient(AMBIENT, without.score_K, null.score_K, p, file.score_K < as_it_is.score_K)
+    better = not through_walls and traced.file.score_K < as_it_is.score_K
+    return MovingAmbient(AMBIENT, without.score_K, measured.score_K, p, better)

@@ -20,15 +20,18 @@ from gen.refinement.network.anchors import USUAL_AMBIENT
 from gen.refinement.network.columns import Columns
 from gen.refinement.network.draft import Draft, Slope
 from gen.refinement.network.effects import Motor, NetworkEffect
-from gen.refinement.network.effects.base import Place, Seen
+from gen.refinement.network.effects.base import OWN, SPEEDS, Place, Seen
 from gen.refinement.network.forms import HEAT, OUTSIDE, WITHIN, Form
 from gen.refinement.network.lagged import Lagged
 from gen.refinement.network.writer import NetworkWriter, Scale
 
-CAPACITY, LEVEL, BEND_SHARE, AT_REST, SLOPE_OVER_SPEED, OFFSET_K = 0.15, 0.15, 0.15, 0.05, 0.2, 0.15
-"""Standard deviations of what the file may be off by: logarithms of capacities, of levels, of bends over speed (as a
-share of what identification allows), of conductances at rest (`standstill_cooling` is what they may be off by), of
-what changes within the motor with speed; offsets."""
+CAPACITY, LEVEL, LEVEL_WITHIN, BEND_SHARE, AT_REST, SLOPE_OVER_SPEED, OFFSET_K = 0.15, 0.15, 0.4, 0.15, 0.05, 0.2, 0.15
+"""Standard deviations of what the file may be off by: logarithms of capacities, of levels, of those of paths within
+the motor, of bends over speed (as a share of what identification allows), of conductances at rest
+(`standstill_cooling` is what they may be off by), of what changes within the motor with speed; offsets.
+
+Runs tell some paths within the motor to a percent and others hardly. Which, the runs that stand for the file tell
+(`anchors.py`); held to 15 %, one of those that are hardly known makes a right effect pay for it."""
 LEAST_W_PER_K = 1e-9
 
 
@@ -105,7 +108,7 @@ class Anchored:
         """All paths."""
         made = list(self.base_paths)
         for effect, place in zip(self.effects, self.places, strict=True):
-            made += [(place.node if i == -2 else i, j) for i, j in effect.paths]
+            made += [(place.node if i == OWN else i, j) for i, j in effect.paths]
         return tuple(made)
 
     @cached_property
@@ -121,15 +124,17 @@ class Anchored:
     def motor(self) -> Motor:
         """What effects need to know of the file's network."""
         full = self._levels_at(np.ones(1))
-        conductance = np.array([self._curve(p.curve, p.factors, full)[0][0] for p in self.network.paths])
+        conductance = np.array([self._conductance_at(q, np.ones(1))[0] for q in range(len(self.network.paths))])
+        outer = tuple(q for q, path in enumerate(self.network.paths) if path.second is None and path.law is None)
         heat = sum(float(self._curve(h.curve, h.factors, full)[0][0]) for h in self.network.heats)
         return Motor(
             names=self.names[: self.base_nodes],
             sensed=self.sensors,
-            outer=tuple(q for q, path in enumerate(self.network.paths) if path.second is None and path.law is None),
+            outer=outer,
             paths=self.base_paths,
             heated=tuple(dict.fromkeys(self.base_heats)),
-            heat_powers=self._heat_powers(),
+            heat_powers=tuple(self._heat_powers(node) for node in dict.fromkeys(self.base_heats)),
+            outer_powers=tuple(float(np.mean(_powers(self._conductance_at(q, SPEEDS)))) for q in outer),
             columns=self.columns,
             typical_W=max(heat, 1e-6),
             typical_W_per_K=float(np.median(conductance[conductance > 0.0])),
@@ -138,23 +143,22 @@ class Anchored:
             radiates=tuple(excess.radiation_of(self.network, node) for node in range(self.base_nodes)),
         )
 
+    def _conductance_at(self, path: int, speed: FloatArray) -> FloatArray:
+        """A path's conductance while it turns at speeds, shape (L,), W/K."""
+        own = self.network.paths[path]
+        return self._curve(own.curve, own.factors, self._levels_at(speed))[0]
+
     def _usual(self) -> tuple[float, ...]:
         """Where the nodes settle at half speed, degC."""
         m, a, f = self.network.matrices(np.array([self.full_scale // 2]))
         settled = np.linalg.solve(-m[0], a[0] * USUAL_AMBIENT + f[0])
         return tuple(float(settled[k]) for k in self.order)
 
-    def _heat_powers(self) -> tuple[float, ...]:
-        """The power of speed that each heated node's heat goes with from a third of full speed on, in the middle."""
-        speed = np.geomspace(0.3, 1.0, 8)
-        levels = self._levels_at(speed)
-        made = []
-        for node in dict.fromkeys(self.base_heats):
-            own = [h for n, h in zip(self.base_heats, self.network.heats, strict=True) if n == node]
-            given = sum((self._curve(h.curve, h.factors, levels)[0] for h in own), np.zeros(speed.size))
-            steady = bool(np.all(given > 0.0))
-            made.append(float(np.polyfit(np.log(speed), np.log(given), 1)[0]) if steady else 1.0)
-        return tuple(made)
+    def _heat_powers(self, node: int) -> FloatArray:
+        """The power of speed that a node's heat goes with, shape (speeds,)."""
+        levels = self._levels_at(SPEEDS)
+        own = [h for n, h in zip(self.base_heats, self.network.heats, strict=True) if n == node]
+        return _powers(sum((self._curve(h.curve, h.factors, levels)[0] for h in own), np.zeros(SPEEDS.size)))
 
     def _levels_at(self, speed: FloatArray) -> Levels:
         """Give the inputs of speeds that are held, channels neutral, shape (L,)."""
@@ -218,7 +222,7 @@ class Anchored:
         precision = np.zeros((self.size, self.size))
         for form, first in zip((*self.forms, *[HEAT] * heats.size), (*paths, *heats), strict=True):
             at = slice(first + form.level, first + form.level + 1)
-            deviation[at] = LEVEL
+            deviation[at] = LEVEL_WITHIN if form is WITHIN else LEVEL
             if form is OUTSIDE:
                 deviation[first] = AT_REST
             if form is WITHIN:
@@ -232,6 +236,9 @@ class Anchored:
             if form is not WITHIN:
                 bends = slice(first + form.level + 1, first + form.size)
                 precision[bends, bends] = form.precision[form.level + 1 :, form.level + 1 :] / BEND_SHARE**2
+        for effect, place in zip(self.effects, self.places, strict=True):
+            if effect.precision is not None:
+                precision[np.ix_(place.columns, place.columns)] = effect.precision
         return mean, precision
 
     def start(self) -> FloatArray:
@@ -368,6 +375,13 @@ class Anchored:
         for effect, values in zip(self.effects, self.values(vector), strict=True):
             if effect in kept:
                 effect.write(entry, values)
+
+
+def _powers(value: FloatArray) -> FloatArray:
+    """Give the power of speed that a curve over `SPEEDS` goes with, shape (speeds,); 1 where it is not above 0."""
+    if not np.all(value > 0.0):
+        return np.ones(SPEEDS.size)
+    return np.asarray(np.gradient(np.log(value), np.log(SPEEDS)))
 
 
 def _scale(form: Form, own: FloatArray) -> Scale:

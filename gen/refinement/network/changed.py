@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gen.identification.network.bends import spline
 from gen.refinement.network.data import Data
 from gen.refinement.network.effects import NetworkEffect, ScheduleError
+from gen.refinement.network.effects.base import WHOLE
 
 GROWN = 1.03
 """Heat that has grown by more than this at every speed that was run is a fault's pattern: no curve errs like that."""
@@ -18,7 +18,7 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
     """Say why what was found may be another motor, or nothing.
 
     A wrong schedule is too high at some speeds and too low at others, or wrong at a few; a bearing or a brush that is
-    worn heats more at all of them, at one node alone.
+    worn heats more at all of them, at one node alone; so does, everywhere, a motor that is loaded or covered with dust.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
     turning = (levels.rest < 0.5) & (data.columns.later(levels) > 0.5)
     speed = np.unique(np.round(levels.speed[turning], 2))
     if effect.replaces:
-        factor = np.exp(spline(speed) @ np.log(np.asarray(values)))
+        factor = effect.factor(speed, values)
         if float(factor.min()) < GROWN:
             return ""
         grown = f"by {factor.min() - 1.0:.0%} to {factor.max() - 1.0:.0%}"
@@ -42,8 +42,12 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
     else:
         return ""
     again = f"{100.0 * float(np.median(speed)):.0f} %"
+    if effect.component == WHOLE:
+        pattern = "as that of a motor that is loaded more, or cools less (dust on it, a cover), does"
+    else:
+        pattern = "and there alone, as a fault's does (a worn bearing or brush heats like that)"
     return (
-        f"{effect.component}: its heat has grown {grown} at every speed that was run, and there alone, as a fault's "
-        f"does: the motor has changed since the file was made (a worn bearing or brush heats like that), or the file "
-        f"was wrong there: run {again} again as then. It is not written into the model without --accept-change"
+        f"{effect.component}: its heat has grown {grown} at every speed that was run, {pattern}: the motor has changed "
+        f"since the file was made, or the file was wrong there: run {again} again as then. It is not written into the "
+        "model without --accept-change"
     )

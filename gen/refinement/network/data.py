@@ -30,6 +30,8 @@ is not that of |PWM|."""
 DEGREE = 3
 """What follows |PWM| does so as a polynomial of this degree, with a value of its own at rest."""
 BACKWARDS_S, RESTS_S = 120.0, 300.0
+ROOM_MOVES_K = 0.3
+"""Standard deviation of an ambient that moves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,4 +147,11 @@ def _offered(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], columns:
         typical={name: float(np.median(values)) for name, values in every.items()},
         backwards=backwards > BACKWARDS_S,
         rests=rests > RESTS_S,
+        room_moves=_room_moves(runs),
     )
+
+
+def _room_moves(runs: Sequence[tuple[str, Run]]) -> bool:
+    """Whether every run has a measured ambient, and they move."""
+    rooms = [run.ambient for _, run in runs if run.ambient is not None]
+    return len(rooms) == len(runs) and float(np.nanstd(np.concatenate(rooms))) > ROOM_MOVES_K

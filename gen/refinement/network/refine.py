@@ -15,6 +15,7 @@ from gen.refinement.condense import check_apart, check_measured, read_measured
 from gen.refinement.errors import Errors, missed, said_of
 from gen.refinement.network.ambient import moving_ambient
 from gen.refinement.network.changed import looks_like_a_change
+from gen.refinement.network.effects.walls import Walls
 from gen.refinement.network.effects.warm_start import WarmStart, warm_start
 from gen.refinement.network.entries import ambient_entry, considered_entry, effect_entry, start_entry
 from gen.refinement.network.folds import described
@@ -24,6 +25,11 @@ from gen.refinement.network.trace import Traced, trace
 from gen.refinement.network.written import offered_anew, written
 from gen.refinement.run_errors import compared
 from gen.refinement.verdict import EXPLAINED, NOTHING, Verdict
+
+WALLS_ALONE = (
+    "ambient: walls that lag behind the air were found, but a fixed ambient predicts as well as these and the measured "
+    "air together, so nothing is written"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,10 +121,14 @@ def refine_network(
         check_measured(coefficients, path)  # only whether it can be judged: its values stay unopened until the end
     runs, data, shape, warnings = prepared(coefficients, fit_paths, progress)
     traced = trace(data, shape, progress)
-    room = moving_ambient(coefficients, runs, data, traced.file, traced.null)
+    room = moving_ambient(coefficients, runs, data, traced)
     start = warm_start(data, traced.final)
     changes = [looks_like_a_change(found.effect, found.values, data) for found in traced.added]
     kept = [found.effect for found, change in zip(traced.added, changes, strict=True) if accept_change or not change]
+    if room is None and coefficients.model.ambient_channel is None and any(isinstance(e, Walls) for e in kept):
+        # Walls about an ambient that the file holds for fixed would be no walls.
+        warnings.append(WALLS_ALONE)
+        kept = []
     made = written(coefficients, raw, traced, kept, room, start.factors, accept_change=accept_change)
     anew = "" if made.refitted else offered_anew(traced)
     warnings += [said for said in (*changes, made.refused, anew) if said]

@@ -204,7 +204,7 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
     progress(f"{len(every)} candidates beside {', '.join(now.names) or 'nothing'}")
     for effect in every:
         if (effect.name, effect.component) not in taken:
-            gain = bench.promise(base.shape.with_effects(*found, effect), base) - PRICE * len(effect.numbers)
+            gain = bench.promise(base.shape.with_effects(*found, effect), base) - PRICE * effect.freedom
             promised.setdefault(effect.name, []).append((gain, effect))
     fits: list[Fitted] = []
     for name, offers in promised.items():
@@ -216,6 +216,7 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
     considered = []
     for fitted in fits[:LEFT_OUT]:
         progress(f"{fitted.shape.effects[-1].name}: left-out error")
+        fitted = bench.finished(fitted)
         one = judged(data, fitted, bench.left_out(fitted))
         considered.append(_considered(data, now, one, len(promised), bench.bent(base)))
     considered = [_moved(bench, now, one) for one in considered]
@@ -244,14 +245,14 @@ def may_be_a_fault(data: Data, best: Considered, one: Considered) -> bool:
 
 def _priced(fitted: Fitted) -> float:
     """The cost of a fit, and of the last effect's numbers."""
-    return fitted.fit.cost + PRICE * len(fitted.shape.effects[-1].numbers)
+    return fitted.fit.cost + PRICE * fitted.shape.effects[-1].freedom
 
 
 def _considered(data: Data, without: Judged, one: Judged, tried: int, bent: float) -> Considered:
     p = p_better(data, without, one)
     reasons = doubts(one.fitted)
     relief = without.fitted.fit.cost - one.fitted.fit.cost
-    asked = RELIEF + PRICE * len(one.fitted.shape.effects[-1].numbers)
+    asked = RELIEF + PRICE * one.fitted.shape.effects[-1].freedom
     if without.names:
         if one.score_K > (1.0 - LEAST_GAIN_BESIDE) * without.score_K:
             reasons.append(TOO_LITTLE_BESIDE)

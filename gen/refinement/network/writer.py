@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
@@ -28,6 +28,8 @@ from gen.model.network_parts import AMBIENT, PWM
 
 MARGIN = 0.1
 """A channel's range is wider than what was measured by this share of it on both sides."""
+LEAST_SHARE = 1e-4
+"""Of a heat that is divided, what is left out."""
 FASTEST_SHARE = 0.8
 """Of the fastest that a file may hold, for what factors and rounding add. Nodes so close are one to every sensor."""
 
@@ -112,6 +114,24 @@ class NetworkWriter:
         self._channel(factor.channel)
         self._heats(node, lambda heat: heat.model_copy(update={"factors": (*heat.factors, factor)}))
 
+    def split_heat(self, node: str, parts: Sequence[tuple[Scale, FactorEntry | None]]) -> None:
+        """Divide all heat of a node, by speed, into shares that channels multiply; a share that is none is left out."""
+        pwm = points_of(self.full_scale)
+        heats: list[HeatEntry] = []
+        for heat in self.entry.heats:
+            if heat.node != node:
+                heats.append(heat)
+                continue
+            for share, factor in parts:
+                if float(np.max(share(pwm / self.full_scale))) < LEAST_SHARE:
+                    continue
+                part = self._scaled_heat(heat, share)
+                if factor is not None:
+                    self._channel(factor.channel)
+                    part = part.model_copy(update={"factors": (*part.factors, factor)})
+                heats.append(part)
+        self._replace(heats=tuple(heats))
+
     def heat_by_channel(self, node: str, watts: float, factor: FactorEntry) -> None:
         """Add a heat that a channel makes."""
         self._channel(factor.channel)
@@ -191,6 +211,18 @@ class NetworkWriter:
             self._replace(paths=(*self.entry.paths, path))
             return
         self._paths((first, second), lambda path: self._with_more(path, conductance))
+
+    def lead_away(self, node: str, other: str, share: float) -> None:
+        """Let a share of what a node's paths conduct to the ambient, laws apart, go to another node instead."""
+        kept: list[PathEntry] = []
+        for path in self.entry.paths:
+            if set(path.between) != {node, AMBIENT} or path.law is not None:
+                kept.append(path)
+                continue
+            part = self._scaled_path(path, lambda w: np.full_like(w, share), share)
+            kept.append(self._scaled_path(path, lambda w: np.full_like(w, 1.0 - share), 1.0 - share))
+            kept.append(part.model_copy(update={"between": (node, other)}))
+        self._replace(paths=tuple(kept))
 
     def _most(self, name: str) -> float:
         """Give the conductance, W/K, that may be added to a node until it follows its neighbours too fast."""

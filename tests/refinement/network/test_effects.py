@@ -24,18 +24,19 @@ CHANNELS = {"fan_mps": (0.0, 6.0), "current_A": (1.0, 5.0), "supply_V": (20.0, 2
 AT = {
     "airflow": (0.4,),
     "load_heating": (0.3, -0.2),
-    "supply_voltage": (1.2, 0.5, 0.2, 23.5),
+    "supply_voltage": (1.2, 0.8, 23.5),
     "standstill_cooling": (0.3, -0.2),
     "direction": (0.3,),
     "temperature_dependent_loss": (0.004,),
     "hidden_node": (4.0, -1.5, -3.0, 0.5, 1.3),
     "coupling": (-1.0,),
     "radiation": (-1.5,),
-    "schedule_error": (0.1, 0.2, 0.3, 0.2, 0.1, 0.2),
+    "schedule_error": (0.1, 0.2, 0.3, 0.2, 0.1, 0.2, 0.1, -0.1, 0.1, 0.2, 0.1),
     "sensor_offset": (1.0,),
     "sensor_gain": (0.05,),
     "sensor_lag": (20.0,),
     "drift": (0.3,),
+    "ambient": (11.0, -0.5),
 }
 
 

@@ -73,7 +73,7 @@ def test_wear_in_doubt_is_wear_unless_all_runs_speak_against_it(bench: Bench, mo
     assert network is not None
     base = bench.first(Anchored(network, 255, bench.data.columns))
     motor = base.shape.motor()
-    wear, other = ScheduleError(motor, motor.names.index("winding")), SensorOffset(motor, 0)
+    wear, other = ScheduleError(motor, [motor.names.index("winding")], "winding"), SensorOffset(motor, 0)
     error = bench.left_out(base)
 
     def considered(effect: NetworkEffect, cost: float, values: tuple[float, ...]) -> Considered:

@@ -8,6 +8,7 @@ import pytest
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.changed import looks_like_a_change
 from gen.refinement.network.data import Data, make_data
+from gen.refinement.network.effects.base import WHOLE
 from gen.refinement.network.effects.schedule_error import ScheduleError
 from gen.refinement.network.folds import described, folds_of
 from tests.refinement.network.motor import profile, read, run, tree, wave
@@ -67,7 +68,8 @@ def test_heat_that_has_grown_at_every_speed_is_a_fault_s_pattern(values: tuple[f
     made = data(2)
     network = read(tree()).model.network
     assert network is not None
-    effect = ScheduleError(Anchored(network, 255, made.columns).motor(), 0)
-    said = looks_like_a_change(effect, values, made)
-    assert bool(said) == fault
-    assert ("winding" in said) == fault
+    motor = Anchored(network, 255, made.columns).motor()
+    for effect in (ScheduleError(motor, [0], "winding"), ScheduleError(motor, [0, 1], WHOLE)):
+        said = looks_like_a_change(effect, values, made)
+        assert bool(said) == fault
+        assert (effect.component in said) == fault

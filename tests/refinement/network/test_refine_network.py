@@ -101,6 +101,20 @@ def test_another_heat_backwards_is_found_and_the_file_reads_the_sign_of_pwm(tmp_
     assert error_K(found, tmp_path) < 1.2 * NOISE_K
 
 
+def test_a_narrow_error_of_all_schedules_is_found_as_one(tmp_path: Path) -> None:
+    """Such as a resonance: all heat grows by a fifth about half speed, within a tenth of full speed."""
+    motor = tree()
+    pwm = np.arange(0, 256, 5)
+    bump = 1.0 + 0.2 * np.exp(-0.5 * ((pwm / 255.0 - 0.5) / 0.07) ** 2)
+    for heat in motor["network"]["heats"]:
+        watts = np.polyval(heat["power_W"]["poly"], pwm) * bump
+        heat["power_W"] = {"table": {"pwm": pwm.tolist(), "value": watts.tolist(), "interpolation": "linear"}}
+    found = refined(motor, tmp_path)
+    effects = found.details()["effects"]
+    assert [(effect["name"], effect["component"]) for effect in effects] == [("schedule_error", "motor")]
+    assert error_K(found, tmp_path) < 1.5 * NOISE_K
+
+
 def test_heat_that_has_grown_at_one_part_is_told_and_not_learnt(tmp_path: Path) -> None:
     motor = tree()
     motor["network"]["heats"][1]["power_W"] = {"poly": [0.03, 0.0]}

@@ -30,7 +30,7 @@ def test_beside_wear_the_room_is_read_only_where_the_file_as_it_is_gains_by_it(h
     data = make_data(coefficients, [(f"run {seed}", run(read(tree()), seed)) for seed in (1, 2)])
     bench = Bench(data)
     shape = Anchored(network, 255, data.columns)
-    wear = ScheduleError(shape.motor(), 0)
+    wear = ScheduleError(shape.motor(), [0], "winding")
     base, found = bench.first(shape), bench.first(shape.with_effects(wear))
     null = judged(data, base, bench.left_out(base))
     final = judged(data, found, bench.left_out(found))

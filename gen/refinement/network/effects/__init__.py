@@ -12,6 +12,7 @@ from gen.refinement.network.effects import (
     standstill_cooling,
     supply_voltage,
     temperature_dependent_loss,
+    walls,
 )
 from gen.refinement.network.effects.base import Motor, NetworkEffect
 from gen.refinement.network.effects.offered import Offered
@@ -29,6 +30,7 @@ LIBRARY = (
     radiation,
     schedule_error,
     sensors,
+    walls,
 )
 
 

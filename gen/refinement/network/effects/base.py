@@ -17,6 +17,10 @@ from gen.refinement.network.writer import NetworkWriter
 
 WHOLE = "motor"
 """The component of an effect that acts on the whole motor."""
+SPEEDS = np.linspace(0.1, 1.0, 19)
+"""At which powers of speed are told."""
+OWN = -2
+"""The effect's own node, in its paths."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +39,8 @@ class Number:
         Physical limits, of the number itself.
     log
         Fitted by its logarithm.
+    unit
+        What is fitted over what is told: of a time constant, where a capacity is fitted, the conductance.
     """
 
     name: str
@@ -44,14 +50,15 @@ class Number:
     low: float
     high: float
     log: bool = False
+    unit: float = 1.0
 
     def fitted(self, value: float) -> float:
         """Give the number as it is fitted."""
-        return float(np.log(value)) if self.log else value
+        return float(np.log(value * self.unit)) if self.log else value * self.unit
 
     def value(self, fitted: float) -> float:
         """Give the number from what was fitted, within what can be computed."""
-        return float(np.exp(np.clip(fitted, -60.0, 60.0))) if self.log else fitted
+        return float(np.exp(np.clip(fitted, -60.0, 60.0)) if self.log else fitted) / self.unit
 
 
 @dataclass(frozen=True)
@@ -71,7 +78,9 @@ class Motor:
     heated
         Nodes with heat.
     heat_powers
-        Of each of these: the power of speed that its heat goes with.
+        Of each of these: the power of speed that its heat goes with, at each of `SPEEDS`.
+    outer_powers
+        Of each path in `outer`: that of its conductance, in the middle.
     columns
         What else drives the motor.
     typical_W, typical_W_per_K, typical_J_per_K
@@ -87,7 +96,8 @@ class Motor:
     paths: tuple[tuple[int, int], ...]
     outer: tuple[int, ...]
     heated: tuple[int, ...]
-    heat_powers: tuple[float, ...]
+    heat_powers: tuple[FloatArray, ...]
+    outer_powers: tuple[float, ...]
     columns: Columns
     typical_W: float
     typical_W_per_K: float
@@ -154,6 +164,8 @@ class NetworkEffect(ABC):
     name: str
     component: str
     numbers: tuple[Number, ...]
+    precision: FloatArray | None = None
+    """Of the numbers together, as they are fitted, shape (k, k); None where each has a deviation of its own."""
     acts_by: Mapping[str, str] = MappingProxyType({})
     """What else it takes to say what it is: the channel, the other node."""
     held_by_the_file = True
@@ -169,6 +181,11 @@ class NetworkEffect(ABC):
     def paths(self) -> tuple[tuple[int, int], ...]:
         """Paths of its own; its own node is -2."""
         return ()
+
+    @property
+    def freedom(self) -> int:
+        """How many numbers it is as good as: fewer than it has, where these go together."""
+        return len(self.numbers)
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: B027
         """Put it on the network.

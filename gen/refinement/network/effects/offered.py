@@ -20,12 +20,15 @@ class Offered:
         Median of each.
     backwards, rests
         Whether it turned backwards, and stood still, for long enough.
+    room_moves
+        Whether the ambient was measured and moves.
     """
 
     ranges: dict[str, tuple[float, float]]
     typical: dict[str, float]
     backwards: bool
     rests: bool
+    room_moves: bool
 
     @property
     def currents(self) -> list[str]:

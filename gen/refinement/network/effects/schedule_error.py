@@ -3,49 +3,94 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
-from gen.identification.network.bends import BEND, KNOTS, spline
+from gen.identification.network.bends import BEND, KNOTS, SMOOTH
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
 from gen.refinement.network.draft import Draft
-from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place
+from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
 from gen.refinement.network.writer import NetworkWriter
 
 MOST_FACTOR = 3.0
 
 
+@dataclass(frozen=True, eq=False)
+class Bend:
+    """A smooth curve over speed: the cubic spline through knots whose values are a Gaussian process.
+
+    Attributes
+    ----------
+    knots
+        Speeds w, from 0 to 1.
+    smooth
+        Share of full speed over which it stays alike.
+    """
+
+    knots: FloatArray
+    smooth: float
+
+    def __call__(self, speed: FloatArray) -> FloatArray:
+        """Give the splines that are 1 at one knot, shape (L, knots)."""
+        spline = CubicSpline(self.knots, np.eye(self.knots.size), bc_type="natural")
+        return np.asarray(spline(np.clip(speed, 0.0, 1.0)), dtype=np.float64)
+
+    def precision(self) -> FloatArray:
+        """Give the inverse of the covariance of its values at the knots, shape (knots, knots)."""
+        gap = (self.knots[:, None] - self.knots) / self.smooth
+        spread = np.exp(-0.5 * gap**2) + 0.01 * np.eye(self.knots.size)
+        return np.asarray(np.linalg.inv(BEND**2 * spread), dtype=np.float64)
+
+
+WIDE, NARROW = Bend(KNOTS, SMOOTH), Bend(np.linspace(0.0, 1.0, 11), 0.12)
+"""As identification lets curves bend; and a resonance or a step within a tenth of full speed."""
+
+
 class ScheduleError(NetworkEffect):
-    """A node's heat times a smooth factor over speed, or a heat where the model has none."""
+    """The heat of a node, or of all nodes, times a smooth factor over speed; or a heat where the model has none."""
 
     name = "schedule_error"
     bends_the_file = True
 
-    def __init__(self, motor: Motor, node: int) -> None:
-        self.component = motor.names[node]
-        self._node, self._columns = node, motor.columns
-        self.replaces = node in motor.heated
+    def __init__(self, motor: Motor, nodes: Sequence[int], component: str, bend: Bend = WIDE) -> None:
+        self.component = component
+        self._nodes, self._columns, self._bend = tuple(nodes), motor.columns, bend
+        self._names = [motor.names[node] for node in nodes]
+        self.replaces = all(node in motor.heated for node in nodes)
         if self.replaces:
+            self.precision = bend.precision()
             self.numbers = tuple(
                 Number(f"factor_at_{knot:.0%}_of_full_speed".replace("%", "pct"), 1.0, 0.0, BEND, 0.02, 50.0, log=True)
-                for knot in KNOTS
+                for knot in bend.knots
             )
         else:
             self.numbers = (Number("power_at_full_speed_W", 0.0, 0.0, motor.typical_W, -np.inf, np.inf),)
+
+    @property
+    def freedom(self) -> int:  # noqa: D102
+        # Neighbouring knots go together, which the fit's own penalty counts: a narrow bend is one more place, no more.
+        return min(len(self.numbers), 1 + KNOTS.size)
+
+    def factor(self, speed: FloatArray, values: Sequence[float]) -> FloatArray:
+        """Give the factor at speeds, shape (L,), from its values at the knots."""
+        return np.asarray(np.exp(self._bend(speed) @ np.log(np.asarray(values))))
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         later = self._columns.later(levels)
         turning = later * (1.0 - levels.rest)
         if not self.replaces:
             unit = turning * levels.speed
-            draft.heat.add(self._node, values[0] * unit, place.slopes(unit))
+            draft.heat.add(self._nodes[0], values[0] * unit, place.slopes(unit))
             return
-        functions = spline(levels.speed)
+        functions = self._bend(levels.speed)
         factor = np.exp(np.clip(functions @ values, -60.0, 60.0))
         slopes = [turning * factor * functions[:, k] for k in range(functions.shape[1])]
-        draft.scale_heats(self._node, 1.0 + turning * (factor - 1.0), place.slopes(*slopes))
+        for node in self._nodes:
+            draft.scale_heats(node, 1.0 + turning * (factor - 1.0), place.slopes(*slopes))
 
     def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
         # No run says what a curve would be at rest, the first knot. Heat that has grown everywhere is a change.
@@ -55,14 +100,19 @@ class ScheduleError(NetworkEffect):
         return []
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
-        if not self.replaces:
-            entry.heat_over_speed(self.component, lambda w: np.maximum(values[0] * w, 0.0))
-            return
-        logs = np.log(np.asarray(values))
-        entry.scale_heat(self.component, lambda w: np.exp(spline(w) @ logs))
+        for name in self._names:
+            if self.replaces:
+                entry.scale_heat(name, lambda w: self.factor(w, values))
+            else:
+                entry.heat_over_speed(name, lambda w: np.maximum(values[0] * w, 0.0))
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
-    """At every node."""
+    """At every node, and at all that are heated."""
     for node in range(len(motor.names)):
-        yield ScheduleError(motor, node)
+        yield ScheduleError(motor, [node], motor.names[node])
+        if node in motor.heated:
+            yield ScheduleError(motor, [node], motor.names[node], NARROW)
+    if len(motor.heated) > 1:
+        yield ScheduleError(motor, motor.heated, WHOLE)
+        yield ScheduleError(motor, motor.heated, WHOLE, NARROW)

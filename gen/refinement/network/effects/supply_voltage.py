@@ -11,18 +11,24 @@ from gen.coefficients.network_curves import six_digits
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
 from gen.refinement.network.draft import Draft
-from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Number, Place
+from gen.refinement.network.effects.base import SPEEDS, WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.writer import NetworkWriter, ends
+from gen.refinement.network.writer import NetworkWriter, Scale, ends
+
+POWERS = np.array([0.0, 1.0, 3.0])
+"""Of the voltage, in the heats that are written: any power between two of them is a mixture of these."""
+SECOND = 0.5 * POWERS * (POWERS - 1.0)
+"""What bends them: v^q = 1 + q (v - 1) + q (q - 1) / 2 (v - 1)^2."""
+BENDS = float((SECOND[2] - SECOND[1]) / (POWERS[2] - POWERS[1]))
+"""How that grows with the power above 1; below it nothing bends."""
 
 
 class SupplyVoltage(NetworkEffect):
-    """Each heat times 1 + a u + b u^2, all cooling times 1 + c u; u the voltage over its usual one, less 1.
+    """Each heat times v^p, each conductance to the ambient times 1 + p (v - 1); v the voltage over its usual one.
 
-    Speed goes with the voltage, and heat with a power of it between one and three: a is that power, b half of it times
-    one less. Runs hold few voltages for long, and say little of b by themselves. What goes with a higher power of speed
-    than the heats of the motor do in the mean goes with that much higher a power of the voltage. The usual voltage is
-    the one that the motor was identified at: near the median of later runs, and not that.
+    A motor's mean voltage is the supply's times the duty, so what a higher supply does is what more PWM does: p is the
+    power of speed that a heat or a conductance goes with in the file, at each speed, times a number near 1 that is
+    fitted. The usual voltage is the one that the motor was identified at: near the median of later runs, and not that.
     """
 
     name = "supply_voltage"
@@ -32,55 +38,62 @@ class SupplyVoltage(NetworkEffect):
         self.acts_by = {"channel": channel}
         self.channel = channel
         self._columns = motor.columns
-        self._outer = motor.outer
-        mean = float(np.mean(motor.heat_powers)) if motor.heat_powers else 0.0
-        self._heated = [(node, power - mean) for node, power in zip(motor.heated, motor.heat_powers, strict=True)]
+        self._heated = list(zip(motor.heated, motor.heat_powers, strict=True))
+        self._cooled = list(zip(motor.outer, motor.outer_powers, strict=True))
         self._names = motor.names
         self._between = [ends(motor.paths[q], motor.names) for q in motor.outer]
         self.numbers = (
-            Number("heat_per_share_of_voltage", 0.0, 2.0, 1.0, -8.0, 8.0),
-            Number("heat_per_square", 0.0, 1.0, 0.7, -20.0, 20.0),
-            Number("cooling_per_share_of_voltage", 0.0, 0.4, 0.4, -3.0, 3.0),
+            Number("heat_over_that_by_pwm", 1.0, 1.0, 0.4, -3.0, 5.0),
+            Number("cooling_over_that_by_pwm", 1.0, 1.0, 0.7, -3.0, 8.0),
             Number("usual_V", usual, usual, apart, 0.3 * usual, 3.0 * usual),
         )
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         later = self._columns.later(levels)
-        a, b, c, usual = values
+        heating, cooling, usual = values
         first = self._columns.power(levels, self.channel, 1) / usual
         second = self._columns.power(levels, self.channel, 2) / usual**2
         unit, square = later * (first - 1.0), later * (second - 2.0 * first + 1.0)
         unit_by_usual, square_by_usual = -later * first / usual, 2.0 * later * (first - second) / usual
         columns = place.columns.tolist()
-        for node, more in self._heated:
-            own, bent = _of(a, b, more)
-            heat = (1.0 + own * unit + bent * square).clip(0.02)
-            by_usual = own * unit_by_usual + bent * square_by_usual
-            slopes = [(columns[0], unit + more * square), (columns[1], square), (columns[3], by_usual)]
-            draft.scale_heats(node, heat, slopes)
+        for node, powers in self._heated:
+            own = np.interp(levels.speed, SPEEDS, powers)
+            power = np.clip(heating * own, POWERS[0], POWERS[-1])
+            bent = np.interp(power, POWERS, SECOND)
+            within = (power > POWERS[0]) & (power < POWERS[-1])
+            heat = (1.0 + power * unit + bent * square).clip(0.02)
+            by_heating = own * within * (unit + np.where(power > POWERS[1], BENDS, 0.0) * square)
+            by_usual = power * unit_by_usual + bent * square_by_usual
+            draft.scale_heats(node, heat, [(columns[0], by_heating), (columns[2], by_usual)])
         # What the file can hold: a factor by a channel acts at rest, too, where there is next to nothing to cool.
-        cooling = (1.0 + c * unit).clip(0.02)
-        for q in self._outer:
-            draft.conductance.scale(q, cooling, [(columns[2], unit), (columns[3], c * unit_by_usual)])
+        for q, power in self._cooled:
+            factor = (1.0 + cooling * power * unit).clip(0.02)
+            slopes = [(columns[1], power * unit), (columns[2], cooling * power * unit_by_usual)]
+            draft.conductance.scale(q, factor, slopes)
 
     def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
         return ["more voltage would heat less"] if values[0] <= 0.0 else []
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
-        a, b, c, v = values
-        cooling = FactorEntry(channel=self.channel, poly=(six_digits(c / v), six_digits(1.0 - c)))
-        for node, more in self._heated:
-            own, bent = _of(a, b, more)
-            poly = (bent / v**2, (own - 2.0 * bent) / v, 1.0 - own + bent)
-            heat = FactorEntry(channel=self.channel, poly=tuple(six_digits(x) for x in poly))
-            entry.factor_on_heats(self._names[node], heat)
-        for between in self._between:
-            entry.factor_on_path(between, cooling)
+        heating, cooling, v = values
+        factors: list[FactorEntry | None] = [None]
+        for q, bend in zip(POWERS.tolist()[1:], SECOND.tolist()[1:], strict=True):
+            poly = (bend / v**2, (q - 2.0 * bend) / v, 1.0 - q + bend)
+            factors.append(FactorEntry(channel=self.channel, poly=tuple(six_digits(x) for x in poly)))
+        for node, powers in self._heated:
+            shares = [_share(k, heating, powers) for k in range(POWERS.size)]
+            entry.split_heat(self._names[node], list(zip(shares, factors, strict=True)))
+        for between, (_, power) in zip(self._between, self._cooled, strict=True):
+            c = cooling * power
+            entry.factor_on_path(
+                between, FactorEntry(channel=self.channel, poly=(six_digits(c / v), six_digits(1.0 - c)))
+            )
 
 
-def _of(power: float, bend: float, more: float) -> tuple[float, float]:
-    """The numbers of a heat that goes with a power of the voltage that is so much higher: x -> x (x - 1) / 2 bends."""
-    return power + more, bend + more * power + 0.5 * more * (more - 1.0)
+def _share(k: int, heating: float, powers: FloatArray) -> Scale:
+    """What of a heat goes with the k-th power of the voltage, by speed."""
+    unit = np.eye(POWERS.size)[k]
+    return lambda w: np.interp(np.clip(heating * np.interp(w, SPEEDS, powers), POWERS[0], POWERS[-1]), POWERS, unit)
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
