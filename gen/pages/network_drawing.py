@@ -9,12 +9,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import cos, hypot, pi, sin, sqrt
+from statistics import median
 
 from markupsafe import Markup, escape
 
 WIDTH, HEIGHT = 560.0, 430.0
 _RADIUS_X, _RADIUS_Y, _NODE = 165.0, 150.0, 13.0
 _THINNEST, _THICKEST = 1.0, 9.0
+MOST_OF_MEDIAN = 30.0
+"""Conductance over the median from which on a path is as thick as any."""
 _ROUNDS = 40
 _AROUND = 110.0
 """How far a path's bend lies beside the room, twice."""
@@ -91,7 +94,9 @@ def network_svg(
         Paths that say which nodes are neighbours, so that several pictures have one arrangement; its own by default.
     """
     places = _places(nodes, paths if arranged_by is None else arranged_by)
-    largest = max((path.conductance for path in paths), default=1.0)
+    every = [path.conductance for path in paths] or [1.0]
+    # One that conducts far more than the others would leave nothing to see of these.
+    largest = min(max(every), MOST_OF_MEDIAN * median(every))
     head = [
         f'<svg viewBox="0 0 {WIDTH:.0f} {HEIGHT:.0f}" role="img" class="network" '
         f'aria-labelledby="{identifier}-title {identifier}-desc">',
@@ -142,7 +147,7 @@ def _places(nodes: Sequence[DrawnNode], paths: Sequence[DrawnPath]) -> list[Poin
 
 def _path(path: DrawnPath, places: Sequence[Point], largest: float) -> str:
     (x1, y1), (x2, y2) = places[path.first], _centre() if path.second is None else places[path.second]
-    width = _THINNEST + (_THICKEST - _THINNEST) * sqrt(path.conductance / largest)
+    width = _THINNEST + (_THICKEST - _THINNEST) * sqrt(min(path.conductance / largest, 1.0))
     kind = "way" if path.sure else "way unsure"
     if path.second is None:
         kind += " out"

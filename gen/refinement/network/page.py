@@ -82,6 +82,9 @@ def _rows(step: Step) -> list[tuple[str, str, str, str]]:
     ]
 
 
+WALLS = "walls that lag behind the ambient"
+
+
 def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     evidence = effect["evidence"]
     rows = []
@@ -92,7 +95,7 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     return {
         "name": effect["name"],
         "component": effect["component"],
-        "title": registry()[effect["name"]].title,
+        "title": WALLS if "through" in effect["parameters"] else registry()[effect["name"]].title,
         "rows": rows,
         "note": evidence.get("note", ""),
         "lookalikes": evidence["lookalikes"],
