@@ -125,8 +125,10 @@ def refine_network(
     start = warm_start(data, traced.final)
     changes = [looks_like_a_change(found.effect, found.values, data) for found in traced.added]
     kept = [found.effect for found, change in zip(traced.added, changes, strict=True) if accept_change or not change]
-    if room is None and coefficients.model.ambient_channel is None and any(isinstance(e, Walls) for e in kept):
-        # Walls about an ambient that the file holds for fixed would be no walls.
+    # Walls about an ambient that the file holds for fixed would be no walls.
+    fixed = room is None and coefficients.model.ambient_channel is None
+    no_walls = fixed and any(isinstance(effect, Walls) for effect in kept)
+    if no_walls:
         warnings.append(WALLS_ALONE)
         kept = []
     made = written(coefficients, raw, traced, kept, room, start.factors, accept_change=accept_change)
@@ -147,7 +149,8 @@ def refine_network(
     if made.text != raw:
         refined = parse(made.text.encode())
         after = _errors(refined, kept_paths, test_paths, lambda path: progress(f"judging {path} with what was found"))
-    holds = not made.refused and not any(changes) and all(found.effect.held_by_the_file for found in traced.added)
+    holds = not made.refused and not no_walls and not any(changes)
+    holds = holds and all(found.effect.held_by_the_file for found in traced.added)
     verdict = _verdict(traced, start, anything=bool(effects), holds=holds)
     told, ignored = settled(runs, traced)
     warnings += [*ignored, *said_of(test_paths, before), *missed(after)]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import gen
+from gen.refinement.network import refine
 from gen.runs import Run
 from tests.refinement.network.motor import NOISE_K, ROW_S, Tree, profile, tree, write
 
@@ -67,3 +68,16 @@ def test_walls_are_found_and_written_as_a_node_between_the_motor_and_the_room(tm
 def test_a_room_without_such_walls_gets_none(tmp_path: Path) -> None:
     found = refined(tree(), tmp_path, share=0.0)
     assert (found.verdict, len(found.effects())) == ("nothing missing", 0)
+
+
+def test_walls_are_not_written_about_an_ambient_that_stays_fixed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As where the measured air says no more than a fixed value does."""
+    monkeypatch.setattr(refine, "moving_ambient", lambda *_: None)
+    motor = tree()
+    motor["ambient"] = {"fixed_degC": 24}
+    found = refined(motor, tmp_path)
+    assert found.model.text == found.baseline.text
+    assert refine.WALLS_ALONE in found.warnings
+    assert found.verdict == "partly explained"
