@@ -5,6 +5,9 @@ The knots' values are a Gaussian process, so any smooth curve is within reach an
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 
@@ -15,15 +18,46 @@ KNOTS = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 1.0])
 BEND, SMOOTH = 0.8, 0.35
 """Standard deviation of the logarithm of the bend, and the share of full speed over which it stays alike."""
 
-_SPLINE = CubicSpline(KNOTS, np.eye(KNOTS.size), bc_type="natural")
+
+@dataclass(frozen=True, eq=False)
+class Bend:
+    """A smooth curve over speed: the cubic spline through knots whose values are a Gaussian process.
+
+    Attributes
+    ----------
+    knots
+        Speeds w, from 0 to 1.
+    smooth
+        Share of full speed over which it stays alike.
+    """
+
+    knots: FloatArray
+    smooth: float
+
+    @cached_property
+    def _spline(self) -> CubicSpline:
+        return CubicSpline(self.knots, np.eye(self.knots.size), bc_type="natural")
+
+    def __call__(self, speed: FloatArray) -> FloatArray:
+        """Give the splines that are 1 at one knot, shape (L, knots)."""
+        return np.asarray(self._spline(np.clip(speed, 0.0, 1.0)), dtype=np.float64)
+
+    def precision(self) -> FloatArray:
+        """Give the inverse of the covariance of its values at the knots, shape (knots, knots)."""
+        gap = (self.knots[:, None] - self.knots) / self.smooth
+        spread = np.exp(-0.5 * gap**2) + 0.01 * np.eye(self.knots.size)
+        return np.asarray(np.linalg.inv(BEND**2 * spread), dtype=np.float64)
+
+
+WIDE = Bend(KNOTS, SMOOTH)
+"""As identification lets curves bend."""
 
 
 def spline(speed: FloatArray) -> FloatArray:
     """Give the cubic splines that are 1 at one knot, shape (L, knots)."""
-    return np.asarray(_SPLINE(np.clip(speed, 0.0, 1.0)), dtype=np.float64)
+    return WIDE(speed)
 
 
 def bend_precision() -> FloatArray:
     """Give the inverse of the bends' covariance at the knots, shape (knots, knots)."""
-    gap = (KNOTS[:, None] - KNOTS) / SMOOTH
-    return np.asarray(np.linalg.inv(BEND**2 * (np.exp(-0.5 * gap**2) + 0.01 * np.eye(KNOTS.size))), dtype=np.float64)
+    return WIDE.precision()

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
-from gen.identification.network.bends import BEND, KNOTS, SMOOTH
+from gen.identification.network.bends import BEND, KNOTS, WIDE, Bend
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
 from gen.refinement.network.draft import Draft
@@ -19,35 +17,8 @@ from gen.refinement.network.writer import NetworkWriter
 MOST_FACTOR = 3.0
 
 
-@dataclass(frozen=True, eq=False)
-class Bend:
-    """A smooth curve over speed: the cubic spline through knots whose values are a Gaussian process.
-
-    Attributes
-    ----------
-    knots
-        Speeds w, from 0 to 1.
-    smooth
-        Share of full speed over which it stays alike.
-    """
-
-    knots: FloatArray
-    smooth: float
-
-    def __call__(self, speed: FloatArray) -> FloatArray:
-        """Give the splines that are 1 at one knot, shape (L, knots)."""
-        spline = CubicSpline(self.knots, np.eye(self.knots.size), bc_type="natural")
-        return np.asarray(spline(np.clip(speed, 0.0, 1.0)), dtype=np.float64)
-
-    def precision(self) -> FloatArray:
-        """Give the inverse of the covariance of its values at the knots, shape (knots, knots)."""
-        gap = (self.knots[:, None] - self.knots) / self.smooth
-        spread = np.exp(-0.5 * gap**2) + 0.01 * np.eye(self.knots.size)
-        return np.asarray(np.linalg.inv(BEND**2 * spread), dtype=np.float64)
-
-
-WIDE, NARROW = Bend(KNOTS, SMOOTH), Bend(np.linspace(0.0, 1.0, 11), 0.12)
-"""As identification lets curves bend; and a resonance or a step within a tenth of full speed."""
+NARROW = Bend(np.linspace(0.0, 1.0, 11), 0.12)
+"""A resonance or a step within a tenth of full speed."""
 
 
 class ScheduleError(NetworkEffect):
