@@ -17,6 +17,7 @@ from gen.refinement.network.folds import described
 from gen.refinement.network.trace import Considered, Step, Traced
 
 INTERVAL = 1.96
+AMBIENT = "ambient"
 GENERIC = "vary what drives the one while the other's drive is held, for two hours each"
 AT_THE_SENSOR = "a matter of the sensor: no coefficient file of a network holds it, so mend or calibrate the sensor"
 
@@ -24,7 +25,8 @@ AT_THE_SENSOR = "a matter of the sensor: no coefficient file of a network holds 
 def ambient_entry(room: MovingAmbient) -> dict[str, Any]:
     """The measured ambient in the place of a fixed one, as the summary has it."""
     return {
-        "name": "ambient",
+        "name": AMBIENT,
+        "title": registry()[AMBIENT].title,
         "component": WHOLE,
         "parameters": {"channel": room.channel},
         "evidence": {
@@ -42,6 +44,7 @@ def start_entry(start: WarmStart) -> dict[str, Any]:
     """Hidden nodes that begin warmer than the file lets them, as the summary has it."""
     return {
         "name": INITIAL_STATE,
+        "title": registry()[INITIAL_STATE].title,
         "component": WHOLE if len(start.factors) > 1 else next(iter(start.factors)),
         "parameters": {f"start_factor_of_{name}": factor for name, factor in start.factors.items()},
         "evidence": {
@@ -70,10 +73,11 @@ def effect_entry(step: Step, found: Considered, traced: Traced, change: str) -> 
     final = traced.final.fitted
     place = next(k for k, effect in enumerate(final.shape.effects) if effect is found.effect)
     values = final.shape.values(final.vector)[place]
-    known = registry()[found.effect.name].lookalikes
+    listed = registry()[found.effect.name]
     note = change or ("" if found.effect.held_by_the_file else AT_THE_SENSOR)
     return {
         "name": found.effect.name,
+        "title": found.effect.title or listed.title,
         "component": found.effect.component,
         "parameters": {
             **found.effect.acts_by,
@@ -90,7 +94,7 @@ def effect_entry(step: Step, found: Considered, traced: Traced, change: str) -> 
                     "name": other.effect.name,
                     "component": other.effect.component,
                     "left_out_rmse_K": other.judged.score_K,
-                    "told_apart_by": known.get(other.effect.name, GENERIC),
+                    "told_apart_by": listed.lookalikes.get(other.effect.name, GENERIC),
                 }
                 for other in step.lookalikes
             ],

@@ -8,7 +8,6 @@ import numpy as np
 from markupsafe import Markup
 
 from gen.coefficients import Coefficients
-from gen.model.effects import registry
 from gen.model.network import Network
 from gen.pages.environment import page_environment
 from gen.pages.network_drawing import DrawnNode, DrawnPath, network_svg
@@ -82,9 +81,6 @@ def _rows(step: Step) -> list[tuple[str, str, str, str]]:
     ]
 
 
-WALLS = "walls that lag behind the ambient"
-
-
 def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     evidence = effect["evidence"]
     rows = []
@@ -95,7 +91,7 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     return {
         "name": effect["name"],
         "component": effect["component"],
-        "title": WALLS if "through" in effect["parameters"] else registry()[effect["name"]].title,
+        "title": effect["title"],
         "rows": rows,
         "note": evidence.get("note", ""),
         "lookalikes": evidence["lookalikes"],

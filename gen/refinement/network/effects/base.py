@@ -168,6 +168,8 @@ class NetworkEffect(ABC):
     """Of the numbers together, as they are fitted, shape (k, k); None where each has a deviation of its own."""
     acts_by: Mapping[str, str] = MappingProxyType({})
     """What else it takes to say what it is: the channel, the other node."""
+    title = ""
+    """What a report calls it; empty where that is what the library calls the effect of its name."""
     held_by_the_file = True
     """Whether a coefficient file has a place for it."""
     bends_the_file = False

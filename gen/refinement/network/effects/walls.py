@@ -27,6 +27,7 @@ class Walls(NetworkEffect):
     """
 
     name = "ambient"
+    title = "walls that lag behind the ambient"
     component = WHOLE
     nodes = 1
 
