@@ -8,7 +8,7 @@ two clocks of one log are put on one.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -134,15 +134,20 @@ STALLED = ("Run1", "Run2", "Run3", "Run5", "Run13", "Run14")
 
 def tass_bldc_stall(folder: Path) -> Iterator[Case]:
     """A large brushless motor close to standstill, heated by its power for minutes."""
-    sensors = pd.read_csv(folder / "thermocouples_long.csv.gz")
-    controller = pd.read_csv(folder / "esc_10hz.csv.gz")
-    runs = {}
-    for name in sorted(set(sensors.run)):
-        short = name.split("-")[0]
-        if short in STALLED:
-            runs[short] = _stalled(sensors[sensors.run == name], controller[controller.run == name])
+    runs = stalled_runs(folder, STALLED)
     test = {name: runs.pop(name) for name in ("Run5", "Run14")}
     yield Case("tass bldc", "Run5 and Run14", ("winding", "stator"), runs, test)
+
+
+def stalled_runs(folder: Path, names: Collection[str]) -> dict[str, Run]:
+    """Runs of the motor close to standstill, by what their names begin with."""
+    sensors = pd.read_csv(folder / "thermocouples_long.csv.gz")
+    controller = pd.read_csv(folder / "esc_10hz.csv.gz")
+    return {
+        short: _stalled(sensors[sensors.run == name], controller[controller.run == name])
+        for name in sorted(set(sensors.run))
+        if (short := name.split("-")[0]) in names
+    }
 
 
 def _stalled(sensors: pd.DataFrame, controller: pd.DataFrame) -> Run:

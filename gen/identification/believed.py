@@ -28,12 +28,19 @@ SCATTER = 9.0
 normal ones differ by as much, and what is wild is further off."""
 QUARTER = 0.45
 """Lower quartile of the magnitude of differences of normal readings, in standard deviations of a reading."""
+MOST_SCATTER_K = 3.0
+"""Standard deviation of a reading beyond which nothing is believed: no sensor of the public logs of motors, cells
+and heaters scatters by more than 0.3 K, but for one beside a large motor that disturbed it: that by 5 to 16 K."""
+SECOND_QUARTER = 0.78
+"""Lower quartile of the magnitude of second differences of normal readings, in standard deviations of a reading."""
 WINDOW = 256
 """Readings before one that may be the one before in the sequence, of those that are not out of any reach."""
 
 Mask = NDArray[np.bool_]
 AROUND, LEAST_SHARE = 33, 0.3
 """Of so many readings around one at least this share has to be in the sequence, or it is not believed either."""
+LEAST_OF_ALL = 0.05
+"""And of all readings at least this share."""
 
 
 def believed_run(run: Run, rates: Mapping[str, float] = MappingProxyType({})) -> Run:
@@ -57,8 +64,14 @@ def believed_run(run: Run, rates: Mapping[str, float] = MappingProxyType({})) ->
         kept = believed(run.time_s, values, rate)
         lost = int(np.count_nonzero(np.isfinite(values) & ~kept))
         temps[name] = np.where(kept, values, np.nan) if lost else values
-        if lost:
-            known = int(np.count_nonzero(np.isfinite(values)))
+        known = int(np.count_nonzero(np.isfinite(values)))
+        scatter = scatter_K(values[np.isfinite(values)])
+        if lost == known and scatter > MOST_SCATTER_K:
+            said.append(
+                f"{name}_degC: none of {known} readings is believed: they scatter by {scatter:.0f} K (standard "
+                "deviation of a reading about its neighbours), which is no temperature's"
+            )
+        elif lost:
             said.append(
                 f"{name}_degC: {lost} of {known} readings are not believed{_off(run.time_s, values, kept)}: "
                 f"a part does not change faster than {rate:g} K/s"
@@ -84,7 +97,7 @@ def believed(time: FloatArray, values: FloatArray, rate: float = RATE_K_PER_S) -
     step = np.abs(np.diff(value))
     if known.size < 3:
         return kept
-    noise = max(NOISE_K, SCATTER * float(np.quantile(step, 0.25)) / QUARTER)
+    noise = min(max(NOISE_K, SCATTER * float(np.quantile(step, 0.25)) / QUARTER), SCATTER * MOST_SCATTER_K)
     jumps = np.flatnonzero(step > noise + rate * np.diff(at))
     own = np.ones(known.size)
     for first, last in _about(jumps, known.size):
@@ -92,7 +105,22 @@ def believed(time: FloatArray, values: FloatArray, rate: float = RATE_K_PER_S) -
         own[first + _longest(at[first:last], value[first:last], noise, rate)] = 1.0
     # Where next to nothing agrees the sequence goes through what is wild by chance.
     kept[known] = (own > 0.0) & (uniform_filter1d(own, AROUND, mode="nearest") >= LEAST_SHARE)
-    return kept
+    # Where all is wild the longest sequence is as wild as its limit lets it be, or next to nothing.
+    sound = np.count_nonzero(kept) >= LEAST_OF_ALL * known.size and scatter_K(values[kept]) <= MOST_SCATTER_K
+    return kept if sound else np.zeros_like(kept)
+
+
+def scatter_K(values: FloatArray) -> float:
+    """Give the standard deviation of a reading about its neighbours, K, a ramp apart; that of the calmer readings.
+
+    Parameters
+    ----------
+    values
+        Shape (N,), degC, none missing.
+    """
+    if values.size < 3:
+        return 0.0
+    return float(np.quantile(np.abs(np.diff(values, 2)), 0.25)) / SECOND_QUARTER
 
 
 def _about(jumps: NDArray[np.int64], count: int) -> list[tuple[int, int]]:

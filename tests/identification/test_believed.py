@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 import gen
 from gen.coefficients.wiring import Thermocouple
 from gen.identification import believed as module
-from gen.identification.believed import NOISE_K, RATE_K_PER_S, believed, believed_run
+from gen.identification.believed import NOISE_K, RATE_K_PER_S, believed, believed_run, scatter_K
 from gen.lowering.sensors import COUNT_K, NOISE_COUNTS
 from gen.runs import Run
 from gen.runs.run import FloatArray
@@ -94,7 +94,10 @@ def test_a_column_of_which_nothing_is_believed_is_said() -> None:
     wild = np.repeat(np.random.default_rng(5).uniform(-200.0, 4000.0, at.size // 2), 2)
     run = believed_run(Run(at, np.full(400, 255), {"coil": wild}))
     assert np.isnan(run.temps["coil"]).all()
-    assert run.doubted == ("coil_degC: 400 of 400 readings are not believed: a part does not change faster than 5 K/s",)
+    assert run.doubted == (
+        "coil_degC: none of 400 readings is believed: they scatter by 776 K (standard deviation of a reading about its "
+        "neighbours), which is no temperature's",
+    )
 
 
 def test_a_spike_in_each_fiftieth_reading_is_left_out_and_nothing_else() -> None:
@@ -144,3 +147,24 @@ def test_a_spike_in_a_million_readings_costs_its_surroundings_alone(monkeypatch:
     kept = believed(at, values)
     assert np.flatnonzero(~kept).tolist() == [500_000, 900_000]
     assert sum(looked_at) < 5_000
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("spread_K", [15.0, 60.0, 200.0])
+def test_of_a_sensor_that_is_wild_all_the_time_nothing_is_believed(seed: int, spread_K: float) -> None:
+    rng = np.random.default_rng(seed)
+    at, on, true = warm_up(rng)
+    read = true + rng.normal(0.0, spread_K, at.size)
+    assert not believed(at, read).any()
+    run = believed_run(Run(at, (255 * on).astype(np.int64), {"coil": read, "case": true}))
+    assert np.isnan(run.temps["coil"]).all()
+    assert np.array_equal(run.temps["case"], true)
+    (said,) = run.doubted
+    assert said.startswith(f"coil_degC: none of {at.size} readings is believed: they scatter by ")
+
+
+def test_a_part_that_warms_by_kelvins_from_row_to_row_scatters_no_more_for_it() -> None:
+    at = np.asarray(np.arange(60) * 10.0, dtype=np.float64)
+    ramp = 20.0 + 3.0 * at + np.random.default_rng(4).normal(0.0, 0.3, at.size)
+    assert 0.1 < scatter_K(ramp) < 1.0
+    assert believed(at, ramp).all()
