@@ -12,6 +12,7 @@ import numpy as np
 from gen.errors import InputError
 from gen.fleet.pooling import BoolArray, FloatArray, Pool
 from gen.fleet.store import MODELS, Store
+from gen.identification.network.bends import BEND
 from gen.identification.network.inputs import Inputs
 from gen.identification.network.priors import OFFSET_K, Prior, prior_of
 from gen.identification.network.problem import Problem
@@ -98,6 +99,7 @@ def structure_json(structure: Structure) -> dict[str, Any]:
         "heated": list(structure.heated),
         "constant": sorted(structure.constant),
         "fed": [list(one) for one in structure.fed],
+        "bend": structure.bend,
     }
 
 
@@ -110,6 +112,7 @@ def structure_of(said: dict[str, Any]) -> Structure:
         tuple(said["heated"]),
         frozenset(said["constant"]),
         tuple((column, node) for column, node in said.get("fed", ())),
+        said.get("bend", BEND),
     )
 
 

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gen.identification.network.bends import BEND
 from gen.identification.network.bins import Binned, FloatArray
 from gen.identification.network.data import NetworkData
+from gen.identification.network.evidence import STIFF, clearly_better
 from gen.identification.network.inputs import Inputs, inputs_of
 from gen.identification.network.left_out import LeftOut, each_alone, folds_for_nodes, folds_of, left_out
 from gen.identification.network.priors import prior_of
@@ -16,7 +18,7 @@ from gen.identification.network.problem import Problem
 from gen.identification.network.prune import pruned
 from gen.identification.network.rooms import level_of, places_of, unsure_K
 from gen.identification.network.scale import Scale, scale_of
-from gen.identification.network.search import Found, search, tightened
+from gen.identification.network.search import Found, bent, search, tightened
 from gen.identification.network.starts import taken_over
 from gen.identification.network.structure import full
 from gen.identification.network.uncertainty import spread_of
@@ -99,25 +101,64 @@ def identify_network(
     """
     inputs = inputs_of(data.coarse)
     scale = scale_of(inputs)
-    folds, by_nodes = folds_of(inputs), folds_for_nodes(inputs)
-    noise = noise_of(data.coarse)
     most_hidden = min(most_hidden, MOST_ALONE) if each_alone(inputs) else most_hidden
+    stiff = _best(data, inputs, scale, most_hidden, progress)
+    bending = _best(data, inputs, scale, most_hidden, progress, stiff.tried)
+    best = stiff if clearly_better(stiff.found, bending.found) else bending
+    progress("last fit")
+    last = _polished(data, best.found, scale)
+    return NetworkFound(_with_room(data, last), last, best.judged, inputs, best.candidates)
+
+
+@dataclass(frozen=True, eq=False)
+class _Best:
+    """The best network whose curves over speed bend so far.
+
+    Attributes
+    ----------
+    found, judged
+        The network, and its errors on what was left out.
+    tried
+        With no, one, .. hidden nodes, before paths were taken out.
+    candidates
+        What they were worth.
+    """
+
+    found: Found
+    judged: LeftOut
+    tried: tuple[Found, ...]
+    candidates: tuple[Candidate, ...]
+
+
+def _best(
+    data: NetworkData,
+    inputs: Inputs,
+    scale: Scale,
+    most_hidden: int,
+    progress: Callable[[str], None],
+    stiff: Sequence[Found] = (),
+) -> _Best:
+    """Choose hidden nodes and paths; with curves that hardly bend, or with such as bend, from what these had found."""
+    folds, by_nodes = folds_of(inputs), folds_for_nodes(inputs)
+    slack = SLACK * noise_of(data.coarse)
+    kind = "curves that bend" if stiff else "stiff curves"
     tried: list[tuple[Found, LeftOut]] = []
     for hidden in range(max(0, min(most_hidden, MOST_NODES - len(data.names))) + 1):
-        progress(f"{hidden} hidden node(s): fit")
-        one = search(full(data.names, hidden, len(data.driving)), inputs, scale, tried[-1][0] if tried else None)
-        progress(f"{hidden} hidden node(s): left-out error")
+        progress(f"{kind}, {hidden} hidden node(s): fit")
+        if hidden < len(stiff):
+            one = bent(stiff[hidden], BEND, scale)
+        else:
+            form = full(data.names, hidden, len(data.driving), BEND if stiff else STIFF)
+            one = search(form, inputs, scale, tried[-1][0] if tried else None)
+        progress(f"{kind}, {hidden} hidden node(s): left-out error")
         tried.append((one, left_out(one, by_nodes)))
-        if _enough([out.score_K for _, out in tried], SLACK * noise):
+        if _enough([out.score_K for _, out in tried], slack):
             break
     candidates = tuple(Candidate(one.structure.hidden, out.score_K, one.structure.size) for one, out in tried)
-    found, _ = tried[_choice([out.score_K for _, out in tried], SLACK * noise)]
-    progress("paths")
-    judged = left_out(found, folds)
-    found, judged = pruned(found, judged, folds, scale, SLACK * noise)
-    progress("last fit")
-    last = _polished(data, found, scale)
-    return NetworkFound(_with_room(data, last), last, judged, inputs, candidates)
+    found, _ = tried[_choice([out.score_K for _, out in tried], slack)]
+    progress(f"{kind}: paths")
+    found, judged = pruned(found, left_out(found, folds), folds, scale, slack)
+    return _Best(found, judged, tuple(one for one, _ in tried), candidates)
 
 
 def noise_of(runs: Sequence[Binned]) -> float:

@@ -74,11 +74,11 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
     for law, at in zip(structure.laws, structure.conductances, strict=True):
         mean[at] = law.mean
         mean[at.start + law.level] = levels[law]
-        blocks.append((at, law.precision))
+        blocks.append((at, law.bending(structure.bend)))
     for at in structure.heats:
         mean[at] = HEAT.mean
         mean[at.start + HEAT.level] = np.log(loss * scale.rise_K / 2.0)
-        blocks.append((at, HEAT.precision))
+        blocks.append((at, HEAT.bending(structure.bend)))
     mean[structure.feeds] = np.log(loss * scale.rise_K / 2.0)
     mean[structure.offsets], deviation[structure.offsets] = 0.0, OFFSET_K
     precision = np.zeros((size, size))

@@ -136,6 +136,7 @@ def _cut(found: Found, share: float) -> Structure:
         tuple(structure.paths[q] for q in kept),
         tuple(heated),
         fed=tuple(fed for k, fed in enumerate(structure.fed) if by_feed[k] > share),
+        bend=structure.bend,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -83,6 +83,25 @@ def search(structure: Structure, inputs: Inputs, scale: Scale, before: Found | N
         found.append(settle(firm, taken_over(problem, before.problem, before.vector), AT_FIRST))
     best = min(found, key=lambda fit: fit.cost)
     return tightened(problem, best.vector, np.full(sensors, FIRST_AT), AT_LAST)
+
+
+def bent(stiff: Found, bend: float, scale: Scale) -> Found:
+    """Let the curves over speed of a network bend, and go on from where it is.
+
+    Parameters
+    ----------
+    stiff
+        With curves that hardly bend.
+    bend
+        How far they may from now on (see :class:`Structure`).
+    scale
+        For the prior.
+    """
+    inputs, structure = stiff.problem.inputs, replace(stiff.structure, bend=bend)
+    problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
+    first = np.full(len(structure.sensed), FIRST_AT)
+    vector = approach(problem.weighed(weights(inputs, first)), stiff.vector, AT_FIRST).vector
+    return tightened(problem, vector, first, AT_LAST)
 
 
 def tightened(problem: Problem[Structure], start: FloatArray, of: FloatArray, most: int, rounds: int = 3) -> Found:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.bends import KNOTS, bend_precision, spline
+from gen.identification.network.bends import BEND, KNOTS, bend_precision, spline
 from gen.identification.network.bins import FloatArray
 
 MOVED_POWER = 1.0
@@ -70,6 +70,13 @@ class Law:
     def size(self) -> int:
         """How many."""
         return len(self.terms)
+
+    def bending(self, by: float) -> FloatArray:
+        """Give the precision where curves bend by another standard deviation, shape (k, k)."""
+        made = self.precision.copy()
+        if self.factor == "bends":
+            made[-KNOTS.size :, -KNOTS.size :] *= (BEND / by) ** 2
+        return made
 
     def turning(self, speed: FloatArray, own: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give the logarithm while it turns, shape (L,), and its derivatives, shape (L, k)."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.identification.network.bends import BEND
 from gen.identification.network.bins import FloatArray, IntArray
 from gen.identification.network.inputs import Inputs, Levels
 from gen.identification.network.physics import Partial, Physical, incidence_of, outer_of
@@ -37,6 +38,8 @@ class Structure:
         Paths within the motor, by their place, whose conductance is the same at every speed.
     fed
         Heats by a measured column: its place among what else drives the motor, and the node.
+    bend
+        How far curves over speed bend: the prior's standard deviation of the logarithm (see `bends`).
     """
 
     sensed: tuple[str, ...]
@@ -45,6 +48,7 @@ class Structure:
     heated: tuple[int, ...]
     constant: frozenset[int] = frozenset()
     fed: tuple[tuple[int, int], ...] = ()
+    bend: float = BEND
 
     @property
     def nodes(self) -> int:
@@ -103,6 +107,11 @@ class Structure:
         """Of the free numbers of each heat."""
         first = self.conductances[-1].stop if self.paths else self.nodes
         return _slices(first, [HEAT.size] * len(self.heated))
+
+    @property
+    def curves(self) -> list[tuple[Law, slice]]:
+        """The laws of all paths and heats, with the places of their numbers."""
+        return list(zip((*self.laws, *[HEAT] * len(self.heated)), (*self.conductances, *self.heats), strict=True))
 
     @cached_property
     def path_of(self) -> IntArray:
@@ -202,10 +211,10 @@ def _slices(first: int, sizes: list[int]) -> tuple[slice, ...]:
     return tuple(slice(int(end) - size, int(end)) for end, size in zip(ends, sizes, strict=True))
 
 
-def full(sensed: tuple[str, ...], hidden: int, columns: int = 0) -> Structure:
+def full(sensed: tuple[str, ...], hidden: int, columns: int = 0, bend: float = BEND) -> Structure:
     """Give the network in which every node has a path to every other and to the ambient, and a heat of each kind."""
     count = len(sensed) + hidden
     inner = [(i, j) for i in range(count) for j in range(i + 1, count)]
     paths = (*inner, *((i, -1) for i in range(count)))
     fed = tuple((column, node) for column in range(columns) for node in range(count))
-    return Structure(sensed, hidden, paths, tuple(range(count)), fed=fed)
+    return Structure(sensed, hidden, paths, tuple(range(count)), fed=fed, bend=bend)

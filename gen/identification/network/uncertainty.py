@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gen.identification.network.bends import BEND
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import held
 from gen.identification.network.search import Found
@@ -66,9 +67,15 @@ class Steady:
 
 
 def spread_of(found: Found) -> Spread:
-    """Give the uncertainty of a network's parameters."""
+    """Give the uncertainty of a network's parameters.
+
+    Curves over speed that hardly bend are as uncertain as if they might: that few runs ask for none that bends does not
+    mean that there is none.
+    """
     problem = found.problem
     matrix, _ = problem.assembled(found.fit.normal, found.vector)
+    for law, at in found.structure.curves:
+        matrix[at, at] += law.bending(BEND) - law.bending(found.structure.bend)
     covariance = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     return Spread(covariance, np.asarray(deviation / problem.prior.deviation, dtype=np.float64))

@@ -30,7 +30,7 @@ def density(inputs: Inputs, residual: FloatArray) -> FloatArray:
     for s in range(sensors):
         total = time = floor = 0.0
         for run, row in zip(inputs.runs, inputs.rows, strict=True):
-            window = min(WINDOW_S, max(run.duration / 8.0, 1.0))
+            window = window_s(run.duration)
             index = (inputs.begins[row] // window).astype(np.int64)
             cover = inputs.covered[row, s]
             sums = np.bincount(index, residual[row, s] * cover)
@@ -39,6 +39,19 @@ def density(inputs: Inputs, residual: FloatArray) -> FloatArray:
             floor += float(cover.sum()) * (run.noise_K[s] ** 2 * run.sample_s[s] + LEAST_K**2 * LEAST_S)
         found[s] = max(total, floor) / time if time > 0.0 else 1.0
     return found
+
+
+def window_s(duration: float) -> float:
+    """Give the time over which the errors of a run so long are averaged, s."""
+    return min(WINDOW_S, max(duration / 8.0, 1.0))
+
+
+def windows(inputs: Inputs) -> FloatArray:
+    """Give how many such windows each sensor's readings cover, shape (S,)."""
+    made = np.zeros(inputs.target.shape[1])
+    for run, row in zip(inputs.runs, inputs.rows, strict=True):
+        made += inputs.covered[row].sum(axis=0) / window_s(run.duration)
+    return made
 
 
 def weights(inputs: Inputs, of: FloatArray) -> FloatArray:

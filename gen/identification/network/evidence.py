@@ -1,0 +1,39 @@
+"""How far curves over speed bend: as the runs ask for, by the evidence, and not by what is predicted best of few runs.
+
+Where few speeds were run, what a curve does between them is the prior's. One that bends as it likes may then follow one
+run's peculiarities; one that cannot bend misses a machine whose curve does. Left-out errors of two or three runs do not
+tell which it is. The evidence, the probability of all readings with the parameters integrated out, does: it weighs how
+much better a curve that bends fits against how many others it might have been (MacKay, Bayesian interpolation, Neural
+Computation 4, 1992; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, 5.4).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gen.identification.network.bends import BEND
+from gen.identification.network.search import Found
+from gen.identification.network.weights import windows
+
+STIFF = BEND / 8.0
+"""Standard deviation of the logarithm by which curves bend that hardly do: a tenth."""
+CLEAR = 6.0
+"""Twice the logarithm of the ratio of evidences from which it speaks plainly (Kass and Raftery, J. American Statistical
+Association 90, 1995: strong evidence)."""
+
+
+def clearly_better(one: Found, other: Found) -> bool:
+    """Whether the evidence is clearly for one of two networks."""
+    return against(other) - against(one) >= CLEAR
+
+
+def against(found: Found) -> float:
+    """Give minus twice the logarithm of the evidence but for a constant, by Laplace's approximation at the minimum.
+
+    Readings are taken as means over windows that are independent of each other (see `weights`), whose variance is the
+    residual's own: their part is then their number, whatever the network, and the logarithm of the variance.
+    """
+    problem = found.problem
+    matrix, _ = problem.assembled(found.fit.normal, found.vector)
+    wide = float(np.linalg.slogdet(matrix)[1] - np.linalg.slogdet(problem.prior.precision)[1])
+    return problem.penalty(found.vector) + wide + float(np.sum(windows(problem.inputs) * np.log(found.density)))
