@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from gen.identification.network.bends import BEND
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.document import measured_range, rest_was_measured, turned_range
 from gen.identification.network.forecast import bands
@@ -181,6 +182,7 @@ class Summary:
             "verdict": self.verdict,
             "warnings": self.warnings(),
             "hidden_nodes": structure.hidden,
+            "curves_bend": structure.bend == BEND,
             "candidates": [vars(candidate) for candidate in result.candidates],
             "left_out_K": result.judged.score_K,
             "longest_hold_s": longest,
@@ -284,6 +286,7 @@ class Summary:
         lines = [
             f"network of {structure.nodes} nodes, {structure.hidden} of them hidden, {len(structure.paths)} paths, "
             f"{len(structure.heated) + len(structure.fed)} heats{self._by_columns()}",
+            f"  over speed they {BENDING if structure.bend == BEND else POWERS}",
             "  hidden nodes  error on data left out (K)",
             *(f"  {c.hidden:>12}  {c.left_out_K:.2f}" for c in self.result.candidates),
             "part        in the runs (K)  left out (K)  steady rise (K) by PWM",
@@ -322,6 +325,10 @@ class Summary:
         return [
             f"not used: {', '.join(moving)}; what else heats the motor, and the board can measure, tell with --heat"
         ]
+
+
+BENDING = "bend by more than sums of powers do, as the runs ask for or as they do not exclude"
+POWERS = "are sums of powers: the runs ask for none that bends more"
 
 
 def _moves(values: FloatArray) -> bool:
