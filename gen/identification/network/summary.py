@@ -25,6 +25,8 @@ OFFSET_SURE = 3.0
 MOST_SPEEDS = 12
 HEATING = ("_A", "_W", "_Nm", "_percent")
 """Ends of the names of columns that may heat a motor."""
+BENDING = "bend by more than sums of powers do, as the runs ask for or as they do not exclude"
+POWERS = "are sums of powers: the runs ask for none that bends more"
 
 
 class Summary:
@@ -325,10 +327,6 @@ class Summary:
         return [
             f"not used: {', '.join(moving)}; what else heats the motor, and the board can measure, tell with --heat"
         ]
-
-
-BENDING = "bend by more than sums of powers do, as the runs ask for or as they do not exclude"
-POWERS = "are sums of powers: the runs ask for none that bends more"
 
 
 def _moves(values: FloatArray) -> bool:
