@@ -7,9 +7,10 @@ a step to 60 %, a staircase of ten minutes a level and a toggling every two seco
 eighteen minutes); cycles are the worst of these runs; flash and RAM the model's alone, compiled with PlatformIO's
 flags; bit for bit: every word of the board's equals its reference's, which for a rival is its own C++ compiled by g++.
 
-`loop`: identification of random plants from steps at five speeds, judged by a free run over a fresh profile; and one
-planted effect a trial, traced by `gen refine` and by general tools that get the residual and a library of the same
-terms. Times are processor time as multiples of this tool's.
+`loop`: identification of random plants from steps at five speeds, judged by a free run over a fresh profile, and of
+motors of independent physics (`benchmarks.plants`) from steps and mixed runs; and one planted effect a trial, traced by
+`gen refine` and by general tools that get the residual and a library of the same terms, on the MY1016's parts and on a
+motor of independent physics. Times are processor time as multiples of this tool's.
 
 `alarms`: ways to hear of a fault of the simulated motor, on the runs of `benchmarks.alarm_hours`. All get their
 thresholds from the healthy runs that `examples/my1016_rig` has its own from; the rivals' are 1.2 times the worst that
@@ -57,6 +58,7 @@ from benchmarks.rivals.host.table import rates_table, starts_table, work_table
 from benchmarks.rivals.host.work import KINDS as MODELS
 from benchmarks.rivals.host.work import QUICK_SIZES, SIZES, worked
 from benchmarks.rivals.loop.identification import identified
+from benchmarks.rivals.loop.motors import identified_motors, traced_motors
 from benchmarks.rivals.loop.table import identified_table, traced_table
 from benchmarks.rivals.loop.tracing import KINDS, traced
 from gen.coefficients import load
@@ -64,6 +66,8 @@ from gen.coefficients import load
 ROOT = Path(__file__).parents[2]
 MY1016 = ROOT / "examples" / "my1016" / "coeffs.json"
 QUICK_LENGTH = LENGTH // 10
+MOTOR = 10_100
+"""Seed of the motor whose changes are traced."""
 Part = Callable[[bool, Callable[[str], None]], tuple[list[Table], Sequence[Any]]]
 
 
@@ -83,9 +87,12 @@ def _cost(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequen
 
 
 def _loop(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequence[Any]]:
-    models = identified(1 if quick else 3, tell)
-    effects = traced(KINDS[: 1 if quick else 3], tell)
-    return [identified_table(models), traced_table(effects)], [*models, *effects]
+    plants, motors = identified(1 if quick else 3, tell), identified_motors(1 if quick else 6, tell)
+    kinds = KINDS[: 1 if quick else 3]
+    effects, changes = traced(kinds, tell), traced_motors(kinds, MOTOR, tell)
+    tables = [identified_table(plants, "plants"), identified_table(motors, "motors")]
+    tables += [traced_table(effects), traced_table(changes)]
+    return tables, [*plants, *motors, *effects, *changes]
 
 
 def _host(quick: bool, tell: Callable[[str], None]) -> tuple[list[Table], Sequence[Any]]:

@@ -11,9 +11,10 @@ import pytest
 from benchmarks.identify_rivals import Predictor
 from benchmarks.rivals.loop import tracing
 from benchmarks.rivals.loop.identification import Identified, grey_box
+from benchmarks.rivals.loop.motors import motor
 from benchmarks.rivals.loop.network import casadi_network
 from benchmarks.rivals.loop.table import identified_table, traced_table
-from benchmarks.rivals.loop.terms import BLOCK_S, SETTLING, Course, courses
+from benchmarks.rivals.loop.terms import BLOCK_S, SETTLING, Course, courses, courses_of
 from benchmarks.rivals.loop.tracing import Sparse, Traced, named, rival
 from benchmarks.rivals.missing import LibraryMissing
 from gen.coefficients import load
@@ -60,6 +61,27 @@ def test_the_term_of_what_was_planted_explains_the_residual(tmp_path: Path) -> N
     assert all(len(one.residual) == 2.5 * 3600 / BLOCK_S + 1 for one in own)
 
 
+def test_a_block_without_a_reading_is_none_of_zero_degrees() -> None:
+    """A logger's gap of some minutes: what lies between is taken from either side, and is no residual of the room."""
+    time = np.delete(np.arange(0.0, 3600.0), slice(600, 900))
+    temps = {name: np.full(time.size, 60.0) for name in ("brush", "bearing", "magnet", "casing")}
+    for own in courses_of(load(COEFFICIENTS), Run(time, np.full(time.size, 120), temps), "run.csv").values():
+        assert own.residual.size == 60
+        assert np.abs(np.diff(own.residual)).max() < 3.0  # the model moves on meanwhile; 0 degC would be 60 K away
+
+
+def test_a_motor_s_parts_are_handed_over_alone_on_a_grid_of_a_second() -> None:
+    one = motor(1700)
+    assert one.learnt.keys() == one.judged.keys() and 0.1 < one.floor_K < 1.5
+    for runs in one.learnt.values():
+        assert len(runs) == 7  # five steps and two mixed runs
+        for run in runs:
+            assert run.time_s == pytest.approx(np.arange(run.time_s.size))
+            assert np.isfinite(run.temps["part"]).all()
+            assert run.temps["part"][0] == pytest.approx(30.0, abs=4.0)  # cold: in its room, but for the sensors
+        assert [int(run.pwm[100]) for run in runs[:5]] == [51, 102, 153, 204, 255]
+
+
 def heated(pwm: np.ndarray) -> np.ndarray:
     over, inner = np.zeros(len(pwm)), 0.0
     for k in range(1, len(pwm)):
@@ -92,5 +114,5 @@ def test_a_missing_tool_has_a_row_that_says_so() -> None:
 
 def test_an_identifier_that_diverged_is_told_as_that() -> None:
     found = [Identified("gen identify", [0.1, 0.3, 0.2], 4.0), Identified("other", [0.5, np.inf, 0.4], 2.0)]
-    cells = [list(column.cells) for column in identified_table(found).columns]
+    cells = [list(column.cells) for column in identified_table(found, "plants").columns]
     assert cells[1:] == [["0.20 K", "0.50 K"], ["0.30 K", "diverged"], ["x 1.00", "x 0.50"]]

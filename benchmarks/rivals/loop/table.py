@@ -12,21 +12,28 @@ from benchmarks.rivals.loop.identification import OURS, Identified
 from benchmarks.rivals.loop.tracing import Traced
 
 
-def identified_table(found: Sequence[Identified]) -> Table:
-    """Errors of each identifier; times are multiples of the first row's."""
-    count = max(len(one.error_K) for one in found)
-    table = Table("identification", f"error on a fresh profile, median of {count}", "worst", "time", box=MARKDOWN)
-    first = next(one for one in found if one.title == OURS)
+def identified_table(found: Sequence[Identified], what: str) -> Table:
+    """Errors of each identifier; times are multiples of the first row's.
+
+    Parameters
+    ----------
+    found
+        The rows; the first is ours.
+    what
+        Plants or motors, in the plural.
+    """
+    count, first = max(len(one.error_K) for one in found), found[0]
+    table = Table("identification", f"error on fresh runs, median of {count} {what}", "worst", "time", box=MARKDOWN)
     for one in found:
         if one.missing is not None:
             table.add_row(one.title, "", "", one.missing)
             continue
         worst = max(one.error_K)
         table.add_row(
-            f"**{one.title}**" if one is first else one.title,
+            f"**{one.title}**" if one.title.startswith(OURS) else one.title,
             f"{np.median(one.error_K):.2f} K",
             f"{worst:.2f} K" if np.isfinite(worst) else "diverged",
-            f"x {one.seconds / first.seconds:.2f}",
+            f"x {one.seconds / first.seconds:.2f}" if one.seconds else "",
         )
     return table
 

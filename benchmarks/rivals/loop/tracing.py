@@ -17,10 +17,10 @@ from pathlib import Path
 
 import numpy as np
 
+import gen
 from benchmarks.rivals.loop.terms import BLOCK_S, SETTLING, Course, FloatArray, courses
 from benchmarks.rivals.missing import LibraryMissing, library
 from gen.coefficients import load
-from gen.refinement.refine import refine
 from tests.refinement.plant import COEFFICIENTS
 from tests.refinement.plant_effects import make
 
@@ -136,7 +136,7 @@ def traced(kinds: Sequence[str], tell: Callable[[str], None]) -> list[Traced]:
         with tempfile.TemporaryDirectory(prefix="rivals-") as folder:
             fit, test, _ = make(Path(folder), (kind,), SEED)
             tell(f"gen refine: {kind}")
-            found.append(_ours(kind, fit, test))
+            found.append(ours(kind, COEFFICIENTS, fit, test))
             coefficients = load(COEFFICIENTS)
             learnt, judged = courses(coefficients, fit), courses(coefficients, test)
         for title, way in RIVALS.items():
@@ -177,11 +177,23 @@ def rms(errors: Sequence[FloatArray]) -> float:
     return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
 
 
-def _ours(kind: str, fit: list[Path], test: list[Path]) -> Traced:
+def ours(kind: str, model: Path, fit: Sequence[Path], test: Sequence[Path]) -> Traced:
+    """Let `gen refine` trace one trial.
+
+    Parameters
+    ----------
+    kind
+        What was planted.
+    model
+        The coefficient file that the runs are held against.
+    fit, test
+        Run files.
+    """
     begun = time.process_time()
-    found = refine(load(COEFFICIENTS), COEFFICIENTS.read_text(encoding="utf-8"), fit, test)
+    found = gen.refine(gen.load(model), fit=list(fit), test=list(test))
     seconds = time.process_time() - begun
-    effects = [effect["name"] for effect in found.effects if not effect["evidence"].get("within_tolerance")]
-    before, after = (part.summary()["test"]["rmse_K"] for part in (found.before, found.after))
-    others = max(0, len(effects) - 1)
+    details = found.details()
+    effects = [one["name"] for one in details["effects"] if not one.get("evidence", {}).get("within_tolerance")]
+    before, after = (float(details[when]["test"]["rmse_K"]) for when in ("before", "after"))
+    others = len(set(effects[1:]) - set(effects[:1]))
     return Traced("gen refine", kind, effects[0] if effects else "", others, before, after, seconds)

@@ -107,7 +107,7 @@ class Thermocouple(Part):
         Field(
             le=1e6,
             description="The same count for this long is a stuck sensor, provided that the model moved by stuck_K "
-            "meanwhile. Without it 300 s; where there is no model (ambient, columns) there is no check.",
+            "meanwhile. Without it 30 s; where there is no model (ambient, columns) there is no check.",
         ),
     ] = None
     stuck_K: Annotated[

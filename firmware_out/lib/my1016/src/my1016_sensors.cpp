@@ -27,14 +27,14 @@ struct Limits {
 };
 
 const Limits limits[MY1016_SENSORS] PROGMEM = {
-    // brush, $.wiring.thermocouples[0]: MAX6675, 0..250 degC, 5 K/s, stuck after 300 s in which the model moved by 3 K
-    {0, 1000, 5, 1200UL, 3000L},
-    // bearing, $.wiring.thermocouples[1]: MAX6675, 0..250 degC, 5 K/s, stuck after 300 s in which the model moved by 3 K
-    {0, 1000, 5, 1200UL, 3000L},
-    // magnet, $.wiring.thermocouples[2]: MAX6675, 0..250 degC, 5 K/s, stuck after 300 s in which the model moved by 3 K
-    {0, 1000, 5, 1200UL, 3000L},
-    // casing, $.wiring.thermocouples[3]: MAX6675, 0..250 degC, 5 K/s, stuck after 300 s in which the model moved by 3 K
-    {0, 1000, 5, 1200UL, 3000L},
+    // brush, $.wiring.thermocouples[0]: MAX6675, 0..250 degC, 5 K/s, stuck after 30 s in which the model moved by 3 K
+    {0, 1000, 5, 120UL, 3000L},
+    // bearing, $.wiring.thermocouples[1]: MAX6675, 0..250 degC, 5 K/s, stuck after 30 s in which the model moved by 3 K
+    {0, 1000, 5, 120UL, 3000L},
+    // magnet, $.wiring.thermocouples[2]: MAX6675, 0..250 degC, 5 K/s, stuck after 30 s in which the model moved by 3 K
+    {0, 1000, 5, 120UL, 3000L},
+    // casing, $.wiring.thermocouples[3]: MAX6675, 0..250 degC, 5 K/s, stuck after 30 s in which the model moved by 3 K
+    {0, 1000, 5, 120UL, 3000L},
     // ambient, $.wiring.thermocouples[4]: MAX6675, 0..60 degC, 5 K/s, not checked for being stuck
     {0, 240, 5, 0UL, 0L},
 };
