@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.rivals.growth.boards import Board, held
 from benchmarks.rivals.growth.measure import Grown, built, forget, measured
-from benchmarks.rivals.growth.models import FULL_RISE_K, components, network
+from benchmarks.rivals.growth.models import FULL_RISE_K, TERMS, components, network
 from benchmarks.rivals.growth.table import boards_table, growth_table
 from gen.lowering.recursion.dynamics import dynamics
 
@@ -29,6 +29,15 @@ def test_a_network_has_the_nodes_asked_for_and_every_other_one_is_measured() -> 
     made = network(5).model.network
     assert made is not None
     assert (len(made.nodes), len(made.sensed)) == (5, 3)
+
+
+@pytest.mark.parametrize("terms", range(len(TERMS) + 1))
+def test_a_network_has_the_terms_asked_for(terms: int) -> None:
+    made = network(6, terms).model.network
+    assert made is not None
+    scaled = [bool(path.factors) for path in made.paths] + [bool(heat.factors) for heat in made.heats]
+    warming = [heat.per_K != 0.0 for heat in made.heats]
+    assert (sum(scaled) + sum(warming) + len(made.laws)) == terms
 
 
 def test_a_second_component_takes_a_table_more_and_all_words_are_the_reference_s() -> None:

@@ -29,13 +29,14 @@ SERIES: tuple[tuple[str, ScheduleKind, tuple[int, ...], Callable[[int], Coeffici
     ("components of order 3, on board", "onboard", (1, 4), lambda size: components(size, 3)),
     ("order of one component, table", "table", (1, 2, 3, 4), lambda size: components(1, size)),
     ("nodes of a network, table", "table", (2, 4, 8, 12), network),
+    ("terms in a network of six nodes, table", "table", (0, 1, 2, 3, 4), lambda size: network(6, size)),
     ("effects on two components of order 2, table", "table", (0, 1, 2, 3, 4), lambda size: components(2, 2, size)),
 )
 """Kind of growth, schedule, sizes, and what makes a model of one."""
 ONCE: tuple[tuple[Coefficients, ScheduleKind], ...] = (
     (components(1, 1), "table"),
     (components(1, 3), "onboard"),
-    (network(2), "table"),
+    (network(2, 4), "table"),
     (components(2, 2, 4), "table"),
 )
 """Built before anything is timed: the templates and libraries that a kind of model needs are loaded once."""

@@ -19,6 +19,9 @@ EFFECTS: tuple[Tree, ...] = (
     {"name": "sensor_offset", "component": "part1", "parameters": {"offset_K": 0.5}},
 )
 """What is added, the first of them first."""
+FAN, CURRENT = "fan_percent", "current_A"
+TERMS = ("a fan's channel", "a load's channel", "copper loss that grows with temperature", "radiation")
+"""What a network gets, the first of them first."""
 
 
 def _head(name: str, version: int) -> Tree:
@@ -74,8 +77,16 @@ def _table(values: list[float]) -> Tree:
     return {"table": {"pwm": list(PWM), "value": values, "interpolation": "linear"}}
 
 
-def network(nodes: int) -> Coefficients:
-    """Give a chain of heat capacities, warmed at one end, with two ways to the room; every other node is measured."""
+def network(nodes: int, terms: int = 0) -> Coefficients:
+    """Give a chain of heat capacities, warmed at one end, with two ways to the room; every other node is measured.
+
+    Parameters
+    ----------
+    nodes
+        How many.
+    terms
+        How many of `TERMS` it has.
+    """
     tree = _head(f"nodes{nodes}", 2)
     names = [f"node{k}" for k in range(nodes)]
     flow = {"power": {"constant": 0.3, "forced": 0.4, "exponent": 0.8}}
@@ -91,7 +102,24 @@ def network(nodes: int) -> Coefficients:
         ],
         "heats": [{"node": names[0], "power_W": {"poly": [1e-4, 0.01, 0]}}],
     }
+    _add_terms(tree["network"], terms)
     return _parsed(tree)
+
+
+def _add_terms(tree: Tree, count: int) -> None:
+    first, last = tree["nodes"][0]["name"], tree["nodes"][-1]["name"]
+    channels = {FAN: [0, 100], CURRENT: [0, 10]}
+    tree["channels"] = [{"column": key, "range": ends, "neutral": 0} for key, ends in list(channels.items())[:count]]
+    if count > 0:
+        tree["paths"][-1]["factors"] = [{"channel": FAN, "table": {"at": [0, 30, 100], "value": [1, 1.4, 2.3]}}]
+    if count > 1:
+        load = {"channel": CURRENT, "poly": [1, 0, 0]}
+        tree["heats"].append({"node": first, "power_W": {"poly": [0.02]}, "factors": [load]})
+    if count > 2:
+        tree["heats"][0] |= {"per_K": 0.0039, "reference_degC": 25}
+    if count > 3:
+        radiating = {"conductance_W_per_K": {"poly": [0.1]}, "radiation": {"reference_degC": 25}}
+        tree["paths"].append({"between": [last, "ambient"], **radiating})
 
 
 def _parsed(tree: Tree) -> Coefficients:
