@@ -58,7 +58,7 @@ def _ram_flips(count: int) -> list[Flip]:
 
 def _flip_ram(flip: Flip) -> Outcome:
     address, bit = flip
-    with Scene(variant("relay")) as scene:
+    with Scene(variant("relay"), astray=True) as scene:
         scene.start()
         drawn = random.Random(f"{flip}")
         scene.wait(drawn.randrange(80) * 0.25)
@@ -73,7 +73,7 @@ def _flip_ram(flip: Flip) -> Outcome:
 # ---- flash -------------------------------------------------------------------------------------------------------
 
 
-def _loaded(elf: bytes) -> Iterator[tuple[int, int, int]]:
+def loaded(elf: bytes) -> Iterator[tuple[int, int, int]]:
     """Address in flash, size and place in the file of what is loaded."""
     start = struct.unpack_from("<I", elf, 28)[0]
     entry, count = struct.unpack_from("<HH", elf, 42)
@@ -85,23 +85,23 @@ def _loaded(elf: bytes) -> Iterator[tuple[int, int, int]]:
 
 def _flash_flips(count: int) -> list[Flip]:
     elf = variant("relay").firmware.elf.read_bytes()
-    end = max(flash + size for flash, size, _ in _loaded(elf))
+    end = max(flash + size for flash, size, _ in loaded(elf))
     drawn = random.Random(SEED)
     return [(drawn.randrange(end), drawn.randrange(8)) for _ in range(count or end)]
 
 
-def _flip_flash(flip: Flip) -> Outcome:
+def flip_flash(flip: Flip) -> Outcome:
     """The bit is wrong from the start on; whoever drives asks for an end of what stops, and drives."""
     address, bit = flip
     board = variant("relay")
     elf = bytearray(board.firmware.elf.read_bytes())
-    for flash, size, offset in list(_loaded(bytes(elf))):
+    for flash, size, offset in list(loaded(bytes(elf))):
         if flash <= address < flash + size:
             elf[offset + address - flash] ^= 1 << bit
     with tempfile.TemporaryDirectory() as folder:
         damaged = Path(folder) / "damaged.elf"
         damaged.write_bytes(elf)
-        with Scene(board, elf=damaged) as scene:
+        with Scene(board, elf=damaged, astray=True) as scene:
             scene.begins()
             scene.start()
             scene.send("reset")
@@ -160,7 +160,7 @@ CAMPAIGNS = {
         Campaign(
             "eeprom-bits", "a bit of the EEPROM flips while a limit has stopped the motor", _eeprom_flips, _flip_eeprom
         ),
-        Campaign("flash-bits", "a bit of the program is wrong from the start on", _flash_flips, _flip_flash),
+        Campaign("flash-bits", "a bit of the program is wrong from the start on", _flash_flips, flip_flash),
         Campaign("ram-bits", "a bit of what is in RAM flips while running", _ram_flips, _flip_ram),
     )
 }

@@ -68,6 +68,8 @@ class Scene:
         Another firmware than the variant's own.
     eeprom
         What the EEPROM holds at the start.
+    astray
+        Whether a firmware that has gone astray runs on, as on a chip.
     others
         Thermocouples that have a MAX31855, whatever the file says.
 
@@ -82,12 +84,20 @@ class Scene:
     """
 
     def __init__(
-        self, variant: Variant, *, elf: Path | None = None, eeprom: bytes | None = None, others: Sequence[str] = ()
+        self,
+        variant: Variant,
+        *,
+        elf: Path | None = None,
+        eeprom: bytes | None = None,
+        astray: bool = False,
+        others: Sequence[str] = (),
     ) -> None:
         self.variant = variant
         self.plant = HazardPlant(dict(HOT), variant.limits, dict(WARMING), PULSES)
         firmware = replace(variant.firmware, elf=elf or variant.firmware.elf)
         self.board = Board(firmware.elf, firmware.cache, _fitted(variant.wiring, others), self.plant, encoder="batched")
+        if astray:
+            self.board.mega.let_go_astray()
         if eeprom is not None:
             self.board.mega.eeprom.image = eeprom
         pin, pins = variant.wiring.relay_pin, self.board.mega.pins

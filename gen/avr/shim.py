@@ -17,7 +17,7 @@ from gen.files import scratch
 SHIM_FOLDER = Path(__file__).with_name("shim")
 """The folder of the C sources."""
 
-_ABI = 6
+_ABI = 7
 
 _handle = _buffer = ctypes.c_void_p
 _bytes = ctypes.c_char_p
@@ -32,6 +32,7 @@ _SIGNATURES: dict[str, tuple[object, list[object]]] = {
     "gen_mega_close": (None, [_handle]),
     "gen_mega_reset": (None, [_handle, _u8, _int, _u64, _u32]),
     "gen_mega_watchdog_hz": (_int, [_handle, _u32]),
+    "gen_mega_astray": (None, [_handle]),
     "gen_mega_boot_loader": (_int, [_handle, _u32, _bytes, _u32]),
     "gen_mega_message": (_bytes, [_handle]),
     "gen_mega_cycle": (_u64, [_handle]),

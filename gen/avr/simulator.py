@@ -122,6 +122,15 @@ class EmulatedChip:
         """How often the firmware was reset since it was opened (by the watchdog)."""
         return int(self._handle.call("resets"))
 
+    def let_go_astray(self) -> None:
+        """Let a firmware that has gone astray run on, as on a chip, in place of raising `EmulationFailed`.
+
+        From now on an access behind the end of a memory finds or leaves a byte that nothing else uses, an instruction
+        that is none does nothing, the program counter wraps, and sleep without interrupts lasts until the watchdog
+        ends it. What a chip does with an instruction that is none, its data sheet does not say.
+        """
+        self._handle.call("astray")
+
     # ---- running ----
 
     def run_cycles(self, cycles: int) -> Stop:

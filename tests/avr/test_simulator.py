@@ -222,23 +222,54 @@ def test_millis_advance_in_idle_sleep_without_host_time(emulate: Emulate, core: 
     assert int(sent) == pytest.approx(60_000, abs=2)
 
 
-@pytest.mark.parametrize(
-    ("name", "body"),
-    [
-        ("opcode.cpp", '__asm__ __volatile__(".word 0x0001");'),
-        (
-            "jump.cpp",
-            '__asm__ __volatile__("ldi r30, 0xff\\n ldi r31, 0xff\\n ldi r24, 1\\n out 0x3c, r24\\n eijmp");',
-        ),
-        ("write.cpp", "*reinterpret_cast<volatile unsigned char *>(0x2300) = 1;"),
-    ],
-)
+STRAYS = [
+    ("opcode.cpp", '__asm__ __volatile__(".word 0x0001");'),
+    (
+        "jump.cpp",
+        '__asm__ __volatile__("ldi r30, 0xff\\n ldi r31, 0xff\\n ldi r24, 1\\n out 0x3c, r24\\n eijmp");',
+    ),
+    ("write.cpp", "*reinterpret_cast<volatile unsigned char *>(0x2300) = 1;"),
+]
+
+
+@pytest.mark.parametrize(("name", "body"), STRAYS)
 def test_crash_is_an_error_with_its_place(emulate: Emulate, name: str, body: str) -> None:
     text = f"int main() {{ {body} for (;;) {{ }} }}\n"
     with emulate(name, text=text) as mega:
         for _ in range(2):
             with pytest.raises(EmulationFailed, match=r"the firmware crashed: .*\(pc 0x.*cycle \d+\)"):
                 mega.run_cycles(100_000)
+
+
+@pytest.mark.parametrize(
+    ("name", "body"),
+    [*STRAYS, ("sleep.cpp", "cli(); SMCR = 5; sleep_cpu();")],
+)
+def test_a_firmware_that_may_go_astray_runs_on_until_the_watchdog_resets_it(
+    emulate: Emulate, name: str, body: str
+) -> None:
+    """MCUSR then has its bit 3 alone. A jump behind the flash comes to its beginning: `main` begins anew without it."""
+    head = "#include <avr/io.h>\n#include <avr/interrupt.h>\n#include <avr/sleep.h>\n#include <avr/wdt.h>\n"
+    text = f"""{head}
+    volatile unsigned char causes __attribute__((section(".noinit"))), begun __attribute__((section(".noinit")));
+    int main() {{
+        causes = MCUSR;
+        MCUSR = 0;
+        if (causes & _BV(WDRF)) {{ wdt_disable(); for (;;) {{ }} }}
+        if (begun == 0x5A) {{ for (;;) {{ }} }}
+        begun = 0x5A;
+        wdt_enable(WDTO_250MS);
+        {body}
+        for (;;) {{ }}
+    }}
+    """
+    with emulate(name, text=text) as mega:
+        mega.let_go_astray()
+        mega.run_seconds(0.2)
+        assert mega.resets == 0
+        mega.run_seconds(0.2)
+        assert mega.resets == 1
+        assert mega.memory.peek(mega.memory.address("causes"), 1)[0] == 1 << 3
 
 
 ASTRAY = """

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 import random
+import struct
 from dataclasses import replace
 
 import pytest
 
+from benchmarks.hazards.bits import flip_flash, loaded
+from benchmarks.hazards.boards import variant
 from benchmarks.hazards.commanding import with_sum
 from benchmarks.hazards.noise import accepted_per_line, moved_per_hour, obeyed_per_hour
 from benchmarks.hazards.plant import COOLING_S, FREE_RPM, HazardPlant, Moment
@@ -15,6 +18,7 @@ from benchmarks.hazards.running import Line, names, run_hazard, summed
 from benchmarks.hazards.scene import Outcome, longest
 from benchmarks.hazards.table import verdict
 from gen.emulate.plant import word_of
+from gen.lowering.protection import lower_protection
 
 PARTS = {"brush": 100.0, "casing": 90.0}
 
@@ -148,3 +152,22 @@ def test_a_lost_sensor_stops_the_motor_after_what_the_file_says() -> None:
     assert "sensor_lost: stop" in found.did
     assert found.after_s is not None
     assert 10.0 <= found.after_s <= found.allowed_s
+
+
+def test_a_wrong_program_is_refused_even_where_what_is_wrong_is_the_table_s_own_entry_of_it() -> None:
+    """One bit of flash: the entry of `flash_check` does not look at its cause. The CRC is wrong, and must do alone."""
+    board = variant("relay")
+    entries = lower_protection(board.coefficients)
+    wrong = next(entry for entry in entries if entry.source.cause == "flash_check")
+    assert wrong.source.action == "open_relay"
+    words = {"alarms": 0, "lost": 1, "device": 2}
+    packed = struct.pack("<IiHBB", wrong.mask, wrong.restart_mC, wrong.delay, words[wrong.word], wrong.least)
+    elf = board.firmware.elf.read_bytes()
+    assert elf.count(packed) == 1
+    place = elf.index(packed)
+    address = next(flash + place - offset for flash, size, offset in loaded(elf) if offset <= place < offset + size)
+    bit = wrong.mask.bit_length() - 1
+    outcome = flip_flash((address + bit // 8, bit % 8))
+    assert "flash_check" not in outcome.did  # the table knows nothing of it ..
+    assert outcome.end == "stands, relay open"  # .. and the motor is never driven
+    assert outcome.beyond_driven_K == -math.inf

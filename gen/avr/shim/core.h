@@ -43,6 +43,7 @@ struct gen_mega {
 	int stop;        /* an enum gen_stop, valid when stopped is set */
 	int stopped;     /* a hook asked the run to end */
 	int crashed;     /* for good */
+	int astray;      /* a firmware that has gone astray goes on, as on a chip */
 	int resume;      /* simavr's state before the stop */
 	uint32_t resets; /* since the first one */
 	int timers_lost; /* a reset dropped the cycle timers */

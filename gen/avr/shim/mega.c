@@ -44,7 +44,7 @@ static void logger(avr_t *avr, const int level, const char *format, va_list argu
 		return;
 	struct gen_mega *mega = of(avr);
 	int fatal = strstr(format, "CORE:") != NULL;
-	if (!fatal || mega->crashed)
+	if (!fatal || mega->crashed || mega->astray)
 		return;
 	vsnprintf(mega->message, sizeof mega->message, format, arguments);
 	mega->crashed = 1;
@@ -155,6 +155,12 @@ int gen_mega_watchdog_hz(struct gen_mega *mega, uint32_t hz)
 	/* simavr takes the watchdog's time from what it takes for the clock; nothing else here does once it runs. */
 	mega->avr->frequency = (uint32_t)((uint64_t)FREQUENCY_HZ * 128000 / hz);
 	return 0;
+}
+
+void gen_mega_astray(struct gen_mega *mega)
+{
+	mega->astray = 1;
+	mega->avr->codeend = mega->avr->flashend; /* the program counter runs on through flash that nobody wrote */
 }
 
 static void attach_parts(struct gen_mega *mega)

@@ -25,7 +25,7 @@
 
 #include "core.h"
 
-#define GEN_MEGA_ABI 6
+#define GEN_MEGA_ABI 7
 
 uint32_t gen_mega_abi(void);
 
@@ -36,6 +36,10 @@ const char *gen_mega_message(const struct gen_mega *mega);
 
 /* How fast the watchdog's own oscillator runs, from when it is set next on: 128 000 Hz until told otherwise. */
 int gen_mega_watchdog_hz(struct gen_mega *mega, uint32_t hz);
+/* From now on a firmware that has gone astray does not end the run: an access behind the end of a memory finds or leaves a
+ * byte that nothing else uses, an instruction that is none does nothing, and the program counter wraps.
+ */
+void gen_mega_astray(struct gen_mega *mega);
 
 /* Reset the chip. MCUSR tells the firmware why: bit 0 power-on, 1 external, 2 brown-out, 3 watchdog. With power_lost
  * the SRAM holds noise afterwards, an EEPROM write under way is left half done, and off cycles pass before the reset.

@@ -35,6 +35,22 @@ static void wake(struct gen_mega *mega)
 	avr->state = woken ? cpu_Running : mega->resume;
 }
 
+/* What a chip does where simavr gives up: its program counter has no more bits than its flash has words; an access where
+ * there is no memory is none; sleep without interrupts lasts until the watchdog ends it.
+ */
+static int goes_on(avr_t *avr, int state)
+{
+	avr->pc &= avr->flashend;
+	avr->state = state == cpu_Done ? cpu_Sleeping : cpu_Running;
+	if (avr->state == cpu_Sleeping) { /* simavr lets no time pass in a sleep that no interrupt can end */
+		avr_cycle_count_t until = avr_cycle_timer_process(avr), most = FREQUENCY_HZ / 1000;
+		until = until < most ? until : most; /* the watchdog's reset comes with the next instruction, not at once */
+		avr->sleep(avr, until);
+		avr->cycle += 1 + until;
+	}
+	return avr->state;
+}
+
 static int run(struct gen_mega *mega, uint64_t limit, int64_t place)
 {
 	avr_t *avr = mega->avr;
@@ -52,6 +68,8 @@ static int run(struct gen_mega *mega, uint64_t limit, int64_t place)
 		int state = avr_run(avr);
 		if (mega->stopped)
 			break;
+		if (mega->astray && (state == cpu_Crashed || state == cpu_Done))
+			state = goes_on(avr, state);
 		if (state == cpu_Crashed) {
 			if (!mega->crashed)
 				mega_note(mega, "the firmware jumped to an address outside its flash");

@@ -36,7 +36,8 @@ class ProtectionEntry(TypedDict):
 
 class ProtectionContext(TypedDict):
     """The table; masks of the entries that only a command ends, that open the relay, of which the LED tells, and that
-    derate to what the forecast says can be held.
+    derate to what the forecast says can be held. `protection_refuses` and `protection_refuses_relay`: whether a wrong
+    program stops the motor and opens the relay, which the sketch sees to beside the table.
 
     `protection_pauses` is how many entries have a pause, `protection_forgotten` and `protection_times` what ends it
     and how far it grows. `protection_device` are the causes that the sketch finds, in the order of their bits.
@@ -52,6 +53,8 @@ class ProtectionContext(TypedDict):
     protection_opening: int
     protection_showing: int
     protection_held: int
+    protection_refuses: bool
+    protection_refuses_relay: bool
 
 
 def protection_context(document: Document, entries: Sequence[LoweredProtection]) -> ProtectionContext:
@@ -94,6 +97,8 @@ def protection_context(document: Document, entries: Sequence[LoweredProtection])
         "protection_opening": _mask([entry.opens_relay for entry in entries]),
         "protection_showing": _mask([entry.shows for entry in entries]),
         "protection_held": _mask([entry.holds for entry in entries]),
+        "protection_refuses": any(entry.source.stops for entry in entries if entry.source.cause == "flash_check"),
+        "protection_refuses_relay": any(entry.opens_relay for entry in entries if entry.source.cause == "flash_check"),
     }
 
 
