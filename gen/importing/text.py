@@ -1,4 +1,4 @@
-"""Text files to tables: CSV of any dialect, a sketch's output, JSON."""
+"""Text files to tables: CSV of any dialect, a sketch's output, what a controller publishes, JSON."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from gen.importing.encoding import decode
 from gen.importing.keyed import array_table, is_json, json_table, keyed_table
 from gen.importing.numbers import decimal_mark
 from gen.importing.pairs import is_keyed
+from gen.importing.published import is_published, published_table
 from gen.importing.table import Reading, Table
 
 
@@ -50,6 +51,8 @@ def read_text(file: Path, data: bytes, given: Reading) -> Table:
             return whole
         if is_json(lines.texts):
             return json_table(file, lines, plain)
+    if not given.delimiter and is_published(lines.texts):
+        return published_table(file, *stamped(lines), replace(reading, decimal="."))
     lines, times = stamped(lines)
     if not given.delimiter and is_keyed(lines.texts):
         table = keyed_table(file, lines, times, reading)
