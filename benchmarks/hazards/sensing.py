@@ -11,6 +11,8 @@ from benchmarks.hazards.scene import Scene
 from gen.emulate.plant import AMBIENT, word_of
 
 PARTS = ("brush", "bearing", "magnet", "casing")
+AS_THE_MODEL = {"brush": 0.004, "bearing": 0.019, "magnet": 0.019, "casing": 0.018}
+"""K/s at full current: what the MY1016's model says of the first minutes from cold."""
 RUN_S = 75.0
 """Long enough for every part to pass its limit, where nothing stops the motor."""
 
@@ -151,6 +153,26 @@ def _frozen_slow(scene: Scene) -> None:
     scene.plant.lies["brush"] = now("brush", scene)
     scene.begins()
     scene.wait(28 * 15.0)
+
+
+def _frozen_while_healthy(parts: Iterable[str]) -> Script:
+    def script(scene: Scene) -> None:
+        scene.plant.temperatures |= dict.fromkeys(PARTS, scene.plant.room_degC)
+        scene.plant.heating |= AS_THE_MODEL
+        scene.start()
+        scene.plant.lies |= {part: now(part, scene) for part in parts}
+        scene.begins()
+        scene.wait(400.0)
+
+    return script
+
+
+add(
+    "frozen-healthy",
+    "bearing: the same word for ever; the motor begins cold and warms as the model says",
+    _frozen_while_healthy(["bearing"]),
+)
+add("frozen-all-healthy", "all parts: the same words for ever, likewise", _frozen_while_healthy(PARTS))
 
 
 @hazard("drift", "brush: drifts down as fast as the part warms, 0.5 K/s")
