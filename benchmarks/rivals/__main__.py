@@ -18,8 +18,8 @@ they show. An alarm in a healthy run, or before its fault, is a false one.
 
 `cost`: what the emitted fixed-point model costs as it grows. Build (lowering, proof, text) and verify (compiling,
 running and comparing here and on the emulated Mega, over the same samples) are processor time as multiples of the
-first row's verify. The largest models follow from the straight line through a series' two largest, within 4 000 000
-cycles a tick: on the Mega beside the MY1016's sketch; on the Uno, which has no room for it, alone.
+first row's verify. The largest models are what a file holds, or less by the straight line through a series' two
+largest, within 4 000 000 cycles a tick: on the Mega beside the MY1016's sketch; on the Uno alone.
 
 `host`: what a sample takes in the simulators, what the commands take to start, and what `gen identify` and
 `gen refine` take over the length and the number of runs, for parts and for a network: processor time as multiples

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.rivals.growth.boards import Board, held
+from benchmarks.rivals.growth.boards import MOST, Board, held
 from benchmarks.rivals.growth.measure import Grown, built, forget, measured
 from benchmarks.rivals.growth.models import FULL_RISE_K, TERMS, components, network
 from benchmarks.rivals.growth.table import boards_table, growth_table
+from gen.errors import InputError
 from gen.lowering.recursion.dynamics import dynamics
 
 
@@ -64,11 +65,20 @@ def test_a_table_that_the_compiler_does_not_take_is_told_as_refused() -> None:
     assert refused is not None and "32768 bytes" in refused
 
 
+def test_a_file_holds_so_many_nodes_and_components_and_no_more() -> None:
+    for make in (network, lambda count: components(count, 1)):
+        make(MOST)
+        with pytest.raises(InputError):
+            make(MOST + 1)
+
+
 def test_the_largest_model_is_where_the_first_thing_runs_out() -> None:
     series = [grown(1, 5000, 40, 300), grown(2, 5000, 60, 400), grown(4, 6000, 100, 600)]
     free = Board("free", 6000 + 500 * 10, 100 + 20 * 3)
     assert held(free, series) == (7, "RAM")
-    assert held(Board("slow", 10**9, 10**9), series) == (4 + (4_000_000 - 600) // 100, "cycles")
+    slow = Board("slow", 10**9, 10**9)
+    assert held(slow, series, most=10**6) == (4 + (4_000_000 - 600) // 100, "cycles")
+    assert held(slow, series) == (16, "a file holds no more")
     refused = grown(6, 0, 0, 0, refused="too large")
     assert held(free, [*series, refused]) == (5, "the table's 32 767 bytes")
     assert held(Board("small", 0, 0), series)[0] == 0

@@ -26,9 +26,9 @@ LANES, LENGTH = 4, 300
 SERIES: tuple[tuple[str, ScheduleKind, tuple[int, ...], Callable[[int], Coefficients]], ...] = (
     ("components of order 1, table", "table", (1, 2, 4, 8, 15, 16), lambda size: components(size, 1)),
     ("components of order 1, on board", "onboard", (1, 4, 16), lambda size: components(size, 1)),
-    ("components of order 3, on board", "onboard", (1, 4), lambda size: components(size, 3)),
+    ("components of order 3, on board", "onboard", (1, 4, 16), lambda size: components(size, 3)),
     ("order of one component, table", "table", (1, 2, 3, 4), lambda size: components(1, size)),
-    ("nodes of a network, table", "table", (2, 4, 8, 12), network),
+    ("nodes of a network, table", "table", (2, 4, 8, 12, 16), network),
     ("terms in a network of six nodes, table", "table", (0, 1, 2, 3, 4), lambda size: network(6, size)),
     ("effects on two components of order 2, table", "table", (0, 1, 2, 3, 4), lambda size: components(2, 2, size)),
 )
