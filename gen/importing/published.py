@@ -22,8 +22,8 @@ _TIME = re.compile(
     r"^\s*[\[(]?(?P<stamp>(?:\d{4}-\d{2}-\d{2}[T ])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d{1,9})?)[\])]?(?=[\s\[|])"
 )
 _STATE = re.compile(
-    r"'(?P<name>[^']{1,80})'(?:: Sending state| >>) '?(?P<value>[+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?|nan|ON|OFF)'?"
-    r"(?: (?!with )(?P<unit>\S+))?"
+    r"'(?P<entity>[^']{1,80})'(?:: Sending state| >>) '?(?P<reading>[+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?|nan|ON|OFF)'?"
+    r"(?: (?!with )(?P<measure>\S+))?"
 )
 _LEAST, _LEAST_SHARE = 3, 0.05
 """Of the lines, for a log to be one of published states: most of it may be about anything else."""
@@ -100,5 +100,7 @@ def _state(line: str, stamp: str) -> _State | None:
     if found is None:
         return None
     timed = _TIME.search(plain)
-    value = found["value"]
-    return _State(timed["stamp"] if timed else stamp, found["name"], _SWITCH.get(value, value), found["unit"] or "")
+    value = found["reading"]
+    return _State(
+        timed["stamp"] if timed else stamp, found["entity"], _SWITCH.get(value, value), found["measure"] or ""
+    )
