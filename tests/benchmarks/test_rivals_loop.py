@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from benchmarks.identify_rivals import Predictor
 from benchmarks.rivals.loop import tracing
@@ -104,12 +106,16 @@ def test_a_grey_box_of_two_capacities_predicts_two_capacities(fit: Callable[[lis
 
 def test_a_missing_tool_has_a_row_that_says_so() -> None:
     def absent(own: object) -> Sparse:
-        raise LibraryMissing("pysindy is not installed")
+        raise LibraryMissing("pysindy is not installed: pip install '.[rivals]'")
 
     found = rival("PySINDy", absent, "airflow", {"part": [course(1.0)]}, {"part": [course(1.0)]})
     ours = Traced("gen refine", "airflow", "airflow", 0, 2.0, 0.3, 5.0)
-    cells = [list(column.cells) for column in traced_table([ours, found]).columns]
-    assert cells[3] == ["yes", ""] and cells[7] == ["x 1.000", "pysindy is not installed"]
+    table = traced_table([ours, found])
+    cells = [list(column.cells) for column in table.columns]
+    assert cells[3] == ["yes", ""] and cells[7][0] == "x 1.000"
+    shown = io.StringIO()
+    Console(file=shown, width=300).print(table)
+    assert "pysindy is not installed: pip install '.[rivals]'" in shown.getvalue()  # and no markup of it
 
 
 def test_an_identifier_that_diverged_is_told_as_that() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rich.box import MARKDOWN
+from rich.markup import escape
 from rich.table import Table
 
 from benchmarks.rivals.code.profiles import NAMES
@@ -22,7 +23,7 @@ def code_table(rows: Sequence[Row]) -> Table:
     )  # fmt: skip
     for row in rows:
         if row.missing is not None:
-            table.add_row(row.title, *[""] * 9, row.missing)
+            table.add_row(row.title, *[""] * 9, escape(row.missing))
             continue
         table.add_row(
             row.title,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from rich.box import MARKDOWN
+from rich.markup import escape
 from rich.table import Table
 
 from benchmarks.rivals.loop.identification import OURS, Identified
@@ -26,7 +27,7 @@ def identified_table(found: Sequence[Identified], what: str) -> Table:
     table = Table("identification", f"error on fresh runs, median of {count} {what}", "worst", "time", box=MARKDOWN)
     for one in found:
         if one.missing is not None:
-            table.add_row(one.title, "", "", one.missing)
+            table.add_row(one.title, "", "", escape(one.missing))
             continue
         worst = max(one.error_K)
         table.add_row(
@@ -48,7 +49,7 @@ def traced_table(found: Sequence[Traced]) -> Table:
     for one in found:
         title = f"**{one.title}**" if one.title == "gen refine" else one.title
         if one.missing is not None:
-            table.add_row(one.planted, title, *[""] * 5, one.missing)
+            table.add_row(one.planted, title, *[""] * 5, escape(one.missing))
             continue
         table.add_row(
             one.planted,
