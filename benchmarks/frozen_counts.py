@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import gen
+from benchmarks.network_identification.judge import identified
 from benchmarks.plants.cases import Case, fresh_runs, write_case
 from gen.lowering.sensors import STUCK_K, STUCK_S
 
@@ -56,7 +57,7 @@ def stays_of(seed: int, kind: str) -> tuple[list[Stay], float]:
     case, found, hours = Case.parse(f"{seed}:steps:held"), [], 0.0
     with tempfile.TemporaryDirectory() as folder:
         written = write_case(case, Path(folder))
-        model = gen.identify(list(written.fit), name="plant", model=kind).model
+        model = identified(written.fit, kind).model
         for path, measured in zip(written.test, fresh_runs(written.bench, case.room), strict=True):
             simulated, run = gen.simulate(model, path), measured.run
             for node in written.bench.plant.sensed:

@@ -93,11 +93,8 @@ def identified(count: int, tell: Callable[[str], None]) -> list[Identified]:
 
 
 def _one(title: str, fit: Callable[[list[Run]], Predictor], count: int, tell: Callable[[str], None]) -> Identified:
-    if title in LIBRARIES:
-        try:
-            library(LIBRARIES[title])
-        except LibraryMissing as error:
-            return Identified(title, missing=str(error))
+    if missing := absent(title):
+        return Identified(title, missing=missing)
     errors, seconds = [], 0.0
     for number in range(count):
         tell(f"{title}: plant {number + 1} of {count}")
@@ -112,6 +109,16 @@ def _one(title: str, fit: Callable[[list[Run]], Predictor], count: int, tell: Ca
             seconds += time.process_time() - begun
             errors.append(_rms(predict(pwm) - true))
     return Identified(title, errors, seconds)
+
+
+def absent(title: str) -> str | None:
+    """Why a way cannot be tried: its library is not installed."""
+    try:
+        if title in LIBRARIES:
+            library(LIBRARIES[title])
+    except LibraryMissing as error:
+        return str(error)
+    return None
 
 
 def _rms(error: NDArray[np.float64]) -> float:

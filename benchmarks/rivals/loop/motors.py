@@ -12,24 +12,22 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 import gen
 from benchmarks.identify_rivals import RIVALS, FloatArray, Predictor, blocks
-from benchmarks.plants.cases import Case as PlantCase
-from benchmarks.plants.cases import Measured, bench, floor, fresh_runs, measure, profile_chance, write_case
+from benchmarks.network_identification.judge import judge
+from benchmarks.plants.cases import Case, Measured, bench, floor, fresh_runs, measure, profile_chance, write_case
 from benchmarks.plants.planted.trial import Trial, write_identification, write_trial
 from benchmarks.plants.profiles import DataKind, fitted
 from benchmarks.plants.rooms import RoomKind
-from benchmarks.rivals.loop.identification import CASADI, LIBRARIES, Identified, grey_box
+from benchmarks.rivals.loop.identification import CASADI, Identified, absent, grey_box
 from benchmarks.rivals.loop.network import casadi_network
 from benchmarks.rivals.loop.terms import courses
 from benchmarks.rivals.loop.tracing import RIVALS as TRACERS
 from benchmarks.rivals.loop.tracing import Traced, ours, rival
-from benchmarks.rivals.missing import LibraryMissing, library
 from benchmarks.scheduled_plants import AMBIENT
 from gen.coefficients import load
 from gen.runs import Run
@@ -37,7 +35,6 @@ from gen.runs import Run
 SEED = 1700
 NETWORK, PARTS = "gen identify, one network", "gen identify, each part alone"
 FLOOR = "(what the sensors read, less the truth)"
-Kind = Literal["network", "parts"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,48 +101,32 @@ def identified_motors(count: int, tell: Callable[[str], None]) -> list[Identifie
     for seed in range(SEED, SEED + count):
         tell(f"motor {seed}")
         motors.append(motor(seed))
-    kinds: dict[str, Kind] = {NETWORK: "network", PARTS: "parts"}
-    found = [_ours(title, kind, motors, tell) for title, kind in kinds.items()]
+    found = [_ours(title, kind, motors, tell) for title, kind in ((NETWORK, "network"), (PARTS, "parts"))]
     ways = {name: fit for name, fit in RIVALS.items() if not name.startswith(("ARX", "gen"))}
     ways |= {"grey box by hand, two capacities": grey_box, CASADI: casadi_network}
     found += [_theirs(title, fit, motors, tell) for title, fit in ways.items()]
     return [*found, Identified(FLOOR, [one.floor_K for one in motors])]
 
 
-def _ours(title: str, kind: Kind, motors: Sequence[Motor], tell: Callable[[str], None]) -> Identified:
+def _ours(title: str, kind: str, motors: Sequence[Motor], tell: Callable[[str], None]) -> Identified:
+    """Errors as `benchmarks.network_identification` has them; infinite where a part is left out."""
     errors, seconds = [], 0.0
     for one in motors:
         tell(f"{title}: motor {one.seed}")
         with tempfile.TemporaryDirectory(prefix="rivals-") as folder:
-            written = write_case(PlantCase(one.seed, DataKind.MIXED, RoomKind.HELD), Path(folder))
+            written = write_case(Case(one.seed, DataKind.MIXED, RoomKind.HELD), Path(folder))
             begun = time.process_time()
-            model = gen.identify(list(written.fit), name="motor", model=kind).model
+            found = judge(written, kind, Path(folder))
             seconds += time.process_time() - begun
-            missed = [gen.simulate(model, path) for path in written.test]
-            read = [gen.read_run(path) for path in written.test]
-        names = [name for name in one.judged if name in model.components]
-        errors.append(
-            _rms(
-                [
-                    (said[f"{name}_degC"] - run[f"{name}_degC"]).to_numpy(dtype=np.float64)
-                    for said, run in zip(missed, read, strict=True)
-                    for name in names
-                ]
-            )
-            if len(names) == len(one.judged)
-            else float("inf")  # a part that it leaves out is one that it does not predict
-        )
+        errors.append(found.error_K if found.whole else float("inf"))
     return Identified(title, errors, seconds)
 
 
 def _theirs(
     title: str, fit: Callable[[list[Run]], Predictor], motors: Sequence[Motor], tell: Callable[[str], None]
 ) -> Identified:
-    if title in LIBRARIES:
-        try:
-            library(LIBRARIES[title])
-        except LibraryMissing as error:
-            return Identified(title, missing=str(error))
+    if missing := absent(title):
+        return Identified(title, missing=missing)
     errors, seconds = [], 0.0
     for one in motors:
         tell(f"{title}: motor {one.seed}")
