@@ -54,7 +54,8 @@ def stays(place: str, time_s: FloatArray, true_degC: FloatArray, model_degC: Flo
 
 def stays_of(seed: int, kind: str) -> tuple[list[Stay], float]:
     """Give those of one motor, and its sensors' hours."""
-    case, found, hours = Case.parse(f"{seed}:steps:held"), [], 0.0
+    found: list[Stay] = []
+    case, hours = Case.parse(f"{seed}:steps:held"), 0.0
     with tempfile.TemporaryDirectory() as folder:
         written = write_case(case, Path(folder))
         model = identified(written.fit, kind).model
