@@ -12,8 +12,8 @@ from rich.console import Console
 
 from benchmarks.identify_rivals import Predictor
 from benchmarks.rivals.loop import tracing
-from benchmarks.rivals.loop.identification import Identified, grey_box
-from benchmarks.rivals.loop.motors import motor
+from benchmarks.rivals.loop.identification import Identified, grey_box, rms
+from benchmarks.rivals.loop.motors import missed, motor
 from benchmarks.rivals.loop.network import casadi_network
 from benchmarks.rivals.loop.table import identified_table, traced_table
 from benchmarks.rivals.loop.terms import BLOCK_S, SETTLING, Course, courses, courses_of
@@ -82,6 +82,16 @@ def test_a_motor_s_parts_are_handed_over_alone_on_a_grid_of_a_second() -> None:
             assert np.isfinite(run.temps["part"]).all()
             assert run.temps["part"][0] == pytest.approx(30.0, abs=4.0)  # cold: in its room, but for the sensors
         assert [int(run.pwm[100]) for run in runs[:5]] == [51, 102, 153, 204, 255]
+
+
+def test_a_prediction_of_means_over_blocks_is_held_against_single_rows() -> None:
+    """A part that warms evenly: its means are exact, so nothing is missed but at the ends; what diverged is told."""
+    time = np.arange(4000.0)
+    run = Run(time, np.full(4000, 120), {"part": 30.0 + 0.05 * time}, np.full(4000, 30.0))
+    exact = missed(lambda pwm: 0.05 * time.reshape(-1, 20).mean(axis=1), run)
+    assert np.abs(exact[10:-10]).max() < 1e-9 and np.abs(exact).max() < 0.5
+    assert rms(exact) < 0.03
+    assert rms(missed(lambda pwm: np.full(200, np.nan), run)) == np.inf
 
 
 def heated(pwm: np.ndarray) -> np.ndarray:

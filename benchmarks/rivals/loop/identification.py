@@ -107,7 +107,7 @@ def _one(title: str, fit: Callable[[list[Run]], Predictor], count: int, tell: Ca
         with np.errstate(all="ignore"):
             predict = fit(runs)
             seconds += time.process_time() - begun
-            errors.append(_rms(predict(pwm) - true))
+            errors.append(rms(predict(pwm) - true))
     return Identified(title, errors, seconds)
 
 
@@ -121,6 +121,7 @@ def absent(title: str) -> str | None:
     return None
 
 
-def _rms(error: NDArray[np.float64]) -> float:
+def rms(error: NDArray[np.float64]) -> float:
+    """Root mean square, K; infinite where it diverged."""
     value = float(np.sqrt(np.mean(error**2)))
     return value if value < 1e3 else float("inf")

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 import gen
 from benchmarks.identify_rivals import RIVALS, FloatArray, Predictor, blocks
@@ -23,7 +22,7 @@ from benchmarks.plants.cases import Case, Measured, bench, floor, fresh_runs, me
 from benchmarks.plants.planted.trial import Trial, write_identification, write_trial
 from benchmarks.plants.profiles import DataKind, fitted
 from benchmarks.plants.rooms import RoomKind
-from benchmarks.rivals.loop.identification import CASADI, Identified, absent, grey_box
+from benchmarks.rivals.loop.identification import CASADI, Identified, absent, grey_box, rms
 from benchmarks.rivals.loop.network import casadi_network
 from benchmarks.rivals.loop.terms import courses
 from benchmarks.rivals.loop.tracing import RIVALS as TRACERS
@@ -130,30 +129,22 @@ def _theirs(
     errors, seconds = [], 0.0
     for one in motors:
         tell(f"{title}: motor {one.seed}")
-        missed: list[NDArray[np.float64]] = []
+        away: list[FloatArray] = []
         for name, runs in one.learnt.items():
             begun = time.process_time()
             with np.errstate(all="ignore"):
                 predict = fit(runs)
                 seconds += time.process_time() - begun
-                missed += [_missed(predict, run) for run in one.judged[name]]
-        errors.append(_rms(missed))
+                away += [missed(predict, run) for run in one.judged[name]]
+        errors.append(rms(np.concatenate(away)))
     return Identified(title, errors, seconds)
 
 
-def _missed(predict: Predictor, run: Run) -> FloatArray:
-    """Predicted less read at single rows: the means over blocks that are predicted, held against each row in them."""
-    predicted = predict(run.pwm)
-    read = run.temps["part"] - AMBIENT
-    step = run.pwm.size // blocks(read).size
-    rows = np.repeat(predicted, step)
-    return np.asarray(rows - read[: rows.size], dtype=np.float64)
-
-
-def _rms(missed: Sequence[FloatArray]) -> float:
-    every = np.concatenate(missed)
-    value = float(np.sqrt(np.mean(every[np.isfinite(every)] ** 2))) if np.isfinite(every).any() else float("inf")
-    return value if value < 1e3 else float("inf")
+def missed(predict: Predictor, run: Run) -> FloatArray:
+    """Predicted less read at single rows, from straight lines between the middles of the blocks that are predicted."""
+    middles = blocks(run.time_s)
+    predicted = np.interp(run.time_s, middles, predict(run.pwm))
+    return np.asarray(predicted - (run.temps["part"] - AMBIENT), dtype=np.float64)
 
 
 def traced_motors(kinds: Sequence[str], seed: int, tell: Callable[[str], None]) -> list[Traced]:
