@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from gen.identification.network.bends import BEND
 from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import held
+from gen.identification.network.inputs import Levels, held
 from gen.identification.network.search import Found
 from gen.identification.network.speed_laws import HEAT
 from gen.identification.network.steady import settled
@@ -22,6 +22,9 @@ from gen.identification.network.steady import settled
 SENSOR_K, FORM = 0.15, 0.01
 """What the covariance does not hold, as standard deviations: a sensor's own error over its range, K; and, as a share of
 the rise, what a network lacks whose conductances do not depend on temperature (natural convection, radiation)."""
+UNREACHED, ALIKE = 0.05, 0.05
+"""The same as a share of the rise that no run reached at a speed, by about as much as natural convection and copper loss
+change on the way there; and the share of full speed within which speeds are alike."""
 UNDETERMINED = 0.7
 """A parameter whose standard deviation is still this share of its prior's is not determined by the runs."""
 
@@ -92,13 +95,27 @@ def steady_of(found: Found, spread: Spread, pwm: ArrayLike, full_scale: int) -> 
     structure = found.structure
     levels = held(np.asarray(pwm, dtype=np.float64), full_scale)
     at = settled(structure, levels, found.vector)
-    slopes = at.slopes[:, : len(structure.sensed)]
+    sensors = len(structure.sensed)
+    slopes, rise = at.slopes[:, :sensors], at.rise[:, :sensors]
     shared = spread.covariance[: structure.size, : structure.size]
     variance = np.einsum("lsp,pq,lsq->ls", slopes, shared, slopes, optimize=True)
     root = np.sqrt(at.physics.capacity)
     rates = np.linalg.eigvalsh(at.laplacian / (root * root[:, None]))
-    whole = np.maximum(variance, 0.0) + SENSOR_K**2 + (FORM * at.rise[:, : len(structure.sensed)]) ** 2
+    beyond = np.maximum(rise - _reached(found, levels), 0.0)
+    whole = np.maximum(variance, 0.0) + SENSOR_K**2 + (FORM * rise) ** 2 + (UNREACHED * beyond) ** 2
     return Steady(at.rise, np.sqrt(whole), 1.0 / np.maximum(rates[:, 0], 1e-12))
+
+
+def _reached(found: Found, levels: Levels) -> FloatArray:
+    """Give the highest rise of each sensed node in the runs at about each speed, shape (L, S), K; 0 where none was."""
+    inputs = found.problem.inputs
+    rise = found.fit.evaluated.after[:, : len(found.structure.sensed)] - inputs.ambient[:, None]
+    turning = inputs.rest < 0.5
+    made = np.zeros((levels.count, rise.shape[1]))
+    for k, speed in enumerate(levels.speed):
+        near = turning & (np.abs(inputs.speed - speed) <= ALIKE)
+        made[k] = np.max(rise[near], axis=0, initial=0.0)
+    return made
 
 
 def undetermined(found: Found, spread: Spread, columns: Sequence[str] = ()) -> list[str]:
