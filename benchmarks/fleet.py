@@ -108,6 +108,42 @@ def _kill_one(pid: int, tasks: Path) -> None:
     busiest.kill()
 
 
+@dataclass(frozen=True)
+class Job:
+    """One identification of the fleet: its store, its workers, and whether one of them is killed in the middle."""
+
+    name: str
+    workers: int
+    kill: bool = False
+
+    @property
+    def said(self) -> str:
+        """In words."""
+        return f"{self.workers} workers, one killed in the middle" if self.kill else f"{self.workers} worker(s)"
+
+
+def identify(place: Store, job: Job, motors: int) -> None:
+    """Identify the fleet, and print what it took."""
+    began = time.time()
+    took = gen("identify", place.url, "--until", UNTIL, "--jobs", str(job.workers), kill=job.kill)
+    form = scouting_s(place, began)
+    models_s = took.clock_s - form
+    rate = 3600.0 * motors / models_s
+    print(f"{job.workers:<7}  {form:<8.0f}  {models_s:<10.0f}  {rate:<31.0f}  {took.processor_s:.0f}", flush=True)
+
+
+def identifications(folder: Path, store: Store, motors: int, *, quick: bool) -> None:
+    """Identify the fleet on two workers; and, unless it has to be quick, again on others, for the same files."""
+    print("workers  form (s)  models (s)  motors per hour, the form apart  processors (s)", flush=True)
+    identify(store, Job("two", 2), motors)
+    for job in [] if quick else [Job("one", 1), Job("four", 4), Job("killed", 2, kill=True)]:
+        place = Store(str(folder / job.name))
+        shutil.copytree(Path(store.url) / RUNS, Path(place.url) / RUNS)
+        identify(place, job, motors)
+        same = "the same" if models(place) == models(store) else "DIFFER"
+        print(f"    {job.said}: {len(models(place))} files {same}", flush=True)
+
+
 def scouting_s(store: Store, began: float) -> float:
     """How long the choice of the form took, s."""
     return max(path.stat().st_mtime for path in (Path(store.url) / TASKS).glob("suits-*")) - began
@@ -257,7 +293,7 @@ def main() -> None:
     parser.add_argument("--refine", action="store_true", help="and gen fleet refine, and watch again")
     parser.add_argument("--thresholds", action="store_true", help="and gen fleet thresholds, two rules a sensor")
     parser.add_argument("--store", type=Path, metavar="FOLDER", help="kept; again, the job goes on where it was")
-    parser.add_argument("--quick", action="store_true", help="one job on two workers only")
+    parser.add_argument("--quick", action="store_true", help="on two workers only, not on one and four, too")
     parser.add_argument("--pool", type=int, metavar="N", help="only what pooling N motors costs")
     options = parser.parse_args()
     if options.pool:
@@ -271,23 +307,7 @@ def main() -> None:
         began = time.perf_counter()
         store = filled(folder / "two", motors)
         print(f"{len(motors)} motors' runs made and added in {time.perf_counter() - began:.0f} s", flush=True)
-        stores = {2: store}
-        if not options.quick:
-            shutil.copytree(folder / "two" / RUNS, folder / "one" / RUNS)
-            stores = {1: Store(str(folder / "one")), 2: store}
-        print("workers  form (s)  models (s)  motors per hour, the form apart  processors (s)", flush=True)
-        for jobs, place in stores.items():
-            began = time.time()
-            took = gen(
-                "identify", place.url, "--until", UNTIL, "--jobs", str(jobs), kill=jobs == 2 and not options.quick
-            )
-            form = scouting_s(place, began)
-            models_s = took.clock_s - form
-            rate = 3600.0 * len(motors) / models_s
-            print(f"{jobs:<7}  {form:<8.0f}  {models_s:<10.0f}  {rate:<31.0f}  {took.processor_s:.0f}", flush=True)
-        if not options.quick:
-            same = "the same" if models(stores[1]) == models(stores[2]) else "DIFFER"
-            print(f"one of two workers killed in the middle: {len(models(store))} files {same}")
+        identifications(folder, store, len(motors), quick=options.quick)
         watching = gen("watch", store.url, "--jobs", "2")
         print(f"watched in {watching}; largest process {largest_MB():.0f} MB", flush=True)
         faults(store, motors)
