@@ -47,7 +47,8 @@ class Partial:
         if self.by.size == 0:
             return
         value = self.value.astype(unit.dtype)
-        each = unit[..., self.of] * (value if level is None else value[level])[:, None, :]
+        each = np.take(unit, self.of, axis=-1)
+        each *= (value if level is None else value[level])[:, None, :]
         # One parameter may act in several places; neighbours are added at once.
         begins = np.flatnonzero(np.diff(self.by, prepend=-2) != 1).tolist()
         for begin, end in pairwise([*begins, self.by.size]):

@@ -54,7 +54,7 @@ def steps_of(structure: Shape, levels: Levels, found: Physical) -> Steps:
     """Discretise the network at each distinct input."""
     incidence, root = structure.incidence, np.sqrt(found.capacity)
     scaled = incidence / root
-    matrix = -np.einsum("lq,qi,qj->lij", found.conductance, scaled, scaled, optimize=True)
+    matrix = -(scaled.T * found.conductance[:, None, :]) @ scaled
     if found.growth is not None:
         matrix[:, *np.diag_indices(structure.nodes)] += found.growth / found.capacity
     rates, vectors = np.linalg.eigh(matrix)

@@ -79,30 +79,44 @@ class Law:
         return made
 
     def turning(self, speed: FloatArray, own: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Give the logarithm while it turns, shape (L,), and its derivatives, shape (L, k)."""
+        """Give the logarithm while it turns, and its derivatives.
+
+        Parameters
+        ----------
+        speed
+            Shape (L,), |PWM| over full scale.
+        own
+            Numbers of one curve, shape (k,), or of m, shape (m, k).
+
+        Returns
+        -------
+        logarithm, derivatives
+            Shapes (L,) and (L, k), or (L, m) and (L, m, k).
+        """
         w = np.asarray(speed, dtype=np.float64)
         return self._at(w, np.maximum(w, SLOWEST)[:, None] ** np.array(self.powers), own)
 
-    def at_rest(self, own: FloatArray) -> tuple[float, FloatArray]:
-        """Give the logarithm of a conductance at rest, and its derivatives, shape (k,)."""
+    def at_rest(self, own: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Give the logarithm of a conductance at rest, and its derivatives: of one curve, or of m (see `turning`)."""
         value, slopes = self._at(np.zeros(1), (np.array([self.powers]) == 0.0).astype(np.float64), own)
         if self.level == 0:
-            return float(value[0]), slopes[0]
-        slopes[0, 0] = 1.0
-        return float(value[0] + own[0]), slopes[0]
+            return value[0], slopes[0]
+        slopes[0, ..., 0] = 1.0
+        return np.asarray(value[0] + own[..., 0]), slopes[0]
 
     def _at(self, w: FloatArray, powers: FloatArray, own: FloatArray) -> tuple[FloatArray, FloatArray]:
         first = self.level + 1
         last = first + len(self.powers) - 1
-        shares = np.exp(np.clip(np.append(0.0, own[first:last]), -30.0, 30.0))
-        parts = powers * shares
-        total, whole = parts.sum(axis=1), shares.sum()
+        shares = np.ones((*own.shape[:-1], len(self.powers)))
+        shares[..., 1:] = np.exp(np.clip(own[..., first:last], -30.0, 30.0))
+        parts = powers.reshape(w.size, *[1] * (own.ndim - 1), -1) * shares
+        total, whole = parts.sum(axis=-1), shares.sum(axis=-1)
         factor = self._factor(w)
-        slopes = np.zeros((w.size, self.size))
-        slopes[:, self.level] = 1.0
-        slopes[:, first:last] = parts[:, 1:] / total[:, None] - shares[1:] / whole
-        slopes[:, last:] = factor
-        return np.log(total / whole) + own[self.level] + factor @ own[last:], slopes
+        slopes = np.zeros((w.size, *own.shape))
+        slopes[..., self.level] = 1.0
+        slopes[..., first:last] = parts[..., 1:] / total[..., None] - shares[..., 1:] / whole[..., None]
+        slopes[..., last:] = factor.reshape(w.size, *[1] * (own.ndim - 1), -1)
+        return np.log(total / whole) + own[..., self.level] + factor @ own[..., last:].T, slopes
 
     def _factor(self, w: FloatArray) -> FloatArray:
         if self.factor == "bends":

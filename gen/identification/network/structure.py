@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -103,6 +104,15 @@ class Structure:
         return _slices(self.nodes, [law.size for law in self.laws])
 
     @cached_property
+    def _alike(self) -> list[tuple[Law, IntArray, IntArray]]:
+        """Of each law that occurs the m paths that follow it, shape (m,), and where their k numbers are, (m, k)."""
+        made = []
+        for law in dict.fromkeys(self.laws):
+            paths = [q for q, own in enumerate(self.laws) if own is law]
+            made.append((law, np.array(paths), _places([self.conductances[q] for q in paths])))
+        return made
+
+    @cached_property
     def heats(self) -> tuple[slice, ...]:
         """Of the free numbers of each heat."""
         first = self.conductances[-1].stop if self.paths else self.nodes
@@ -142,21 +152,21 @@ class Structure:
         rest, turn = levels.rest[:, None], 1.0 - levels.rest[:, None]
         conductance = np.empty((levels.count, len(self.paths)))
         by_term = np.empty((levels.count, self.path_of.size))
-        for q, (law, at) in enumerate(zip(self.laws, self.conductances, strict=True)):
-            logs, slopes = law.turning(levels.speed, vector[at])
-            log_at_rest, slopes_at_rest = law.at_rest(vector[at])
-            moved = turn * np.exp(np.minimum(logs, LARGEST))[:, None]
-            still = rest * np.exp(min(log_at_rest, LARGEST))
-            conductance[:, q] = (moved + still)[:, 0]
-            by_term[:, at.start - self.nodes : at.stop - self.nodes] = moved * slopes + still * slopes_at_rest
+        for law, paths, places in self._alike:
+            logs, slopes = law.turning(levels.speed, vector[places])
+            log_at_rest, slopes_at_rest = law.at_rest(vector[places])
+            moved = turn * np.exp(np.minimum(logs, LARGEST))
+            still = rest * np.exp(np.minimum(log_at_rest, LARGEST))
+            conductance[:, paths] = moved + still
+            by_term[:, places - self.nodes] = moved[..., None] * slopes + still[..., None] * slopes_at_rest
         heat = np.zeros((levels.count, self.nodes))
         by_heat = np.empty((levels.count, len(self.heated), HEAT.size))
         fed, by_feed = self.fed_W(levels, vector), np.empty((levels.count, len(self.fed)))
-        for h, (node, at) in enumerate(zip(self.heated, self.heats, strict=True)):
-            logs, slopes = HEAT.turning(levels.speed, vector[at])
-            given = turn * np.exp(np.minimum(logs, LARGEST))[:, None]
-            heat[:, node] = given[:, 0]
-            by_heat[:, h] = given * slopes
+        if self.heated:
+            logs, slopes = HEAT.turning(levels.speed, vector[_places(self.heats)])
+            given = turn * np.exp(np.minimum(logs, LARGEST))
+            heat[:, self.heated] = given
+            by_heat[:] = given[..., None] * slopes
         for k, (_, node) in enumerate(self.fed):
             heat[:, node] += fed[:, k]
             by_feed[:, k] = fed[:, k]
@@ -204,6 +214,11 @@ class Structure:
     def implausible(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         """How far hidden nodes are off what they may be (see `plausible`)."""
         return off(self, vector)
+
+
+def _places(slices: Sequence[slice]) -> IntArray:
+    """What slices of one length select, shape (m, k)."""
+    return np.array([np.arange(at.start, at.stop) for at in slices])
 
 
 def _slices(first: int, sizes: list[int]) -> tuple[slice, ...]:
