@@ -22,7 +22,7 @@ from gen.identification.network.steady import settled
 SENSOR_K, FORM = 0.15, 0.01
 """What the covariance does not hold, as standard deviations: a sensor's own error over its range, K; and, as a share of
 the rise, what a network lacks whose conductances do not depend on temperature (natural convection, radiation)."""
-UNREACHED, ALIKE = 0.05, 0.05
+UNREACHED, ALIKE = 0.04, 0.05
 """The same as a share of the rise that no run reached at a speed, by about as much as natural convection and copper
 loss change on the way there; and the share of full speed within which speeds are alike."""
 UNDETERMINED = 0.7
