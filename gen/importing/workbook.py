@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import warnings
 import zipfile
+import zlib
 from datetime import date, datetime, time, timedelta
 from pathlib import Path
 
@@ -31,7 +32,7 @@ def read_workbook(file: Path, data: bytes) -> list[Table]:
                 sheet.title: [[_text(cell) for cell in row] for row in sheet.iter_rows(values_only=True)]
                 for sheet in book.worksheets
             }
-    except (KeyError, ValueError, OSError, TypeError, zipfile.BadZipFile, SyntaxError) as error:
+    except (KeyError, ValueError, OSError, TypeError, EOFError, zipfile.BadZipFile, zlib.error, SyntaxError) as error:
         raise InputError(
             f"cannot be read as an Excel workbook ({str(error)[:80]}); save it anew as .xlsx or CSV"
         ) from None
