@@ -121,7 +121,10 @@ def emulate(coefficients: Path, out: Path, json_file: Path | None, plot: Path | 
     plant = () if options["plant"] in (None, "rig", "model") else (Path(options["plant"]),)
     if plot is not None:
         form_of(plot)
-    check_outputs((out, json_file, plot, options["eeprom"]), (coefficients, *plant))
+    # Each of these may be a number, a list of times or a file; a path that is no file is nobody's.
+    courses = [Path(options[name]) for name in ("profile", "ambient", "load")]
+    courses += [Path(told.partition("=")[2]) for told in options["channel"]]
+    check_outputs((out, json_file, plot, options["eeprom"]), (coefficients, *plant, *courses))
     loaded = load(coefficients)
     wanted = _wanted(loaded, coefficients, options)
 
