@@ -166,3 +166,14 @@ def test_a_measured_run_is_not_overwritten(tmp_path: Path) -> None:
         assert done.returncode == 2
         assert f"{run}: is read by this command" in done.stderr
         assert run.read_text() == before
+
+
+@pytest.mark.parametrize("option", ["--profile", "--ambient", "--load", "--channel"])
+def test_an_emulated_run_does_not_take_the_place_of_what_drives_it(option: str, tmp_path: Path) -> None:
+    course = tmp_path / "course.csv"
+    course.write_text("time_s,pwm\n0,100\n", encoding="utf-8")
+    told = f"fan={course}" if option == "--channel" else str(course)
+    done = gen("emulate", COEFFICIENTS, option, told, "--out", course)
+    assert done.returncode == 2
+    assert "would be overwritten" in done.stderr
+    assert course.read_text(encoding="utf-8") == "time_s,pwm\n0,100\n"
