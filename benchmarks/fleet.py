@@ -175,7 +175,11 @@ def after_one_run(store: Store, motors: list[Motor], most_alone: int) -> None:
     mean = parse(store.read(COMMON))
     rows: dict[str, list[float]] = {"alone": [], "pooled": [], "the fleet's mean": []}
     three: list[float] = []
+    known = set(models(store))
     for number, motor in enumerate(motors):
+        if Path(model_path(motor.name)).name not in known:
+            print(f"  {motor.name}: no model")
+            continue
         test = ran(motor, TEST, last=False)
         read = [
             test.run.temps[motor.plant.names[node]] - test.course.temperature[:, node] for node in motor.plant.sensed

@@ -21,6 +21,8 @@ MARK = "manifest.json"
 _UNLISTED = ("report.html", "verification.json")
 #: What PlatformIO and its editor put into a project.
 _MADE_AGAIN = (".pio", ".vscode")
+_LONGEST_HEAD = 10_000
+"""Lines before the header of a run file, events among them, beyond which none is looked for."""
 
 
 def write_text(path: Path, text: str) -> None:
@@ -118,6 +120,8 @@ def shown_name(path: Path) -> str:
 def check_outputs(written: Iterable[Path | None], read: Iterable[Path]) -> None:
     """Find out before long work that files cannot be written at its end, or that one would take another's place.
 
+    Nor may one take that of a measured run, whoever wrote it: it cannot be made again.
+
     Parameters
     ----------
     written
@@ -141,7 +145,26 @@ def check_outputs(written: Iterable[Path | None], read: Iterable[Path]) -> None:
             raise InputError("is read by this command and would be overwritten; expected another name", file=str(path))
         if target in seen and not _special(path):
             raise InputError("is given twice as a file to write; expected another name", file=str(path))
+        if holds_measured_run(path):
+            raise InputError("holds a measured run and would be overwritten; expected another name", file=str(path))
         seen.add(target)
+
+
+def holds_measured_run(path: Path) -> bool:
+    """Whether a file is a run file with temperatures, and none that `gen emulate` wrote.
+
+    Only its comments and its header are read.
+    """
+    if not path.is_file():
+        return False
+    with path.open(encoding="utf-8-sig", errors="replace") as stream:
+        for _, line in zip(range(_LONGEST_HEAD), stream, strict=False):
+            if line.startswith("# emulated:"):
+                return False
+            if not line.startswith("#") and line.strip():
+                columns = [name.strip() for name in line.split(",")]
+                return {"time_s", "pwm"} <= set(columns) and any(name.endswith("_degC") for name in columns)
+    return False
 
 
 def replace_folder(folder: Path, files: Mapping[str, str], *, force: bool = False) -> None:

@@ -29,13 +29,13 @@ def log(port: str, out: Path, baud: int, duration: float | None, profile: str | 
     board restarts, the recording goes on in the same file. The file is written at the end, or on Ctrl-C with what came
     until then; so it is when an emulated board (gen emulate --pty) has come to its end.
     """
-    from gen.files import check_writable
+    from gen.files import check_outputs
     from gen.record.port import record_port, write_parts
     from gen.record.profile import carried_comments, parse_profile
 
     steps = parse_profile(profile) if profile is not None else ()
     carried = carried_comments(profile)
-    check_writable(out)
+    check_outputs((out,), (Path(profile),) if profile is not None else ())
     with _progress() as progress:
         recording = record_port(port, baud=baud, duration_s=duration, profile=steps, progress=progress)
     recorder = recording.recorder

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import count
 from pathlib import Path
 
 import serial
 
 from gen.errors import InputError
-from gen.files import write_text
+from gen.files import holds_measured_run, write_text
 from gen.interruption import interruption
 from gen.record.lines import Recorder
 from gen.record.profile import Profile
@@ -151,19 +152,26 @@ class Commander:
 
 
 def write_parts(recorder: Recorder, out: Path) -> list[Path]:
-    """Write each part as a run file: ``out``, then ``<stem>.2<suffix>`` and so on.
+    """Write each part as a run file: ``out``, then ``<stem>.2<suffix>`` and so on, without a number of a measured run.
 
     Raises
     ------
     InputError
         When a file cannot be written.
     """
-    written = []
-    for number, part in enumerate(recorder.parts, start=1):
-        path = out if number == 1 else out.with_name(f"{out.stem}.{number}{out.suffix}")
+    written: list[Path] = []
+    numbers = count(2)
+    for part in recorder.parts:
+        path = out if not written else _further(out, numbers)
         write_text(path, part.text())
         written.append(path)
     return written
+
+
+def _further(out: Path, numbers: Iterator[int]) -> Path:
+    """The next name that no measured run has."""
+    names = (out.with_name(f"{out.stem}.{number}{out.suffix}") for number in numbers)
+    return next(path for path in names if not holds_measured_run(path))
 
 
 def _is_pseudo_terminal(port: str) -> bool:

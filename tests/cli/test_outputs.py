@@ -177,3 +177,29 @@ def test_an_emulated_run_does_not_take_the_place_of_what_drives_it(option: str, 
     assert done.returncode == 2
     assert "would be overwritten" in done.stderr
     assert course.read_text(encoding="utf-8") == "time_s,pwm\n0,100\n"
+
+
+def test_no_command_takes_the_place_of_a_measured_run_that_it_does_not_read(tmp_path: Path) -> None:
+    run = run_file(tmp_path)
+    other, before = tmp_path / "other.csv", run.read_text()
+    other.write_text("# source: a logger\n" + before, encoding="utf-8")
+    commands: list[list[str | Path]] = [
+        ["simulate", COEFFICIENTS, other, "--out", run],
+        ["emulate", COEFFICIENTS, "--out", run],
+        ["emulate", COEFFICIENTS, "--out", tmp_path / "new.csv", "--json", run],
+        ["init", other, "--out", run],
+        ["log", "/dev/null", "--out", run],
+        ["live", other, "--out", run],
+    ]
+    for arguments in commands:
+        done = gen(*arguments)
+        assert done.returncode == 2
+        assert "holds a measured run and would be overwritten" in done.stderr
+        assert run.read_text() == before
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["other.csv", "run.csv"]
+
+
+def test_what_was_emulated_may_be_emulated_again(tmp_path: Path) -> None:
+    run = tmp_path / "run.csv"
+    run.write_text("# model: m\n# emulated: gen\ntime_s,pwm,brush_degC\n0,1,20\n", encoding="utf-8")
+    check_outputs([run], [])

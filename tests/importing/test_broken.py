@@ -66,6 +66,17 @@ def test_folders_and_files_that_are_not_there(tmp_path: Path) -> None:
     refused(tmp_path / "missing.csv", "no such file")
 
 
+def test_a_workbook_whose_compressed_rows_are_damaged(tmp_path: Path) -> None:
+    packed = io.BytesIO()
+    pd.DataFrame({"time_s": [0, 1], "pwm": [0, 1], "a_degC": [20, 21]}).to_excel(packed, index=False)
+    data = bytearray(packed.getvalue())
+    with zipfile.ZipFile(packed) as archive:
+        at = archive.getinfo("xl/worksheets/sheet1.xml").header_offset
+    name, extra = (int.from_bytes(data[at + k : at + k + 2], "little") for k in (26, 28))
+    data[at + 30 + name + extra] = 0xFF  # a kind of block that deflate does not have
+    refused(file(tmp_path, bytes(data), "log.xlsx"), "cannot be read as an Excel workbook")
+
+
 def test_a_zip_that_is_no_workbook(tmp_path: Path) -> None:
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:

@@ -26,7 +26,8 @@ import serial
 from gen.cli import main
 from gen.errors import InputError
 from gen.record import port as port_module
-from gen.record.port import Commander, Recording, _listen, record_port
+from gen.record.lines import Recorder
+from gen.record.port import Commander, Recording, _listen, record_port, write_parts
 from gen.record.profile import parse_profile
 from gen.runs import read_run
 from tests.work import HANGS_S
@@ -295,3 +296,13 @@ def test_a_board_that_never_says_its_header_is_given_up_but_not_before_the_durat
     assert 13.0 <= recording.seconds <= 18.0
     assert asked[0] == pytest.approx(3.0, abs=0.11)
     assert np.diff(asked) == pytest.approx(2.0, abs=0.11)
+
+
+def test_a_further_part_takes_no_measured_run_s_name(tmp_path: Path) -> None:
+    """Another firmware's columns begin a file of their own; one of that name from another day stays."""
+    older = tmp_path / "run.2.csv"
+    older.write_text("time_s,pwm,casing_degC\n0,0,21\n", encoding="utf-8")
+    recorder = Recorder()
+    recorder.feed(b"time_s,pwm,a_degC\n0,0,20\ntime_s,pwm,b_degC\n0,0,22\n", 0.0)
+    assert [path.name for path in write_parts(recorder, tmp_path / "run.csv")] == ["run.csv", "run.3.csv"]
+    assert older.read_text(encoding="utf-8") == "time_s,pwm,casing_degC\n0,0,21\n"

@@ -56,7 +56,8 @@ def steps_of(structure: Shape, levels: Levels, found: Physical) -> Steps:
     scaled = incidence / root
     matrix = -(scaled.T * found.conductance[:, None, :]) @ scaled
     if found.growth is not None:
-        matrix[:, *np.diag_indices(structure.nodes)] += found.growth / found.capacity
+        nodes = np.arange(structure.nodes)
+        matrix[:, nodes, nodes] += found.growth / found.capacity
     rates, vectors = np.linalg.eigh(matrix)
     rates = np.minimum(rates, -1e-12)
     exponent = rates * levels.width[:, None]

@@ -118,6 +118,11 @@ class Structure:
         first = self.conductances[-1].stop if self.paths else self.nodes
         return _slices(first, [HEAT.size] * len(self.heated))
 
+    @cached_property
+    def _heat_places(self) -> IntArray:
+        """Where the numbers of all heats are, shape (heated, k)."""
+        return _places(self.heats)
+
     @property
     def curves(self) -> list[tuple[Law, slice]]:
         """The laws of all paths and heats, with the places of their numbers."""
@@ -163,7 +168,7 @@ class Structure:
         by_heat = np.empty((levels.count, len(self.heated), HEAT.size))
         fed, by_feed = self.fed_W(levels, vector), np.empty((levels.count, len(self.fed)))
         if self.heated:
-            logs, slopes = HEAT.turning(levels.speed, vector[_places(self.heats)])
+            logs, slopes = HEAT.turning(levels.speed, vector[self._heat_places])
             given = turn * np.exp(np.minimum(logs, LARGEST))
             heat[:, self.heated] = given
             by_heat[:] = given[..., None] * slopes

@@ -15,7 +15,7 @@ from gen.identification.network.left_out import each_alone, folds_for_nodes, fol
 from gen.identification.network.resting import Rested, rested
 from gen.identification.network.speed_laws import HEAT, OUTSIDE, WITHIN, Law
 from gen.identification.network.summary import Summary
-from gen.identification.network.uncertainty import spread_of
+from gen.identification.network.uncertainty import UNREACHED, spread_of, steady_of
 from gen.identification.sources import Source
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
@@ -53,6 +53,39 @@ def test_a_laws_derivatives_are_those_of_its_values(law: Law) -> None:
         assert by_turning[:, k] == pytest.approx(numeric, abs=1e-8)
         if law is not HEAT:
             assert by_rest[k] == pytest.approx((law.at_rest(up)[0] - law.at_rest(down)[0]) / (2.0 * step), abs=1e-8)
+
+
+@pytest.mark.parametrize("law", [OUTSIDE, WITHIN, HEAT], ids=lambda law: law.name)
+def test_many_curves_of_a_law_are_each_as_one_alone(law: Law) -> None:
+    own, speed = np.random.default_rng(22).normal(0.0, 1.0, (3, law.size)), np.array([0.0, 0.2, 0.9])
+    value, slopes = law.turning(speed, own)
+    at_rest, slopes_at_rest = law.at_rest(own)
+    for m in range(3):
+        one, by_one = law.turning(speed, own[m])
+        assert value[:, m] == pytest.approx(one, abs=1e-12)
+        assert slopes[:, m] == pytest.approx(by_one, abs=1e-12)
+        assert at_rest[m] == pytest.approx(law.at_rest(own[m])[0], abs=1e-12)
+        assert slopes_at_rest[m] == pytest.approx(law.at_rest(own[m])[1], abs=1e-12)
+
+
+def test_an_interval_is_wider_where_no_run_came_near(
+    never_rested: NetworkFound, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, spread = never_rested.found, spread_of(never_rested.found)
+    run, between = 170, 210  # runs of an hour, and a speed that no run is near
+
+    def widened(pwm: int) -> tuple[float, float]:
+        """What is added to the first part's variance, K^2, and its rise, K."""
+        steady = steady_of(found, spread, [pwm], 255)
+        with monkeypatch.context() as without:
+            without.setattr("gen.identification.network.uncertainty.UNREACHED", 0.0)
+            plain = steady_of(found, spread, [pwm], 255)
+        return float(steady.deviation[0, 0] ** 2 - plain.deviation[0, 0] ** 2), float(steady.rise[0, 0])
+
+    more, rise = widened(between)
+    assert more == pytest.approx((UNREACHED * rise) ** 2, rel=1e-6)
+    more, rise = widened(run)
+    assert more < (0.2 * UNREACHED * rise) ** 2  # it came to within a fifth
 
 
 def test_rest_follows_from_the_law_of_the_speeds(never_rested: NetworkFound) -> None:
