@@ -189,8 +189,8 @@ def test_what_was_looked_up_before_a_command_does_not_take_it_back(page: Page) -
         assert page.locator("#halt").is_enabled()
 
 
-def test_a_late_answer_does_not_wipe_out_a_refusal(page: Page) -> None:
-    """Answers arrive in any order: that a command was taken says nothing of the one that was refused after it."""
+def test_what_is_asked_arrives_in_the_order_asked(page: Page) -> None:
+    """A stop waits for the answer to the command that it stops: it must not overtake it on the way."""
     source = FedSource()
     source.view.feed(HEADER + row(0), 0.0)
     held: list[Route] = []
@@ -198,19 +198,34 @@ def test_a_late_answer_does_not_wipe_out_a_refusal(page: Page) -> None:
         page.goto(address)
         page.locator("#arm").click()
         expect(page.locator("#board")).to_have_class("board armed")
-        page.route("**/1/pwm", lambda route: held.append(route))
+        page.route("**/1/pwm", lambda route: held.append(route), times=1)
         page.locator("#pwm").fill("90")
         page.keyboard.press("Enter")
+        page.locator("#halt").click()
         page.locator("#line").fill("format c:")
         page.keyboard.press("Enter")
-        expect(page.locator("#refused")).to_contain_text("expected a PWM")
+        page.evaluate("() => new Promise((done) => setTimeout(done, 300))")
         assert len(held) == 1
-        with page.expect_response("**/1/pwm") as answer:
-            held[0].continue_()
-        answer.value.finished()
-        page.evaluate("() => new Promise(requestAnimationFrame)")
+        assert source.told.sent == []
+        held[0].continue_()
         expect(page.locator("#refused")).to_contain_text("expected a PWM")
-    assert source.told.sent == [b"arm\n90\n"]
+    assert source.told.sent == [b"arm\n90\n", b"0\n"]
+
+
+def test_a_command_without_an_answer_holds_up_none_after_it(page: Page) -> None:
+    source = FedSource()
+    source.view.feed(HEADER + row(0), 0.0)
+    with served(source) as address:
+        page.goto(address)
+        page.locator("#arm").click()
+        expect(page.locator("#board")).to_have_class("board armed")
+        page.route("**/1/pwm", lambda route: route.abort(), times=1)
+        page.locator("#pwm").fill("90")
+        page.keyboard.press("Enter")
+        expect(page.locator("#refused")).to_contain_text("did not answer")
+        page.locator("#halt").click()
+        expect(page.locator("#refused")).to_be_empty()
+    assert source.told.sent == [b"0\n"]
 
 
 def test_what_the_page_changes_reaches_the_source(page: Page) -> None:

@@ -2,6 +2,7 @@
 // What a board prints is text: it enters the page by textContent alone, and the drawing only by columns' names, which are words.
 
 const MOST = 2000; // points of a curve when it is fetched; at three times as many it is fetched anew
+const PATIENCE_MS = 5000; // for the answer to a command
 const CODES = ["flags", "sensors", "alarms", "protection"];
 
 const fixed = (value, digits) => value === null || value === undefined ? "–" : value.toFixed(digits);
@@ -10,7 +11,7 @@ const duration = (seconds) => seconds < 120 ? `${fixed(seconds, 0)} s` : `${fixe
 // One motor: what of the page is its own, its rows, its commands. `place` counts from 1; `about` does not change.
 class Motor {
   constructor(place, about) {
-    Object.assign(this, {place, about, number: 0, next: 0, status: 0, columns: [], curves: {}, last: {}, sensors: [], asked: 0, drawn: 0, dirty: false, fetching: false, stream: null});
+    Object.assign(this, {place, about, number: 0, next: 0, status: 0, columns: [], curves: {}, last: {}, sensors: [], asked: Promise.resolve(), drawn: 0, dirty: false, fetching: false, stream: null});
     this.suffix = place === 1 ? "" : `-${place}`;
   }
 
@@ -112,14 +113,23 @@ class Motor {
 
   // ---- what the server tells it, and is told ----
 
-  async ask(path, body) {
-    const place = ++this.asked;
-    const answer = await fetch(`${this.place}/${path}`, {method: "POST", headers: {"content-type": "application/json", "x-gen-live": "1"}, body: JSON.stringify(body)});
-    const told = await answer.json().catch(() => ({}));
-    if (!answer.ok) this.put("refused", String(told.error || `refused (${answer.status})`));
-    else if (place === this.asked) this.put("refused", ""); // a late answer must not wipe out a refusal of what was asked after it
-    if (answer.ok) this.showStatus(told);
-    return answer.ok;
+  // One after another: two that are under way at once may arrive in either order, and a stop must not overtake what it stops.
+  ask(path, body) {
+    this.asked = this.asked.then(() => this.post(path, body));
+    return this.asked;
+  }
+
+  async post(path, body) {
+    try {
+      const request = {method: "POST", headers: {"content-type": "application/json", "x-gen-live": "1"}, body: JSON.stringify(body), signal: AbortSignal.timeout(PATIENCE_MS)};
+      const answer = await fetch(`${this.place}/${path}`, request), told = await answer.json().catch(() => ({}));
+      this.put("refused", answer.ok ? "" : String(told.error || `refused (${answer.status})`));
+      if (answer.ok) this.showStatus(told);
+      return answer.ok;
+    } catch { // what is asked next has to go on
+      this.put("refused", "gen live did not answer: it is not known whether this was done");
+      return false;
+    }
   }
 
   take(told) {
