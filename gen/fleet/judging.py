@@ -1,10 +1,11 @@
 """What all motors show in common, what those of one label do, and what one alone does.
 
 For motor m and hypothesis h with pattern p along its run, the amount is a = <p, r> / <p, p>. Over the fleet the centre
-is c_h = median a, the scale s_h a robust one (`findings`). In common is what |c_h| / (1.2533 s_h / sqrt(M)) exceeds a
-limit for; of those the one that explains most is taken off every residual. The same holds for motors that share a
-label (`batches`), before that, lest half a fleet is taken for all of it, and once more after it. A motor is different
-where |a - c_h| / s_h exceeds the limit, and of those hypotheses it is the one that explains most of its residual.
+is c_h = median a, the scale s_h a robust one (`findings`), that of motor m alone s_hm (`scales`). In common is what
+|c_h| / (1.2533 s_h / sqrt(M)) exceeds a limit for; of those the one that explains most is taken off every residual. The
+same holds for motors that share a label (`batches`), before that, lest half a fleet is taken for all of it, and once
+more after it. A motor is different where |a - c_h| / s_hm exceeds the limit, and of those hypotheses it is the one that
+explains most of its residual.
 
 The limit is at level / (2 H), two-sided, H hypotheses on each of two models. By Bonferroni's inequality a healthy motor
 whose amounts are normal as the fleet's is called different in no more than `level` of its runs.
@@ -20,7 +21,8 @@ import numpy as np
 from gen.fleet.batches import Batch, Group, batches
 from gen.fleet.findings import MEDIAN_ERROR, Finding, best, limit_of, spread
 from gen.fleet.patterns import Products
-from gen.fleet.pooling import FloatArray
+from gen.fleet.pooling import FloatArray, IntArray
+from gen.fleet.scales import scales
 
 FEWEST = 8
 """Motors from which a scale is told."""
@@ -48,13 +50,15 @@ class Judged:
     limit: float
 
 
-def judge(products: Sequence[Products], groups: Sequence[Group], level: float) -> Judged:
+def judge(products: Sequence[Products], learnt: IntArray, groups: Sequence[Group], level: float) -> Judged:
     """Tell what is common, and what is a label's, from what is one motor's.
 
     Parameters
     ----------
     products
         Of each motor's newest run; at least :data:`FEWEST`.
+    learnt
+        From how many runs each motor's model was learnt, shape (M,).
     groups
         Motors that share a label.
     level
@@ -75,7 +79,7 @@ def judge(products: Sequence[Products], groups: Sequence[Group], level: float) -
     amount = along / strength
     centre = np.median(amount, axis=0)
     rest = amount - centre
-    score = rest / spread(rest)
+    score = rest / scales(rest, learnt)
     explained = np.sqrt(strength * rest**2 / count[:, None])
     own = tuple(best(score[m], rest[m], explained[m], limit) for m in range(len(products)))
     return Judged(common, (*before, *after), own, limit)

@@ -19,7 +19,7 @@ LEAST_HOURS = 1.0
 """A run that is shorter does not tell a node from a sensor."""
 
 
-def newest_residuals(store: Store, *, motor: str, runs: list[list[str]], models: list[str]) -> Arrays:
+def newest_against_models(store: Store, *, motor: str, runs: list[list[str]], models: list[str]) -> Arrays:
     """Hold a motor's runs against both models (a task).
 
     Parameters
@@ -37,13 +37,15 @@ def newest_residuals(store: Store, *, motor: str, runs: list[list[str]], models:
     hours = float(run.time_s[-1] - run.time_s[0]) / 3600.0
     if hours < LEAST_HOURS:
         raise CheckFailed(f"not enough data: {last.path} lasts {hours:.2f} h, expected {LEAST_HOURS:g} h")
+    learnt = learnt_by(own)
     found = {"own": products_of(own, run, last.path), "mean": products_of(mean, run, last.path)}
     hypotheses = [[hypothesis.kind, hypothesis.node] for hypothesis in hypotheses_of(own)]
     if hypotheses != [[hypothesis.kind, hypothesis.node] for hypothesis in hypotheses_of(mean)]:
         raise CheckFailed("the motor's model has other nodes than the fleet's")
     return {
         "errors_K": np.array([*(_error_K(store, own, each) for each in earlier), found["own"].error_K]),
-        "seen": np.array(f"{last.name}.parquet" in learnt_by(own)),
+        "seen": np.array(f"{last.name}.parquet" in learnt),
+        "learnt": np.array(len(learnt)),
         "hypotheses": np.array(json.dumps(hypotheses)),
         **{f"{name}_{key}": value for name, products in found.items() for key, value in _arrays(products).items()},
     }

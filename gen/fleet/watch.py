@@ -19,7 +19,7 @@ from gen.fleet.models import COMMON, in_use, models_of
 from gen.fleet.names import checked_motor
 from gen.fleet.patterns import Hypothesis
 from gen.fleet.pooling import FloatArray
-from gen.fleet.residuals import newest_residuals, products_in
+from gen.fleet.residuals import newest_against_models, products_in
 from gen.fleet.scouting import as_lists
 from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
@@ -132,7 +132,7 @@ def watch(store: Store, level: float, workers: Workers, progress: Progress) -> W
 def residuals(
     store: Store, runs: dict[str, list[Kept]], workers: Workers, progress: Progress
 ) -> dict[str, Arrays | Failed]:
-    """Give what :func:`gen.fleet.residuals.newest_residuals` gives of each motor with a model.
+    """Give what :func:`gen.fleet.residuals.newest_against_models` gives of each motor with a model.
 
     Raises
     ------
@@ -147,7 +147,7 @@ def residuals(
         for motor, model in models_of(store, runs).items()
     }
     with workers_of(store, workers) as client:
-        return computed(store, newest_residuals, tasks, client, progress)
+        return computed(store, newest_against_models, tasks, client, progress)
 
 
 def read_watched(store: Store) -> Watched | None:
@@ -190,7 +190,10 @@ def _judged(
     if enough:
         names = [Hypothesis(*pair) for pair in json.loads(str(good[fresh[0]]["hypotheses"]))]
         groups = groups_of([labels[motor] for motor in fresh])
-        own, mean = (judge([products_in(good[m], which) for m in fresh], groups, level) for which in ("own", "mean"))
+        learnt = np.array([int(good[motor]["learnt"]) for motor in fresh])
+        own, mean = (
+            judge([products_in(good[m], which) for m in fresh], learnt, groups, level) for which in ("own", "mean")
+        )
         limit, batches = own.limit, _apart(names, fresh, own, mean)
         if own.common is not None:
             state = names[own.common.place].state(own.common.amount)

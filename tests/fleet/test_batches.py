@@ -7,7 +7,6 @@ import pytest
 
 from gen.fleet.alarm_thresholds import _different
 from gen.fleet.batches import FEWEST_ALIKE, groups_of
-from gen.fleet.judging import judge
 from gen.fleet.labels import Labels
 from gen.fleet.report import pages_of
 from gen.fleet.store import Store
@@ -15,7 +14,7 @@ from gen.fleet.watch import read_watched
 from tests.cli.commands import gen
 from tests.fleet.conftest import MOTORS
 from tests.fleet.made import run_of
-from tests.fleet.test_judging import products
+from tests.fleet.test_judging import judged, products
 
 MANY = 30
 SHIFT = 1.5
@@ -31,20 +30,20 @@ def test_a_batch_is_told_once_and_a_faulty_motor_of_it_beside() -> None:
     amounts = [{2: SHIFT} if m < 10 else {} for m in range(MANY)]
     amounts[3] |= {0: 3.0}
     fleet = [products(m, each) for m, each in enumerate(amounts)]
-    found = judge(fleet, groups_of(labelled(10)), 0.01)
+    found = judged(fleet, groups_of(labelled(10)), 0.01)
     (batch,) = found.batches
     assert batch.group.labels == ("batch=x",)
     assert batch.finding.place == 2
     assert batch.finding.amount == pytest.approx(SHIFT, abs=0.2)
     assert [m for m, own in enumerate(found.own) if own is not None] == [3]
-    without = judge(fleet, (), 0.01)
+    without = judged(fleet, (), 0.01)
     assert not without.batches
     assert {m for m, own in enumerate(without.own) if own is not None} > {3}  # healthy ones of the batch, called faulty
 
 
 def test_of_two_suppliers_with_half_the_fleet_each_it_is_the_one_that_has_changed() -> None:
     fleet = [products(m, {1: -SHIFT} if m >= 15 else {}) for m in range(MANY)]
-    (batch,) = judge(fleet, groups_of(labelled(15)), 0.01).batches
+    (batch,) = judged(fleet, groups_of(labelled(15)), 0.01).batches
     assert batch.group.labels == ("batch=y",)
     assert batch.finding.amount == pytest.approx(-SHIFT, abs=0.2)
 
@@ -54,7 +53,7 @@ def test_a_batch_is_its_own_label_however_large_it_is(share: float) -> None:
     others = ["y" if m % 2 else "z" for m in range(MANY)]
     labels: list[Labels] = [{"batch": "x" if m < share * MANY else others[m]} for m in range(MANY)]
     fleet = [products(m, {1: SHIFT} if labels[m]["batch"] == "x" else {}) for m in range(MANY)]
-    found = judge(fleet, groups_of(labels), 0.01)
+    found = judged(fleet, groups_of(labels), 0.01)
     (batch,) = found.batches
     assert batch.group.labels == ("batch=x",)
     assert batch.finding.amount == pytest.approx(SHIFT, abs=0.2)
@@ -64,7 +63,7 @@ def test_a_batch_is_its_own_label_however_large_it_is(share: float) -> None:
 
 def test_a_batch_that_lacks_what_all_others_show_is_told_beside_it() -> None:
     labels: list[Labels] = [{"batch": "x" if m < 8 else "yz"[m % 2]} for m in range(MANY)]
-    found = judge([products(m, {} if m < 8 else {1: 2.0}) for m in range(MANY)], groups_of(labels), 0.01)
+    found = judged([products(m, {} if m < 8 else {1: 2.0}) for m in range(MANY)], groups_of(labels), 0.01)
     assert found.common is not None
     assert found.common.amount == pytest.approx(2.0, abs=0.2)
     (batch,) = found.batches
@@ -76,14 +75,14 @@ def test_a_batch_that_lacks_what_all_others_show_is_told_beside_it() -> None:
 def test_a_supplier_of_whose_motors_half_are_of_the_batch_is_not_called_beside_it() -> None:
     supplier = ["A" if m < 12 or m > 27 else "B" for m in range(MANY)]
     fleet = [products(m, {2: SHIFT} if m < 8 else {}) for m in range(MANY)]
-    found = judge(fleet, groups_of(labelled(8, supplier=supplier)), 0.01)
+    found = judged(fleet, groups_of(labelled(8, supplier=supplier)), 0.01)
     assert [batch.group.labels for batch in found.batches] == [("batch=x",)]
 
 
 def test_two_batches_that_differ_are_both_told() -> None:
     supplier = ["A" if m % 3 == 0 else "B" for m in range(MANY)]
     amounts = [({2: SHIFT} if m < 10 else {}) | ({0: -SHIFT} if m % 3 == 0 else {}) for m in range(MANY)]
-    found = judge(
+    found = judged(
         [products(m, each) for m, each in enumerate(amounts)], groups_of(labelled(10, supplier=supplier)), 0.01
     )
     told = {batch.group.labels[0]: batch.finding.place for batch in found.batches}
@@ -98,7 +97,7 @@ def test_fleets_without_a_batch_have_none_called(motors: int) -> None:
         fleet = [products(1000 * number + m, {}, scatter=0.3) for m in range(motors)]
         for _ in range(10):
             labels = [{"a": str(rng.integers(2)), "b": str(rng.integers(5))} for _ in range(motors)]
-            called += bool(judge(fleet, groups_of(labels), 0.05).batches)
+            called += bool(judged(fleet, groups_of(labels), 0.05).batches)
             drawn += 1
     # One kind of model, so half of the level: 5 are expected at most, 14 or more have a chance of one in a thousand.
     assert called <= 13, drawn
