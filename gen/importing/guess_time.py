@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from gen.errors import InputError
 from gen.importing import clock
 from gen.importing.evidence import Evidence, Facts
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
-from gen.importing.mapping import TimeForm
+from gen.importing.local import is_zone
+from gen.importing.mapping import DATED, TimeForm
 from gen.importing.names import TIME
 from gen.importing.numbers import plain_number
 from gen.importing.units import TIME as TIME_QUANTITY
@@ -41,6 +44,18 @@ def decide_time(evidence: Evidence, choices: Choices) -> tuple[TimeForm, list[Gu
     InputError
         Without a file name: what was said is no column; or no column can be the time.
     """
+    form, guesses = _decided(evidence, choices)
+    if not choices.zone:
+        return form, guesses
+    if not is_zone(choices.zone):
+        raise InputError(f'found "{choices.zone}", expected a time zone such as Europe/Berlin', place="--zone")
+    if not form.columns or form.unit not in DATED:
+        raise InputError(f"the time is a {form.unit}; expected dates with times, which a zone needs", place="--zone")
+    told = replace(guesses[0], taken=f"{guesses[0].taken}, of {choices.zone}")
+    return form.model_copy(update={"zone": choices.zone}), [told, *guesses[1:]]
+
+
+def _decided(evidence: Evidence, choices: Choices) -> tuple[TimeForm, list[Guess]]:
     facts = evidence.facts
     if choices.time:
         names = [choices.time] if choices.time in facts else [part.strip() for part in choices.time.split(",")]

@@ -66,6 +66,8 @@ class Choices:
         Whether rows are put in the order of their times.
     series
         The column whose names each become a column; behind a comma, that of the values.
+    zone
+        Of which time zone local times are.
     """
 
     time: str = ""
@@ -78,6 +80,7 @@ class Choices:
     duplicates: str = ""
     sort: bool = False
     series: str = ""
+    zone: str = ""
 
 
 def quoted(text: str) -> str:

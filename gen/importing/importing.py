@@ -129,6 +129,7 @@ def _with_options(known: Mapping, choices: Choices) -> Mapping:
             ("--decimal", choices.decimal),
             ("--runs", choices.runs),
             ("--series", choices.series),
+            ("--zone", choices.zone),
         )
         if value
     ]
