@@ -13,10 +13,12 @@ from gen.importing.mapping import InputForm
 from gen.importing.names import DRIVES, DUTY, PWM, SIGN, WANTED
 from gen.importing.numbers import plain_number
 from gen.importing.units import COUNTS, SHARE, Unit, unit_of
+from gen.importing.units import DUTY as DUTY_SHARE
 
 FULL = 255
 _FULL_COUNTS = {127.0, 255.0, 511.0, 1023.0, 2047.0, 4095.0, 8191.0, 16383.0, 32767.0, 65535.0}
 """Whole numbers that reach one of these are counts of a converter or timer."""
+_EITHER = 0.5
 _SHOWN = 12
 """Columns that a message names."""
 
@@ -150,6 +152,9 @@ def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> _Scale:
     if unit is not None and unit.quantity in (SHARE, COUNTS):
         full = 100.0 / unit.scale if unit.quantity == SHARE else FULL / unit.scale
         sure = CERTAIN if told else 0.95
+        if unit.quantity == SHARE and not told and full > 1.0 and 0 < reached <= 1.0:
+            said = f"in {unit.name} by its name, but {low:g}..{reached:g}, as a share of 1"
+            return _Scale(DUTY_SHARE.name, 1.0, _EITHER, said)
         if reached > full * (1 + 0.5 / FULL):
             return _Scale(
                 unit.name, float(_full_counts(reached)), 0.3, f"{reached:g} is more than {full:g} {unit.name}"

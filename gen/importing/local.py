@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from collections.abc import Callable
 from datetime import UTC, datetime
 from zoneinfo import ZoneInfo
 
@@ -116,7 +116,15 @@ def _offsets(zone: ZoneInfo, first_s: int, last_s: int) -> tuple[list[int], list
     for day in range(begin, end, 86_400):
         new = offset(day + 86_400)
         if new != offsets[-1]:
-            hour = bisect_right(range(24 * 60), False, key=lambda m, day=day, new=new: offset(day + 60 * m) == new)
-            begins.append(day + 60 * hour)
+            begins.append(_change(offset, day, day + 86_400))
             offsets.append(new)
     return begins, offsets
+
+
+def _change(offset: Callable[[int], int], before: int, after: int) -> int:
+    """The first minute between two instants at which the later one's offset holds."""
+    new = offset(after)
+    while after - before > 60:
+        middle = (before + after) // 120 * 60
+        before, after = (before, middle) if offset(middle) == new else (middle, after)
+    return after

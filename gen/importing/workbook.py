@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 import io
+import re
 import warnings
 import zipfile
 import zlib
 from datetime import date, datetime, time, timedelta
+from decimal import Decimal
 from pathlib import Path
+from typing import Protocol
 
 from gen.errors import InputError
 from gen.importing.delimited import table_of_rows
 from gen.importing.table import Counted, Reading, Table
+
+_PERCENT = re.compile(r'^(?:[^"\\%]|"[^"]*"|\\.)*%')
+"""A number format that shows a share of 1 in percent; a quoted mark is only text."""
+
+
+class _Formatted(Protocol):
+    @property
+    def number_format(self) -> str: ...
 
 
 def read_workbook(file: Path, data: bytes) -> list[Table]:
@@ -29,7 +40,7 @@ def read_workbook(file: Path, data: bytes) -> list[Table]:
             warnings.simplefilter("ignore")  # of styles and extensions that values do not need
             book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
             sheets = {
-                sheet.title: [[_text(cell) for cell in row] for row in sheet.iter_rows(values_only=True)]
+                sheet.title: [[_text(cell.value, cell) for cell in row] for row in sheet.iter_rows()]
                 for sheet in book.worksheets
             }
     except (KeyError, ValueError, OSError, TypeError, EOFError, zipfile.BadZipFile, zlib.error, SyntaxError) as error:
@@ -66,15 +77,20 @@ def _table(file: Path, name: str, rows: list[list[str]]) -> Table:
         raise InputError(error.message, place=f"sheet {name}, {error.place}") from None
 
 
-def _text(cell: object) -> str:
-    if cell is None:
+def _text(value: object, cell: _Formatted) -> str:
+    if value is None:
         return ""
-    if isinstance(cell, bool):
-        return str(int(cell))
-    if isinstance(cell, float):
-        return repr(cell)
-    if isinstance(cell, (datetime, date, time)):
-        return cell.isoformat()
-    if isinstance(cell, timedelta):
-        return repr(cell.total_seconds())
-    return str(cell).strip()
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, (int, float)):
+        return f"{_hundredfold(value)} %" if _PERCENT.search(cell.number_format) else repr(value)
+    if isinstance(value, (datetime, date, time)):
+        return value.isoformat()
+    if isinstance(value, timedelta):
+        return repr(value.total_seconds())
+    return str(value).strip()
+
+
+def _hundredfold(value: float) -> str:
+    """A share of 1 in percent, to the digit: 0.07 becomes 7."""
+    return f"{Decimal(repr(value)) * 100:f}"

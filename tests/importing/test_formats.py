@@ -117,6 +117,35 @@ def test_excel(tmp_path: Path) -> None:
     assert "sheet without a table: Notes" in found.counted().index
 
 
+@pytest.mark.parametrize("units", ["header", "row", ""])
+@pytest.mark.parametrize("shown", ["0%", "0.00%", '"a "0 %', "[Red]-0.0%;0.0%"])
+def test_a_share_that_excel_shows_in_percent_is_in_percent(shown: str, units: str, tmp_path: Path) -> None:
+    """A cell that reads 80% holds 0.8."""
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    sheet.append(["t [s]", "Duty [%]" if units == "header" else "Duty", "Winding °C", "Casing °C", "Ambient °C"])
+    if units == "row":
+        sheet.append(["s", "%", "°C", "°C", "°C"])
+    for time, pwm, *rest in TRUE.itertuples(index=False):
+        sheet.append([time, pwm / 255, *rest])
+        sheet.cell(sheet.max_row, 2).number_format = shown
+    book.save(tmp_path / "log.xlsx")
+    same(taken(tmp_path / "log.xlsx", tmp_path / "runs"), TRUE)
+
+
+def test_a_percent_sign_that_a_number_format_only_quotes_changes_nothing(tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    sheet.append(["t [s]", "Duty", "Winding °C"])
+    for time, pwm, winding, *_ in TRUE.itertuples(index=False):
+        sheet.append([time, pwm / 255 * 100, winding])
+        sheet.cell(sheet.max_row, 2).number_format = '0.0"%"'
+    book.save(tmp_path / "log.xlsx")
+    same(taken(tmp_path / "log.xlsx", tmp_path / "runs"), TRUE[["time_s", "pwm", "winding_degC"]])
+
+
 def test_parquet_with_an_index_of_times(tmp_path: Path) -> None:
     stamps = pd.DatetimeIndex(pd.Timestamp("2024-05-01", tz="UTC") + pd.to_timedelta(TRUE.time_s, unit="s"), name="ts")
     TRUE.drop(columns="time_s").set_index(stamps).to_parquet(tmp_path / "log.parquet")

@@ -89,6 +89,22 @@ def test_whole_numbers_up_to_a_hundred_may_be_percent_and_are_refused(tmp_path: 
     same(taken(path, tmp_path / "b", units={"pwm": "counts"}), TRUE.assign(pwm=np.where(TRUE.pwm, 80, 0)))
 
 
+@pytest.mark.parametrize("name", ["pwm_percent", "PWM (%)", "Duty cycle %"])
+def test_percent_that_may_be_a_share_of_1_is_refused(name: str, tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE.assign(pwm=np.where(TRUE.pwm, 0.6, 0.0)).rename(columns={"pwm": name})))
+    with pytest.raises(
+        InputError, match=r"in percent by its name, but 0\.\.0\.6, as a share of 1; settle it by --unit"
+    ):
+        take(path, tmp_path / "runs")
+    same(taken(path, tmp_path / "a", units={name: "duty"}), TRUE.assign(pwm=np.where(TRUE.pwm, 153, 0)))
+    same(taken(path, tmp_path / "b", units={name: "percent"}), TRUE.assign(pwm=np.where(TRUE.pwm, 2, 0)))
+
+
+def test_percent_that_is_0_in_all_rows_asks_nothing(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE.assign(pwm=0).rename(columns={"pwm": "PWM [%]"})))
+    assert set(taken(path, tmp_path / "runs").pwm.tolist()) == {0}
+
+
 def test_a_run_file_s_own_pwm_up_to_a_hundred_is_said(tmp_path: Path) -> None:
     path = write(tmp_path, csv(TRUE.assign(pwm=np.where(TRUE.pwm, 100, 0))))
     assert ["--unit pwm=percent" in warning for warning in take(path, tmp_path / "a").warnings] == [True]
