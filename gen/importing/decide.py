@@ -11,7 +11,7 @@ from gen.errors import InputError
 from gen.importing.evidence import Evidence
 from gen.importing.guess_columns import decide_columns
 from gen.importing.guess_input import decide_input, spanned
-from gen.importing.guess_time import decide_time
+from gen.importing.guess_time import decide_time, short_in_seconds
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.mapping import Entry, Mapping, TextForm
 from gen.importing.names import RUNS, SERIES
@@ -132,13 +132,19 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
 
 
 def _suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[str]:
+    """What was taken as it stands, though something else is as likely; with the option that would correct it."""
+    label = evidence.tables[0].label
+    time = short_in_seconds(evidence, mapping.time, choices)
+    return [f"{label}: {said}" for said in (time, _like_percent(evidence, mapping, choices)) if said]
+
+
+def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
     """A run file's own pwm is in counts; that the largest is 100 of 255 would be chance."""
     name = mapping.input.column
     told = choices.full_scale or choices.units.get(name) or choices.units.get("pwm")
     if not name or told or mapping.input.unit != "counts" or max(map(abs, evidence.facts[name].span)) != _PERCENT:
-        return []
-    label = evidence.tables[0].label
-    return [f"{label}: {name}: the largest is {_PERCENT:g}, as in percent; if so: --unit {quoted(f'{name}=percent')}"]
+        return ""
+    return f"{name}: the largest is {_PERCENT:g}, as in percent; if so: --unit {quoted(f'{name}=percent')}"
 
 
 def _check_wide(evidence: Evidence) -> None:

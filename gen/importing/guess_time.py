@@ -14,6 +14,7 @@ from gen.importing.local import is_zone
 from gen.importing.mapping import DATED, TimeForm
 from gen.importing.names import TIME
 from gen.importing.numbers import plain_number
+from gen.importing.plain_steps import plainer_unit
 from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import unit_of
 
@@ -25,6 +26,9 @@ _PLAIN = {"t", "ts", "time", "times", "zeit", "timestamp", "zeitstempel", "elaps
 _EITHER = 0.5
 _RATIOS = tuple(x for r in (1.0, 60.0, 3600.0, 1e3, 1e6, 1e9) for x in (r, 1.0 / r))
 _SAME_LENGTH = 0.05
+_IN_SECONDS = {"x_value"}
+"""LabVIEW's time, whatever its steps."""
+_SHORT_S = 900.0
 _SHORTEST_S = 20.0
 """A log of a motor's temperature lasts longer."""
 
@@ -153,7 +157,7 @@ def _form(
         raise InputError(f"holds {entry.kind}, expected times", place=f"column {entry.name}")
     name, sure, reason = _unit(entry, choices)
     form = TimeForm(columns=names, unit=name)
-    settle = f"--unit {quoted(f'{entry.name}=s')}, =ms, =min or =h"
+    settle = f"--unit {quoted(f'{entry.name}=s')}, =ms, =min, =h or =d"
     if confidence == _EITHER:
         settle = "--time COLUMN, of those that rise"
     return form, [
@@ -192,6 +196,9 @@ def _unit_by_steps(entry: Facts) -> tuple[str, float, str]:
     low, high = entry.span
     if 30_000 < low < 60_000 and not entry.whole and high - low < 1000:
         return "d", 0.85, "days since 1900, as Excel counts"
+    plainer, why = ("", "") if entry.whole else plainer_unit(entry.values)
+    if plainer:
+        return plainer, 0.45, why
     said = f"steps of {step:.6g}"
     if entry.whole and step >= 100 and not (step in _ROUND_S and len(set(rising.tolist())) == 1):
         return "ms", 0.8, f"{said} and whole: ms"
@@ -205,6 +212,29 @@ def _unit_by_steps(entry: Facts) -> tuple[str, float, str]:
     if 1e-3 <= step <= 60.0:
         return "s", 0.8, f"{said}: s"
     return "s", 0.4, f"{said}: no unit is likely"
+
+
+def short_in_seconds(evidence: Evidence, form: TimeForm, choices: Choices) -> str:
+    """What is said of a time that nothing says to be in seconds, where the log would then be short; else empty.
+
+    Parameters
+    ----------
+    evidence
+        The columns.
+    form
+        What was decided.
+    choices
+        What the user says.
+    """
+    if form.unit != "s" or not form.columns or {form.columns[0], "time_s"} & set(choices.units):
+        return ""
+    entry = evidence.facts[form.columns[0]]
+    low, high = entry.span
+    base, unit, _ = entry.named
+    if unit is not None or unit_of(base) is not None or base.casefold() in _IN_SECONDS or high - low >= _SHORT_S:
+        return ""
+    settle = f"--unit {quoted(f'{entry.name}=min')}"
+    return f"{entry.name}: {high - low:g} in all, taken for s, is short for a motor's temperature; if min: {settle}"
 
 
 def _timed(entry: Facts) -> bool:
