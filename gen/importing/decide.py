@@ -14,7 +14,7 @@ from gen.importing.guess_input import decide_input, spanned
 from gen.importing.guess_time import decide_time, short_in_seconds
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.mapping import Entry, Mapping, TextForm
-from gen.importing.names import RUNS, SERIES
+from gen.importing.names import RISE, RUNS, SERIES
 from gen.importing.table import Table
 from gen.importing.text import shown_delimiter
 from gen.importing.units import unit_of
@@ -244,14 +244,17 @@ def _check_entries(mapping: Mapping, evidence: Evidence) -> None:
             raise InputError(f"{name!r} cannot be a run file's column", place="--column")
     _check_units(mapping.column)
     if not any(name.endswith("_degC") and name != "ambient_degC" for name in given):
+        rises = [entry.source for entry in mapping.column if entry.to and RISE.search(entry.source)]
+        said = f"; {rises[0]} is a rise, to which the ambient has to be added first" if rises else ""
         raise InputError(
-            f"no column is a part's temperature; expected --column OLD=NAME_degC{_likeliest(mapping, evidence)}"
+            f"no column is a part's temperature{said}; expected --column OLD=NAME_degC{_likeliest(mapping, evidence)}"
         )
 
 
 def _likeliest(mapping: Mapping, evidence: Evidence) -> str:
     """Which columns hold what temperatures may be: numbers that move, from where a log may begin."""
-    left = [facts for entry in mapping.column if (facts := evidence.facts[entry.source]).kind == "number"]
+    parts = [entry.source for entry in mapping.column if entry.to != "ambient_degC" and not RISE.search(entry.source)]
+    left = [facts for name in parts if (facts := evidence.facts[name]).kind == "number"]
     left = [f for f in left if not (f.whole and (f.steps > 0).all())]  # a number of the row
     fit = [f for f in left if len(set(f.values.tolist())) > _LEAST_VALUES and f.span[0] > -50.0 and f.span[1] < 2000.0]
     named = ", or ".join(f"--column {quoted(f'{f.name}=winding_degC')} ({spanned(f)})" for f in fit[:_MOST_SHOWN])

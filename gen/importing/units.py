@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -133,7 +134,7 @@ def split_name(header: str) -> tuple[str, Unit | None, str]:
     written
         The unit as it was written, recognised or not; empty without one.
     """
-    text = header.strip()
+    text = unicodedata.normalize("NFC", header.strip())  # an accent may be a letter of its own
     bracketed = _last_unit(text) or _BRACKETED.match(text)
     if bracketed and (bracketed["base"] or bracketed["rest"]):
         base = f"{bracketed['base'].strip()} {bracketed['rest']}".strip()
