@@ -259,11 +259,12 @@ def _channel(facts: Facts, index: int, entry: Entry, mapping: Mapping, made: Con
     made.count('word for "no number", left empty', np.flatnonzero(parsed.words), facts.name)
     temperature = entry.to.endswith("_degC")
     kept = mapping.overflow == "keep"
-    for rows, value, words in overflows(values, temperature=temperature):
+    unit = unit_of(entry.unit) if entry.unit else None
+    own = (unit.name if unit is not None else "degC") if temperature else ""
+    for rows, value, words in overflows(values, temperature=own):
         made.count(f"{value:g} ({words}), {'kept' if kept else 'left empty'}", rows, facts.name)
         if not kept:
             values[rows] = np.nan
-    unit = unit_of(entry.unit) if entry.unit else None
     if unit is not None and (unit.scale, unit.offset) != (1.0, 0.0):
         values = np.round(values * unit.scale + unit.offset, _DIGITS)
     low, high = _CELSIUS if temperature else (-_HIGHEST, _HIGHEST)

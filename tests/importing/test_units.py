@@ -147,6 +147,65 @@ def test_a_power_on_value_alone_is_one_and_a_temperature_that_passes_it_is_none(
     assert found.counted()["count"].tolist() == [1]
 
 
+def bare_log(tmp_path: Path, head: str, values: np.ndarray) -> Path:
+    frame = TRUE[["time_s", "pwm", "winding_degC"]].assign(**{head: values})
+    return write(tmp_path, csv(frame))
+
+
+@pytest.mark.parametrize(
+    ("head", "begin", "end", "value"),
+    [
+        ("casing_K", 295.0, 340.0, 327.67),  # 54.52 degC
+        ("casing_degC", 20.0, 400.0, 327.67),
+        ("casing_degC", 20.0, 1200.0, 999.0),
+        ("casing_degF", 70.0, 190.0, 85.0),
+        ("Speed [rpm]", 0.0, 40_000.0, 32_767.0),
+        ("Torque [Nm]", 0.0, 700.0, 655.35),
+    ],
+)
+def test_a_value_in_the_course_of_those_around_it_is_measured(
+    head: str, begin: float, end: float, value: float, tmp_path: Path
+) -> None:
+    values = np.round(np.linspace(begin, end, len(TRUE)), 2)
+    values[np.argmin(np.abs(values - value))] = value
+    found = take(bare_log(tmp_path, head, values), tmp_path / "runs")
+    assert found.counted().empty
+    columns = read_run(found.runs[0]).columns()
+    name = next(name for name in columns if name not in ("time_s", "pwm", "winding_degC"))
+    assert np.isfinite(columns[name]).all()
+
+
+@pytest.mark.parametrize(("head", "value"), [("casing_K", 655.35), ("casing_degF", -196.6), ("Torque [Nm]", 655.35)])
+def test_an_overflow_of_another_unit_leaps_from_those_around_it(head: str, value: float, tmp_path: Path) -> None:
+    values = np.round(np.linspace(295.0, 300.0, len(TRUE)) - (0 if head.endswith("_K") else 220), 2)
+    values[[7, 8, 60]] = value
+    found = take(bare_log(tmp_path, head, values), tmp_path / "runs")
+    assert found.counted()["count"].tolist() == [3]
+
+
+def test_another_unit_s_overflow_is_none(tmp_path: Path) -> None:
+    """A DS18B20's number for "not connected" in degC is no number of a sensor in degF."""
+    values = np.full(len(TRUE), -20.0)
+    values[50] = -127.0
+    found = take(bare_log(tmp_path, "casing_degF", values), tmp_path / "runs")
+    assert found.counted().empty
+
+
+def test_a_range_at_whose_end_values_stay_is_left_empty_though_they_come_near_it(tmp_path: Path) -> None:
+    values = np.round(np.minimum(np.linspace(20.0, 340.0, len(TRUE)), 327.67), 2)
+    stuck = int((values == 327.67).sum())
+    assert stuck > 3
+    found = take(bare_log(tmp_path, "casing_degC", values), tmp_path / "runs")
+    assert found.counted()["count"].tolist() == [stuck]
+
+
+def test_overflows_of_two_kinds_side_by_side_are_both_left_empty(tmp_path: Path) -> None:
+    values = np.full(len(TRUE), 21.5)
+    values[10:16] = [2047.75, 2048.0] * 3
+    found = take(bare_log(tmp_path, "casing_degC", values), tmp_path / "runs")
+    assert found.counted()["count"].tolist() == [3, 3]
+
+
 def test_another_input_with_its_full_scale(tmp_path: Path) -> None:
     frame = TRUE.rename(columns={"pwm": "Power (W)"}).assign(**{"Power (W)": TRUE.pwm / 255 * 500.0})
     path = write(tmp_path, csv(frame))
