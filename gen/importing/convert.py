@@ -14,6 +14,7 @@ from gen.importing import clock, sequence
 from gen.importing.evidence import Evidence, Facts
 from gen.importing.local import goes_ahead_an_hour, goes_back_an_hour, in_utc
 from gen.importing.mapping import DATED, Entry, Mapping
+from gen.importing.origins import days_since
 from gen.importing.overflow import overflows
 from gen.importing.suspicions import suspicions
 from gen.importing.table import Cells, Counted, FloatArray, IntArray, Table
@@ -29,6 +30,9 @@ _MOST_BACKWARD = 0.5
 _CELSIUS = (-273.15, 5000.0)
 _HIGHEST = 1e12
 _DIGITS = 9
+_DAY_S = 86_400.0
+_DAY_DIGITS = 4
+"""Of s: a double holds a day of today to 10 us at best."""
 _DATED_ONLY = " (which needs dates with the times)"
 
 
@@ -168,10 +172,14 @@ def _time(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> 
 
 
 def _numbered(values: FloatArray, scale: float) -> tuple[FloatArray, str]:
-    """Numbers in a unit of time; those since 1970 count from the first."""
+    """Numbers in a unit of time; those since 1970, or days since long before, count from the first."""
     finite = values[np.isfinite(values)]
     if finite.size and 1e9 < finite[0] * scale < 2.5e9:
         return _scaled(values - finite[0], scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e9))
+    since = days_since(float(finite[0])) if finite.size and scale == _DAY_S else None
+    if since is not None:
+        begin = round((float(finite[0]) + since[0]) * _DAY_S * 1e3) * 10**6
+        return np.round((values - finite[0]) * _DAY_S, _DAY_DIGITS), _iso(begin)
     return _scaled(values, scale), ""
 
 

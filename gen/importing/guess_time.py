@@ -14,6 +14,7 @@ from gen.importing.local import is_zone
 from gen.importing.mapping import DATED, TimeForm
 from gen.importing.names import TIME
 from gen.importing.numbers import plain_number
+from gen.importing.origins import days_since
 from gen.importing.plain_steps import plainer_unit
 from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import unit_of
@@ -194,8 +195,9 @@ def _unit_by_steps(entry: Facts) -> tuple[str, float, str]:
     rising = entry.steps[entry.steps > 0]
     step = float(np.median(rising)) if rising.size else 0.0
     low, high = entry.span
-    if 30_000 < low < 60_000 and not entry.whole and high - low < 1000:
-        return "d", 0.85, "days since 1900, as Excel counts"
+    since = days_since(low)
+    if since and not entry.whole and high - low < 1000:
+        return "d", 0.85, since[1]
     plainer, why = ("", "") if entry.whole else plainer_unit(entry.values)
     if plainer:
         return plainer, 0.45, why

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.io import savemat
 
 from gen.errors import InputError
 from gen.runs import read_run
@@ -110,6 +111,33 @@ def test_units_of_time(name: str, unit: str, factor: float, tmp_path: Path) -> N
     frame = TRUE.assign(time_s=TRUE.time_s * factor).rename(columns={"time_s": name})
     options = {"units": {name: unit}} if unit else {}
     same(taken(write(tmp_path, csv(frame)), tmp_path / "runs", **options), TRUE)
+
+
+@pytest.mark.parametrize("name", ["t_min", "time_min", "Elapsed min"])
+def test_minutes_behind_an_underscore_are_minutes_where_they_rise(name: str, tmp_path: Path) -> None:
+    frame = TRUE.assign(time_s=TRUE.time_s / 60).rename(columns={"time_s": name})
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "runs"), TRUE)
+    savemat(tmp_path / "log.mat", {str(head).replace(" ", "_"): frame[head].to_numpy() for head in frame})
+    same(taken(tmp_path / "log.mat", tmp_path / "mat"), TRUE)
+
+
+def test_the_least_of_temperatures_is_no_time(tmp_path: Path) -> None:
+    """It rises and falls, as this does by less than a tenth of its rows."""
+    least = np.round(20.0 + 0.2 * np.arange(len(TRUE)) - 3.0 * (np.arange(len(TRUE)) % 20 == 19), 1)
+    run = taken(write(tmp_path, csv(TRUE.assign(t_min=least))), tmp_path / "runs")
+    same(run, TRUE)
+    np.testing.assert_array_equal(run.temps["min_part"], least)
+
+
+@pytest.mark.parametrize(("origin", "begin"), [(719_529, "matlab"), (25_569, "excel")])
+@pytest.mark.parametrize("name", ["time", "t [d]"])
+def test_days_since_long_ago_count_from_the_first(origin: int, begin: str, name: str, tmp_path: Path) -> None:
+    days = (pd.Timestamp("2024-03-05 09:58:12") - pd.Timestamp("1970-01-01")) / pd.Timedelta(days=1) + origin
+    long = truth(400, 10.0)
+    frame = long.assign(time_s=days + long.time_s / 86_400).rename(columns={"time_s": name})
+    run = taken(write(tmp_path, csv(frame)), tmp_path / "runs")
+    np.testing.assert_allclose(run.time_s, long.time_s, atol=1e-4)
+    assert run.comments["started"] == "2024-03-05T09:58:12.000"
 
 
 def test_milliseconds_without_a_unit_are_told_by_their_steps(tmp_path: Path) -> None:
