@@ -13,6 +13,7 @@ from gen.importing.guess_columns import decide_columns
 from gen.importing.guess_input import decide_input, spanned
 from gen.importing.guess_time import decide_time, short_in_seconds
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.listing import listed
 from gen.importing.mapping import Entry, Mapping, TextForm
 from gen.importing.names import RISE, RUNS, SERIES
 from gen.importing.table import Table
@@ -84,11 +85,11 @@ def doubts(decided: Decided) -> InputError | None:
     if not open_ones:
         return None
     parts = [f"{guess.subject}: {guess.taken}? {guess.why}; settle it by {guess.settle}" for guess in open_ones]
-    return InputError(f"doubtful: {' | '.join(parts)}", file=decided.evidence.tables[0].label)
+    return InputError(f"doubtful: {listed(parts, ' | ')}", file=decided.evidence.tables[0].label)
 
 
 def _check_choices(evidence: Evidence, choices: Choices) -> None:
-    found = ", ".join(evidence.facts)
+    found = listed(evidence.facts)
     for name in choices.columns:
         if name not in evidence.facts:
             raise InputError(f'found "{name}", expected one of the columns {found}', place="--column")
@@ -172,7 +173,7 @@ def _by_old_names(evidence: Evidence, choices: Choices) -> Choices:
         if name in ("pwm", "time_s"):
             continue
         if name not in olds:
-            raise InputError(f'found "{name}", expected one of the columns {", ".join(evidence.facts)}', place="--unit")
+            raise InputError(f'found "{name}", expected one of the columns {listed(evidence.facts)}', place="--unit")
         units[olds[name]] = unit
     return Choices(columns=choices.columns, units=units)
 
@@ -212,7 +213,7 @@ def _by_mapping(evidence: Evidence, known: Mapping) -> Decided:
     wanted = known.used | {entry.source for entry in known.column}
     missing = sorted(wanted - set(evidence.facts))
     if missing:
-        raise InputError(f'has no column "{missing[0]}", which the mapping names; found {", ".join(evidence.facts)}')
+        raise InputError(f'has no column "{missing[0]}", which the mapping names; found {listed(evidence.facts)}')
     new = [name for name in evidence.facts if name not in wanted]
     if new:
         raise InputError(

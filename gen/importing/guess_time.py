@@ -10,6 +10,7 @@ from gen.errors import InputError
 from gen.importing import clock
 from gen.importing.evidence import Evidence, Facts
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.listing import listed
 from gen.importing.local import is_zone
 from gen.importing.mapping import DATED, TimeForm
 from gen.importing.names import TIME
@@ -72,7 +73,7 @@ def _decided(evidence: Evidence, choices: Choices) -> tuple[TimeForm, list[Guess
         for name in names:
             if name not in facts:
                 raise InputError(
-                    f'found "{name}", expected a column ({", ".join(facts)}) or an interval in s', place="--time"
+                    f'found "{name}", expected a column ({listed(facts)}) or an interval in s', place="--time"
                 )
         return _form(evidence, names[:2], choices, CERTAIN, "--time")
     return _form(evidence, *_found(evidence, choices))
@@ -103,7 +104,7 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
         best = (since or unnamed)[0]
         return [best.name], choices, 0.7, "" if since else "the first column that rises all the way"
     raise InputError(
-        f"no column is a time among {', '.join(evidence.facts)}; expected --time COLUMN, or --time SECONDS for the "
+        f"no column is a time among {listed(evidence.facts)}; expected --time COLUMN, or --time SECONDS for the "
         "interval of its rows",
         place=evidence.tables[0].place(0),
     )
