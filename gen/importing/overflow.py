@@ -7,14 +7,12 @@ from numpy.typing import NDArray
 
 from gen.importing.table import FloatArray
 
-_OF_CELSIUS: dict[float, str] = {
+_OF_CELSIUS: dict[float, str] = {-127.0: "DS18B20 not connected"}
+_OF_FAHRENHEIT: dict[float, str] = {-196.6: "DS18B20 not connected, degF"}
+_OF_TEMPERATURES: dict[float, str] = {
     1023.75: "MAX6675 at its end, without a thermocouple",
     2047.75: "MAX31855 at its end",
     2048.0: "a converter at its end",
-    -127.0: "DS18B20 not connected",
-}
-_OF_FAHRENHEIT: dict[float, str] = {-196.6: "DS18B20 not connected, degF"}
-_OF_TEMPERATURES: dict[float, str] = {
     999.0: "an error's number",
     999.9: "an error's number",
     -999.0: "an error's number",
@@ -23,6 +21,7 @@ _OF_TEMPERATURES: dict[float, str] = {
     -9999.0: "an error's number",
     9999.9: "an error's number",
 }
+"""Told as they are, in whatever unit the others stand."""
 _OF_ALL: dict[float, str] = {
     65535.0: "0xFFFF",
     32767.0: "0x7FFF",
