@@ -61,6 +61,7 @@ _WIDTH = 140
     default="",
     help="The time zone of local times, as Europe/Berlin, where summer time changes.",
 )
+@click.option("--sheet", metavar="NAME", default="", help="Of a workbook, the only sheet to read.")
 @click.option("--overwrite", is_flag=True, help="Replace run files of the same names.")
 def import_runs(
     files: tuple[Path, ...],
@@ -79,6 +80,7 @@ def import_runs(
     series: str,
     sort: bool,
     zone: str,
+    sheet: str,
     overwrite: bool,
 ) -> None:
     """Turn what a logger wrote into run files: CSV of any dialect, serial captures, JSON lines, Excel, Parquet, MATLAB.
@@ -104,6 +106,7 @@ def import_runs(
             series=series,
             sort=sort,
             zone=zone,
+            sheet=sheet,
             split=split,
             gap=gap,
             overwrite=overwrite,

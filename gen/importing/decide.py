@@ -28,6 +28,8 @@ _PERCENT = 100.0
 _LEAST_VALUES = 3
 """Different ones, of a column that moves."""
 _MOST_SHOWN = 3
+NO_PART = "no column is a part's temperature"
+"""How the refusal of a log without one begins."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,12 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     form = evidence.tables[0].reading
     mapping = Mapping(
         text=TextForm.model_validate(
-            {"encoding": form.encoding, "delimiter": form.delimiter, "decimal": form.decimal if form.encoding else ""}
+            {
+                "encoding": form.encoding,
+                "delimiter": form.delimiter,
+                "decimal": form.decimal if form.encoding else "",
+                "sheet": choices.sheet,
+            }
         ),
         time=time,
         input=drive,
@@ -247,9 +254,7 @@ def _check_entries(mapping: Mapping, evidence: Evidence) -> None:
     if not any(name.endswith("_degC") and name != "ambient_degC" for name in given):
         rises = [entry.source for entry in mapping.column if entry.to and RISE.search(entry.source)]
         said = f"; {rises[0]} is a rise, to which the ambient has to be added first" if rises else ""
-        raise InputError(
-            f"no column is a part's temperature{said}; expected --column OLD=NAME_degC{_likeliest(mapping, evidence)}"
-        )
+        raise InputError(f"{NO_PART}{said}; expected --column OLD=NAME_degC{_likeliest(mapping, evidence)}")
 
 
 def _likeliest(mapping: Mapping, evidence: Evidence) -> str:

@@ -68,6 +68,8 @@ class Choices:
         The column whose names each become a column; behind a comma, that of the values.
     zone
         Of which time zone local times are.
+    sheet
+        Of a workbook, the only sheet to read.
     """
 
     time: str = ""
@@ -81,6 +83,7 @@ class Choices:
     sort: bool = False
     series: str = ""
     zone: str = ""
+    sheet: str = ""
 
 
 def quoted(text: str) -> str:

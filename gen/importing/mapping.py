@@ -26,11 +26,12 @@ class _Part(BaseModel):
 
 
 class TextForm(_Part):
-    """How a text file is taken; empty fields are guessed, and typed files need none."""
+    """How a file is taken; empty fields are guessed, and typed files need none."""
 
     encoding: str = ""
     delimiter: str = ""
     decimal: Literal["", ".", ","] = ""
+    sheet: str = ""
 
 
 class TimeForm(_Part):

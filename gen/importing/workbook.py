@@ -7,6 +7,7 @@ import re
 import warnings
 import zipfile
 import zlib
+from dataclasses import replace
 from datetime import date, datetime, time, timedelta
 from decimal import Decimal
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Protocol
 
 from gen.errors import InputError
 from gen.importing.delimited import table_of_rows
+from gen.importing.listing import listed
 from gen.importing.table import Counted, Reading, Table
 
 _PERCENT = re.compile(r'^(?:[^"\\%]|"[^"]*"|\\.)*%')
@@ -25,13 +27,13 @@ class _Formatted(Protocol):
     def number_format(self) -> str: ...
 
 
-def read_workbook(file: Path, data: bytes) -> list[Table]:
-    """Read every sheet that holds a table; values as Excel last computed them.
+def read_workbook(file: Path, data: bytes, wanted: str = "") -> list[Table]:
+    """Read every sheet that holds a table, or the one that is wanted; values as Excel last computed them.
 
     Raises
     ------
     InputError
-        Without a file name: no workbook, or no table in it.
+        Without a file name: no workbook, no table in it, or no sheet of that name.
     """
     import openpyxl  # slow to import
 
@@ -47,6 +49,10 @@ def read_workbook(file: Path, data: bytes) -> list[Table]:
         raise InputError(
             f"cannot be read as an Excel workbook ({str(error)[:80]}); save it anew as .xlsx or CSV"
         ) from None
+    if wanted and wanted not in sheets:
+        raise InputError(f'found "{wanted}", expected one of the sheets {listed(sheets)}', place="--sheet")
+    if wanted:
+        return [replace(_table(file, wanted, sheets[wanted]), part="")]
     tables, without = [], []
     for name, rows in sheets.items():
         try:
@@ -57,10 +63,7 @@ def read_workbook(file: Path, data: bytes) -> list[Table]:
         raise InputError("no sheet holds rows of numbers below a header") if len(without) != 1 else without[0][1]
     if len(tables) == 1:
         skipped = tuple(Counted(f"sheet without a table: {name}", 1, f"sheet {name}") for name, _ in without)
-        table = tables[0]
-        return [
-            Table(file, table.columns, table.places, "row", "", {}, table.reading, (*table.counted, *skipped)),
-        ]
+        return [replace(tables[0], part="", counted=(*tables[0].counted, *skipped))]
     return tables
 
 

@@ -87,6 +87,7 @@ def import_runs(
     series: str = "",
     sort: bool = False,
     zone: str = "",
+    sheet: str = "",
     split: bool = False,
     gap: float | None = None,
     overwrite: bool = False,
@@ -126,6 +127,8 @@ def import_runs(
         Whether rows are put in the order of their times, as of exports newest first.
     zone
         The time zone of local times (``Europe/Berlin``), across a beginning or an end of its summer time.
+    sheet
+        Of a workbook, the only sheet to read.
     split
         Whether gaps and a clock that begins anew part runs.
     gap
@@ -175,6 +178,7 @@ def import_runs(
         sort=sort,
         series=series,
         zone=zone,
+        sheet=sheet,
     )
     planned = plan(paths, choices, file, progress)
     seen(planned)
