@@ -11,6 +11,7 @@ from gen.errors import InputError
 from gen.importing import names
 from gen.importing.ambient import ambient_of
 from gen.importing.evidence import Evidence, Facts
+from gen.importing.extremes import least_of_pairs
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.mapping import Entry
 from gen.importing.units import CURRENT, SPEED, TEMPERATURE, VOLTAGE, Unit, split_name, unit_of
@@ -61,8 +62,13 @@ def decide_columns(evidence: Evidence, choices: Choices, used: set[str]) -> tupl
     entries: list[Entry] = []
     guesses: list[Guess] = []
     left = [_sorted(facts, evidence, choices) for name, facts in evidence.facts.items() if name not in used]
-    room, doubtful = _ambient(left, choices)
+    pairs = least_of_pairs([e.facts for e in left if e.quantity == TEMPERATURE], {*choices.columns, *choices.units})
+    room, doubtful = _ambient([entry for entry in left if entry.facts.name not in pairs], choices)
     for found in left:
+        if found.facts.name in pairs:
+            entries.append(Entry.model_validate({"from": found.facts.name, "to": ""}))
+            guesses.append(_least(found.facts.name, pairs[found.facts.name]))
+            continue
         entry, guess = _entry(found, choices, taken, found.facts.name == room, doubtful)
         if entry.to:
             taken.add(entry.to)
@@ -70,6 +76,10 @@ def decide_columns(evidence: Evidence, choices: Choices, used: set[str]) -> tupl
         entries.append(entry)
         guesses.append(guess)
     return entries, guesses
+
+
+def _least(name: str, largest: str) -> Guess:
+    return Guess(name, "left out", 0.9, f"the least of each interval, beside {quoted(largest)}, which is taken")
 
 
 def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
