@@ -55,6 +55,13 @@ _WIDTH = 140
 @click.option(
     "--sort", is_flag=True, help="Put rows in the order of their times: exports newest first, or in any order."
 )
+@click.option(
+    "--zone",
+    metavar="NAME",
+    default="",
+    help="The time zone of local times, as Europe/Berlin, where summer time changes.",
+)
+@click.option("--sheet", metavar="NAME", default="", help="Of a workbook, the only sheet to read.")
 @click.option("--overwrite", is_flag=True, help="Replace run files of the same names.")
 def import_runs(
     files: tuple[Path, ...],
@@ -72,6 +79,8 @@ def import_runs(
     duplicates: str | None,
     series: str,
     sort: bool,
+    zone: str,
+    sheet: str,
     overwrite: bool,
 ) -> None:
     """Turn what a logger wrote into run files: CSV of any dialect, serial captures, JSON lines, Excel, Parquet, MATLAB.
@@ -96,6 +105,8 @@ def import_runs(
             duplicates=duplicates or "",
             series=series,
             sort=sort,
+            zone=zone,
+            sheet=sheet,
             split=split,
             gap=gap,
             overwrite=overwrite,

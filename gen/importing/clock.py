@@ -132,6 +132,18 @@ def _plain_instants(cells: Sequence[str]) -> IntArray | None:
     return made
 
 
+def zoned(cells: Sequence[str]) -> bool:
+    """Whether timestamps say how far they are from UTC; the first that holds something tells.
+
+    Parameters
+    ----------
+    cells
+        Dates with times.
+    """
+    text = next((cell.strip() for cell in cells if cell.strip()), "")
+    return any(match["zone"] is not None for pattern in _DATES if (match := pattern.fullmatch(text)))
+
+
 def of_day(cells: Sequence[str]) -> IntArray:
     """Times of day, or durations, in ns; the smallest integer where a text is none."""
     made = np.full(len(cells), _NOT, dtype=np.int64)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from zoneinfo import ZoneInfo
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,9 @@ from numpy.typing import NDArray
 from gen.errors import InputError
 from gen.importing import clock, sequence
 from gen.importing.evidence import Evidence, Facts
-from gen.importing.mapping import Entry, Mapping
+from gen.importing.local import goes_ahead_an_hour, goes_back_an_hour, in_utc
+from gen.importing.mapping import DATED, Entry, Mapping
+from gen.importing.origins import days_since
 from gen.importing.overflow import overflows
 from gen.importing.suspicions import suspicions
 from gen.importing.table import Cells, Counted, FloatArray, IntArray, Table
@@ -27,6 +30,10 @@ _MOST_BACKWARD = 0.5
 _CELSIUS = (-273.15, 5000.0)
 _HIGHEST = 1e12
 _DIGITS = 9
+_DAY_S = 86_400.0
+_DAY_DIGITS = 4
+"""Of s: a double holds a day of today to 10 us at best."""
+_DATED_ONLY = " (which needs dates with the times)"
 
 
 @dataclass(frozen=True)
@@ -104,12 +111,14 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
     }
     rows = np.flatnonzero(usable)
     labels = evidence.facts[mapping.runs].columns[index].cells if mapping.runs else None
+    ticks = _ticks(evidence, index, mapping)
     for label, stretch in _labelled(rows, labels):
         # rows that are counted and not timed are counted anew in each run
         begin = time[stretch[0]] if mapping.time.interval_s is not None and labels is not None else 0.0
-        order = sequence.order(time[stretch] - begin, stretch, mapping.duplicates or "first")
+        order = sequence.order(time[stretch] - begin, stretch, mapping.duplicates or "first", ticks)
         _report(order, stretch, mapping, made)
-        pieces = _pieces(order, splitting, made)
+        _spring(order, ticks, mapping, made)
+        pieces = _pieces(order, splitting, ticks, made)
         for number, (first, end) in enumerate(pieces, start=1):
             kept = order.kept[first:end]
             name = "_".join(filter(None, (label, str(number) if len(pieces) > 1 else "")))
@@ -149,6 +158,12 @@ def _time(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> 
         made.count("row without a time", np.flatnonzero(~np.isfinite(parsed.values)), first.name)
         return _numbered(parsed.values, unit.scale)
     ns = _instants(facts, index, form.unit, form.order, made)
+    if form.zone:
+        if _zoned(first.columns[index].cells):
+            raise InputError(
+                "times say how far they are from UTC; expected no --zone", place=made.table.place(0, first.name)
+            )
+        ns = in_utc(ns, ZoneInfo(form.zone))
     made.count("row without a time", np.flatnonzero(ns == np.iinfo(np.int64).min), first.name)
     if form.unit in ("time of day", "mm:ss"):
         return clock.in_seconds(ns), ""
@@ -157,10 +172,14 @@ def _time(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> 
 
 
 def _numbered(values: FloatArray, scale: float) -> tuple[FloatArray, str]:
-    """Numbers in a unit of time; those since 1970 count from the first."""
+    """Numbers in a unit of time; those since 1970, or days since long before, count from the first."""
     finite = values[np.isfinite(values)]
     if finite.size and 1e9 < finite[0] * scale < 2.5e9:
         return _scaled(values - finite[0], scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e9))
+    since = days_since(float(finite[0])) if finite.size and scale == _DAY_S else None
+    if since is not None:
+        begin = round((float(finite[0]) + since[0]) * _DAY_S * 1e3) * 10**6
+        return np.round((values - finite[0]) * _DAY_S, _DAY_DIGITS), _iso(begin)
     return _scaled(values, scale), ""
 
 
@@ -248,11 +267,12 @@ def _channel(facts: Facts, index: int, entry: Entry, mapping: Mapping, made: Con
     made.count('word for "no number", left empty', np.flatnonzero(parsed.words), facts.name)
     temperature = entry.to.endswith("_degC")
     kept = mapping.overflow == "keep"
-    for rows, value, words in overflows(values, temperature=temperature):
+    unit = unit_of(entry.unit) if entry.unit else None
+    own = (unit.name if unit is not None else "degC") if temperature else ""
+    for rows, value, words in overflows(values, temperature=own):
         made.count(f"{value:g} ({words}), {'kept' if kept else 'left empty'}", rows, facts.name)
         if not kept:
             values[rows] = np.nan
-    unit = unit_of(entry.unit) if entry.unit else None
     if unit is not None and (unit.scale, unit.offset) != (1.0, 0.0):
         values = np.round(values * unit.scale + unit.offset, _DIGITS)
     low, high = _CELSIUS if temperature else (-_HIGHEST, _HIGHEST)
@@ -301,7 +321,39 @@ def _report(order: sequence.Order, stretch: IntArray, mapping: Mapping, made: Co
         made.count(f"{name} ran over, counted on", np.array([row]), column)
 
 
-def _pieces(order: sequence.Order, splitting: Splitting, made: Converted) -> list[tuple[int, int]]:
+def _ticks(evidence: Evidence, index: int, mapping: Mapping) -> sequence.Ticks:
+    """What kind of clock the times are of."""
+    form = mapping.time
+    if not form.columns:
+        return sequence.Ticks()
+    facts = evidence.facts[form.columns[0]]
+    unit = unit_of(form.unit)
+    if unit is not None and unit.quantity == "time":
+        values = facts.parsed[index].values
+        whole = bool(np.all(values[np.isfinite(values)] % 1.0 == 0.0))
+        return sequence.Ticks(count_s=unit.scale if whole else 0.0)
+    cells = facts.columns[index].cells
+    return sequence.Ticks(local=not form.zone and form.unit != "mm:ss" and not _zoned(cells))
+
+
+def _zoned(cells: Cells) -> bool:
+    return isinstance(cells, list) and clock.zoned(cells)
+
+
+def _spring(order: sequence.Order, ticks: sequence.Ticks, mapping: Mapping, made: Converted) -> None:
+    """Say where local times go ahead by an hour once: it may be that no hour passed."""
+    ahead = goes_ahead_an_hour(order.time_s) if ticks.local else np.zeros(0, dtype=np.int64)
+    if ahead.size == 1 and not order.resets.size:
+        place = made.table.place(int(order.kept[ahead[0]]), ", ".join(mapping.time.columns))
+        made.warnings.append(
+            f"{made.table.label}: {place}: the clock goes ahead by an hour, as where summer time begins; if so: --zone "
+            f"with the name of its time zone{_DATED_ONLY if mapping.time.unit not in DATED else ''}"
+        )
+
+
+def _pieces(
+    order: sequence.Order, splitting: Splitting, ticks: sequence.Ticks, made: Converted
+) -> list[tuple[int, int]]:
     """Begin and end of each run among the rows kept."""
     length = splitting.gap_s if splitting.gap_s is not None else sequence.gap_length(order.time_s)
     wide = sequence.gaps(order.time_s, order.resets, length)
@@ -312,6 +364,13 @@ def _pieces(order: sequence.Order, splitting: Splitting, made: Converted) -> lis
         )
     if order.resets.size and not splitting.at_all:
         at = int(order.resets[0])
+        if ticks.local and order.resets.size == 1 and goes_back_an_hour(order.time_s, at):
+            raise InputError(
+                "the clock goes back by an hour, as where summer time ends; expected --zone with the name of its time "
+                "zone, such as Europe/Berlin, which lets it go on (dates with times only), or --split, which makes a "
+                "run of each stretch",
+                place=made.table.place(int(order.kept[at])),
+            )
         raise InputError(
             f"the clock begins anew: {order.time_s[at]:g} s after {order.time_s[at - 1]:g} s; expected --split, which "
             "makes a run of each stretch",

@@ -11,10 +11,11 @@ from gen.errors import InputError
 from gen.importing.evidence import Evidence
 from gen.importing.guess_columns import decide_columns
 from gen.importing.guess_input import decide_input, spanned
-from gen.importing.guess_time import decide_time
+from gen.importing.guess_time import decide_time, short_in_seconds
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.listing import listed
 from gen.importing.mapping import Entry, Mapping, TextForm
-from gen.importing.names import RUNS, SERIES
+from gen.importing.names import RISE, RUNS, SERIES
 from gen.importing.table import Table
 from gen.importing.text import shown_delimiter
 from gen.importing.units import unit_of
@@ -27,6 +28,8 @@ _PERCENT = 100.0
 _LEAST_VALUES = 3
 """Different ones, of a column that moves."""
 _MOST_SHOWN = 3
+NO_PART = "no column is a part's temperature"
+"""How the refusal of a log without one begins."""
 
 
 @dataclass(frozen=True)
@@ -84,11 +87,11 @@ def doubts(decided: Decided) -> InputError | None:
     if not open_ones:
         return None
     parts = [f"{guess.subject}: {guess.taken}? {guess.why}; settle it by {guess.settle}" for guess in open_ones]
-    return InputError(f"doubtful: {' | '.join(parts)}", file=decided.evidence.tables[0].label)
+    return InputError(f"doubtful: {listed(parts, ' | ')}", file=decided.evidence.tables[0].label)
 
 
 def _check_choices(evidence: Evidence, choices: Choices) -> None:
-    found = ", ".join(evidence.facts)
+    found = listed(evidence.facts)
     for name in choices.columns:
         if name not in evidence.facts:
             raise InputError(f'found "{name}", expected one of the columns {found}', place="--column")
@@ -118,7 +121,12 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     form = evidence.tables[0].reading
     mapping = Mapping(
         text=TextForm.model_validate(
-            {"encoding": form.encoding, "delimiter": form.delimiter, "decimal": form.decimal if form.encoding else ""}
+            {
+                "encoding": form.encoding,
+                "delimiter": form.delimiter,
+                "decimal": form.decimal if form.encoding else "",
+                "sheet": choices.sheet,
+            }
         ),
         time=time,
         input=drive,
@@ -132,13 +140,19 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
 
 
 def _suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[str]:
+    """What was taken as it stands, though something else is as likely; with the option that would correct it."""
+    label = evidence.tables[0].label
+    time = short_in_seconds(evidence, mapping.time, choices)
+    return [f"{label}: {said}" for said in (time, _like_percent(evidence, mapping, choices)) if said]
+
+
+def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
     """A run file's own pwm is in counts; that the largest is 100 of 255 would be chance."""
     name = mapping.input.column
     told = choices.full_scale or choices.units.get(name) or choices.units.get("pwm")
     if not name or told or mapping.input.unit != "counts" or max(map(abs, evidence.facts[name].span)) != _PERCENT:
-        return []
-    label = evidence.tables[0].label
-    return [f"{label}: {name}: the largest is {_PERCENT:g}, as in percent; if so: --unit {quoted(f'{name}=percent')}"]
+        return ""
+    return f"{name}: the largest is {_PERCENT:g}, as in percent; if so: --unit {quoted(f'{name}=percent')}"
 
 
 def _check_wide(evidence: Evidence) -> None:
@@ -166,7 +180,7 @@ def _by_old_names(evidence: Evidence, choices: Choices) -> Choices:
         if name in ("pwm", "time_s"):
             continue
         if name not in olds:
-            raise InputError(f'found "{name}", expected one of the columns {", ".join(evidence.facts)}', place="--unit")
+            raise InputError(f'found "{name}", expected one of the columns {listed(evidence.facts)}', place="--unit")
         units[olds[name]] = unit
     return Choices(columns=choices.columns, units=units)
 
@@ -206,7 +220,7 @@ def _by_mapping(evidence: Evidence, known: Mapping) -> Decided:
     wanted = known.used | {entry.source for entry in known.column}
     missing = sorted(wanted - set(evidence.facts))
     if missing:
-        raise InputError(f'has no column "{missing[0]}", which the mapping names; found {", ".join(evidence.facts)}')
+        raise InputError(f'has no column "{missing[0]}", which the mapping names; found {listed(evidence.facts)}')
     new = [name for name in evidence.facts if name not in wanted]
     if new:
         raise InputError(
@@ -238,14 +252,15 @@ def _check_entries(mapping: Mapping, evidence: Evidence) -> None:
             raise InputError(f"{name!r} cannot be a run file's column", place="--column")
     _check_units(mapping.column)
     if not any(name.endswith("_degC") and name != "ambient_degC" for name in given):
-        raise InputError(
-            f"no column is a part's temperature; expected --column OLD=NAME_degC{_likeliest(mapping, evidence)}"
-        )
+        rises = [entry.source for entry in mapping.column if entry.to and RISE.search(entry.source)]
+        said = f"; {rises[0]} is a rise, to which the ambient has to be added first" if rises else ""
+        raise InputError(f"{NO_PART}{said}; expected --column OLD=NAME_degC{_likeliest(mapping, evidence)}")
 
 
 def _likeliest(mapping: Mapping, evidence: Evidence) -> str:
     """Which columns hold what temperatures may be: numbers that move, from where a log may begin."""
-    left = [facts for entry in mapping.column if (facts := evidence.facts[entry.source]).kind == "number"]
+    parts = [entry.source for entry in mapping.column if entry.to != "ambient_degC" and not RISE.search(entry.source)]
+    left = [facts for name in parts if (facts := evidence.facts[name]).kind == "number"]
     left = [f for f in left if not (f.whole and (f.steps > 0).all())]  # a number of the row
     fit = [f for f in left if len(set(f.values.tolist())) > _LEAST_VALUES and f.span[0] > -50.0 and f.span[1] < 2000.0]
     named = ", or ".join(f"--column {quoted(f'{f.name}=winding_degC')} ({spanned(f)})" for f in fit[:_MOST_SHOWN])

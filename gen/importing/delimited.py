@@ -21,6 +21,7 @@ from gen.importing.units import unit_of
 DELIMITERS = {";": "semicolon", "\t": "tab", "|": "pipe", ",": "comma", " ": "white space"}
 _COMMENT = re.compile(r"\s*(?:#|%(?![,;|\t])|//|\*\*|--\s)")  # a unit of a row of units may be `%`
 _STAMPED = re.compile(r"\s*(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*->\s?(.*)")
+_STATISTIC = re.compile(r"(?:min|max|mean|avg|average|ave|last|inst)\.?", re.IGNORECASE)
 _SAMPLE = 400
 _LEAST_CONSISTENT = 0.8
 _MOST_LOST = 0.5
@@ -294,6 +295,8 @@ def _head(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> t
     A header may lack the last name, or have one more: a column of comments that no row has (LabVIEW's files).
     """
     heads = [_padded(row, width) for row in before[-4:] if abs(len(row) - width) <= 1 and _is_head(row)]
+    if len(heads) > 1 and sum(1 for cell in heads[-1] if _STATISTIC.fullmatch(cell.strip())) > 1:
+        return _under_names(heads)
     if heads and len(heads) > 1 and _is_units(heads[-1]) and not _is_units(heads[-2]):
         return heads[-2], heads[-1]
     if heads:
@@ -304,6 +307,18 @@ def _head(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> t
             if width > 1 and len(row) == width and _is_head(row) and ":" not in row[0]:
                 return [cell.strip() for cell in row], [""] * width
     return [], [""] * width
+
+
+def _under_names(heads: Sequence[list[str]]) -> tuple[list[str], list[str]]:
+    """Names and units where the last line only says which value of an interval a column holds: `Min`, `Max`."""
+    *above, last = heads
+    names = next((row for row in reversed(above) if not _is_units(row)), [""] * len(last))
+    units = next((row for row in reversed(above) if _is_units(row)), [""] * len(last))
+    made = [
+        f"{name.strip()} {cell.strip()}".strip() if _STATISTIC.fullmatch(cell.strip()) else cell
+        for name, cell in zip(names, last, strict=True)
+    ]
+    return made, [unit if unit_of(unit) else "" for unit in units]
 
 
 def _behind_a_preamble(rows: Sequence[list[str]], first: int, width: int) -> int:

@@ -17,6 +17,9 @@ _MARKS = (
 _SAMPLE = 1 << 16
 _DEGREES = re.compile(r"[°º]\s?[CFK]|℃|℉|µs|[A-Za-zÄÖÜäöü]*[ÄÖÜäöüß][a-zäöüß]+")
 _SINGLE_BYTE = ("cp1252", "cp437", "mac_roman")
+_RUNS = re.compile("[\u3000-\u30ff\u4e00-\u9fff\uff01-\uff5e\u2103\u00b0\u00b1\u03a9\u25a0-\u25ff\u2010-\u203b]+")
+"""Kana, Chinese characters, and what stands beside them: wide letters, marks, degrees."""
+_JAPANESE = 0.95
 _ZEROS = 0.01
 """Share of a text's characters up to which zeros are noise."""
 _DAMAGED = 0.05
@@ -89,8 +92,30 @@ def _without_mark(sample: bytes) -> str:
     return ""
 
 
+def _japanese(sample: bytes) -> str:
+    """A word in Shift-JIS; empty where the bytes are no such text.
+
+    Its bytes are some text in any encoding of single bytes. In Western ones letters beyond ASCII stand alone, so that
+    they would make lone characters here, and rare ones.
+    """
+    try:
+        text = sample.decode("cp932")
+    except UnicodeDecodeError as error:
+        if error.start < len(sample) - 1:  # but for a character that the sample cuts
+            return ""
+        text = sample[: error.start].decode("cp932")
+    beyond = [c for c in text if ord(c) > 127]
+    runs = _RUNS.findall(text)
+    if not beyond or sum(map(len, runs)) < _JAPANESE * len(beyond):
+        return ""
+    return max(runs, key=len) if "\u2103" in text or 2 * len(runs) <= sum(map(len, runs)) else ""
+
+
 def _single_byte(data: bytes) -> tuple[str, str, str]:
     sample = data[:_SAMPLE]
+    word = _japanese(sample)
+    if word:
+        return data.decode("cp932", "replace"), "cp932", f'with it a word is "{word}"'
     for encoding in _SINGLE_BYTE:
         found = _DEGREES.search(sample.decode(encoding, "replace"))
         if found:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,6 +15,8 @@ from gen.importing.table import Column, FloatArray, Table
 from gen.importing.units import Unit, split_name, unit_of
 
 _LEAST_NUMBERS = 0.2
+_COUNTED_TIME = re.compile(r"(?P<base>t|[Tt]ime|[Ee]lapsed|[Zz]eit|[Tt]emps|[Tt]empo)[ _.](?P<unit>min|mins|d)")
+"""Minutes or days where numbers rise all the way: `t_min` may be the least of temperatures, too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +83,9 @@ class Facts:
         row = unit_of(self.columns[0].unit) if self.columns[0].unit else None
         if row is not None:
             return base, row, "row of units"
+        minutes = _COUNTED_TIME.fullmatch(base)
+        if minutes and self.kind == "number" and self.steps.size and (self.steps > 0).all():
+            return minutes["base"], unit_of(minutes["unit"]), "name"
         behind = self.parsed[0].unit if isinstance(self.columns[0].cells, list) else ""
         if behind and (unit := unit_of(behind)):
             return base, unit, "values"

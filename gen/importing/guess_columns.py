@@ -9,7 +9,9 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing import names
+from gen.importing.ambient import ambient_of
 from gen.importing.evidence import Evidence, Facts
+from gen.importing.extremes import least_of_pairs
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.mapping import Entry
 from gen.importing.units import CURRENT, SPEED, TEMPERATURE, VOLTAGE, Unit, split_name, unit_of
@@ -60,15 +62,24 @@ def decide_columns(evidence: Evidence, choices: Choices, used: set[str]) -> tupl
     entries: list[Entry] = []
     guesses: list[Guess] = []
     left = [_sorted(facts, evidence, choices) for name, facts in evidence.facts.items() if name not in used]
-    room = _ambient(left, choices)
+    pairs = least_of_pairs([e.facts for e in left if e.quantity == TEMPERATURE], {*choices.columns, *choices.units})
+    room, doubtful = _ambient([entry for entry in left if entry.facts.name not in pairs], choices)
     for found in left:
-        entry, guess = _entry(found, choices, taken, found.facts.name == room)
+        if found.facts.name in pairs:
+            entries.append(Entry.model_validate({"from": found.facts.name, "to": ""}))
+            guesses.append(_least(found.facts.name, pairs[found.facts.name]))
+            continue
+        entry, guess = _entry(found, choices, taken, found.facts.name == room, doubtful)
         if entry.to:
             taken.add(entry.to)
             taken.add(entry.to.removesuffix("_degC"))
         entries.append(entry)
         guesses.append(guess)
     return entries, guesses
+
+
+def _least(name: str, largest: str) -> Guess:
+    return Guess(name, "left out", 0.9, f"the least of each interval, beside {quoted(largest)}, which is taken")
 
 
 def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
@@ -88,8 +99,9 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     if names.WANTED.search(base) and not target:
         return _Sorted(facts, "", unit, 0.8, "a wanted or modelled value by its name")
     if unit is not None and unit.quantity == TEMPERATURE:
-        if names.DIFFERENCE.search(base) and not target:
-            return _Sorted(facts, "", unit, 0.8, "a difference of temperatures by its name")
+        said = "" if target else _no_temperature(base)
+        if said:
+            return _Sorted(facts, "", unit, 0.8, said)
         return _by_unit(facts, unit, where, _thermal(facts, base))
     if unit is None and target:
         return _by_range(facts, True) if target.endswith("_degC") or _thermal(facts, base) else _by_name(facts, base)
@@ -98,6 +110,15 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     if unit is not None:
         return _Sorted(facts, unit.quantity, unit, 0.9, f"in {unit.name} by its {where}")
     return _by_name(facts, base)
+
+
+def _no_temperature(base: str) -> str:
+    """What a name says that is told in degrees and is no temperature of anything; empty where it says no such thing."""
+    if names.RISE.search(base):
+        return "a rise over the ambient by its name, and no temperature"
+    if names.DIFFERENCE.search(base):
+        return "a difference of temperatures by its name"
+    return "of moist air by its name, and the temperature of nothing" if names.MOIST.search(base) else ""
 
 
 def _one_of_letters(name: str, evidence: Evidence) -> bool:
@@ -112,7 +133,7 @@ def _thermal(facts: Facts, base: str) -> bool:
     """Whether a name may be that of a temperature."""
     if not (names.THERMAL.fullmatch(base) or names.PARTS.search(base) or names.AMBIENT.search(base)):
         return False
-    if _electrical(base) or names.FLAG.search(base) or names.DIFFERENCE.search(base):
+    if _electrical(base) or names.FLAG.search(base) or _no_temperature(base):
         return False
     if _SAYS_SO.search(base):
         return True
@@ -125,7 +146,7 @@ def _said(base: str) -> bool:
         return True
     return all(
         names.PARTS.search(word) or names.AMBIENT.search(word) or names.WHERE.search(word)
-        for word in re.split(r"[^A-Za-zÄÖÜäöüß\d]+", base)
+        for word in re.split(r"[\W_]+", base)
         if word
     )
 
@@ -186,17 +207,15 @@ def _by_name(facts: Facts, base: str) -> _Sorted:
     return _Sorted(facts, "", None, 0.8, "kept as it is")
 
 
-def _ambient(found: list[_Sorted], choices: Choices) -> str:
-    """The column of the ambient's temperature; empty where there is none."""
-    told = [name for name, new in choices.columns.items() if new == AMBIENT]
+def _ambient(found: list[_Sorted], choices: Choices) -> tuple[str, bool]:
+    """The column of the ambient's temperature, empty where there is none; and whether that is doubtful."""
+    told = [name for name, new in choices.columns.items() if new in (AMBIENT, AMBIENT.removesuffix("_degC"))]
     if told:
-        return told[0]
-    fit = [entry.facts for entry in found if entry.quantity == TEMPERATURE and entry.facts.name not in choices.columns]
-    named = [facts.name for facts in fit if names.AMBIENT.search(facts.named[0])]
-    return next((name for name in named if "amb" in name.casefold()), named[0] if named else "")
+        return told[0], False
+    return ambient_of([e.facts for e in found if e.quantity == TEMPERATURE and e.facts.name not in choices.columns])
 
 
-def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool) -> tuple[Entry, Guess]:
+def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool, doubtful: bool) -> tuple[Entry, Guess]:
     facts = found.facts
     base, in_name, _ = facts.named
     if in_name is not None and found.unit is None:  # the letters are none
@@ -215,7 +234,10 @@ def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool) -> 
             to = new if new.endswith("_degC") else f"{new}_degC"
         shown = quoted(f"{facts.name}=degC")
         settle = f"--unit {shown} or =degF or =K"
-        if confidence == _UNSAID:
+        if ambient and doubtful:
+            confidence, why = _UNSAID, f"{why}; the ambient, or of a part"
+            settle = f"--column {quoted(f'{facts.name}={AMBIENT}')} or {quoted(f'{facts.name}=NAME_degC')}"
+        elif confidence == _UNSAID:
             settle += f", or --column {quoted(f'{facts.name}=')} to leave it out"
     elif new:
         to = new

@@ -9,16 +9,19 @@ import numpy as np
 from gen.errors import InputError
 from gen.importing.evidence import Evidence, Facts
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.listing import listed
 from gen.importing.mapping import InputForm
 from gen.importing.names import DRIVES, DUTY, PWM, SIGN, WANTED
 from gen.importing.numbers import plain_number
 from gen.importing.units import COUNTS, SHARE, Unit, unit_of
+from gen.importing.units import DUTY as DUTY_SHARE
 
 FULL = 255
 _FULL_COUNTS = {127.0, 255.0, 511.0, 1023.0, 2047.0, 4095.0, 8191.0, 16383.0, 32767.0, 65535.0}
 """Whole numbers that reach one of these are counts of a converter or timer."""
-_SHOWN = 12
-"""Columns that a message names."""
+_EITHER = 0.5
+NO_INPUT = "no column is a motor's PWM"
+"""How the refusal of a log without an input begins."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tu
         counts = plain_number(choices.drive)
         if counts is None or counts != round(counts) or abs(counts) > FULL:
             raise InputError(
-                f'found "{choices.drive}", expected a column ({", ".join(evidence.facts)}) or whole counts -255..255 '
+                f'found "{choices.drive}", expected a column ({listed(evidence.facts)}) or whole counts -255..255 '
                 "that all rows have",
                 place="--input",
             )
@@ -94,7 +97,7 @@ def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[F
         found = [entry for entry in numbers if pattern.search(entry.name)]
         exact = [entry for entry in found if entry.named[0].casefold() in ("pwm", "duty")]
         if len(found) > 1 and len(exact) != 1:
-            names = " or ".join(f"--input {quoted(entry.name)}" for entry in found)
+            names = listed((f"--input {quoted(entry.name)}" for entry in found), " or ")
             raise InputError(
                 f"{len(found)} columns may be the input; expected {names}", place=evidence.tables[0].place(0)
             )
@@ -106,16 +109,15 @@ def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[F
 def _none(numbers: list[Facts]) -> str:
     drives = [entry for entry in numbers if DRIVES.search(entry.name) and entry.span != (0.0, 0.0)]
     drives = [entry for entry in drives if not WANTED.search(entry.name)] or drives  # what was wanted heats nothing
-    said = "no column is a motor's PWM"
+    said = NO_INPUT
     options = [f"--input {quoted(entry.name)}{_full_scale(entry)}" for entry in drives[:4]]
     if options:
         return f"{said}; expected what drives it, such as {' or '.join(options)}"
     if not numbers:
         return f"{said}, and none holds numbers; expected a table"
-    names = ", ".join(f"{entry.name} ({spanned(entry)})" for entry in numbers[:_SHOWN])
-    more = " .." if len(numbers) > _SHOWN else ""
+    names = listed(f"{entry.name} ({spanned(entry)})" for entry in numbers)
     wanted = "--input COLUMN --full-scale X, or --input COUNTS for what all rows have"
-    return f"{said} among {names}{more}; expected {wanted}"
+    return f"{said} among {names}; expected {wanted}"
 
 
 def spanned(entry: Facts) -> str:
@@ -150,6 +152,9 @@ def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> _Scale:
     if unit is not None and unit.quantity in (SHARE, COUNTS):
         full = 100.0 / unit.scale if unit.quantity == SHARE else FULL / unit.scale
         sure = CERTAIN if told else 0.95
+        if unit.quantity == SHARE and not told and full > 1.0 and 0 < reached <= 1.0:
+            said = f"in {unit.name} by its name, but {low:g}..{reached:g}, as a share of 1"
+            return _Scale(DUTY_SHARE.name, 1.0, _EITHER, said)
         if reached > full * (1 + 0.5 / FULL):
             return _Scale(
                 unit.name, float(_full_counts(reached)), 0.3, f"{reached:g} is more than {full:g} {unit.name}"

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from gen.errors import InputError
 from gen.importing import clock
 from gen.importing.evidence import Evidence, Facts
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
-from gen.importing.mapping import TimeForm
+from gen.importing.listing import listed
+from gen.importing.local import is_zone
+from gen.importing.mapping import DATED, TimeForm
 from gen.importing.names import TIME
 from gen.importing.numbers import plain_number
+from gen.importing.origins import days_since
+from gen.importing.plain_steps import plainer_unit
 from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import unit_of
 
@@ -22,6 +28,9 @@ _PLAIN = {"t", "ts", "time", "times", "zeit", "timestamp", "zeitstempel", "elaps
 _EITHER = 0.5
 _RATIOS = tuple(x for r in (1.0, 60.0, 3600.0, 1e3, 1e6, 1e9) for x in (r, 1.0 / r))
 _SAME_LENGTH = 0.05
+_IN_SECONDS = {"x_value"}
+"""LabVIEW's time, whatever its steps."""
+_SHORT_S = 900.0
 _SHORTEST_S = 20.0
 """A log of a motor's temperature lasts longer."""
 
@@ -41,6 +50,18 @@ def decide_time(evidence: Evidence, choices: Choices) -> tuple[TimeForm, list[Gu
     InputError
         Without a file name: what was said is no column; or no column can be the time.
     """
+    form, guesses = _decided(evidence, choices)
+    if not choices.zone:
+        return form, guesses
+    if not is_zone(choices.zone):
+        raise InputError(f'found "{choices.zone}", expected a time zone such as Europe/Berlin', place="--zone")
+    if not form.columns or form.unit not in DATED:
+        raise InputError(f"the time is a {form.unit}; expected dates with times, which a zone needs", place="--zone")
+    told = replace(guesses[0], taken=f"{guesses[0].taken}, of {choices.zone}")
+    return form.model_copy(update={"zone": choices.zone}), [told, *guesses[1:]]
+
+
+def _decided(evidence: Evidence, choices: Choices) -> tuple[TimeForm, list[Guess]]:
     facts = evidence.facts
     if choices.time:
         names = [choices.time] if choices.time in facts else [part.strip() for part in choices.time.split(",")]
@@ -52,7 +73,7 @@ def decide_time(evidence: Evidence, choices: Choices) -> tuple[TimeForm, list[Gu
         for name in names:
             if name not in facts:
                 raise InputError(
-                    f'found "{name}", expected a column ({", ".join(facts)}) or an interval in s', place="--time"
+                    f'found "{name}", expected a column ({listed(facts)}) or an interval in s', place="--time"
                 )
         return _form(evidence, names[:2], choices, CERTAIN, "--time")
     return _form(evidence, *_found(evidence, choices))
@@ -83,7 +104,7 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
         best = (since or unnamed)[0]
         return [best.name], choices, 0.7, "" if since else "the first column that rises all the way"
     raise InputError(
-        f"no column is a time among {', '.join(evidence.facts)}; expected --time COLUMN, or --time SECONDS for the "
+        f"no column is a time among {listed(evidence.facts)}; expected --time COLUMN, or --time SECONDS for the "
         "interval of its rows",
         place=evidence.tables[0].place(0),
     )
@@ -138,7 +159,7 @@ def _form(
         raise InputError(f"holds {entry.kind}, expected times", place=f"column {entry.name}")
     name, sure, reason = _unit(entry, choices)
     form = TimeForm(columns=names, unit=name)
-    settle = f"--unit {quoted(f'{entry.name}=s')}, =ms, =min or =h"
+    settle = f"--unit {quoted(f'{entry.name}=s')}, =ms, =min, =h or =d"
     if confidence == _EITHER:
         settle = "--time COLUMN, of those that rise"
     return form, [
@@ -175,8 +196,12 @@ def _unit_by_steps(entry: Facts) -> tuple[str, float, str]:
     rising = entry.steps[entry.steps > 0]
     step = float(np.median(rising)) if rising.size else 0.0
     low, high = entry.span
-    if 30_000 < low < 60_000 and not entry.whole and high - low < 1000:
-        return "d", 0.85, "days since 1900, as Excel counts"
+    since = days_since(low)
+    if since and not entry.whole and high - low < 1000:
+        return "d", 0.85, since[1]
+    plainer, why = ("", "") if entry.whole else plainer_unit(entry.values)
+    if plainer:
+        return plainer, 0.45, why
     said = f"steps of {step:.6g}"
     if entry.whole and step >= 100 and not (step in _ROUND_S and len(set(rising.tolist())) == 1):
         return "ms", 0.8, f"{said} and whole: ms"
@@ -190,6 +215,29 @@ def _unit_by_steps(entry: Facts) -> tuple[str, float, str]:
     if 1e-3 <= step <= 60.0:
         return "s", 0.8, f"{said}: s"
     return "s", 0.4, f"{said}: no unit is likely"
+
+
+def short_in_seconds(evidence: Evidence, form: TimeForm, choices: Choices) -> str:
+    """What is said of a time that nothing says to be in seconds, where the log would then be short; else empty.
+
+    Parameters
+    ----------
+    evidence
+        The columns.
+    form
+        What was decided.
+    choices
+        What the user says.
+    """
+    if form.unit != "s" or not form.columns or {form.columns[0], "time_s"} & set(choices.units):
+        return ""
+    entry = evidence.facts[form.columns[0]]
+    low, high = entry.span
+    base, unit, _ = entry.named
+    if unit is not None or unit_of(base) is not None or base.casefold() in _IN_SECONDS or high - low >= _SHORT_S:
+        return ""
+    settle = f"--unit {quoted(f'{entry.name}=min')}"
+    return f"{entry.name}: {high - low:g} in all, taken for s, is short for a motor's temperature; if min: {settle}"
 
 
 def _timed(entry: Facts) -> bool:

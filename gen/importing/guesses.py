@@ -66,6 +66,10 @@ class Choices:
         Whether rows are put in the order of their times.
     series
         The column whose names each become a column; behind a comma, that of the values.
+    zone
+        Of which time zone local times are.
+    sheet
+        Of a workbook, the only sheet to read.
     """
 
     time: str = ""
@@ -78,6 +82,8 @@ class Choices:
     duplicates: str = ""
     sort: bool = False
     series: str = ""
+    zone: str = ""
+    sheet: str = ""
 
 
 def quoted(text: str) -> str:

@@ -11,11 +11,13 @@ from pathlib import Path
 from gen.errors import InputError
 from gen.files import check_writable, write_text
 from gen.importing.convert import Converted, Splitting, convert, with_comments
-from gen.importing.decide import Decided, decide, doubts
+from gen.importing.decide import NO_PART, Decided, decide, doubts
+from gen.importing.guess_input import NO_INPUT
 from gen.importing.guesses import Choices
 from gen.importing.mapping import Mapping, read_mapping
 from gen.importing.provenance import commented_mapping, comments_of
 from gen.importing.series import spread_out
+from gen.importing.sheets import choice_of_sheets, logs_among
 from gen.importing.sources import read_tables
 from gen.importing.table import Reading, Table
 from gen.runs import Run, write_run
@@ -94,8 +96,9 @@ def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress
         known = _with_options(known, choices)
     text = known.text if known is not None else None
     given = Reading(text.encoding, text.delimiter, text.decimal) if text is not None else Reading()
-    if choices.decimal:
-        given = Reading(given.encoding, given.delimiter, choices.decimal)
+    given = replace(
+        given, decimal=choices.decimal or given.decimal, sheet=choices.sheet or (text.sheet if text else "")
+    )
     series = known.series if known is not None else choices.series
     tables: list[Table] = []
     for file in files:
@@ -105,15 +108,35 @@ def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress
         progress("a column for each name")
         tables = [spread_out(table, replace(choices, series=series)) for table in tables]
     progress("deciding")
+    tables = logs_among(tables, choices, known)
     groups: dict[tuple[str, ...], list[Table]] = {}
     for table in tables:
         groups.setdefault(tuple(table.names), []).append(table)
     if mapping is not None and known is None and len(groups) > 1:
         first, second = (group[0] for group in list(groups.values())[:2])
         raise InputError(
-            f"has other columns than {first.label}; expected the same in all files of one mapping", file=second.label
+            f"has other columns than {first.label}; expected the same in all files of one mapping"
+            f"{choice_of_sheets(tables, second.file)}",
+            file=second.label,
         )
-    return Plan([decide(group, choices, known) for group in groups.values()], known is not None)
+    return Plan([_decided(group, tables, choices, known) for group in groups.values()], known is not None)
+
+
+def _decided(group: Sequence[Table], tables: Sequence[Table], choices: Choices, known: Mapping | None) -> Decided:
+    """What one header's tables are; where that fails, with what other tables have to do with it."""
+    try:
+        return decide(group, choices, known)
+    except InputError as error:
+        said = error.message
+        if any(table.names != group[0].names and table.file != group[0].file for table in tables) and said.startswith(
+            (NO_INPUT, NO_PART)
+        ):
+            said = (
+                f"{said}; files with other columns are imported for themselves: what stands in another one has to be "
+                "put beside it first, by times of one clock"
+            )
+        said += choice_of_sheets(tables, group[0].file)
+        raise InputError(said, file=error.file, place=error.place) from None
 
 
 def _with_options(known: Mapping, choices: Choices) -> Mapping:
@@ -129,6 +152,8 @@ def _with_options(known: Mapping, choices: Choices) -> Mapping:
             ("--decimal", choices.decimal),
             ("--runs", choices.runs),
             ("--series", choices.series),
+            ("--zone", choices.zone),
+            ("--sheet", choices.sheet),
         )
         if value
     ]

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from gen.errors import InputError
 from gen.importing.delimited import MOST_COLUMNS, Lines, keyed_comments
+from gen.importing.listing import listed
 from gen.importing.pairs import LONGEST, SAMPLE, names_in, record_of
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
+_ROWS = ("values", "data", "rows")
 _SHOWN = 8
 """Names that a message says."""
 
@@ -50,19 +52,66 @@ def json_table(file: Path, lines: Lines, reading: Reading) -> Table:
 
 
 def array_table(file: Path, text: str, reading: Reading) -> Table | None:
-    """A table of one JSON text: an array of objects, or an object of arrays; None where it is neither."""
+    """A table of one JSON text: an array of objects, or an object of arrays; None where it is neither.
+
+    Either may lie within objects that say what was measured.
+
+    Raises
+    ------
+    InputError
+        Without a file name: there are several of them, and nobody knows which is the log.
+    """
     try:
         tree = json.loads(text)
     except (ValueError, RecursionError):
         return None
-    if isinstance(tree, dict) and tree and all(isinstance(v, list) for v in tree.values()):
-        if len({len(v) for v in tree.values()}) != 1:
-            return None
-        tree = [dict(zip(tree, row, strict=True)) for row in zip(*tree.values(), strict=True)]
+    if isinstance(tree, dict) and len(tree) > 1 and all(isinstance(v, list) and len(v) > 1 for v in tree.values()):
+        lengths = {len(values) for values in tree.values()}
+        if len(lengths) == 1:
+            tree = [dict(zip(tree, row, strict=True)) for row in zip(*tree.values(), strict=True)]
     if not isinstance(tree, list) or not tree or not all(isinstance(record, dict) for record in tree):
-        return None
+        within = dict(_within(tree))
+        if len(within) > 1:
+            raise InputError(f"holds several tables ({listed(within)}); expected one")
+        if not within:
+            return None
+        tree = next(iter(within.values()))
     numbers = list(range(1, len(tree) + 1))
     return _table(file, [_flat(record) for record in tree], numbers, [], Lines([], [], []), reading, "", "element")
+
+
+def _within(tree: object, path: str = "$") -> Iterator[tuple[str, list[dict[str, object]]]]:
+    """Tables within a JSON text, by where they are: arrays of objects, objects of arrays, rows below names."""
+    if isinstance(tree, list):
+        objects = [entry for entry in tree if isinstance(entry, dict)]
+        if len(objects) > 1 and len(objects) == len(tree):
+            yield path, objects
+        elif len(tree) == 1:
+            yield from _within(tree[0], f"{path}[0]")
+    elif isinstance(tree, dict):
+        records = _of_columns(tree)
+        if records:
+            yield path, records
+            return
+        for key, value in tree.items():
+            yield from _within(value, f"{path}.{key}")
+
+
+def _of_columns(tree: Mapping[str, object]) -> list[dict[str, object]]:
+    """Records of an object that holds arrays of one length, or names and rows; none where it does not."""
+    names, rows = (next((tree[key] for key in keys if key in tree), None) for keys in (("columns",), _ROWS))
+    if isinstance(names, list) and isinstance(rows, list) and rows and all(isinstance(name, str) for name in names):
+        if all(isinstance(row, list) and len(row) == len(names) for row in rows):
+            return [dict(zip(names, row, strict=True)) for row in rows]
+        return []
+    arrays = {key: value for key, value in tree.items() if isinstance(value, list) and len(value) > 1 and _plain(value)}
+    if len(arrays) < 2 or len({len(value) for value in arrays.values()}) != 1:
+        return []
+    return [dict(zip(arrays, row, strict=True)) for row in zip(*arrays.values(), strict=True)]
+
+
+def _plain(values: Sequence[object]) -> bool:
+    return not any(isinstance(value, (dict, list)) for value in values)
 
 
 def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading) -> Table:

@@ -12,10 +12,12 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from gen.errors import InputError
+from gen.importing.local import is_zone
 from gen.importing.units import unit_of
 from gen.version import __version__
 
-TIME_KINDS = ("timestamp", "date and time", "time of day", "mm:ss")
+DATED = ("timestamp", "date and time")
+TIME_KINDS = (*DATED, "time of day", "mm:ss")
 _FINITE = Field(allow_inf_nan=False)
 
 
@@ -24,11 +26,12 @@ class _Part(BaseModel):
 
 
 class TextForm(_Part):
-    """How a text file is taken; empty fields are guessed, and typed files need none."""
+    """How a file is taken; empty fields are guessed, and typed files need none."""
 
     encoding: str = ""
     delimiter: str = ""
     decimal: Literal["", ".", ","] = ""
+    sheet: str = ""
 
 
 class TimeForm(_Part):
@@ -37,6 +40,7 @@ class TimeForm(_Part):
     columns: list[str] = []
     unit: str = "s"
     order: Literal["ymd", "dmy", "mdy"] = "ymd"
+    zone: str = ""
     interval_s: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
 
     @model_validator(mode="after")
@@ -46,6 +50,10 @@ class TimeForm(_Part):
         unit = unit_of(self.unit)
         if self.unit not in TIME_KINDS and (unit is None or unit.quantity != "time"):
             raise ValueError(f'found the unit "{self.unit}", expected s, ms, us, min, h, d or {", ".join(TIME_KINDS)}')
+        if self.zone and self.unit not in DATED:
+            raise ValueError(f"found the zone {self.zone} of a {self.unit}, expected one of dates with times only")
+        if self.zone and not is_zone(self.zone):
+            raise ValueError(f'found the zone "{self.zone}", expected one such as Europe/Berlin')
         return self
 
 

@@ -32,9 +32,40 @@ RUNS = re.compile(
 SERIES = re.compile(
     r"sensor|sensor.?name|sensor.?id|channel|kanal|signal|variable|field|_field|tag|tag.?name|entity.?id|metric"
 )
-AMBIENT = _words(
-    r"amb|ambient|ambiance|umgebung|umgebungstemperatur|room|raum|raumtemperatur|zimmer|outside|air|luft|env|t_?amb"
+_SAYS_AMBIENT = (
+    r"amb|ambient|ambiance|t_?amb|surroundings?|umgebung|umgebungstemperatur|umgebungsluft|ambiante?s?|ambiente|"
+    r"ambientale?|omgeving|omgevingstemperatuur|omgevingslucht"
 )
+_SAYS_ROOM = (
+    r"room|raum|raumtemperatur|raumluft|raumlufttemperatur|zimmer|zimmertemperatur|halle|hallentemperatur|salle|pièce|"
+    r"stanza|sala|habitaci[óo]n|kamer|kamertemperatuur|ruimte|ruimtetemperatuur"
+)
+_SAYS_AIR = (
+    r"outside|outdoors?|air|env|environment|luft|lufttemperatur|au(?:ß|ss)en|au(?:ß|ss)entemperatur|au(?:ß|ss)enluft|"
+    r"ext[ée]rieure?|aria|estern[oa]|aire|exterior|do ar|lucht|luchttemperatuur|buiten|buitentemperatuur|buitenlucht"
+)
+AMBIENTS = tuple(map(_words, (_SAYS_AMBIENT, _SAYS_ROOM, _SAYS_AIR)))
+"""What says the ambient: outright, by the room, and by words that stand beside other things, too."""
+_SAYS_ANY = "|".join((_SAYS_AMBIENT, _SAYS_ROOM, _SAYS_AIR))
+AMBIENT = _words(_SAYS_ANY)
+RISE = _words(
+    rf"(?:over|above|minus|(?:ü|ue)ber|gegen(?:ü|ue)ber|sur|sopra|sobre|boven)[ _-]+(?:{_SAYS_ANY})|rise|minus|"
+    r"(?:ü|ue)bertemperatur|erw(?:ä|ae)rmung|[ée]chauffement|sovratemperatura|sobretemperatura|sobreelevaci[óo]n|"
+    r"sobreeleva[çc][ãa]o|overtemperatuur|[Δ∆]\s?(?:t|temp|temperature?)?"
+)
+"""Above the ambient: `Winding over ambient`."""
+MOIST = _words(
+    r"dew.?point|taupunkt|point de ros[ée]e|punto di rugiada|punto de roc[íi]o|ponto de orvalho|dauwpunt|wet.?bulb|"
+    r"feuchtkugel|heat.?index|feels.?like"
+)
+"""Told in degrees, of moist air, and the temperature of nothing."""
+NEUTRAL = re.compile(
+    r"t|tc|th|temps?|temp[ée]ratures?|temperatur(?:en)?|temperatura|temperatuur|thermo\w*|ntc|pt\d*|ds18\w*|sensor|probe|sonde|sonda|"
+    r"f(?:ü|ue)hler|channel|kanal|ch|cold|junction|of|the|in|from|for|de|du|des|la|le|l|d|di|del|della|dell|do|da|der|die|das|van|"
+    r"degrees?|deg|celsius|measured|meas|mess|messwert|actual|ist|value|last|avg|average|mean|mittel|min|max|[a-z]?\d*",
+    re.IGNORECASE,
+)
+"""What stands beside such a word and changes nothing."""
 WANTED = _words(r"set|setpoint|soll|target|ziel|limit|threshold|grenze|model|estimated?|predicted")
 FLAG = _words(
     r"open|opened|fault|faults|fehler|error|errors|flag|flags|alarm|alarms|alert|status|state|ok|valid|invalid|enabled?|active|"
@@ -71,7 +102,8 @@ THERMAL = re.compile(
 )
 PARTS = _words(
     r"winding|windings|wicklung|stator|rotor|bearing|lager|casing|case|housing|geh(?:ä|ae)use|coil|spule|brush|brushes|"
-    r"b(?:ü|ue)rste|b(?:ü|ue)rsten|magnet|magnets|kohle|kohlen|shaft|welle|core|yoke|tooth|motor|surface|coolant|pm|endbell"
+    r"b(?:ü|ue)rste|b(?:ü|ue)rsten|magnet|magnets|kohle|kohlen|shaft|welle|core|yoke|tooth|motor|surface|coolant|pm|endbell|"
+    r"air.?gap|luftspalt|entrefer|traferro|entrehierro|entreferro|luchtspleet"
 )
 _OF = r"(?:(?:motor|mot|dc|bus|bat|batt|battery|supply|shaft|versorgungs?)[ _-]?)?"
 

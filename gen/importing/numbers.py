@@ -19,6 +19,8 @@ NAN_WORDS = frozenset(
 )
 _PLAIN = str.maketrans("", "", "0123456789+-.eE \n")
 _GROUPED = re.compile(r"(?<=\d)[ \u00a0\u202f'’](?=\d{3}(?!\d))")
+_SIGN_APART = re.compile(r"^([+-])\s+(?=[\d.,])")
+"""Columns of one width: `+   23.4`."""
 _WITH_UNIT = re.compile(r"(\S*\d\.?)\s*([^\d\s.,+-].{0,9})")
 
 
@@ -73,7 +75,7 @@ def parse(cells: Sequence[str], decimal: str = ".") -> Parsed:
         elif stripped.casefold() in NAN_WORDS:
             words[i] = True
         else:
-            number, unit = _number(stripped, decimal)
+            number, unit = _number(_SIGN_APART.sub(r"\1", stripped), decimal)
             if number is None:
                 text[i] = True
             else:
@@ -115,7 +117,7 @@ def _number(text: str, decimal: str) -> tuple[float | None, str]:
 
 def plain_number(text: str, decimal: str = ".") -> float | None:
     """The number that a text is, or None; infinity is none."""
-    plain = _GROUPED.sub("", text)
+    plain = _GROUPED.sub("", _SIGN_APART.sub(r"\1", text))
     if decimal == ",":
         plain = re.sub(r"(?<=\d)\.(?=\d{3}(?:\D|$))", "", plain).replace(",", ".")
     else:
@@ -141,7 +143,7 @@ def decimal_mark(cells: Iterable[str]) -> tuple[str, float, str]:
     """
     seen: dict[str, list[str]] = {}
     for cell in cells:
-        text = _GROUPED.sub("", cell.strip())
+        text = _GROUPED.sub("", _SIGN_APART.sub(r"\1", cell.strip()))
         for kind, pattern in _MARKS.items():
             if re.fullmatch(pattern, text, re.ASCII):
                 seen.setdefault(kind, []).append(text)

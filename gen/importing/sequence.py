@@ -8,13 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.errors import InputError
+from gen.importing.local import goes_back_an_hour
 from gen.importing.table import FloatArray, IntArray
 
 _SOON = 10
 """Rows within which a time that went back is ahead again, if a row was only late."""
 _LATE_S = 60.0
 _MOST_RESETS = 1000
-_WRAPS = ((2.0**32 * 1e-3, "32-bit milliseconds"), (2.0**32 * 1e-6, "32-bit microseconds"))
+_WRAP_COUNTS = 2.0**32
+_COUNTERS = {1e-3: "32-bit milliseconds", 1e-6: "32-bit microseconds"}
+_WRAP_STEPS = 3.0
+"""Usual intervals within which a counter that ran over was before its end, and is after 0."""
+_STEADY = 0.01
 GAP_STEPS = 10.0
 GAP_S = 60.0
 
@@ -48,28 +53,54 @@ class Order:
     wraps: tuple[tuple[int, str], ...] = ()
 
 
-def unwrapped(time_s: FloatArray) -> tuple[FloatArray, tuple[tuple[int, str], ...]]:
-    """Times of counters that ran over, made to go on; and the rows at which they did.
+@dataclass(frozen=True)
+class Ticks:
+    """What is known of a clock beside its times.
+
+    Parameters
+    ----------
+    count_s
+        Of a counter, what one count is, s; 0 for times that are no whole counts of milli- or microseconds.
+    local
+        Whether times are those of a place, without their distance from UTC.
+    """
+
+    count_s: float = 0.0
+    local: bool = False
+
+
+def unwrapped(time_s: FloatArray, count_s: float) -> tuple[FloatArray, tuple[tuple[int, str], ...]]:
+    """Times of a counter that ran over, made to go on; and the rows at which it did.
+
+    A second test in one file begins near 0, too, and may follow on one that lasted as long as the counter: so the
+    interval across the end has to be one that the counter has elsewhere.
 
     Parameters
     ----------
     time_s
         Finite, s, shape (N,).
+    count_s
+        What one count is, s; 0 for what is no counter.
     """
+    name = next((words for count, words in _COUNTERS.items() if abs(count_s - count) < 1e-6 * count), "")
     steps = np.diff(time_s)
-    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    rising = steps[steps > 0]
+    if not name or not rising.size:
+        return time_s, ()
+    period, usual = _WRAP_COUNTS * count_s, float(np.median(rising))
+    least, most = np.percentile(rising, (1, 99))
+    near, slack = _WRAP_STEPS * usual, most - least + _STEADY * usual
     made, found = time_s.copy(), []
     for row in np.flatnonzero(steps < 0):
-        for period, name in _WRAPS:
-            ahead = steps[row] + period
-            if 0 <= ahead <= max(100 * usual, 1.0) and time_s[row] > 0.9 * period:
-                made[row + 1 :] += period
-                found.append((int(row) + 1, name))
-                break
+        ahead = float(steps[row]) + period
+        at_its_end = period - near < time_s[row] < period and time_s[row + 1] < near
+        if at_its_end and abs(ahead - max(1, round(ahead / usual)) * usual) <= slack:  # rows may be missing
+            made[row + 1 :] += period
+            found.append((int(row) + 1, name))
     return made, tuple(found)
 
 
-def order(time_s: FloatArray, rows: IntArray, repeats: str) -> Order:
+def order(time_s: FloatArray, rows: IntArray, repeats: str, ticks: Ticks = Ticks()) -> Order:
     """Put rows in order; nothing is sorted, what does not fit is left out and told.
 
     Parameters
@@ -80,11 +111,13 @@ def order(time_s: FloatArray, rows: IntArray, repeats: str) -> Order:
         Of the table, for each time, shape (N,).
     repeats
         Of rows with one time: "first", "last", or "spread" evenly until the next time.
+    ticks
+        What is known of the clock.
     """
     ahead = _spikes(time_s)
     jumped, time_s, rows = rows[ahead], time_s[~ahead], rows[~ahead]
-    time_s, wraps = unwrapped(time_s)
-    resets = _resets(time_s)
+    time_s, wraps = unwrapped(time_s, ticks.count_s)
+    resets = _resets(time_s, ticks.local)
     piece = np.zeros(time_s.size, dtype=np.int64)
     piece[resets] = 1
     piece = np.cumsum(piece)
@@ -114,13 +147,14 @@ def _spikes(time_s: FloatArray) -> NDArray[np.bool_]:
     return found
 
 
-def _resets(time_s: FloatArray) -> list[int]:
+def _resets(time_s: FloatArray, local: bool) -> list[int]:
     """Rows at which time goes back and stays there: it begins anew."""
     found: list[int] = []
     begin, peaks = 0, np.maximum.accumulate(time_s)
     for row in np.flatnonzero(np.diff(time_s) < 0) + 1:
         peak = float(peaks[row - 1 - begin])
-        if time_s[row] >= peak or _late(time_s, int(row), peak):
+        summer_ends = local and goes_back_an_hour(time_s, int(row))
+        if time_s[row] >= peak or (not summer_ends and _late(time_s, int(row), peak)):
             continue
         if len(found) == _MOST_RESETS:
             raise InputError(

@@ -11,6 +11,7 @@ from gen.errors import InputError
 from gen.importing.evidence import Evidence
 from gen.importing.guess_time import decide_time
 from gen.importing.guesses import Choices
+from gen.importing.listing import listed
 from gen.importing.table import Column, Counted, Table
 
 MOST_SERIES = 200
@@ -48,7 +49,7 @@ def _columns(table: Table, said: str) -> tuple[str, str]:
     parts = [said] if said in table.names else [part.strip() for part in said.split(",")]
     for name in parts:
         if name not in table.names:
-            raise InputError(f'found "{name}", expected one of the columns {", ".join(table.names)}', place="--series")
+            raise InputError(f'found "{name}", expected one of the columns {listed(table.names)}', place="--series")
     if len(parts) == 2:
         return parts[0], parts[1]
     named = [name for name in table.names if name.casefold() in _VALUES and name != parts[0]]

@@ -79,7 +79,9 @@ def _tables(file: Path, data: bytes, given: Reading) -> list[Table]:
     if data.startswith(b"PK\x03\x04"):
         from gen.importing.workbook import read_workbook
 
-        return read_workbook(file, data)
+        return read_workbook(file, data, given.sheet)
+    if given.sheet:
+        raise InputError(f'is no workbook; expected one with the sheet "{given.sheet}"')
     if data.startswith(b"PAR1"):
         from gen.importing.typed import read_parquet
 

@@ -71,6 +71,8 @@ class Reading:
         For each of them that was guessed, why.
     unsure
         Why the decimal mark is doubtful; empty where it is not.
+    sheet
+        Of a workbook, the only sheet to read.
     """
 
     encoding: str = ""
@@ -78,6 +80,7 @@ class Reading:
     decimal: str = ""
     why: dict[str, str] = field(default_factory=dict)
     unsure: str = ""
+    sheet: str = ""
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -79,6 +80,7 @@ _FACTOR = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)\s*\*?\s*(
 _BRACKETED = re.compile(r"^(?P<base>.*?)\s*[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]\s*(?P<rest>.*)$")
 _BRACKETED_FROM = re.compile(r"[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]")
 _SPOKEN = re.compile(r"^(?P<base>.*\S)\s*(?:\s(?:in|/)\s|,\s+|\s*/\s*)(?P<unit>\S+)$", re.IGNORECASE)
+_LABEL = re.compile(r"(?:^|[,;]\s*)(?:LBL|label|name)\s*[:=]\s*(?P<label>[^,;]*[^,;\s])", re.IGNORECASE)
 _ALONE = {"deg", "count", "raw", "digits", "d", "min", "cnt", "duty", "perc", "fraction", "grad"}
 """No units where they only stand behind an underscore: `cell_count`, `T_min`, `motor_duty`."""
 
@@ -116,6 +118,16 @@ def _last_unit(text: str) -> re.Match[str] | None:
     return re.match(rf"^(?P<base>.{{{at}}})[\(\[<{{](?P<unit>[^\)\]>}}]*)[\)\]>}}]\s*(?P<rest>.*)$", text)
 
 
+def _labelled(before: str, within: str) -> tuple[str, Unit, str] | None:
+    """`Temp, °F (LGR S/N: 123, LBL: Winding)`: a unit before brackets that say which sensor; its label is the name."""
+    spoken = _SPOKEN.match(before.strip())
+    unit = unit_of(spoken["unit"]) if spoken else None
+    if spoken is None or unit is None:
+        return None
+    label = _LABEL.search(within)
+    return label["label"].strip() if label else f"{spoken['base']} {within}".strip(), unit, spoken["unit"]
+
+
 def split_name(header: str) -> tuple[str, Unit | None, str]:
     """Part a column's name from the unit in it.
 
@@ -133,8 +145,11 @@ def split_name(header: str) -> tuple[str, Unit | None, str]:
     written
         The unit as it was written, recognised or not; empty without one.
     """
-    text = header.strip()
+    text = unicodedata.normalize("NFC", header.strip())  # an accent may be a letter of its own
     bracketed = _last_unit(text) or _BRACKETED.match(text)
+    labelled = _labelled(bracketed["base"], bracketed["unit"]) if bracketed and not unit_of(bracketed["unit"]) else None
+    if labelled is not None:
+        return labelled
     if bracketed and (bracketed["base"] or bracketed["rest"]):
         base = f"{bracketed['base'].strip()} {bracketed['rest']}".strip()
         return base, unit_of(bracketed["unit"]), bracketed["unit"].strip()

@@ -3,24 +3,37 @@
 from __future__ import annotations
 
 import io
+import re
 import warnings
 import zipfile
 import zlib
+from dataclasses import replace
 from datetime import date, datetime, time, timedelta
+from decimal import Decimal
 from pathlib import Path
+from typing import Protocol
 
 from gen.errors import InputError
 from gen.importing.delimited import table_of_rows
+from gen.importing.listing import listed
 from gen.importing.table import Counted, Reading, Table
 
+_PERCENT = re.compile(r'^(?:[^"\\%]|"[^"]*"|\\.)*%')
+"""A number format that shows a share of 1 in percent; a quoted mark is only text."""
 
-def read_workbook(file: Path, data: bytes) -> list[Table]:
-    """Read every sheet that holds a table; values as Excel last computed them.
+
+class _Formatted(Protocol):
+    @property
+    def number_format(self) -> str: ...
+
+
+def read_workbook(file: Path, data: bytes, wanted: str = "") -> list[Table]:
+    """Read every sheet that holds a table, or the one that is wanted; values as Excel last computed them.
 
     Raises
     ------
     InputError
-        Without a file name: no workbook, or no table in it.
+        Without a file name: no workbook, no table in it, or no sheet of that name.
     """
     import openpyxl  # slow to import
 
@@ -29,13 +42,17 @@ def read_workbook(file: Path, data: bytes) -> list[Table]:
             warnings.simplefilter("ignore")  # of styles and extensions that values do not need
             book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
             sheets = {
-                sheet.title: [[_text(cell) for cell in row] for row in sheet.iter_rows(values_only=True)]
+                sheet.title: [[_text(cell.value, cell) for cell in row] for row in sheet.iter_rows()]
                 for sheet in book.worksheets
             }
     except (KeyError, ValueError, OSError, TypeError, EOFError, zipfile.BadZipFile, zlib.error, SyntaxError) as error:
         raise InputError(
             f"cannot be read as an Excel workbook ({str(error)[:80]}); save it anew as .xlsx or CSV"
         ) from None
+    if wanted and wanted not in sheets:
+        raise InputError(f'found "{wanted}", expected one of the sheets {listed(sheets)}', place="--sheet")
+    if wanted:
+        return [replace(_table(file, wanted, sheets[wanted]), part="")]
     tables, without = [], []
     for name, rows in sheets.items():
         try:
@@ -46,10 +63,7 @@ def read_workbook(file: Path, data: bytes) -> list[Table]:
         raise InputError("no sheet holds rows of numbers below a header") if len(without) != 1 else without[0][1]
     if len(tables) == 1:
         skipped = tuple(Counted(f"sheet without a table: {name}", 1, f"sheet {name}") for name, _ in without)
-        table = tables[0]
-        return [
-            Table(file, table.columns, table.places, "row", "", {}, table.reading, (*table.counted, *skipped)),
-        ]
+        return [replace(tables[0], part="", counted=(*tables[0].counted, *skipped))]
     return tables
 
 
@@ -66,15 +80,20 @@ def _table(file: Path, name: str, rows: list[list[str]]) -> Table:
         raise InputError(error.message, place=f"sheet {name}, {error.place}") from None
 
 
-def _text(cell: object) -> str:
-    if cell is None:
+def _text(value: object, cell: _Formatted) -> str:
+    if value is None:
         return ""
-    if isinstance(cell, bool):
-        return str(int(cell))
-    if isinstance(cell, float):
-        return repr(cell)
-    if isinstance(cell, (datetime, date, time)):
-        return cell.isoformat()
-    if isinstance(cell, timedelta):
-        return repr(cell.total_seconds())
-    return str(cell).strip()
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, (int, float)):
+        return f"{_hundredfold(value)} %" if _PERCENT.search(cell.number_format) else repr(value)
+    if isinstance(value, (datetime, date, time)):
+        return value.isoformat()
+    if isinstance(value, timedelta):
+        return repr(value.total_seconds())
+    return str(value).strip()
+
+
+def _hundredfold(value: float) -> str:
+    """A share of 1 in percent, to the digit: 0.07 becomes 7."""
+    return f"{Decimal(repr(value)) * 100:f}"

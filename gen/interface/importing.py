@@ -86,6 +86,8 @@ def import_runs(
     duplicates: str = "",
     series: str = "",
     sort: bool = False,
+    zone: str = "",
+    sheet: str = "",
     split: bool = False,
     gap: float | None = None,
     overwrite: bool = False,
@@ -123,6 +125,10 @@ def import_runs(
         column of values.
     sort
         Whether rows are put in the order of their times, as of exports newest first.
+    zone
+        The time zone of local times (``Europe/Berlin``), across a beginning or an end of its summer time.
+    sheet
+        Of a workbook, the only sheet to read.
     split
         Whether gaps and a clock that begins anew part runs.
     gap
@@ -171,6 +177,8 @@ def import_runs(
         duplicates=duplicates,
         sort=sort,
         series=series,
+        zone=zone,
+        sheet=sheet,
     )
     planned = plan(paths, choices, file, progress)
     seen(planned)

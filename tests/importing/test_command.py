@@ -134,3 +134,17 @@ def test_what_is_written_is_simulated_and_identified(tmp_path: Path) -> None:
     done = gen("identify", *found.runs, "--model", "parts", "--out", tmp_path / "coeffs.json")
     assert done.returncode == 0, done.stderr
     assert [entry["name"] for entry in json.loads((tmp_path / "coeffs.json").read_text())["components"]] == [part]
+
+
+def test_temperatures_and_input_in_two_files_are_not_joined_and_the_message_says_so(tmp_path: Path) -> None:
+    """Each with a clock of its own, from 0."""
+    true = truth()
+    true.drop(columns="pwm").to_csv(tmp_path / "temps.csv", index=False)
+    true[["time_s", "pwm"]].to_csv(tmp_path / "drive.csv", index=False)
+    for files, said in ((["temps", "drive"], "no column is a motor's PWM"), (["drive", "temps"], "is a part's temp")):
+        done = gen("import", *(f"{name}.csv" for name in files), "--out", "runs", cwd=tmp_path)
+        assert (done.returncode, (tmp_path / "runs").exists()) == (2, False)
+        assert said in done.stderr
+        assert "put beside it first, by times of one clock" in done.stderr
+    alone = gen("import", "temps.csv", "--out", "runs", cwd=tmp_path)
+    assert "put beside it" not in alone.stderr

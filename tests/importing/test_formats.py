@@ -100,6 +100,33 @@ def test_a_json_array(tmp_path: Path) -> None:
     same(taken(write(tmp_path, str(TRUE.to_json(orient="records")), name="log.json"), tmp_path / "runs"), TRUE)
 
 
+COLUMNS = {str(name): TRUE[name].tolist() for name in TRUE}
+RECORDS = TRUE.to_dict("records")
+
+
+@pytest.mark.parametrize("indent", [None, 2])
+@pytest.mark.parametrize(
+    "tree",
+    [
+        {"meta": {"fw": "1"}, "samples": RECORDS},
+        {"samples": RECORDS},
+        {"meta": {"fw": "1", "tags": ["a", "b"]}, "data": {"samples": RECORDS}},
+        {"meta": {"fw": "1"}, **COLUMNS},
+        {"meta": {"fw": "1"}, "data": COLUMNS},
+        {"results": [{"series": [{"name": "motor", "columns": list(COLUMNS), "values": TRUE.to_numpy().tolist()}]}]},
+        {"columns": list(COLUMNS), "index": list(range(len(TRUE))), "data": TRUE.to_numpy().tolist()},
+    ],
+)
+def test_a_table_within_a_json_document(tree: object, indent: int | None, tmp_path: Path) -> None:
+    same(taken(write(tmp_path, json.dumps(tree, indent=indent), name="log.json"), tmp_path / "runs"), TRUE)
+
+
+def test_two_tables_within_a_json_document_are_named(tmp_path: Path) -> None:
+    path = write(tmp_path, json.dumps({"a": RECORDS, "b": {"c": RECORDS[:7]}, "d": 1}), name="log.json")
+    with pytest.raises(InputError, match=r"holds several tables \(\$\.a, \$\.b\.c\); expected one"):
+        take(path, tmp_path / "runs")
+
+
 def test_excel(tmp_path: Path) -> None:
     book = openpyxl.Workbook()
     sheet = book.active
@@ -115,6 +142,91 @@ def test_excel(tmp_path: Path) -> None:
     found = take(tmp_path / "log.xlsx", tmp_path / "runs")
     same(read_run(found.runs[0]), TRUE)
     assert "sheet without a table: Notes" in found.counted().index
+
+
+def workbook(path: Path, sheets: dict[str, list[list[object]]]) -> Path:
+    book = openpyxl.Workbook()
+    book.remove(book.worksheets[0])
+    for name, rows in sheets.items():
+        sheet = book.create_sheet(name)
+        for row in rows:
+            sheet.append(row)
+    book.save(path)
+    return path
+
+
+DATA: list[list[object]] = [[str(name) for name in TRUE], *TRUE.astype(float).to_numpy().tolist()]
+NOISE: list[list[object]] = [[i % 3, i % 5] for i in range(100)]
+INFO: list[list[object]] = [["Motor test 11"], [], ["Operator", "J. Smith"], ["Samples", 120]]
+SUMMARY: list[list[object]] = [["Channel", "Min", "Max"], ["Winding", 21.5, 61.0], ["Casing", 21.0, 33.0]]
+
+
+@pytest.mark.parametrize("mapped", [False, True])
+def test_sheets_that_stand_beside_the_log_are_told_and_left_out(mapped: bool, tmp_path: Path) -> None:
+    path = workbook(tmp_path / "log.xlsx", {"Info": INFO, "Data": DATA, "Summary": SUMMARY})
+    options = {"mapping": tmp_path / "map.toml"} if mapped else {}
+    found = take(path, tmp_path / "runs", **options)
+    assert [run.name for run in found.runs] == ["log.csv"]
+    same(read_run(found.runs[0]), TRUE)
+    assert {"sheet that is no log: Info", "sheet that is no log: Summary"} <= set(found.counted().index)
+    if mapped:
+        same(taken(path, tmp_path / "again", **options), TRUE)
+
+
+def test_of_two_long_sheets_one_can_be_chosen(tmp_path: Path) -> None:
+    path = workbook(tmp_path / "log.xlsx", {"Scope, raw": [["a", "b"], *NOISE], "Data": DATA})
+    with pytest.raises(InputError, match=r"sheet Scope, raw.*or --sheet NAME, of 'Scope, raw', Data, if only one"):
+        take(path, tmp_path / "runs")
+    run = taken(path, tmp_path / "runs", sheet="Data", mapping=tmp_path / "map.toml")
+    same(run, TRUE)
+    same(taken(path, tmp_path / "again", mapping=tmp_path / "map.toml"), TRUE)
+
+
+def test_two_logs_of_other_columns_in_one_workbook_are_two_runs_or_one_is_chosen(tmp_path: Path) -> None:
+    path = workbook(tmp_path / "log.xlsx", {"A": DATA, "B": [row[:3] for row in DATA]})
+    assert [run.name for run in take(path, tmp_path / "two").runs] == ["log_A.csv", "log_B.csv"]
+    with pytest.raises(
+        InputError, match=r"has other columns than .*; or --sheet NAME, of A, B, if only one is the log"
+    ):
+        take(path, tmp_path / "runs", mapping=tmp_path / "map.toml")
+    same(taken(path, tmp_path / "runs", sheet="A"), TRUE)
+
+
+def test_a_sheet_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    path = workbook(tmp_path / "log.xlsx", {"Info": INFO, "Data": DATA})
+    with pytest.raises(InputError, match='--sheet: found "data", expected one of the sheets Info, Data'):
+        take(path, tmp_path / "runs", sheet="data")
+    with pytest.raises(InputError, match='is no workbook; expected one with the sheet "Data"'):
+        take(write(tmp_path, csv()), tmp_path / "runs", sheet="Data")
+
+
+@pytest.mark.parametrize("units", ["header", "row", ""])
+@pytest.mark.parametrize("shown", ["0%", "0.00%", '"a "0 %', "[Red]-0.0%;0.0%"])
+def test_a_share_that_excel_shows_in_percent_is_in_percent(shown: str, units: str, tmp_path: Path) -> None:
+    """A cell that reads 80% holds 0.8."""
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    sheet.append(["t [s]", "Duty [%]" if units == "header" else "Duty", "Winding °C", "Casing °C", "Ambient °C"])
+    if units == "row":
+        sheet.append(["s", "%", "°C", "°C", "°C"])
+    for time, pwm, *rest in TRUE.itertuples(index=False):
+        sheet.append([time, pwm / 255, *rest])
+        sheet.cell(sheet.max_row, 2).number_format = shown
+    book.save(tmp_path / "log.xlsx")
+    same(taken(tmp_path / "log.xlsx", tmp_path / "runs"), TRUE)
+
+
+def test_a_percent_sign_that_a_number_format_only_quotes_changes_nothing(tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    sheet.append(["t [s]", "Duty", "Winding °C"])
+    for time, pwm, winding, *_ in TRUE.itertuples(index=False):
+        sheet.append([time, pwm / 255 * 100, winding])
+        sheet.cell(sheet.max_row, 2).number_format = '0.0"%"'
+    book.save(tmp_path / "log.xlsx")
+    same(taken(tmp_path / "log.xlsx", tmp_path / "runs"), TRUE[["time_s", "pwm", "winding_degC"]])
 
 
 def test_parquet_with_an_index_of_times(tmp_path: Path) -> None:

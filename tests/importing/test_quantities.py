@@ -107,3 +107,30 @@ def test_counts_of_a_timer_propose_their_own_full_scale(tmp_path: Path, highest:
     log = write(tmp_path, f"time,temperature,setpoint,output\n{rows}")
     with pytest.raises(InputError, match=rf"such as --input output --full-scale {scale}$"):
         take(log, tmp_path / "out")
+
+
+def hobo(label: str) -> str:
+    return f"LGR S/N: 10234567, SEN S/N: 10234567{label}"
+
+
+def test_a_unit_before_brackets_that_name_the_sensor_is_read_with_its_label(tmp_path: Path) -> None:
+    """As HOBO loggers write."""
+    heads = [f'"Temp, °F ({hobo(f", LBL: {name}")})"' for name in ("Winding", "Casing", "Room")]
+    begin = '"Plot Title: bench"\n"#","Date Time, GMT-05:00"'
+    duty = f'"Percent, % ({hobo(", LBL: PWM")})"'
+    rows = "".join(
+        f"{i + 1},03/25/24 09:{i // 60:02d}:{i % 60:02d} AM,{68 + 0.9 * i:.1f},{68 + 0.18 * i:.2f},68.0,60\n"
+        for i in range(ROWS)
+    )
+    run = taken(write(tmp_path, f"{begin},{','.join(heads)},{duty}\n{rows}"), tmp_path / "out")
+    np.testing.assert_allclose(run.temps["winding"], 20 + 0.5 * np.arange(ROWS), atol=1e-9)
+    np.testing.assert_allclose(run.temps["casing"], 20 + 0.1 * np.arange(ROWS), atol=1e-9)
+    assert set(run.temps) == {"winding", "casing"}
+    assert run.ambient is not None
+    np.testing.assert_allclose(run.ambient, 20.0)
+    assert set(run.pwm.tolist()) == {153}
+
+
+def test_sensors_without_a_label_keep_their_numbers_apart(tmp_path: Path) -> None:
+    run = run_with(tmp_path, '"Temp, °C (SEN S/N: 12)"', RISING)
+    assert set(run.temps) == {"winding", "sen_s_n_12"}

@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.io import savemat
 
 from gen.errors import InputError
 from gen.runs import read_run
-from tests.importing.logs import TRUE, csv, same, take, taken, write
+from tests.importing.logs import TRUE, csv, same, take, taken, truth, write
 
 
 @pytest.mark.parametrize(
@@ -112,9 +113,73 @@ def test_units_of_time(name: str, unit: str, factor: float, tmp_path: Path) -> N
     same(taken(write(tmp_path, csv(frame)), tmp_path / "runs", **options), TRUE)
 
 
+@pytest.mark.parametrize("name", ["t_min", "time_min", "Elapsed min"])
+def test_minutes_behind_an_underscore_are_minutes_where_they_rise(name: str, tmp_path: Path) -> None:
+    frame = TRUE.assign(time_s=TRUE.time_s / 60).rename(columns={"time_s": name})
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "runs"), TRUE)
+    savemat(tmp_path / "log.mat", {str(head).replace(" ", "_"): frame[head].to_numpy() for head in frame})
+    same(taken(tmp_path / "log.mat", tmp_path / "mat"), TRUE)
+
+
+def test_the_least_of_temperatures_is_no_time(tmp_path: Path) -> None:
+    """It rises and falls, as this does by less than a tenth of its rows."""
+    least = np.round(20.0 + 0.2 * np.arange(len(TRUE)) - 3.0 * (np.arange(len(TRUE)) % 20 == 19), 1)
+    run = taken(write(tmp_path, csv(TRUE.assign(t_min=least))), tmp_path / "runs")
+    same(run, TRUE)
+    np.testing.assert_array_equal(run.temps["min_part"], least)
+
+
+@pytest.mark.parametrize(("origin", "begin"), [(719_529, "matlab"), (25_569, "excel")])
+@pytest.mark.parametrize("name", ["time", "t [d]"])
+def test_days_since_long_ago_count_from_the_first(origin: int, begin: str, name: str, tmp_path: Path) -> None:
+    days = (pd.Timestamp("2024-03-05 09:58:12") - pd.Timestamp("1970-01-01")) / pd.Timedelta(days=1) + origin
+    long = truth(400, 10.0)
+    frame = long.assign(time_s=days + long.time_s / 86_400).rename(columns={"time_s": name})
+    run = taken(write(tmp_path, csv(frame)), tmp_path / "runs")
+    np.testing.assert_allclose(run.time_s, long.time_s, atol=1e-4)
+    assert run.comments["started"] == "2024-03-05T09:58:12.000"
+
+
 def test_milliseconds_without_a_unit_are_told_by_their_steps(tmp_path: Path) -> None:
     frame = TRUE.assign(time_s=(TRUE.time_s * 1000).astype(int)).rename(columns={"time_s": "time"})
     same(taken(write(tmp_path, csv(frame)), tmp_path / "runs"), TRUE)
+
+
+@pytest.mark.parametrize("digits", [2, 4, 15])
+@pytest.mark.parametrize(("step_s", "rows"), [(10, 400), (1, 3000), (5, 400), (20, 400)])
+def test_steps_that_are_plain_in_minutes_only_are_asked_for(
+    step_s: int, rows: int, digits: int, tmp_path: Path
+) -> None:
+    long = truth(rows, step_s)
+    frame = long.assign(time_s=np.round(long.time_s / 60, digits)).rename(columns={"time_s": "time"})
+    path = write(tmp_path, csv(frame))
+    with pytest.raises(InputError, match=rf"{step_s} s in min; settle it by --unit time=s, =ms, =min, =h or =d"):
+        take(path, tmp_path / "runs")
+    run = taken(path, tmp_path / "runs", units={"time": "min"})
+    np.testing.assert_allclose(run.time_s, long.time_s, atol=0.6 * 10.0**-digits * 60 + 1e-6)
+
+
+def test_steps_that_are_plain_in_hours_only_are_asked_for(tmp_path: Path) -> None:
+    long = truth(9000, 10.0)
+    frame = long.assign(time_s=np.round(long.time_s / 3600, 5)).rename(columns={"time_s": "time"})
+    with pytest.raises(InputError, match=r"10 s in h; settle it by --unit time=s"):
+        take(write(tmp_path, csv(frame)), tmp_path / "runs")
+
+
+@pytest.mark.parametrize("step_s", [0.5, 0.25, 0.1, 0.05, 0.125, 0.033, 1.0, 2.0, 2.5])
+def test_steps_that_are_plain_in_seconds_are_seconds(step_s: float, tmp_path: Path) -> None:
+    frame = truth(2000, step_s).assign(time_s=np.round(np.arange(2000) * step_s, 6))
+    found = take(write(tmp_path, csv(frame.rename(columns={"time_s": "time"}))), tmp_path / "runs")
+    same(read_run(found.runs[0]), frame)
+    assert ["taken for s" in text for text in found.warnings] == ([True] if step_s * 1999 < 900 else [])
+
+
+def test_a_log_that_would_be_short_in_seconds_is_said(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(truth(400, 0.5).rename(columns={"time_s": "time"})))
+    warning = "time: 199.5 in all, taken for s, is short for a motor's temperature; if min: --unit time=min"
+    assert [text.partition(": ")[2] for text in take(path, tmp_path / "a").warnings] == [warning]
+    assert take(path, tmp_path / "b", units={"time": "s"}).warnings == []
+    assert taken(path, tmp_path / "c", units={"time": "min"}).time_s[-1] == 199.5 * 60
 
 
 def test_duplicated_times_are_left_out_and_counted(tmp_path: Path) -> None:

@@ -89,6 +89,22 @@ def test_whole_numbers_up_to_a_hundred_may_be_percent_and_are_refused(tmp_path: 
     same(taken(path, tmp_path / "b", units={"pwm": "counts"}), TRUE.assign(pwm=np.where(TRUE.pwm, 80, 0)))
 
 
+@pytest.mark.parametrize("name", ["pwm_percent", "PWM (%)", "Duty cycle %"])
+def test_percent_that_may_be_a_share_of_1_is_refused(name: str, tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE.assign(pwm=np.where(TRUE.pwm, 0.6, 0.0)).rename(columns={"pwm": name})))
+    with pytest.raises(
+        InputError, match=r"in percent by its name, but 0\.\.0\.6, as a share of 1; settle it by --unit"
+    ):
+        take(path, tmp_path / "runs")
+    same(taken(path, tmp_path / "a", units={name: "duty"}), TRUE.assign(pwm=np.where(TRUE.pwm, 153, 0)))
+    same(taken(path, tmp_path / "b", units={name: "percent"}), TRUE.assign(pwm=np.where(TRUE.pwm, 2, 0)))
+
+
+def test_percent_that_is_0_in_all_rows_asks_nothing(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE.assign(pwm=0).rename(columns={"pwm": "PWM [%]"})))
+    assert set(taken(path, tmp_path / "runs").pwm.tolist()) == {0}
+
+
 def test_a_run_file_s_own_pwm_up_to_a_hundred_is_said(tmp_path: Path) -> None:
     path = write(tmp_path, csv(TRUE.assign(pwm=np.where(TRUE.pwm, 100, 0))))
     assert ["--unit pwm=percent" in warning for warning in take(path, tmp_path / "a").warnings] == [True]
@@ -129,6 +145,65 @@ def test_a_power_on_value_alone_is_one_and_a_temperature_that_passes_it_is_none(
     frame.loc[0, "casing_degC"] = np.nan
     same(read_run(found.runs[0]), frame)
     assert found.counted()["count"].tolist() == [1]
+
+
+def bare_log(tmp_path: Path, head: str, values: np.ndarray) -> Path:
+    frame = TRUE[["time_s", "pwm", "winding_degC"]].assign(**{head: values})
+    return write(tmp_path, csv(frame))
+
+
+@pytest.mark.parametrize(
+    ("head", "begin", "end", "value"),
+    [
+        ("casing_K", 295.0, 340.0, 327.67),  # 54.52 degC
+        ("casing_degC", 20.0, 400.0, 327.67),
+        ("casing_degC", 20.0, 1200.0, 999.0),
+        ("casing_degF", 70.0, 190.0, 85.0),
+        ("Speed [rpm]", 0.0, 40_000.0, 32_767.0),
+        ("Torque [Nm]", 0.0, 700.0, 655.35),
+    ],
+)
+def test_a_value_in_the_course_of_those_around_it_is_measured(
+    head: str, begin: float, end: float, value: float, tmp_path: Path
+) -> None:
+    values = np.round(np.linspace(begin, end, len(TRUE)), 2)
+    values[np.argmin(np.abs(values - value))] = value
+    found = take(bare_log(tmp_path, head, values), tmp_path / "runs")
+    assert found.counted().empty
+    columns = read_run(found.runs[0]).columns()
+    name = next(name for name in columns if name not in ("time_s", "pwm", "winding_degC"))
+    assert np.isfinite(columns[name]).all()
+
+
+@pytest.mark.parametrize(("head", "value"), [("casing_K", 655.35), ("casing_degF", -196.6), ("Torque [Nm]", 655.35)])
+def test_an_overflow_of_another_unit_leaps_from_those_around_it(head: str, value: float, tmp_path: Path) -> None:
+    values = np.round(np.linspace(295.0, 300.0, len(TRUE)) - (0 if head.endswith("_K") else 220), 2)
+    values[[7, 8, 60]] = value
+    found = take(bare_log(tmp_path, head, values), tmp_path / "runs")
+    assert found.counted()["count"].tolist() == [3]
+
+
+def test_another_unit_s_overflow_is_none(tmp_path: Path) -> None:
+    """A DS18B20's number for "not connected" in degC is no number of a sensor in degF."""
+    values = np.full(len(TRUE), -20.0)
+    values[50] = -127.0
+    found = take(bare_log(tmp_path, "casing_degF", values), tmp_path / "runs")
+    assert found.counted().empty
+
+
+def test_a_range_at_whose_end_values_stay_is_left_empty_though_they_come_near_it(tmp_path: Path) -> None:
+    values = np.round(np.minimum(np.linspace(20.0, 340.0, len(TRUE)), 327.67), 2)
+    stuck = int((values == 327.67).sum())
+    assert stuck > 3
+    found = take(bare_log(tmp_path, "casing_degC", values), tmp_path / "runs")
+    assert found.counted()["count"].tolist() == [stuck]
+
+
+def test_overflows_of_two_kinds_side_by_side_are_both_left_empty(tmp_path: Path) -> None:
+    values = np.full(len(TRUE), 21.5)
+    values[10:16] = [2047.75, 2048.0] * 3
+    found = take(bare_log(tmp_path, "casing_degC", values), tmp_path / "runs")
+    assert found.counted()["count"].tolist() == [3, 3]
 
 
 def test_another_input_with_its_full_scale(tmp_path: Path) -> None:

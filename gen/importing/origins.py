@@ -1,0 +1,25 @@
+"""Days that are counted from long ago: what a number of them is as an instant."""
+
+from __future__ import annotations
+
+_ORIGINS = (
+    (30_000.0, 60_000.0, -25_569, "days since 1900, as Excel counts"),
+    (700_000.0, 760_000.0, -719_529, "days since the year 0, as MATLAB counts"),
+)
+"""From and to which number of days, what 1970 is in them, and in words."""
+
+
+def days_since(days: float) -> tuple[int, str] | None:
+    """What has to be added to a number of days so that it counts from 1970, and which days they are.
+
+    Parameters
+    ----------
+    days
+        The first of a log.
+
+    Returns
+    -------
+    tuple or None
+        None where it is a duration.
+    """
+    return next(((shift, words) for low, high, shift, words in _ORIGINS if low < days < high), None)
