@@ -145,8 +145,8 @@ def identifications(folder: Path, store: Store, motors: int, *, quick: bool) -> 
 
 
 def scouting_s(store: Store, began: float) -> float:
-    """How long the choice of the form took, s."""
-    return max(path.stat().st_mtime for path in (Path(store.url) / TASKS).glob("suits-*")) - began
+    """How long the choice of the form took, s; nothing where a kept store has it."""
+    return max(0.0, max(path.stat().st_mtime for path in (Path(store.url) / TASKS).glob("suits-*")) - began)
 
 
 def models(store: Store) -> dict[str, bytes]:

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from gen.coefficients import Coefficients
-from gen.errors import InputError
 from gen.identification.network.inputs import held
 from gen.planning.expected import Expected
 from gen.planning.hypotheses import Remaining, remaining
@@ -53,7 +52,6 @@ def plan_run(
     InputError
         For files that are no runs, a network that cannot be refined, or limits that no run can keep.
     """
-    _check_laws(coefficients, file)
     _, data, shape, warnings = prepared(coefficients, paths, progress)
     traced = trace(data, shape, progress)
     progress("what remains")
@@ -110,13 +108,3 @@ def _holds(blocks: PwmArray, block_s: float) -> tuple[tuple[int, float], ...]:
         made.append((int(level), end - begin))
         begin = end
     return tuple(made)
-
-
-def _check_laws(coefficients: Coefficients, file: str | None) -> None:
-    """Refuse a network with laws: along planned runs nobody has measured how warm their ends are."""
-    network = coefficients.model.network
-    assert network is not None
-    for number, law in network.laws:
-        kind = type(law).__name__.lower()
-        place = f"$.network.paths[{number}].{kind}"
-        raise InputError(f"gen plan knows no path with {kind} yet", file=file, place=place)

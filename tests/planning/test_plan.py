@@ -81,6 +81,30 @@ def test_a_healthy_motor_well_known_leaves_nothing_to_be_decided(tmp_path: Path)
     assert done.output.startswith("nothing is to be decided: none alone is left")
 
 
+def test_a_motor_in_still_air_becomes_as_hot_as_its_plan_says(tmp_path: Path) -> None:
+    """What a law carries goes with temperature, a planned run takes it as it went with speed: within 2 K here."""
+    still = tree()
+    casing = still["network"]["paths"][1]
+    rest = casing["conductance_W_per_K"]["at_rest"]
+    law = {"poly": [1.0e-6, -2.0e-4, 0.017, 0.7]}
+    still["network"]["paths"].append(
+        {"between": casing["between"], "conductance_W_per_K": {"poly": [0.4 * rest]}, "convection": law}
+    )
+    casing["conductance_W_per_K"]["at_rest"] = 0.6 * rest
+    (tmp_path / "still.json").write_text(json.dumps(still), encoding="utf-8")
+    for seed in (1, 2):
+        write_run(tmp_path / f"{seed}.csv", run(read(still), seed, noise_K=0.05))
+    runs = [tmp_path / "1.csv", tmp_path / "2.csv"]
+    made = gen.plan(gen.load(tmp_path / "still.json"), runs, hours=2, limit_degC=70.0)
+    made.save(tmp_path / "next.csv")
+    ambient = float(np.mean([value for seed in (1, 2) for value in gen.read_run(runs[seed - 1])["ambient_degC"]]))
+    time, steps = np.arange(0.0, 7200.0, 5.0), parse_profile(str(tmp_path / "next.csv"))
+    pwm = np.array([level for _, level in steps])[np.searchsorted([at for at, _ in steps], time, side="right") - 1]
+    met = NetworkSolution(read(still).model).simulate_times(time, pwm, np.full(time.size, ambient))
+    said = made.details()["hottest_degC"]
+    assert {name: float(values.max()) for name, values in met.items()} == pytest.approx(said, abs=2.0)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -17,6 +17,8 @@ from gen.identification.records import resolution
 from gen.identification.sources import Source
 from gen.runs import Run
 
+MARGIN, LEAST_RISE_K = 0.5, 40.0
+"""Temperatures are described so much of the largest rise beyond the hottest reading; a rise counts as this at least."""
 COARSE = 4.0
 """The search works on bins longer by this factor."""
 
@@ -57,6 +59,22 @@ class NetworkData:
     warnings: tuple[str, ...]
     ambient_unsure_K: float = 0.0
     driving: tuple[Driving, ...] = ()
+
+    @property
+    def highest_degC(self) -> float:
+        """The highest temperature that the model has to describe: that of the runs with a margin."""
+        hottest = max(float(np.nanmax(run.reading)) for run in self.fine if np.isfinite(run.reading).any())
+        return hottest + MARGIN * max(hottest - self.coldest_degC, LEAST_RISE_K)
+
+    @property
+    def coldest_degC(self) -> float:
+        """The lowest ambient of the runs."""
+        return min(float(run.ambient.min()) for run in self.fine)
+
+    @property
+    def widest_K(self) -> float:
+        """The largest difference to the ambient that it has to describe."""
+        return self.highest_degC - self.coldest_degC
 
     @property
     def runs(self) -> list[tuple[str, Run]]:

@@ -13,6 +13,7 @@ from gen.coefficients.document import Accuracy, Ambient, Domain, Validity
 from gen.coefficients.messages import building
 from gen.coefficients.network import (
     ChannelEntry,
+    ConvectionEntry,
     CurveEntry,
     Exp1Curve,
     FactorEntry,
@@ -34,6 +35,7 @@ from gen.identification.network.forecast import Band, bands
 from gen.identification.network.foresight import Foresight, foresight
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.inputs import held, joined, turning
+from gen.identification.network.natural import polynomial
 from gen.identification.network.speed_laws import CONSTANT, WITHIN, Law
 from gen.identification.network.stiffness import slowed
 from gen.identification.network.uncertainty import Spread, spread_of
@@ -44,8 +46,6 @@ HELD_SHARE = 0.05
 """Of the whole time: a |PWM| that is held for longer is named."""
 TWICE = 2.0
 """Standard deviations by which a declared error is widened."""
-MARGIN, LEAST_RISE_K = 0.5, 40.0
-"""Temperatures are declared so much of the largest rise beyond the hottest reading; a rise counts as this at least."""
 
 
 def network_text(result: NetworkFound, settings: Settings, note: str = "") -> tuple[str, Coefficients]:
@@ -152,9 +152,16 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     least_s = FASTEST * settings.sample_time_s
     conductance = slowed(physics.conductance, structure.paths, physics.capacity, least_s)
     for q, (i, j) in enumerate(structure.paths):
-        own = conductance[:, q]
-        curve = _path_curve(structure.laws[q], pwm, own, settings.full_scale)
-        paths.append(PathEntry(between=(names[i], names[j]), conductance_W_per_K=curve))
+        own, ends = conductance[:, q], (names[i], names[j])
+        still = np.zeros_like(own)
+        if physics.natural is not None and j < 0:
+            # A node that is followed as fast as the board can is no surface in still air.
+            still = np.minimum(physics.natural.conductance[:, i], own)
+            entry = ConvectionEntry(poly=tuple(six_digits(float(c)) for c in polynomial(physics.natural.widest)))
+            curve = _path_curve(structure.laws[q], pwm, still, settings.full_scale)
+            paths.append(PathEntry(between=ends, conductance_W_per_K=curve, convection=entry))
+        curve = _path_curve(structure.laws[q], pwm, own - still, settings.full_scale)
+        paths.append(PathEntry(between=ends, conductance_W_per_K=curve))
         loss[[k for k in (i, j) if k >= 0]] += own.max()
     capacity = np.maximum(physics.capacity, least_s * loss)
     nodes = []
@@ -206,8 +213,7 @@ def _domain(result: NetworkFound, full_scale: int) -> Domain:
     data = result.data
     ambients = [float(value) for run in data.fine for value in (run.ambient.min(), run.ambient.max())]
     cold, warm = min([-10.0, *ambients]), max([50.0, *ambients])
-    hottest = max(float(np.nanmax(run.reading)) for run in data.fine if np.isfinite(run.reading).any())
-    top = hottest + MARGIN * max(hottest - min(ambients), LEAST_RISE_K)
+    top = data.highest_degC
     return Domain(
         pwm=(0, full_scale),
         ambient_degC=(math.floor(cold), math.ceil(warm)),

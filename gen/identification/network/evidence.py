@@ -21,10 +21,18 @@ CLEAR = 6.0
 """Twice the logarithm of the ratio of evidences from which it speaks plainly (Kass and Raftery, J. American Statistical
 Association 90, 1995: strong evidence)."""
 
+EXPECTED = 2.0
+"""Twice the logarithm of the odds before any run that a motor stands in still air, where most do: 2.7 to 1."""
+
 
 def clearly_better(one: Found, other: Found) -> bool:
     """Whether the evidence is clearly for one of two networks."""
     return against(other) - against(one) >= CLEAR
+
+
+def likely(natural: Found, without: Found) -> bool:
+    """Whether natural convection is taken: by the evidence, and by what is known before any run."""
+    return against(natural) - against(without) <= EXPECTED
 
 
 def against(found: Found) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from gen.identification.network.bends import BEND
 from gen.identification.network.bins import Binned, FloatArray
 from gen.identification.network.data import NetworkData
-from gen.identification.network.evidence import STIFF, clearly_better
+from gen.identification.network.evidence import STIFF, clearly_better, likely
 from gen.identification.network.inputs import Inputs, inputs_of
 from gen.identification.network.left_out import LeftOut, each_alone, folds_for_nodes, folds_of, left_out
 from gen.identification.network.priors import prior_of
@@ -18,7 +18,7 @@ from gen.identification.network.problem import Problem
 from gen.identification.network.prune import pruned
 from gen.identification.network.rooms import level_of, places_of, unsure_K
 from gen.identification.network.scale import Scale, scale_of
-from gen.identification.network.search import Found, bent, search, tightened
+from gen.identification.network.search import Found, bent, in_still_air, search, tightened
 from gen.identification.network.starts import taken_over
 from gen.identification.network.structure import full
 from gen.identification.network.uncertainty import spread_of
@@ -105,6 +105,12 @@ def identify_network(
     stiff = _best(data, inputs, scale, most_hidden, progress)
     bending = _best(data, inputs, scale, most_hidden, progress, stiff.tried)
     best = stiff if clearly_better(stiff.found, bending.found) else bending
+    if data.ambient_measured:
+        # Where nobody measured the room, it is not known what the difference to it is.
+        progress("natural convection")
+        natural = in_still_air(best.found, data.widest_K, scale)
+        if likely(natural, best.found):
+            best = replace(best, found=natural, judged=left_out(natural, folds_of(inputs)))
     progress("last fit")
     last = _polished(data, best.found, scale)
     return NetworkFound(_with_room(data, last), last, best.judged, inputs, best.candidates)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from gen.identification.network.bins import FloatArray, IntArray
 from gen.identification.network.inputs import Inputs, Levels
+from gen.identification.network.natural import Natural
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +75,8 @@ class Physical:
         What each node's heat grows by with its temperature, shape (L, n), W/K; None for nowhere.
     by_growth
         Its derivatives, W/K.
+    natural
+        What natural convection changes; None where conductances do not depend on temperature.
     """
 
     capacity: FloatArray
@@ -83,6 +86,7 @@ class Physical:
     by_heat: Partial
     growth: FloatArray | None = None
     by_growth: Partial | None = None
+    natural: Natural | None = None
 
 
 def incidence_of(paths: Sequence[tuple[int, int]], nodes: int) -> FloatArray:

@@ -29,6 +29,8 @@ CAPACITY = 100.0
 """J/K."""
 OFFSET_K = 0.7
 """Standard deviation of a sensor's offset, K."""
+NATURAL = (0.0, 1.0)
+"""Logit of natural convection's share of the loss at rest: painted metal loses about as much by radiation."""
 ROOM_K = 1.5
 """Of the level of an unmeasured ambient about what is assumed, K."""
 ROOM_STEP_K = 0.5
@@ -80,6 +82,7 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
         mean[at.start + HEAT.level] = np.log(loss * scale.rise_K / 2.0)
         blocks.append((at, HEAT.bending(structure.bend)))
     mean[structure.feeds] = np.log(loss * scale.rise_K / 2.0)
+    mean[structure.still], deviation[structure.still] = NATURAL
     mean[structure.offsets], deviation[structure.offsets] = 0.0, OFFSET_K
     precision = np.zeros((size, size))
     for r in range(len(inputs.runs)):

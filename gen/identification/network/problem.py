@@ -138,7 +138,7 @@ class Problem(Generic[S_co]):
         steps = steps_of(structure, inputs.levels, found)
         start, room = self._begin(vector)
         before, after = simulate(inputs, steps, found, start, room)
-        slopes, changes = sensitivities(structure, inputs, found, steps, before, room)
+        slopes, changes = sensitivities(structure, inputs, found, steps, (before, after), room)
         old, new = before[:, : structure.sensors], after[:, : structure.sensors]
         at, change = old + inputs.share * (new - old), (new - old) / inputs.width[:, None]
         structure.through_sensors(inputs, vector, slopes, changes)

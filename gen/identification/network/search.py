@@ -104,6 +104,24 @@ def bent(stiff: Found, bend: float, scale: Scale) -> Found:
     return tightened(problem, vector, first, AT_LAST)
 
 
+def in_still_air(without: Found, widest: float, scale: Scale) -> Found:
+    """Let natural convection take a share of what goes to the ambient, and go on from where a network is.
+
+    Parameters
+    ----------
+    without
+        With conductances that do not depend on temperature.
+    widest
+        The largest difference to the ambient that is described, K.
+    scale
+        For the prior.
+    """
+    inputs, structure = without.problem.inputs, replace(without.structure, natural=widest)
+    problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
+    start = taken_over(problem, without.problem, without.vector)
+    return tightened(problem, start, without.density, AT_LAST)
+
+
 def tightened(problem: Problem[Structure], start: FloatArray, of: FloatArray, most: int, rounds: int = 3) -> Found:
     """Fit until the weights agree with what is left.
 

@@ -14,11 +14,15 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.bins import FloatArray, IntArray
 from gen.identification.network.inputs import Inputs, Levels
+from gen.identification.network.natural import Natural
 from gen.identification.network.physics import Physical, Shape
 
 Slopes = NDArray[np.float32]
+
+ROUNDS = 4
+"""Of what natural convection takes within a bin: each leaves a quarter of the error of the one before, or less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,13 +106,56 @@ def simulate(
     driven = (from_ambient[level] * (inputs.ambient + room)[:, None] + from_heat[level])[:, :, None]
     before, after = np.empty_like(driven), np.empty_like(driven)
     matrix = steps.matrix[level]
+    further = _Further(steps, found.natural, level, inputs.ambient + room) if found.natural is not None else None
     current = start[inputs.order][:, :, None]
     for low, high in pairwise(inputs.first.tolist()):
         current = current[: high - low]
         before[low:high] = current
         current = np.matmul(matrix[low:high], current, out=after[low:high])
         current += driven[low:high]
+        if further is not None:
+            current = after[low:high] = further.added(before[low:high, :, 0], current[..., 0], low, high)[:, :, None]
     return before[..., 0], after[..., 0]
+
+
+class _Further:
+    """What natural convection takes within each bin beside conductances that do not depend on temperature.
+
+    It is a heat that goes with the mean of the temperatures at both ends of the bin.
+    """
+
+    def __init__(self, steps: Steps, natural: Natural, level: IntArray, ambient: FloatArray) -> None:
+        self._natural, self._ambient = natural, ambient
+        self._gain, self._conductance = steps.gain[level], natural.conductance[level]
+
+    def heat(self, before: FloatArray, after: FloatArray, rows: slice) -> FloatArray:
+        """At each node, shape (rows, n), W."""
+        difference = 0.5 * (before + after) - self._ambient[rows, None]
+        return np.asarray(-self._conductance[rows] * self._natural.excess(difference))
+
+    def added(self, before: FloatArray, without: FloatArray, low: int, high: int) -> FloatArray:
+        """Temperatures at the end of bins from those without it, shape (rows, n), degC."""
+        rows, after = slice(low, high), without
+        for _ in range(ROUNDS):
+            after = without + np.einsum("rij,rj->ri", self._gain[rows], self.heat(before, after, rows))
+        return after
+
+    def answered(
+        self, structure: Shape, inputs: Inputs, path: tuple[FloatArray, FloatArray], matrix: Slopes, sources: Slopes
+    ) -> tuple[Slopes, Slopes]:
+        """Give each bin's step and what each parameter adds in it, with what that changes of this heat."""
+        before, after = path
+        difference = 0.5 * (before + after) - self._ambient[:, None]
+        by_warmth = -self._gain * (self._conductance * self._natural.slope(difference))[:, None, :]
+        unit = (-self._gain * self._natural.excess(difference)[:, None, :]).astype(np.float32)
+        self._natural.by_conductance.add_to(sources, unit, inputs.level)
+        if inputs.room.shape[-1]:
+            reach = by_warmth.sum(axis=-1)[..., None]
+            sources[..., structure.size + structure.nodes :] -= reach * inputs.room[:, None, :]
+        # The heat goes with both ends of the bin, so the end stands on both sides.
+        half = 0.5 * by_warmth
+        inverse = np.linalg.inv(np.eye(structure.nodes) - half).astype(np.float32)
+        return inverse @ (matrix + half.astype(np.float32)), inverse @ sources
 
 
 def sensitivities(
@@ -116,10 +163,15 @@ def sensitivities(
     inputs: Inputs,
     found: Physical,
     steps: Steps,
-    before: FloatArray,
+    path: tuple[FloatArray, FloatArray],
     room: FloatArray,
 ) -> tuple[Slopes, Slopes]:
     """Derivatives of the sensed nodes' temperatures at the readings' time.
+
+    Parameters
+    ----------
+    path
+        Temperatures at the beginning and at the end of each bin, shape (N, n) each, degC.
 
     Returns
     -------
@@ -129,12 +181,16 @@ def sensitivities(
     changes
         The same of the changes in each bin of what lagging sensors read, shape (N, lagging, p), 1/s.
     """
-    sources = sources_of(structure, inputs, found, steps, before, room)
+    further = _Further(steps, found.natural, inputs.level, inputs.ambient + room) if found.natural is not None else None
+    more = None if further is None else further.heat(*path, slice(None))
+    sources = sources_of(structure, inputs, found, steps, path[0], room, more)
     nodes, sensors = structure.nodes, structure.sensors
     made = np.empty((inputs.level.size, sensors, sources.shape[-1]), dtype=np.float32)
     current = np.zeros((len(inputs.runs), nodes, sources.shape[-1]), dtype=np.float32)
     current[:, :, structure.size : structure.size + nodes] = np.eye(nodes)
     matrix = steps.matrix.astype(np.float32)[inputs.level]
+    if further is not None:
+        matrix, sources = further.answered(structure, inputs, path, matrix, sources)
     lagging = list(structure.lagging)
     changes = np.empty((inputs.level.size, len(lagging), sources.shape[-1]), dtype=np.float32)
     late = inputs.share.astype(np.float32)[:, :, None]
@@ -154,15 +210,26 @@ def sensitivities(
 
 
 def sources_of(
-    structure: Shape, inputs: Inputs, found: Physical, steps: Steps, before: FloatArray, room: FloatArray
+    structure: Shape,
+    inputs: Inputs,
+    found: Physical,
+    steps: Steps,
+    before: FloatArray,
+    room: FloatArray,
+    further: FloatArray | None = None,
 ) -> Slopes:
-    """Give what each parameter adds to the temperatures within one bin, shape (N, n, p); affine in `before`."""
+    """Give what each parameter adds to the temperatures within one bin, shape (N, n, p).
+
+    It is affine in `before`, and in `further`: heat at each node that does not go with the input, shape (N, n), W.
+    """
     level = inputs.level
     nodes = structure.nodes
     root = np.sqrt(found.capacity)
     ambient = inputs.ambient + room
     turned = np.swapaxes(steps.vectors, 1, 2)
     outside = steps.outside[level] * ambient[:, None] + found.heat[level]
+    if further is not None:
+        outside = outside + further
     own = turned[level]
     modal = (own @ (before * root)[..., None])[..., 0]
     forced = (own @ (outside / root)[..., None])[..., 0]

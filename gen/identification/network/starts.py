@@ -85,6 +85,8 @@ def taken_over(problem: Problem[Structure], before: Problem[Structure], found: F
     for (column, node), feed in zip(structure.fed, structure.feeds.tolist(), strict=True):
         if (column, number.get(node, -2)) in feeds:
             vector[feed] = found[feeds[column, number[node]]]
+    if structure.natural and old.natural:
+        vector[structure.still] = found[old.still]
     vector[structure.offsets] = found[old.offsets]
     own, mine = before.per_run(found), problem.per_run(vector)
     mine[:, [i for i, _ in nodes]] = own[:, [k for _, k in nodes]]

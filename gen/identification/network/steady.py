@@ -10,6 +10,9 @@ from gen.identification.network.bins import FloatArray
 from gen.identification.network.inputs import Levels
 from gen.identification.network.physics import Physical, Shape
 
+ROUNDS = 6
+"""Of Newton's method, from where the network would settle without natural convection."""
+
 
 @dataclass(frozen=True, eq=False)
 class Settled:
@@ -22,7 +25,7 @@ class Settled:
     slopes
         Derivatives by the parameters that all runs share, shape (L, n, p).
     laplacian
-        Conductances as a matrix, shape (L, n, n), W/K.
+        What flows out by each temperature there, shape (L, n, n), W/K.
     physics
         Conductances and heats.
     """
@@ -34,14 +37,27 @@ class Settled:
 
 
 def settled(structure: Shape, levels: Levels, vector: FloatArray) -> Settled:
-    """Solve L x = P at each speed; a path's derivative takes out what flows through it."""
+    """Solve L x = P at each speed, with natural convection by Newton's method.
+
+    A path's derivative takes out what flows through it.
+    """
     physics = structure.physical(levels, vector)
     incidence, nodes = structure.incidence, structure.nodes
     laplacian = np.einsum("lq,qi,qj->lij", physics.conductance, incidence, incidence, optimize=True)
     inverse = np.linalg.inv(laplacian)
     rise = np.einsum("lij,lj->li", inverse, physics.heat)
+    natural, own, slope = physics.natural, np.arange(nodes), laplacian
+    if natural is not None:
+        for _ in range(ROUNDS):
+            lost = np.einsum("lij,lj->li", laplacian, rise) + natural.conductance * natural.excess(rise)
+            slope = laplacian.copy()
+            slope[:, own, own] += natural.conductance * natural.slope(rise)
+            inverse = np.linalg.inv(slope)
+            rise = rise + np.einsum("lij,lj->li", inverse, physics.heat - lost)
     slopes = np.zeros((levels.count, nodes, structure.size))
     by_flow = -(inverse @ incidence.T) * (rise @ incidence.T)[:, None, :]
     physics.by_path.add_to(slopes, by_flow)
     physics.by_heat.add_to(slopes, inverse)
-    return Settled(rise, slopes, laplacian, physics)
+    if natural is not None:
+        natural.by_conductance.add_to(slopes, -inverse * natural.excess(rise)[:, None, :])
+    return Settled(rise, slopes, slope, physics)

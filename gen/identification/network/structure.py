@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gen.identification.network.bends import BEND
 from gen.identification.network.bins import FloatArray, IntArray
 from gen.identification.network.inputs import Inputs, Levels
+from gen.identification.network.natural import Natural
 from gen.identification.network.physics import Partial, Physical, incidence_of, outer_of
 from gen.identification.network.plausible import off
 from gen.identification.network.speed_laws import CONSTANT, HEAT, OUTSIDE, WITHIN, Law
@@ -41,6 +42,8 @@ class Structure:
         Heats by a measured column: its place among what else drives the motor, and the node.
     bend
         How far curves over speed bend: the prior's standard deviation of the logarithm (see `bends`).
+    natural
+        The widest difference for which natural convection is described, K; 0 where nothing goes by it (see `natural`).
     """
 
     sensed: tuple[str, ...]
@@ -50,6 +53,7 @@ class Structure:
     constant: frozenset[int] = frozenset()
     fed: tuple[tuple[int, int], ...] = ()
     bend: float = BEND
+    natural: float = 0.0
 
     @property
     def nodes(self) -> int:
@@ -144,8 +148,17 @@ class Structure:
         return self._end + np.arange(len(self.sensed))
 
     @property
-    def _end(self) -> int:
+    def still(self) -> IntArray:
+        """Of natural convection's share at rest, a logit, shape (1,), or (0,) where there is none."""
+        return self._fed_end + np.arange(int(self.natural > 0.0))
+
+    @property
+    def _fed_end(self) -> int:
         return self.nodes + self.path_of.size + HEAT.size * len(self.heated) + len(self.fed)
+
+    @property
+    def _end(self) -> int:
+        return self._fed_end + int(self.natural > 0.0)
 
     @property
     def size(self) -> int:
@@ -184,9 +197,38 @@ class Structure:
             by_path=Partial(self.path_of, np.arange(self.nodes, last), by_term),
             by_heat=Partial(
                 np.array(heated, dtype=np.int64),
-                np.arange(last, self._end),
+                np.arange(last, self._fed_end),
                 np.hstack([by_heat.reshape(levels.count, -1), by_feed]),
             ),
+            natural=self._natural(levels, vector) if self.natural else None,
+        )
+
+    def _natural(self, levels: Levels, vector: FloatArray) -> Natural:
+        """What goes by natural convection from each node with a path to the ambient."""
+        outer = [q for q, law in enumerate(self.laws) if law is OUTSIDE]
+        places = _places([self.conductances[q] for q in outer])
+        logs, slopes = OUTSIDE.turning(levels.speed, vector[places])
+        log_at_rest, slopes_at_rest = OUTSIDE.at_rest(vector[places])
+        share = 1.0 / (1.0 + np.exp(-vector[self.still[0]]))
+        turn, rest = 1.0 - levels.rest[:, None], levels.rest[:, None]
+        # No more than a share of what is there: where moved air took less than still air did, of that.
+        less = np.minimum(log_at_rest - logs, 0.0)
+        moved = share * turn * np.exp(np.minimum(logs + 3.0 * less, LARGEST))
+        still = share * rest * np.exp(np.minimum(log_at_rest, LARGEST))
+        falling = (less < 0.0)[..., None]
+        by_moved = np.where(falling, 3.0 * slopes_at_rest - 2.0 * slopes, slopes)
+        by_own = moved[..., None] * by_moved + still[..., None] * slopes_at_rest
+        nodes = np.array([self.paths[q][0] for q in outer])
+        conductance = np.zeros((levels.count, self.nodes))
+        conductance[:, nodes] = moved + still
+        return Natural(
+            conductance,
+            Partial(
+                np.concatenate([np.repeat(nodes, OUTSIDE.size), nodes]),
+                np.concatenate([places.ravel(), np.repeat(self.still, nodes.size)]),
+                np.hstack([by_own.reshape(levels.count, -1), (1.0 - share) * conductance[:, nodes]]),
+            ),
+            self.natural,
         )
 
     def fed_W(self, levels: Levels, vector: FloatArray) -> FloatArray:

@@ -13,6 +13,7 @@ from gen.identification.network.document import measured_range, rest_was_measure
 from gen.identification.network.forecast import bands
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.inputs import held
+from gen.identification.network.natural import USUAL_K
 from gen.identification.network.resting import REST_S, rested
 from gen.identification.network.uncertainty import Spread, Steady, spread_of, steady_of, undetermined
 
@@ -185,6 +186,7 @@ class Summary:
             "warnings": self.warnings(),
             "hidden_nodes": structure.hidden,
             "curves_bend": structure.bend == BEND,
+            "natural_convection": self._natural(),
             "candidates": [vars(candidate) for candidate in result.candidates],
             "left_out_K": result.judged.score_K,
             "longest_hold_s": longest,
@@ -199,6 +201,16 @@ class Summary:
                 *undetermined(result.found, self.spread, [one.column for one in result.data.driving]),
             ],
         }
+
+    def _natural(self) -> dict[str, Any] | None:
+        """Natural convection's share of what surfaces lose at rest, or None where no part of it is told apart."""
+        found = self.result.found
+        if not found.structure.natural:
+            return None
+        place = found.structure.still[0]
+        logit, deviation = float(found.vector[place]), float(self.spread.deviation[place])
+        middle, low, high = (1.0 / (1.0 + np.exp(-(logit + by * deviation))) for by in (0.0, -INTERVAL, INTERVAL))
+        return {"share_at_rest": {"value": float(middle), "interval": [float(low), float(high)]}, "at_K": USUAL_K}
 
     def _component(self, s: int, name: str) -> dict[str, Any]:
         result, steady = self.result, self.steady
@@ -289,6 +301,7 @@ class Summary:
             f"network of {structure.nodes} nodes, {structure.hidden} of them hidden, {len(structure.paths)} paths, "
             f"{len(structure.heated) + len(structure.fed)} heats{self._by_columns()}",
             f"  over speed they {BENDING if structure.bend == BEND else POWERS}",
+            *_in_still_air(whole["natural_convection"]),
             "  hidden nodes  error on data left out (K)",
             *(f"  {c.hidden:>12}  {c.left_out_K:.2f}" for c in self.result.candidates),
             "part        in the runs (K)  left out (K)  steady rise (K) by PWM",
@@ -347,3 +360,14 @@ def _interval(value: float, sd: float) -> list[float]:
 def _factor(log: float, sd: float) -> dict[str, Any]:
     bound = INTERVAL * min(sd, 5.0)
     return {"value": float(np.exp(log)), "interval": [float(np.exp(log - bound)), float(np.exp(log + bound))]}
+
+
+def _in_still_air(natural: dict[str, Any] | None) -> list[str]:
+    if natural is None:
+        return []
+    share = natural["share_at_rest"]
+    low, high = share["interval"]
+    return [
+        f"  {share['value']:.0%} ({low:.0%} to {high:.0%}) of what surfaces lose at rest goes by natural convection, "
+        "which grows with their rise"
+    ]

@@ -29,8 +29,8 @@ from tests.identification.network.plant import ROOM, TWO, holds
 NAMES = ("a", "b")
 
 
-@pytest.fixture(scope="module")
-def problem() -> Problem[Structure]:
+@pytest.fixture(scope="module", params=[0.0, 60.0], ids=["forced", "natural"])
+def problem(request: pytest.FixtureRequest) -> Problem[Structure]:
     """Runs of different lengths, one of them without a measured ambient, one with PWM that changes all the time."""
     rng = np.random.default_rng(1)
     runs = []
@@ -44,7 +44,7 @@ def problem() -> Problem[Structure]:
         runs.append(binned(f"r{number}", Run(time, pwm, temps), NAMES, ambient, 255))
     inputs = inputs_of(runs)
     inputs = replace(inputs, weight=weights(inputs, np.full(2, 10.0)))
-    structure = full(NAMES, 1)
+    structure = replace(full(NAMES, 1), natural=request.param)
     return Problem(structure, inputs, prior_of(structure, inputs, scale_of(inputs)))
 
 
