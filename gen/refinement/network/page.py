@@ -16,6 +16,7 @@ from gen.refinement.network.refine import NetworkRefinement
 from gen.refinement.network.trace import Step
 from gen.refinement.run_charts import run_pictures
 from gen.refinement.run_tables import error_rows, short_names, totals
+from gen.refinement.worse import TOLD
 
 _SENTENCES = {
     "explained": "With what is below, what is left on what was left out is near the sensors' noise.",
@@ -45,7 +46,7 @@ def network_refinement_page(found: NetworkRefinement, baseline: Coefficients, re
         name=baseline.name,
         input_meaning=baseline.document.input.meaning,
         verdict=found.verdict,
-        sentence=_SENTENCES[found.verdict],
+        sentence=_SENTENCES[found.verdict] + (TOLD if found.tests_worse else ""),
         judged_on=found.judged_on,
         warnings=found.warnings,
         pictures=pictures,
