@@ -55,6 +55,7 @@ def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
         "input_meaning": baseline.document.input.meaning,
         "verdict": found.verdict,
         "sentence": _SENTENCES[found.verdict].format(left_out=_left_out(found)) + (TOLD if found.tests_worse else ""),
+        "changed": found.after is not found.before,
         "judged_on": found.judged_on,
         "left_out": _left_out(found),
         "pictures": pictures,

@@ -51,6 +51,7 @@ def network_refinement_page(found: NetworkRefinement, baseline: Coefficients, re
         warnings=found.warnings,
         pictures=pictures,
         not_drawn=not_drawn,
+        changed=found.after is not found.before,
         drawings=_drawings(found, baseline, refined),
         steps=_steps(found),
         effects=[_effect(effect) for effect in found.effects],
@@ -100,15 +101,17 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
 
 
 def _drawings(found: NetworkRefinement, baseline: Coefficients, refined: Coefficients) -> list[Markup]:
-    """The network before and after, in one arrangement; once where nothing was added."""
+    """The network before and after; once where the file is as it was."""
     old, new = baseline.model.network, refined.model.network
     assert old is not None
     assert new is not None
+    if refined is baseline:
+        return [network_svg("network", "The network", *_drawn(old, old, set()))]
     named = {effect["component"] for effect in found.effects}
-    after = network_svg("network-after", "The network as refined", *_drawn(new, old, named))
-    if found.text and not found.effects:
-        return [network_svg("network", "The network", *_drawn(new, new, set()))]
-    return [network_svg("network-before", "The network before", *_drawn(old, old, set())), after]
+    return [
+        network_svg("network-before", "The network before", *_drawn(old, old, set())),
+        network_svg("network-after", "The network as refined", *_drawn(new, old, named)),
+    ]
 
 
 def _drawn(network: Network, before: Network, named: set[str]) -> tuple[list[DrawnNode], list[DrawnPath]]:
