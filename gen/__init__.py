@@ -8,11 +8,10 @@ what a function needs is imported when it is called.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from gen.errors import CheckFailed, InputError
-from gen.version import __version__
 
+TYPE_CHECKING = False
+"""As type checkers know it: `typing` itself would have to be imported before the command can take an interrupt."""
 if TYPE_CHECKING:
     from gen.interface import (
         Build,
@@ -35,6 +34,7 @@ if TYPE_CHECKING:
         simulate,
         verify,
     )
+    from gen.version import __version__
 
 __all__ = [
     "Build",
@@ -63,9 +63,13 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """Import the interface when it is first used."""
+    """Import the interface when it is first used; the version, too, for which the package's metadata is looked up."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name == "__version__":
+        from gen.version import __version__
+
+        return __version__
     from gen import interface
 
     return getattr(interface, name)

@@ -28,14 +28,13 @@ from gen.commands.simulate import simulate
 from gen.commands.thresholds import thresholds
 from gen.commands.verify import verify
 from gen.errors import CheckFailed, InputError
-from gen.version import __version__
 
 # The matrices are small: threads of the linear algebra library would only wait for each other. Set before numpy loads.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="gen")
+@click.version_option(package_name="gen-thermal", prog_name="gen")
 def cli() -> None:
     """Turn identified motor-temperature coefficients into proven firmware for the Arduino Mega 2560."""
 
@@ -67,8 +66,11 @@ def main() -> None:
             cli.main(standalone_mode=False)
         except (click.exceptions.Abort, KeyboardInterrupt):
             _interrupted(came)
-        except click.ClickException as error:
+        except click.exceptions.NoArgsIsHelpError as error:
             error.show()
+            sys.exit(2)
+        except click.ClickException as error:
+            click.echo(f"error: {_one_line(_usage(error))}", err=True)
             sys.exit(2)
         except click.exceptions.Exit as error:
             sys.exit(error.exit_code)
@@ -119,6 +121,18 @@ def _interruptible() -> Iterator[list[int]]:
 def _interrupted(came: list[int]) -> NoReturn:
     click.echo("interrupted", err=True)
     sys.exit(128 + (came[0] if came else signal.SIGINT))
+
+
+def _usage(error: click.ClickException) -> str:
+    """What is wrong with the arguments, as all other messages have it: the place first; last where to read more."""
+    said, context = error.format_message(), error.ctx if isinstance(error, click.UsageError) else None
+    if isinstance(error, click.BadParameter) and not isinstance(error, click.MissingParameter):
+        named = error.param_hint or (error.param.get_error_hint(context) if error.param and context else "")
+        place = (named if isinstance(named, str) else ", ".join(named)).replace("'", "")
+        said = f"{place}: {error.message}" if place else error.message
+    said = " ".join(said.split()).rstrip(".")
+    hint = f" ({context.command_path} --help)" if context is not None else ""
+    return f"{said[:1].lower()}{said[1:]}{hint}"
 
 
 def _one_line(text: str) -> str:

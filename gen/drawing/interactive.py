@@ -25,6 +25,8 @@ _FEW = 4
 """So many runs are drawn by the graphics card; a browser lends it to some sixteen drawings, and a run takes three."""
 _POINTS_OF_MANY = 4_000
 _PANEL_PX, _ROW_PX, _HEAD_PX, _FOOT_PX, _GAP_PX = 95, 22, 60, 55, 14
+_LINE_PX = 15
+"""Of a label of an axis."""
 
 
 def page_html(sections: Sequence[Section], title: str) -> str:
@@ -115,7 +117,12 @@ def _layout(section: Section) -> tuple[dict[str, Any], list[tuple[float, float]]
     lowest = len(heights)
     layout: dict[str, Any] = {
         "height": inner + _HEAD_PX + _FOOT_PX,
-        "margin": {"l": 70, "r": 20, "t": _HEAD_PX, "b": _FOOT_PX},
+        "margin": {
+            "l": 55 + _LINE_PX * max(len(panel.label_lines) for panel in section.panels),
+            "r": 20,
+            "t": _HEAD_PX,
+            "b": _FOOT_PX,
+        },
         "paper_bgcolor": "rgba(0,0,0,0)",
         "plot_bgcolor": "rgba(0,0,0,0)",
         "modebar": {"bgcolor": "rgba(0,0,0,0)", "color": INK, "activecolor": COLOURS[0]},
@@ -140,7 +147,8 @@ def _layout(section: Section) -> tuple[dict[str, Any], list[tuple[float, float]]
 
 
 def _axis(panel: Panel, domain: tuple[float, float]) -> dict[str, Any]:
-    return {"domain": domain, "anchor": "x", "title": {"text": _text(panel.short_label), "font": {"size": 12}}}
+    label = "<br>".join(_text(line) for line in panel.label_lines)
+    return {"domain": domain, "anchor": "x", "title": {"text": label, "font": {"size": 12}}}
 
 
 def _text(name: str) -> str:

@@ -106,7 +106,7 @@ def _panel(section: Section, panel: Panel, axes: Axes, seconds: float) -> None:
         alone = lonely(y)
         if curve.role == "measured" and alone.any():
             axes.plot(x[alone] / seconds, y[alone], ".", color=ink, markersize=2.0, markeredgewidth=0.0)
-    _plain(axes.yaxis.label, panel.short_label)
+    _plain(axes.yaxis.label, "\n".join(panel.label_lines))
     axes.yaxis.label.set_fontsize(9 if panel.weight > 1.0 else 7)
     axes.yaxis.set_major_locator(
         mpl.ticker.MaxNLocator(nbins=max(2, round(2.0 * panel.weight)), min_n_ticks=2, steps=[1, 2, 2.5, 5, 10])

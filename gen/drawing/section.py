@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,7 +14,9 @@ Role = Literal["measured", "model", "band", "held"]
 
 _LONGEST = 48
 _LETTERS = 17
-"""Of a label, along an axis of a panel of weight 1."""
+"""Of one line of a label, along an axis of a panel of weight 1."""
+_MOST_LINES = 6
+"""Of a label; what is longer than these is cut."""
 _UNITS = ((180.0, "s", 1.0), (7200.0, "min", 60.0), (float("inf"), "h", 3600.0))
 """Up to which length of a run, s: the axis's unit, and how many seconds it has."""
 
@@ -67,10 +70,20 @@ class Panel:
     zero: bool = False
 
     @property
-    def short_label(self) -> str:
-        """The label, as much of it as its axis has room for."""
+    def label_lines(self) -> tuple[str, ...]:
+        """The label in as many lines as its axis needs: parted at spaces and after underscores, else anywhere."""
         most = int(self.weight * _LETTERS)
-        return self.label if len(self.label) <= most else f"{self.label[: most - 1]}…"
+        made = [""]
+        for piece in re.findall(r"[^\s_]+_*\s*|[\s_]+", self.label):
+            if made[-1] and len(made[-1]) + len(piece.rstrip()) > most:
+                made.append("")
+            made[-1] += piece
+            while len(made[-1].rstrip()) > most:
+                made[-1:] = [made[-1][:most], made[-1][most:]]
+        lines = [line.strip() for line in made]
+        if len(lines) > _MOST_LINES:
+            lines[_MOST_LINES - 1 :] = [f"{lines[_MOST_LINES - 1][: most - 1]}…"]
+        return tuple(lines)
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from itertools import pairwise
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -39,7 +40,9 @@ def parse_number(text: str, option: str, what: str) -> float:
     return number
 
 
-def parse_signal(text: str, option: str, *, column: str, straight: bool) -> Signal:
+def parse_signal(
+    text: str, option: str, *, column: str, straight: bool, within: tuple[float, float] = (-inf, inf)
+) -> Signal:
     """Read a quantity over time: ``30``, ``0:30,3600:32``, or a CSV with ``time_s``, ``pwm`` and a column.
 
     Parameters
@@ -50,6 +53,8 @@ def parse_signal(text: str, option: str, *, column: str, straight: bool) -> Sign
         The CSV's column.
     straight
         Whether it moves in straight lines from time to time; else each value holds until the next time.
+    within
+        The least and the largest value that can be.
 
     Raises
     ------
@@ -58,7 +63,9 @@ def parse_signal(text: str, option: str, *, column: str, straight: bool) -> Sign
     """
     if re.fullmatch(r"[-+\d.:,eE\s]+", text):
         if ":" not in text:
-            return parse_number(text, option, "a number, pairs time:value, or a CSV file")
+            number = parse_number(text, option, "a number, pairs time:value, or a CSV file")
+            _check_within([number], within, option)
+            return number
         pairs = [pair.split(":") for pair in text.split(",")]
         if any(len(pair) != 2 for pair in pairs):
             raise InputError(f'found "{text}", expected pairs such as 0:30,3600:32', place=option)
@@ -76,9 +83,17 @@ def parse_signal(text: str, option: str, *, column: str, straight: bool) -> Sign
         times, values = run.time_s[known].tolist(), measured[known].tolist()
     if not times or any(b <= a for a, b in pairwise(times)):
         raise InputError("expected times that grow", place=option)
+    _check_within(values, within, option)
     if straight:
         return lambda t: float(np.interp(t, times, values))
     return lambda t: values[max(0, bisect_right(times, t) - 1)]
+
+
+def _check_within(values: Sequence[float], within: tuple[float, float], option: str) -> None:
+    low, high = within
+    for value in values:
+        if not low <= value <= high:
+            raise InputError(f"found {value:g}, expected {low:g} to {high:g}", place=option)
 
 
 def parse_start(text: str | None, parts: Collection[str]) -> dict[str, float] | Ran:

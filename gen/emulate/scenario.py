@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from gen.emulate.model_plant import ModelPlant
 
 RIG, MODEL = "rig", "model"
+ROOMS = (-273.15, 1000.0)
+"""Ambients that can be, degC; `--ambient` of the other commands has the same."""
 
 
 @dataclass(frozen=True)
@@ -187,7 +189,7 @@ def _about(plant: ModelPlant, motor: Coefficients) -> str:
 
 
 def _surroundings(scenario: Scenario) -> tuple[Signal, Mapping[str, Signal]]:
-    ambient = parse_signal(scenario.ambient, "--ambient", column="ambient_degC", straight=True)
+    ambient = parse_signal(scenario.ambient, "--ambient", column="ambient_degC", straight=True, within=ROOMS)
     return ambient, parse_told(scenario.channels)
 
 

@@ -16,7 +16,7 @@ from gen.errors import CheckFailed, InputError
 from gen.fleet.common import Common, keep, kept
 from gen.fleet.fitting import fitted_in_common, mean_model, model_in_common
 from gen.fleet.models import COMMON, model_path, with_model, write_identified
-from gen.fleet.motor_data import data_of, usable
+from gen.fleet.motor_data import check_inputs, data_of, usable
 from gen.fleet.pooling import Told, pooled
 from gen.fleet.scouting import as_lists, common_form, scouts_of
 from gen.fleet.store import Kept, Store
@@ -84,11 +84,13 @@ def identify_fleet(store: Store, options: Options, workers: Workers, progress: P
     Raises
     ------
     InputError
-        When the store has no runs.
+        When the store has no runs, or runs that were driven by different inputs.
     CheckFailed
         When none of the scouts can be identified, or no motor can be fitted in the common form.
     """
     runs = runs_of(store, options.until)
+    progress("inputs")
+    check_inputs(store, runs)
     lines: list[str] = []
     with workers_of(store, workers) as client:
         if options.only_new:

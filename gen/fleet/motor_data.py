@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gen.errors import CheckFailed, InputError
 from gen.fleet.store import Kept, Store
+from gen.identification.drive import agreed
 from gen.identification.network.bins import Binned
 from gen.identification.network.data import NetworkData, make_network_data
 from gen.identification.sources import MOST_ROWS, Source
@@ -42,12 +43,41 @@ def usable(store: Store, kept: Sequence[Kept]) -> Usable:
         except InputError as error:
             lines.append(str(error))
             continue
-        faults = declared_faults(run.comments)
-        if faults or called_unhealthy(run.comments):
+        if not healthy(run.comments):
+            faults = declared_faults(run.comments)
             lines.append(f"{each.path}: is left out: it says fault {', '.join(faults) or 'without a name'}")
         else:
             sources.append(Source(each.path, run))
     return Usable(tuple(sources), tuple(lines))
+
+
+def healthy(comments: Mapping[str, str]) -> bool:
+    """Whether a run does not say that its motor had a fault."""
+    return not declared_faults(comments) and not called_unhealthy(comments)
+
+
+def check_inputs(store: Store, runs: Mapping[str, Sequence[Kept]]) -> None:
+    """Check, before anything is fitted, that all runs that would be were driven by one quantity of one full scale.
+
+    Raises
+    ------
+    InputError
+        For a run that says another input than one before it, of whatever motor.
+    """
+    agreed(
+        (f"{store.url}/{kept.path}", comments)
+        for motor in sorted(runs)
+        for kept in runs[motor]
+        if healthy(comments := _comments(store, kept))
+    )
+
+
+def _comments(store: Store, kept: Kept) -> dict[str, str]:
+    """What a run says; nothing, where it cannot be read: that is a line of its own later."""
+    try:
+        return store.comments(kept)
+    except InputError:
+        return {}
 
 
 def read(store: Store, kept: Kept) -> Run:

@@ -11,7 +11,7 @@ import hashlib
 import io
 import json
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -68,6 +68,23 @@ def from_bytes(data: bytes, file: str) -> Run:
         if said["version"] != VERSION:
             raise InputError(f"found version {said['version']}, expected {VERSION}", file=file, place=KEY.decode())
         return _run(said, {name: table.column(name).to_numpy() for name in table.column_names})
+    except (pa.ArrowException, OSError, KeyError, ValueError, TypeError) as error:
+        raise InputError(f"is no run of a store: {error}", file=file) from error
+
+
+def comments_from(stream: BinaryIO, file: str) -> dict[str, str]:
+    """Give a run's comments; of a file that can be sought in only its end is read.
+
+    Raises
+    ------
+    InputError
+        When it is no run of a store.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        return dict(json.loads((pq.read_schema(stream).metadata or {})[KEY])["comments"])
     except (pa.ArrowException, OSError, KeyError, ValueError, TypeError) as error:
         raise InputError(f"is no run of a store: {error}", file=file) from error
 

@@ -20,7 +20,7 @@ from typing import Any
 
 from gen.errors import InputError
 from gen.fleet.names import stem_of
-from gen.fleet.run_bytes import content_hash, from_bytes, to_bytes
+from gen.fleet.run_bytes import comments_from, content_hash, from_bytes, to_bytes
 from gen.runs import Run
 
 RUNS, MODELS, TASKS, INCOMING = "runs", "models", "tasks", ".incoming"
@@ -203,6 +203,12 @@ class Store:
             When it cannot be read, or is none.
         """
         return from_bytes(self.read(kept.path), f"{self.url}/{kept.path}")
+
+    def comments(self, kept: Kept) -> dict[str, str]:
+        """Read what a run says of itself, without its rows; raises as :meth:`run` does."""
+        files, root = self._now
+        with self._naming(kept.path), files.open(f"{root}/{kept.path}", "rb") as stream:
+            return comments_from(stream, f"{self.url}/{kept.path}")
 
     @contextmanager
     def _naming(self, path: str) -> Iterator[None]:

@@ -16,6 +16,7 @@ from gen.identification.ambients import ambients_of
 from gen.identification.believed import believed_run
 from gen.identification.drive import common_drive
 from gen.identification.records import Record, condense
+from gen.identification.room_followers import followers
 from gen.identification.sources import Source, read_sources
 from gen.identification.structure import FloatArray
 from gen.runs import Run
@@ -94,7 +95,7 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
             raise InputError(f"found {count} row(s), expected at least {FEWEST} to identify from", file=source.path)
     ambients, _ = ambients_of(sources, ambient, warnings)
     records = _records(sources, names, ambients, warnings)
-    warnings += _fahrenheit(records)
+    warnings += [*_fahrenheit(records), *followers(sources, list(records))]
     measured = all(s.run.ambient is not None and np.isfinite(s.run.ambient).any() for s in sources)
     fixed = next((a for a in ambients if isinstance(a, float)), ambient)
     return Data(tuple(sources), records, fixed, measured, tuple(dict.fromkeys(warnings)))

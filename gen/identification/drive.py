@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from gen.coefficients.document import Input, StandsFor
 from gen.errors import InputError
@@ -42,9 +42,14 @@ def common_drive(runs: Iterable[tuple[str, Run]]) -> Drive | None:
     InputError
         For a run that says another quantity, or another full scale, than one before it.
     """
+    return agreed((path, run.comments) for path, run in runs)
+
+
+def agreed(comments: Iterable[tuple[str, Mapping[str, str]]]) -> Drive | None:
+    """The same from the runs' comments alone, by path."""
     first: tuple[str, Drive] | None = None
-    for path, run in runs:
-        found = drive_of(run.comments)
+    for path, said in comments:
+        found = drive_of(said)
         if found is None:
             continue
         if first is None:

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 _COLOURS = ("#0b62a8", "#c4520a", "#1a7f4b", "#8a3fa0", "#9a7400", "#b3234f", "#5b6570", "#3f3a9e")
 _POINTS = 300
 _HOUR = 3600.0
+_PAD_IN = 0.12
+"""Room at the sides of a plot."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,10 @@ def _figure(width: float = 5.6, height: float = 3.4) -> tuple[Figure, Axes]:
     # The object-oriented interface: no global state, no display.
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    figure = Figure(figsize=(width, height), layout="constrained")
+    # The reader's font may be wider than the one that is measured here: the last label of an axis keeps its end.
+    figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=_PAD_IN))
     FigureCanvasSVG(figure)
     axes = figure.add_subplot()
     axes.grid(True, color="#d5d9dd", linewidth=0.6)

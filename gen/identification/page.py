@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-import numpy as np
 from jinja2 import Environment
 
 from gen.coefficients import Coefficients
@@ -14,7 +13,7 @@ from gen.identification import figures
 from gen.identification.choice.decision import Decision
 from gen.identification.data import Data
 from gen.identification.identify import Identified
-from gen.identification.summary import summary
+from gen.identification.summary import own_miss, summary
 from gen.pages.environment import page_environment
 from gen.version import __version__
 
@@ -77,7 +76,7 @@ def _part(item: Identified, numbers: dict[str, Any]) -> dict[str, Any]:
         "rejected": [_option(option, item) for option in bad[:_OPTIONS]],
         "counts": (len(item.general.options), len(bad)),
         "chosen": item.general.chosen,
-        "own_K": float(np.sqrt(np.mean([tests.rms_K**2 for tests in item.tests.values()]))),
+        "own_K": own_miss(item).error_K,
         "offset_sd": item.offset_sd,
     }
 

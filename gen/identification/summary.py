@@ -11,7 +11,9 @@ import numpy as np
 from gen.identification.bands import next_speed
 from gen.identification.coefficient_file import measured_error
 from gen.identification.data import Data
+from gen.identification.grades import Grade, Miss, told, worse_than
 from gen.identification.identify import SETTLED, Identified
+from gen.identification.records import quantiser_bias
 from gen.model.dynamics import MAX_PWM
 
 _LEAST_OFFSET_K = 0.005
@@ -39,14 +41,30 @@ def verdict(found: Mapping[str, Identified]) -> str:
     short = [name for name, item in found.items() if min(item.settled.values(), default=1.0) < SETTLED]
     if faulty:
         return f"Not good yet: no order or schedule without a fault was found for {', '.join(faulty)}."
+    misses = [own_miss(item) for item in found.values()]
+    bad, fair = (worse_than(grade, misses) for grade in (Grade.FAIR, Grade.GOOD))
+    if bad:
+        return f"Not good yet: in the runs that it was fitted to it misses {told(bad)}."
+    if fair:
+        return f"Fair: in the runs that it was fitted to it misses {told(fair)}."
     if len(speeds) < 3:
         return "Good at the measured speeds only: with fewer than three, nothing shows what lies between and beyond."
-    far = [n for n, item in found.items() if item.general.chosen.left_out and item.general.chosen.score > BETWEEN_K]
+    scores = {name: item.general.chosen.score for name, item in found.items() if item.general.chosen.left_out}
+    far = [f"{name} by {score:.2g} K" for name, score in scores.items() if score > BETWEEN_K]
     if far:
-        return f"Good at the measured speeds; between them {', '.join(far)} may be off by more than {BETWEEN_K:g} K."
+        return f"Good at the measured speeds; speeds that were left out it misses, {', '.join(far)}."
     if short:
         return f"Good for as long as the runs lasted; where {', '.join(short)} would settle is extrapolated."
     return "Good: every run settled, and every order and schedule passed its checks."
+
+
+def own_miss(item: Identified) -> Miss:
+    """By how much a part's model misses the runs that it was fitted to."""
+    records = item.problem.records
+    moved = max(float(r.raw_rise.max()) for r in records) - min(float(r.raw_rise.min()) for r in records)
+    noise = np.array([math.hypot(r.noise_K, quantiser_bias(r.noise_K, r.quantum_K)) for r in records])
+    error = math.sqrt(float(np.mean([tests.rms_K**2 for tests in item.tests.values()])))
+    return Miss(item.name, error, moved, math.sqrt(float(np.mean(noise**2))))
 
 
 def without_nan(tree: Any) -> Any:  # noqa: ANN401
@@ -200,5 +218,6 @@ def text(data: Data, found: Mapping[str, Identified]) -> str:
         lines.append(f"  schedules: time constants: {shape.time.words}; gain: {shape.gain.words}")
     if whole["next_speed"]:
         lines.append(f"next run: PWM {whole['next_speed']['pwm']} ({whole['next_speed']['why']})")
+    lines.append(whole["verdict"])
     lines += [f"warning: {warning}" for warning in whole["warnings"]]
     return "\n".join(lines)

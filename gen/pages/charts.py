@@ -14,7 +14,8 @@ from markupsafe import Markup, escape
 WIDTH, HEIGHT = 440.0, 270.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 58.0, 12.0, 42.0, 44.0
 _LEGEND_Y = 33.0
-_LETTER = 6.1
+LETTER = 6.1
+"""Width of one, on average."""
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -90,13 +91,20 @@ def power(base: int, exponent: int) -> str:
     return f"{base}{str(exponent).translate(SUPERSCRIPT)}"
 
 
-def ticks(low: float, high: float, about: int = 5) -> list[float]:
-    """Round numbers from low to high, their distance 1, 2 or 5 times a power of ten."""
+def ticks(low: float, high: float, about: int = 5, least: int = 0) -> list[float]:
+    """Round numbers from low to high, their distance 1, 2 or 5 times a power of ten; finer where there are too few."""
     raw = (high - low) / about
     power = 10.0 ** floor(log10(raw))
     step = next(m * power for m in (1.0, 2.0, 5.0, 10.0) if m * power >= raw * (1.0 - 1e-9))
     first, last = ceil(low / step - 1e-6), floor(high / step + 1e-6)
+    if last - first + 1 < least:
+        return ticks(low, high, about + 1, least)
     return [float(f"{k * step:.9g}") + 0.0 for k in range(first, last + 1)]
+
+
+def inside(x: float, label: str, width: float) -> float:
+    """Give where the middle of a label has to be, so that a drawing of that width does not cut its end."""
+    return min(x, width - 0.5 * LETTER * len(label))
 
 
 def log_ticks(low: float, high: float) -> list[float]:
@@ -176,7 +184,7 @@ class _Drawing:
         for value in ticks(*self._x_range, about=6):
             x = self._x(value)
             parts.append(f'<path class="grid" d="M{x:.1f} {bottom:.1f}v4"/>')
-            parts.append(_text(x, bottom + 16.0, plain(value), "tick middle"))
+            parts.append(_text(inside(x, plain(value), WIDTH), bottom + 16.0, plain(value), "tick middle"))
         parts.append(f'<path class="axis" d="M{_LEFT:.1f} {_TOP:.1f}V{bottom:.1f}H{right:.1f}"/>')
         parts.append(_text((_LEFT + right) / 2.0, HEIGHT - 8.0, chart.x_label, "label middle"))
         scale = f"{power(10, self._exponent)} " if self._exponent else ""
@@ -197,7 +205,7 @@ class _Drawing:
             else:
                 parts.append(f'<path class="line s{series.style}" d="M{x:.1f} {_LEGEND_Y - 4.0:.1f}h18"/>')
             parts.append(_text(x + 22.0, _LEGEND_Y, series.label, "tick"))
-            x += 22.0 + _LETTER * len(series.label) + 12.0
+            x += 22.0 + LETTER * len(series.label) + 12.0
         return parts
 
     def _series(self, series: Series) -> str:

@@ -11,10 +11,12 @@ from dataclasses import dataclass
 
 from markupsafe import Markup, escape
 
-from gen.pages.charts import plain, ticks
+from gen.pages.charts import inside, plain, ticks
 
 WIDTH = 360.0
-_LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 46.0, 12.0, 24.0, 34.0, 13.0
+_LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 54.0, 12.0, 24.0, 34.0, 13.0
+_LEAST = 3
+"""Ticks of an axis: fewer do not tell its scale."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +102,7 @@ def panels_svg(drawing: Panels) -> Markup:
     for value in ticks(across.low, across.high, about=5):
         x = across(value)
         parts.append(f'<path class="grid" d="M{x:.1f} {bottom:.1f}v4"/>')
-        parts.append(_text(x, bottom + 15.0, plain(value), "tick middle"))
+        parts.append(_text(inside(x, plain(value), WIDTH), bottom + 15.0, plain(value), "tick middle"))
     parts.append(_text((_LEFT + WIDTH - _RIGHT) / 2.0, bottom + 30.0, drawing.x_label, "label middle"))
     head = f'<svg viewBox="0 0 {WIDTH:.0f} {bottom + _BOTTOM:.0f}" role="img" aria-labelledby="{title} {description}">'
     return Markup("\n".join([head, *parts, "</svg>"]))
@@ -125,7 +127,7 @@ def _panel(panel: Panel, across: _Scale, top: float) -> list[str]:
     low, high = _range(panel)
     up = _Scale(low, high, bottom, top)
     parts = []
-    for value in ticks(low, high, about=max(3, round(panel.height / 30.0))):
+    for value in ticks(low, high, about=max(3, round(panel.height / 30.0)), least=_LEAST):
         y = up(value)
         parts.append(
             f'<path class="{"zero" if value == 0.0 else "grid"}" d="M{_LEFT:.1f} {y:.1f}H{WIDTH - _RIGHT:.1f}"/>'

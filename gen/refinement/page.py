@@ -19,6 +19,7 @@ from gen.refinement.residual_charts import error_courses, left_chart, residual_c
 from gen.refinement.run_charts import run_pictures
 from gen.refinement.run_tables import error_rows, short_names, totals
 from gen.refinement.stacked_runs import THIRDS
+from gen.refinement.worse import TOLD
 
 _SENTENCES = {
     "explained": "With the effects below, what is left on {left_out} is near the sensors' noise.",
@@ -53,7 +54,8 @@ def _context(found: Refinement, baseline: Coefficients) -> dict[str, Any]:
         "name": baseline.name,
         "input_meaning": baseline.document.input.meaning,
         "verdict": found.verdict,
-        "sentence": _SENTENCES[found.verdict].format(left_out=_left_out(found)),
+        "sentence": _SENTENCES[found.verdict].format(left_out=_left_out(found)) + (TOLD if found.tests_worse else ""),
+        "changed": found.after is not found.before,
         "judged_on": found.judged_on,
         "left_out": _left_out(found),
         "pictures": pictures,

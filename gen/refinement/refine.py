@@ -19,6 +19,7 @@ from gen.refinement.offered import each_speed_once
 from gen.refinement.run_errors import run_errors
 from gen.refinement.trace import trace
 from gen.refinement.verdict import EXPLAINED, NOTHING, Verdict
+from gen.refinement.worse import got_worse, lowered, told_worse
 
 SCHEDULE_BY_STRETCH = "a wrong schedule on thirds of each run, as each speed was run once"
 
@@ -53,6 +54,11 @@ class Refinement:
     warnings: list[str]
 
     @property
+    def tests_worse(self) -> bool:
+        """Whether the test runs are missed by more than before."""
+        return got_worse(self.before, self.after)
+
+    @property
     def judged_on(self) -> str:
         """What was left out of the fits, in turn, to judge hypotheses and to reach the verdict."""
         parts = self.tracing.problem.left_out_parts
@@ -70,6 +76,7 @@ class Refinement:
                 name: float(value)
                 for name, value in zip(self.tracing.problem.components, self.tracing.problem.noise_K, strict=True)
             },
+            "tests_worse": self.tests_worse,
             "hypotheses_tried": self.tracing.tried,
             "remains": {name: left.summary() for name, left in self.remains.items()},
             "warnings": self.warnings,
@@ -117,12 +124,12 @@ def refine(
         before=before,
         after=after,
         effects=[as_json(entry) for entry in entries],
-        verdict=verdict,
+        verdict=lowered(verdict) if got_worse(before, after) else verdict,
         tracing=tracing,
         runs=runs,
         excitation=excitation(baseline, runs),
         remains={name: leftover(tracing, runs, name) for name in tracing.problem.components},
-        warnings=[*warnings, *said_of(test_paths, before), *missed(after)],
+        warnings=[*warnings, *said_of(test_paths, before), *told_worse(before, after), *missed(after)],
     )
 
 

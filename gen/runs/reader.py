@@ -37,11 +37,15 @@ class Contents:
         Columns with a value in at least one row.
     comments
         The comment lines.
+    parts
+        Columns with a temperature of a part, read in at least one row: of `filled` neither the ambient nor what a
+        board's model says.
     """
 
     rows: int
     filled: frozenset[str]
     comments: Mapping[str, str] = field(default_factory=dict)
+    parts: frozenset[str] = frozenset()
 
 
 def read_run(
@@ -122,7 +126,9 @@ def check_run(path: Path | str, *, require: Collection[str] = ()) -> Contents:
         for values in _checked(stream, head):
             rows += len(values)
             filled.update(head.columns[i] for i in np.flatnonzero(np.isfinite(values).any(axis=0)))
-    return Contents(rows, frozenset(filled), head.comments)
+    others = {AMBIENT} | board_columns(head.columns)
+    parts = frozenset(name for name in filled - others if name.endswith("_degC"))
+    return Contents(rows, frozenset(filled), head.comments, parts)
 
 
 def _read_rows(stream: IO[bytes], head: Head, compact_after: int | None) -> dict[str, FloatArray]:

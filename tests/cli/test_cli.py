@@ -61,10 +61,64 @@ def test_verify_finds_an_unwritable_output_before_its_work(
     assert capsys.readouterr().err.startswith(f"error: {tmp_path / place}: ")
 
 
-def test_a_bad_option_is_usage_and_exit_2() -> None:
-    done = gen("build", COEFFICIENTS, "--arithmetic", "double")
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (
+            ["build", "c.json", "--arithmetic", "double"],
+            "--arithmetic: 'double' is not one of 'fixed', 'float' (gen build",
+        ),
+        (["build"], "missing argument 'COEFFS' (gen build"),
+        (["build", "a.json", "b.json"], "got unexpected extra argument (b.json) (gen build"),
+        (["build", "c.json", "--nothing"], "no such option '--nothing'"),
+        (["build", "c.json", "--out"], "option '--out' requires an argument"),
+        (
+            ["identify", "a.csv", "--out", "c.json", "--max-hidden", "9"],
+            "--max-hidden: 9 is not in the range 0<=x<=3 (gen",
+        ),
+        (["refine", "c.json", "--fit", "--test", "b.csv"], "option '--fit' requires at least one run file (gen refine"),
+        (["fleet", "add"], "missing option '--motor' (gen fleet add"),
+        (["nothing"], "no such command 'nothing' (gen"),
+        (["build", "\x1b[2J\n", "--out"], "option '--out' requires an argument"),
+        (["build", "c.json", "\x1b[2J\nb"], "got unexpected extra argument (\\x1b[2J b) (gen build"),
+    ],
+)
+def test_wrong_usage_is_one_line_with_its_place_and_exit_2(arguments: list[str], said: str) -> None:
+    done = gen(*arguments)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert done.stderr.replace("python -m gen", "gen").startswith(f"error: {said}")
+
+
+def test_without_any_argument_the_help_is_shown() -> None:
+    done = gen()
     assert done.returncode == 2
-    assert "Traceback" not in done.stderr
+    assert "Commands:" in done.stdout + done.stderr
+
+
+NOT_YET = """
+import os, signal, sys, time
+try:
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(5.0)
+except KeyboardInterrupt:
+    raise ImportError("as compiled code has it") from None
+"""
+
+
+def test_an_interrupt_while_the_command_is_loaded_is_quiet(tmp_path: Path) -> None:
+    """It comes when the first package is imported, which takes it for a failure of its own."""
+    (tmp_path / "click.py").write_text(NOT_YET)
+    path = os.pathsep.join([str(tmp_path), str(ROOT)])
+    done = subprocess.run(
+        GEN, capture_output=True, text=True, check=False, cwd=tmp_path, env={**os.environ, "PYTHONPATH": path}
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
+
+
+def test_nothing_slow_is_imported_before_an_interrupt_can_be_taken() -> None:
+    looked = "import sys; before = set(sys.modules); import gen.__main__; print(*sorted(set(sys.modules) - before))"
+    done = subprocess.run([sys.executable, "-c", looked], capture_output=True, text=True, check=True)
+    assert not {"typing", "re", "importlib.metadata", "click", "contextlib"} & set(done.stdout.split())
 
 
 def test_a_bound_over_the_file_s_limit_names_the_component_and_exits_1(tmp_path: Path) -> None:

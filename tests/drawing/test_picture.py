@@ -41,6 +41,20 @@ def test_the_same_run_gives_the_same_picture() -> None:
     assert picture([run(600.0)], "svg") == picture([run(600.0)], "svg")
 
 
-def test_a_label_is_no_longer_than_its_axis() -> None:
-    assert "a" * 16 + "…" in text(run(600.0))
-    assert run(600.0).panels[0].short_label == "temperature, °C"
+@pytest.mark.parametrize(
+    ("label", "lines"),
+    [
+        ("temperature, °C", ("temperature, °C",)),
+        ("electrical_power, W (255 = 5)", ("electrical_power,", "W (255 = 5)")),
+        ("duty_of_the_second_heater_percent", ("duty_of_the_", "second_heater_", "percent")),
+        ("a" * 30, ("a" * 17, "a" * 13)),
+        ("b " * 90, (*[" ".join("b" * 9)] * 5, f"{' '.join('b' * 8)} …")),
+        ("", ("",)),
+    ],
+)
+def test_a_label_is_whole_in_lines_that_its_axis_has_room_for(label: str, lines: tuple[str, ...]) -> None:
+    assert Panel(label, (), 1.0).label_lines == lines
+
+
+def test_a_long_name_of_the_input_is_whole_in_the_picture() -> None:
+    assert "a" * 17 in text(run(600.0))

@@ -96,6 +96,7 @@ def test_a_picture_s_title_says_whether_the_motor_was_healthy(fault: str, said: 
         (["--profile", "0:1,20000:0"], "--profile"),
         (["--sensor-fault", "rotor:open:1:2"], "--sensor-fault"),
         (["--ambient", "cold"], "--ambient"),
+        (["--ambient", "5000"], "error: --ambient: found 5000, expected -273.15 to 1000"),
         (["--power-cut", "20000"], "power_cut"),
         (["--elf", "absent.elf"], "absent.elf"),
         (["--json", "no/such/folder.json"], "folder"),

@@ -35,6 +35,14 @@ def test_a_bad_signal_is_refused(text: str) -> None:
         parse_signal(text, "--ambient", column="ambient_degC", straight=True)
 
 
+@pytest.mark.parametrize("text", ["5000", "-300", "0:30,60:5000"])
+def test_a_value_out_of_its_range_is_told_with_the_option(text: str, tmp_path: Path) -> None:
+    for given in (text, str(tmp_path / "room.csv")):
+        (tmp_path / "room.csv").write_text("time_s,pwm,ambient_degC\n0,0,20\n50,0,5000\n", encoding="utf-8")
+        with pytest.raises(InputError, match=r"--ambient: found -?\d+, expected -273.15 to 1000"):
+            parse_signal(given, "--ambient", column="ambient_degC", straight=True, within=(-273.15, 1000.0))
+
+
 def test_a_warm_start_by_name_or_by_history() -> None:
     assert parse_start(None, NODES) == {}
     assert parse_start("brush=60,casing=45.5", NODES) == {"brush": 60.0, "casing": 45.5}

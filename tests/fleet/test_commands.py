@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shlex
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -11,7 +13,7 @@ from gen.commands.fleet import fleet as group
 from gen.fleet.labels import labels_of, read_labels
 from gen.fleet.store import Store
 from gen.runs import read_run, write_run
-from tests.cli.commands import gen, run_file
+from tests.cli.commands import GEN, gen, run_file
 from tests.fleet.made import run_of
 
 
@@ -42,6 +44,8 @@ def test_a_run_is_added_once_with_the_day_that_it_says(tmp_path: Path) -> None:
         (["run.csv", "--motor", "../a"], "error: --motor: "),
         (["run.csv", "--motor", "a", "--day", "2026-02-30"], "error: --day: "),
         (["run.csv", "run.csv", "--motor", "a"], "error: run.csv: is given twice"),
+        (["run.csv", "room.csv", "--motor", "a"], "error: room.csv: found no reading of any part; "),
+        (["empty.csv", "--motor", "a"], "error: empty.csv: found no reading of any part; "),
         (["missing.csv", "--motor", "a"], "error: missing.csv: there is no such file"),
         (["run.csv", "--motor", "a", "--label", "supplier"], "error: --label: found 'supplier', expected KEY=VALUE"),
         (["run.csv", "--motor", "a", "--label", "a=../b"], "error: --label: found 'a=../b'"),
@@ -54,9 +58,21 @@ def test_a_run_is_added_once_with_the_day_that_it_says(tmp_path: Path) -> None:
 def test_bad_input_is_one_line_and_nothing_is_written(tmp_path: Path, arguments: list[str], said: str) -> None:
     path = run_file(tmp_path)
     (tmp_path / "bad.csv").write_text(path.read_text().replace("0.25,102", "0.25,fast"))
+    (tmp_path / "room.csv").write_text("time_s,pwm,ambient_degC,current_A\n0,102,22,1\n1,102,22,1\n")
+    (tmp_path / "empty.csv").write_text("time_s,pwm,brush_degC,brush_model_degC\n0,102,,40\n1,102,,40\n")
     done = gen("fleet", "add", *arguments, "--to", "store", cwd=tmp_path)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert done.stderr.startswith(said)
+    assert not (tmp_path / "store").exists()
+
+
+def test_what_comes_through_a_pipe_without_a_reading_is_refused_before_the_others_are_kept(tmp_path: Path) -> None:
+    run_file(tmp_path)
+    head = "printf 'time_s,pwm,ambient_degC\\n0,1,22\\n1,1,22\\n'"
+    command = shlex.join([*GEN, "fleet", "add", "run.csv", "/dev/stdin", "--motor", "a", "--to", "store"])
+    done = subprocess.run(f"{head} | {command}", shell=True, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("error: /dev/stdin: found no reading of any part; ")
     assert not (tmp_path / "store").exists()
 
 

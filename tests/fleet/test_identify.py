@@ -20,6 +20,7 @@ from gen.fleet.common import common_of, kept
 from gen.fleet.fitting import model_name
 from gen.fleet.identify import Identified, evenly, identify_fleet, runs_of
 from gen.fleet.models import COMMON, model_path
+from gen.fleet.motor_data import check_inputs
 from gen.fleet.report import pages_of
 from gen.fleet.store import TASKS, Store
 from gen.fleet.watch import read_watched, watch
@@ -182,6 +183,34 @@ def test_what_a_state_says_is_text_and_no_markup(tmp_path: Path) -> None:
     store.write("watch.json", json.dumps({"motors": [state], "common": [bad], "limit": 4.0, "level": 0.01}).encode())
     for text in pages_of(store).values():
         assert bad not in text
+
+
+PERCENT = {"input": "pwm_percent, 255 = 100 percent"}
+CURRENT = {"input": "current_A, 255 = 12 A"}
+
+
+@pytest.mark.parametrize("other", ["m0", "m2"])
+def test_another_input_is_told_before_anything_is_fitted(other: str, tmp_path: Path) -> None:
+    """Of one of a motor's runs, or of a motor: what a count stands for has to be one for all."""
+    store = Store(str(tmp_path / "store"))
+    for number in range(2):
+        store.add(f"m{number}", "2026-01-01", "run", replace(run_of(number), comments=PERCENT))
+    kept, _ = store.add(other, "2026-01-02", "later", replace(run_of(7), comments=CURRENT))
+    assert store.comments(kept) == CURRENT
+    with pytest.raises(InputError) as told:
+        identify_fleet(store, OPTIONS, Workers(), silent)
+    assert kept.path in str(told.value)
+    assert "found current_A, 255 = 12 A; expected one input for all runs" in str(told.value)
+    assert not store.exists(TASKS)
+
+
+def test_the_input_of_a_run_that_takes_no_part_does_not_count(tmp_path: Path) -> None:
+    store = Store(str(tmp_path / "store"))
+    store.add("m0", "2026-01-01", "run", replace(run_of(0), comments=PERCENT))
+    store.add("m0", "2026-01-02", "worn", replace(run_of(1), comments={**CURRENT, "fault": "bearing"}))
+    broken, _ = store.add("m0", "2026-01-03", "broken", run_of(2))
+    store.write(broken.path, b"half of")
+    check_inputs(store, runs_of(store))
 
 
 def test_a_store_without_runs_is_told(tmp_path: Path) -> None:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from gen.commands.options import check_once
+
+if TYPE_CHECKING:
+    from gen.runs import Run
 
 
 @click.command(
@@ -48,9 +53,11 @@ def add(runs: tuple[Path, ...], motor: str, store: str, day: str | None, labels:
     check_once(runs)
     for path in runs:
         check_head(path)
+    piped = {path: read_run(path) for path in runs if not path.is_file()}  # a pipe can be read only once
     for path in runs:
-        if path.is_file():  # a pipe can be read only once
-            check_run(path)
+        if not (_measured(piped[path]) if path in piped else check_run(path).parts):
+            message = "found no reading of any part; expected a column <component>_degC with readings"
+            raise InputError(message, file=str(path))
 
     from gen.fleet.store import Store
 
@@ -60,10 +67,15 @@ def add(runs: tuple[Path, ...], motor: str, store: str, day: str | None, labels:
     for line in add_labels(target, motor, wanted) if wanted else []:
         click.echo(f"{motor}: {line}")
     for path in runs:
-        run = read_run(path)
+        run = piped.get(path) or read_run(path)
         when = day or said_day(run.comments) or _written(path)
         kept, new = target.add(motor, when, path.stem, run)
         click.echo(f"{path}: {kept.path if new else f'already there, {kept.path}'}")
+
+
+def _measured(run: Run) -> bool:
+    """Whether there is a reading of any part."""
+    return any(any(map(math.isfinite, values.tolist())) for values in run.temps.values())
 
 
 def _written(path: Path) -> str:

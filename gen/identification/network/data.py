@@ -14,6 +14,7 @@ from gen.identification.drive import common_drive
 from gen.identification.network.bins import Binned, FloatArray, binned, longest_bin
 from gen.identification.network.driving import Driving, driving_of, values_of
 from gen.identification.records import resolution
+from gen.identification.room_followers import followers
 from gen.identification.sources import Source
 from gen.runs import Run
 
@@ -109,6 +110,7 @@ def make_network_data(
     warnings += apart(sources)
     _check(sources, full_scale)
     names = _reacting(sources, components_of(sources), warnings)
+    warnings += followers(sources, names)
     ambients, unsure = ambients_of(sources, ambient, warnings, estimated=True)
     stems = [source.name for source in sources]
     labels = stems if len(set(stems)) == len(stems) else [source.path for source in sources]

@@ -25,6 +25,8 @@ _POINTS, _DOTS = 240, 60
 _DETERMINED = 0.5
 """A parameter counts as determined when the runs, and not its prior, say at least this share of it."""
 _STYLES = 8
+_LONG_S = 5400.0
+"""Runs longer than this are drawn over hours, others over minutes."""
 
 
 def network_report(result: NetworkFound, coefficients: Coefficients, choice: Decision | None = None) -> str:
@@ -100,6 +102,7 @@ def _determined(part: Mapping[str, Any]) -> bool:
 def _courses(number: int, name: str, time: FloatArray, columns: Mapping[str, FloatArray]) -> Chart:
     """Measured as dots, modelled as lines."""
     lines, dots = [], []
+    unit, time = _axis(time)
     parts = [column.removesuffix("_model_degC") for column in columns if column.endswith("_model_degC")]
     for k, part in enumerate(parts):
         modelled, measured = columns[f"{part}_model_degC"], columns[f"{part}_degC"]
@@ -108,10 +111,11 @@ def _courses(number: int, name: str, time: FloatArray, columns: Mapping[str, Flo
     known = [series for series in (*lines, *dots) if series.x]
     said = ", ".join(parts)
     text = f"Measured and modelled temperatures of {said} along {name}."
-    return Chart(f"run-{number}", name, text, "time (s)", "temperature", "°C", tuple(known))
+    return Chart(f"run-{number}", name, text, f"time ({unit})", "temperature", "°C", tuple(known))
 
 
 def _residuals(number: int, name: str, time: FloatArray, columns: Mapping[str, FloatArray]) -> Chart:
+    unit, time = _axis(time)
     parts = [column.removesuffix("_model_degC") for column in columns if column.endswith("_model_degC")]
     lines = [
         _series(part, time, columns[f"{part}_degC"] - columns[f"{part}_model_degC"], k, _POINTS)
@@ -119,7 +123,13 @@ def _residuals(number: int, name: str, time: FloatArray, columns: Mapping[str, F
     ]
     text = f"Measured less modelled temperature of each part along {name}."
     known = tuple(series for series in lines if series.x)
-    return Chart(f"residual-{number}", f"{name}: residual", text, "time (s)", "measured − model", "K", known)
+    return Chart(f"residual-{number}", f"{name}: residual", text, f"time ({unit})", "measured − model", "K", known)
+
+
+def _axis(time: FloatArray) -> tuple[str, FloatArray]:
+    """Hours, or minutes of a short run."""
+    unit, seconds = ("h", 3600.0) if time[-1] > _LONG_S else ("min", 60.0)
+    return unit, time / seconds
 
 
 def _series(label: str, time: FloatArray, values: FloatArray, style: int, most: int, *, dots: bool = False) -> Series:

@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from gen.identification.grades import Grade, Miss, told, worse_than
 from gen.identification.network.bends import BEND
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.document import measured_range, rest_was_measured, turned_range
 from gen.identification.network.forecast import bands
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.inputs import held
+from gen.identification.network.left_out import each_alone
 from gen.identification.network.natural import USUAL_K
 from gen.identification.network.resting import REST_S, rested
 from gen.identification.network.uncertainty import Spread, Steady, spread_of, steady_of, undetermined
@@ -20,8 +22,6 @@ from gen.identification.network.uncertainty import Spread, Steady, spread_of, st
 SETTLED = 3.0
 """Time constants that a hold has to last for its part to have settled (95 %)."""
 INTERVAL = 1.96
-BAD_K, BAD_SHARE = 1.0, 0.1
-"""A model that misses runs by more than this, and by this share of the rise, is not good."""
 OFFSET_SURE = 3.0
 MOST_SPEEDS = 12
 HEATING = ("_A", "_W", "_Nm", "_percent")
@@ -99,32 +99,64 @@ class Summary:
         slowest = self.steady.slowest if low == 0 else self.steady.slowest[:-1]
         return longest, float(np.max(slowest))
 
-    def missed(self) -> list[tuple[str, float]]:
-        """Parts whose own runs, or runs left out, are missed by too much, with the error in K."""
-        worst = np.fmax(np.sqrt(np.nanmean(self.rms_K**2, axis=0)), self.left_out_K)
-        bad = (worst > BAD_K) & (worst > BAD_SHARE * self.moved_K)
-        return [(name, float(k)) for name, k, b in zip(self.result.data.names, worst, bad, strict=True) if b]
+    @cached_property
+    def noise_K(self) -> FloatArray:
+        """What each sensor scatters by, root mean square over the runs that it was read in, shape (S,), K."""
+        runs = self.result.data.fine
+        read = np.array([run.covered.sum(axis=0) > 0.0 for run in runs])
+        squares = np.where(read, np.array([run.noise_K for run in runs]) ** 2, 0.0)
+        return np.asarray(np.sqrt(squares.sum(axis=0) / np.maximum(read.sum(axis=0), 1)))
+
+    @cached_property
+    def own(self) -> list[Miss]:
+        """By how much each part's own runs are missed."""
+        return self._misses(np.asarray(np.sqrt(np.nanmean(self.rms_K**2, axis=0))))
+
+    @cached_property
+    def left_out(self) -> list[Miss]:
+        """The same on data that took no part in the fit, or in its own runs where that is more."""
+        return self._misses(np.fmax([miss.error_K for miss in self.own], self.left_out_K))
+
+    def _misses(self, errors: FloatArray) -> list[Miss]:
+        of = zip(self.result.data.names, errors.tolist(), self.moved_K.tolist(), self.noise_K.tolist(), strict=True)
+        return [Miss(*each) for each in of]
 
     @property
     def verdict(self) -> str:
-        """Whether the model is good to be built, in one line."""
-        missed = self.missed()
+        """Whether the model is good to be built, in one line; the rule is `grades`'."""
+        bad, fair = (worse_than(grade, self.left_out) for grade in (Grade.FAIR, Grade.GOOD))
+        if bad:
+            return f"Not good yet: on data that took no part in the fit it misses {told(bad)}."
+        only, worst = self._only(), max(miss.error_K for miss in self.left_out)
+        # What is left out there is a whole speed, which tells of what lies between speeds and not of these.
+        if fair and each_alone(self.result.inputs) and not worse_than(Grade.GOOD, self.own):
+            return f"Good at the measured speeds{only}. Speeds that were left out it misses: {told(fair)}."
+        if fair:
+            return f"Fair{only}{'. On' if only else ': on'} data that took no part in the fit it misses {told(fair)}."
+        if only:
+            return f"Good{only}. Data that took no part in the fit are predicted to {worst:.2g} K."
+        return (
+            "Good: runs that took no part in the fit are predicted, at rest and at the measured speeds, "
+            f"to {worst:.2g} K (root mean square of the worst part)."
+        )
+
+    def _only(self) -> str:
+        """What it is good for alone, or nothing."""
         longest, slowest = self.span_s
-        if missed:
-            said = ", ".join(f"{name} by {k:.1f} K" for name, k in missed)
-            return f"Not good yet: on data that took no part in the fit it misses {said}."
         if longest < SETTLED * slowest:
-            return f"Good for changes over up to {_time(longest)}; where the parts would settle is extrapolated."
+            return f" for changes over up to {_time(longest)}; where the parts would settle is extrapolated"
         if not rest_was_measured(self.result):
-            return "Good while the motor turns; cooling at rest was not measured."
-        return "Good: runs that took no part in the fit are predicted, at rest and at the measured speeds."
+            return " while the motor turns; cooling at rest was not measured"
+        return ""
 
     def warnings(self) -> list[str]:
         """What to look at, one sentence each."""
         result = self.result
         said = list(result.data.warnings)
-        for name, k in self.missed():
-            said.append(f"{name}: the network misses data that took no part in the fit by {k:.2f} K (root mean square)")
+        said += [
+            f"{miss.name}: the network misses data that took no part in the fit by {miss.sized}, root mean square"
+            for miss in worse_than(Grade.GOOD, self.left_out)
+        ]
         longest, slowest = self.span_s
         if longest < SETTLED * slowest:
             said.append(

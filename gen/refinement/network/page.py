@@ -16,6 +16,7 @@ from gen.refinement.network.refine import NetworkRefinement
 from gen.refinement.network.trace import Step
 from gen.refinement.run_charts import run_pictures
 from gen.refinement.run_tables import error_rows, short_names, totals
+from gen.refinement.worse import TOLD
 
 _SENTENCES = {
     "explained": "With what is below, what is left on what was left out is near the sensors' noise.",
@@ -45,11 +46,12 @@ def network_refinement_page(found: NetworkRefinement, baseline: Coefficients, re
         name=baseline.name,
         input_meaning=baseline.document.input.meaning,
         verdict=found.verdict,
-        sentence=_SENTENCES[found.verdict],
+        sentence=_SENTENCES[found.verdict] + (TOLD if found.tests_worse else ""),
         judged_on=found.judged_on,
         warnings=found.warnings,
         pictures=pictures,
         not_drawn=not_drawn,
+        changed=found.after is not found.before,
         drawings=_drawings(found, baseline, refined),
         steps=_steps(found),
         effects=[_effect(effect) for effect in found.effects],
@@ -99,15 +101,17 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
 
 
 def _drawings(found: NetworkRefinement, baseline: Coefficients, refined: Coefficients) -> list[Markup]:
-    """The network before and after, in one arrangement; once where nothing was added."""
+    """The network before and after; once where the file is as it was."""
     old, new = baseline.model.network, refined.model.network
     assert old is not None
     assert new is not None
+    if refined is baseline:
+        return [network_svg("network", "The network", *_drawn(old, old, set()))]
     named = {effect["component"] for effect in found.effects}
-    after = network_svg("network-after", "The network as refined", *_drawn(new, old, named))
-    if found.text and not found.effects:
-        return [network_svg("network", "The network", *_drawn(new, new, set()))]
-    return [network_svg("network-before", "The network before", *_drawn(old, old, set())), after]
+    return [
+        network_svg("network-before", "The network before", *_drawn(old, old, set())),
+        network_svg("network-after", "The network as refined", *_drawn(new, old, named)),
+    ]
 
 
 def _drawn(network: Network, before: Network, named: set[str]) -> tuple[list[DrawnNode], list[DrawnPath]]:

@@ -25,6 +25,7 @@ from gen.refinement.network.trace import Traced, trace
 from gen.refinement.network.written import offered_anew, written
 from gen.refinement.run_errors import compared
 from gen.refinement.verdict import EXPLAINED, NOTHING, Verdict
+from gen.refinement.worse import got_worse, lowered, told_worse
 
 WALLS_ALONE = (
     "ambient: walls that lag behind the air were found, but a fixed ambient predicts as well as these and the measured "
@@ -67,6 +68,11 @@ class NetworkRefinement:
     planned: tuple[Settled, ...] = ()
 
     @property
+    def tests_worse(self) -> bool:
+        """Whether the test runs are missed by more than before."""
+        return got_worse(self.before, self.after)
+
+    @property
     def judged_on(self) -> str:
         """What was left out of the fits, in turn."""
         return described(self.traced.data.later)
@@ -80,6 +86,7 @@ class NetworkRefinement:
             "verdict": self.verdict,
             "judged_on": self.judged_on,
             "refitted": self.refitted,
+            "tests_worse": self.tests_worse,
             "left_out_rmse_K": {"without_effects": self.traced.null.score_K, "with": self.traced.final.score_K},
             "noise_floor_K": self.traced.null.noise_K,
             "considered": [considered_entry(step) for step in self.traced.steps],
@@ -152,8 +159,9 @@ def refine_network(
     holds = not made.refused and not no_walls and not any(changes)
     holds = holds and all(found.effect.held_by_the_file for found in traced.added)
     verdict = _verdict(traced, start, anything=bool(effects), holds=holds)
+    verdict = lowered(verdict) if got_worse(before, after) else verdict
     told, ignored = settled(runs, traced)
-    warnings += [*ignored, *said_of(test_paths, before), *missed(after)]
+    warnings += [*ignored, *said_of(test_paths, before), *told_worse(before, after), *missed(after)]
     return NetworkRefinement(made.text, before, after, effects, verdict, made.refitted, traced, warnings, told)
 
 

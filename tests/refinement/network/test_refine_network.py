@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -224,6 +225,13 @@ def test_the_command_writes_file_summary_and_report(tmp_path: Path) -> None:
     page = report.read_text(encoding="utf-8")
     assert "standstill_cooling" in page
     assert "<svg" in page
+    # What the caption says: paths to the room are grey like all others, but for those that conduct otherwise.
+    assert "Orange is what was added, what conducts otherwise than before" in page
+    assert "svg .way.out {" not in page
+    before, after = re.findall(r'<svg [^>]*class="network".*?</svg>', page, re.DOTALL)
+    assert "added" not in before
+    assert re.search(r'class="way out added', after)
+    assert "model before" in page
 
 
 def test_accepting_a_change_is_for_networks() -> None:
