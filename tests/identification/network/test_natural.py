@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from gen.identification.network.bins import binned
+import gen
+from gen.identification.coefficient_file import Settings
+from gen.identification.network.bins import FloatArray, binned
+from gen.identification.network.data import make_network_data
+from gen.identification.network.document import network_text
+from gen.identification.network.identify import identify_network
 from gen.identification.network.inputs import held, inputs_of
 from gen.identification.network.natural import USUAL_K, polynomial
 from gen.identification.network.priors import prior_of
@@ -16,7 +23,10 @@ from gen.identification.network.problem import Problem
 from gen.identification.network.scale import Scale
 from gen.identification.network.steady import settled
 from gen.identification.network.structure import Structure, full
+from gen.identification.sources import Source
+from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
+from tests.examples import ROOT
 
 NAMES = ("a", "b")
 AMBIENT, WIDEST = 22.0, 90.0
@@ -32,14 +42,14 @@ def problem_at(pwm: int, hours: float) -> Problem[Structure]:
     return Problem(structure, inputs, prior_of(structure, inputs, Scale(np.full(2, 1500.0), np.full(2, 40.0))))
 
 
-def numbers_of(problem: Problem[Structure]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def numbers_of(problem: Problem[Structure]) -> FloatArray:
     vector = problem.prior.mean + np.random.default_rng(4).normal(0.0, 0.2, problem.size)
     vector[problem.structure.still] = np.log(SHARE / (1.0 - SHARE))
     vector[problem.structure.size :] = 0.0
     return vector
 
 
-def lost_W(problem: Problem[Structure], vector: np.ndarray, pwm: int, rise: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
+def lost_W(problem: Problem[Structure], vector: FloatArray, pwm: int, rise: FloatArray) -> FloatArray:
     """What leaves each node, from the formula of `natural` and conductances alone."""
     structure = problem.structure
     found = structure.physical(held(np.array([float(pwm), 0.0]), 255), vector)
@@ -65,15 +75,15 @@ def test_the_simulation_is_the_solution_of_the_equations(pwm: int) -> None:
     half = float(ends[-1]) / 2.0
     capacity = np.exp(vector[structure.capacities])
 
-    def flow(now: int) -> object:
+    def flow(now: int) -> Callable[[float, FloatArray], FloatArray]:
         heat = structure.physical(held(np.array([float(now)]), 255), vector).heat[0]
-        return lambda _, rise: (heat - lost_W(problem, vector, now, rise)) / capacity
+        return lambda _, rise: np.asarray((heat - lost_W(problem, vector, now, rise)) / capacity)
 
     driven = inputs.rest < 0.5
     turn = float(ends[driven][-1])
-    accuracy = {"rtol": 1e-9, "atol": 1e-9, "method": "LSODA"}
-    first = solve_ivp(flow(pwm), (0.0, turn), np.zeros(2), t_eval=ends[driven], **accuracy)
-    second = solve_ivp(flow(0), (turn, float(ends[-1])), first.y[:, -1], t_eval=ends[~driven], **accuracy)
+    first = solve_ivp(flow(pwm), (0.0, turn), np.zeros(2), "LSODA", ends[driven], rtol=1e-9, atol=1e-9)
+    warm = first.y[:, -1]
+    second = solve_ivp(flow(0), (turn, float(ends[-1])), warm, "LSODA", ends[~driven], rtol=1e-9, atol=1e-9)
     wanted = AMBIENT + np.hstack([first.y, second.y]).T
     found = problem.evaluate(vector).after
     assert float(np.ptp(wanted)) > 10.0
@@ -102,3 +112,39 @@ def test_it_settles_where_heat_and_loss_are_equal() -> None:
 def test_the_polynomial_is_about_the_fourth_root() -> None:
     difference = np.linspace(0.05 * WIDEST, WIDEST, 100)
     assert np.polyval(polynomial(WIDEST), difference) == pytest.approx((difference / USUAL_K) ** 0.25, rel=0.04)
+
+
+def logged(seed: int, pwm: NDArray[np.int64]) -> Run:
+    """What a closed motor's sensors read whose casing natural convection and radiation cool (the example's)."""
+    time = 10.0 * np.arange(pwm.size, dtype=np.float64)
+    room = 20.0 + np.sin(time / 4000.0 + seed)
+    motor = gen.load(ROOT / "examples" / "natural_cooling" / "coeffs.json").coefficients.model
+    chance = np.random.default_rng(seed)
+    temps = {
+        name: values + chance.normal(0.0, 0.05, time.size)
+        for name, values in NetworkSolution(motor).simulate_times(time, pwm, room).items()
+    }
+    return Run(time, pwm, temps, room)
+
+
+def test_a_motor_in_still_air_is_identified_and_written_as_one() -> None:
+    """From holds of ten minutes, and stops; then three quarters of an hour at full speed, and a long rest."""
+    rows = np.repeat(np.random.default_rng(5).choice([0, 150, 220, 255], (2, 30)), 60, axis=1).astype(np.int64)
+    data = make_network_data([Source(f"r{k}.csv", logged(k, pwm)) for k, pwm in enumerate(rows)], None)
+    found = identify_network(data, lambda _: None, 1)
+    assert found.found.structure.natural > 0.0
+    text, loaded = network_text(found, Settings("closed"))
+    assert '"convection"' in text
+    test = logged(9, np.repeat([255, 0], [270, 1000]).astype(np.int64))
+    assert test.ambient is not None
+    first = {name: float(values[0]) for name, values in test.temps.items()}
+    shown = NetworkSolution(loaded.model).simulate_times(test.time_s, test.pwm, test.ambient, start=first)
+    error = np.concatenate([shown[name] - test.temps[name] for name in first])
+    assert float(np.sqrt(np.mean(error**2))) < 0.01 * float(np.ptp(test.temps["magnet"]))
+
+
+def test_where_nobody_measured_the_room_none_is_sought() -> None:
+    rows = np.repeat([120, 0, 200, 0], 90).astype(np.int64)
+    run = replace(logged(1, rows), ambient=None)
+    found = identify_network(make_network_data([Source("r.csv", run)], None), lambda _: None, 0)
+    assert found.found.structure.natural == 0.0
