@@ -14,14 +14,11 @@ f is a polynomial, the one that the coefficient file holds and the board evaluat
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
-
-if TYPE_CHECKING:
-    from gen.identification.network.physics import Partial
+from gen.identification.network.partial import Partial
 
 USUAL_K = 20.0
 """The difference at which conductances are what their curves over speed say."""

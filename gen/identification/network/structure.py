@@ -14,7 +14,8 @@ from gen.identification.network.bends import BEND
 from gen.identification.network.bins import FloatArray, IntArray
 from gen.identification.network.inputs import Inputs, Levels
 from gen.identification.network.natural import Natural
-from gen.identification.network.physics import Partial, Physical, incidence_of, outer_of
+from gen.identification.network.partial import Partial
+from gen.identification.network.physics import Physical, incidence_of, outer_of
 from gen.identification.network.plausible import off
 from gen.identification.network.speed_laws import CONSTANT, HEAT, OUTSIDE, WITHIN, Law
 

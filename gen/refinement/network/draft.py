@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from gen.identification.network.bins import FloatArray
-from gen.identification.network.physics import Partial, Physical
+from gen.identification.network.partial import Partial
+from gen.identification.network.physics import Physical
 
 Slope = tuple[int, FloatArray]
 """A parameter's place, and the derivative by it at each distinct input, shape (L,)."""
