@@ -42,8 +42,12 @@ OTHER_FORMATS = {
         "power_W",
     },
     "identification/summary.py": {"components", "value", "model_minus_measured_K"},
+    "identification/network/summary.py": {"value"},
+    # what a part may follow: another part of the run, or the room
+    "identification/room_followers.py": {"ambient"},
     # times and lines as loggers write them, the mapping file of `gen import`, comments of a run file
     "importing/clock.py": {"min"},
+    "importing/evidence.py": {"unit"},
     "importing/provenance.py": {"input"},
     "importing/pairs.py": {"value", "unit"},
     "importing/units.py": {"unit"},
