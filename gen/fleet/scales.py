@@ -1,11 +1,11 @@
 """How far amounts of healthy motors scatter: the more, the fewer runs a motor's model was learnt from.
 
 A motor that ran once is judged by a model that rests on one run: its residuals are those of the model, too. With one
-scale for all of a fleet nearly all false calls are of such motors, and faults of the others are missed. So motors are
-put in classes by how many runs their models were learnt from (1, 2 to 3, 4 to 7, ..), and each class has a scale of its
-own. Few motors tell it badly: then a class's ratio to the whole fleet is taken from all hypotheses together. With n
-motors the logarithm of a ratio of one hypothesis has a standard deviation of 1.16 / sqrt(n) (`findings`), and over
-hypotheses ratios differ by some 0.13: they count as n against (1.16 / 0.13)^2 = 80.
+scale for all of a fleet such motors are called too often, and the others too rarely. So motors are put in classes by
+how many runs their models were learnt from (1, 2 to 3, 4 to 7, ..), and each class has a scale of its own. Few motors
+tell it badly: then a class's ratio to the whole fleet is taken from all hypotheses together. With n motors the
+logarithm of a ratio of one hypothesis has a standard deviation of 1.16 / sqrt(n) (`findings`), and over hypotheses
+ratios are taken to differ by 0.13: they count as n against (1.16 / 0.13)^2 = 80.
 """
 
 from __future__ import annotations
