@@ -213,6 +213,21 @@ def shows_K(motor: Motor) -> float:
     return float(max(by_heat.max(), max(by_sensor)))
 
 
+def tally(store: Store, motors: list[Motor]) -> str:
+    """Say how many faults were found, large and small, and how many healthy motors were called."""
+    watched = read_watched(store)
+    assert watched is not None
+    called = {state.motor for state in watched.motors if state.state not in QUIET}
+    seen = [motor for motor in motors if motor.truth and shows_K(motor) >= VISIBLE_K]
+    small = [motor for motor in motors if motor.truth and shows_K(motor) < VISIBLE_K]
+    healthy = [motor for motor in motors if not motor.truth]
+
+    def found(some: list[Motor]) -> str:
+        return f"{sum(motor.name in called for motor in some)} of {len(some)}"
+
+    return f"{found(seen)} faults of {VISIBLE_K:g} K and more, {found(small)} smaller ones; false: {found(healthy)}"
+
+
 def faults(store: Store, motors: list[Motor]) -> None:
     """Print which faults were found."""
     watched = read_watched(store)
@@ -222,17 +237,7 @@ def faults(store: Store, motors: list[Motor]) -> None:
         print(f"in common: {line}")
     for batch in watched.batches:
         print(f"batch: {batch.said}")
-    seen = [motor for motor in motors if motor.truth and shows_K(motor) >= VISIBLE_K]
-    small = [motor for motor in motors if motor.truth and shows_K(motor) < VISIBLE_K]
-    healthy = [motor for motor in motors if not motor.truth]
-
-    def found(some: list[Motor]) -> int:
-        return sum(states[motor.name].state not in QUIET for motor in some)
-
-    print(
-        f"found: {found(seen)} of {len(seen)} faults of {VISIBLE_K:g} K and more, {found(small)} of {len(small)} "
-        f"smaller ones; false: {found(healthy)} of {len(healthy)} healthy motors"
-    )
+    print(f"found: {tally(store, motors)} healthy motors")
     for motor in motors:
         state = states[motor.name]
         if motor.truth or state.state not in QUIET:
