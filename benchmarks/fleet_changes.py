@@ -64,6 +64,7 @@ def drawn(store: Store, labellings: int) -> None:
     hypotheses = json.loads(str(fresh[0]["hypotheses"]))
     offsets = [place for place, (kind, _) in enumerate(hypotheses) if kind == "offset"]
     products = [products_in(each, "own") for each in fresh]
+    learnt = np.array([int(each["learnt"]) for each in fresh])
     print(f"{len(products)} motors, {labellings} labellings each, level {LEVEL:g}")
     print("share  shift (K)  found  as that sensor's offset  off by (K)  another label called")
     for share in SHARES:
@@ -82,7 +83,7 @@ def drawn(store: Store, labellings: int) -> None:
                     replace(each, along=each.along + shift * there * each.gram[:, place])
                     for each, there in zip(products, inside, strict=True)
                 ]
-                judged = judge(shifted, groups_of(labels), LEVEL).batches
+                judged = judge(shifted, learnt, groups_of(labels), LEVEL).batches
                 mine = [batch.finding for batch in judged if "batch=x" in batch.group.labels]
                 hit += bool(mine)
                 other += len(judged) > len(mine)

@@ -37,7 +37,7 @@ Predictor = Callable[[NDArray[np.int64]], FloatArray]
 def blocks(values: FloatArray) -> FloatArray:
     """Means over the step."""
     count = len(values) // STEP
-    return values[: count * STEP].reshape(count, STEP).mean(axis=1)
+    return np.asarray(values[: count * STEP].reshape(count, STEP).mean(axis=1))
 
 
 def pairs(runs: list[Run]) -> list[tuple[FloatArray, FloatArray]]:
@@ -92,7 +92,11 @@ def output_error(runs: list[Run]) -> Predictor:
         return np.asarray(p[2] * first + p[3] * second + p[4], dtype=np.float64)
 
     start = np.array([7.5, 5.5, 30.0, 5.0, 0.0])
-    found = least_squares(lambda p: np.concatenate([response(p, u) - y for u, y in data]), start, x_scale="jac")
+
+    def residual(p: FloatArray) -> FloatArray:
+        return np.concatenate([response(p, u) - y for u, y in data])
+
+    found = least_squares(residual, start, x_scale="jac")
     return lambda pwm: response(found.x, blocks(np.abs(pwm) / 255.0))
 
 

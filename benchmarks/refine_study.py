@@ -41,7 +41,7 @@ def curves(speed: int) -> tuple[np.ndarray, dict[str, np.ndarray]]:
             e for e in STUDY["transfer_functions"][name] if e["speed_percent"] == speed and e["order"] == order
         )
         system = TransferFunction([entry["numerator"]], entry["denominator"])
-        made[name] = lsim(system, np.full(time.size, 2.55 * speed), time)[1]
+        made[name] = lsim((system.num, system.den), np.full(time.size, 2.55 * speed), time)[1]
     return time, made
 
 

@@ -227,7 +227,7 @@ def host_late(bench: Bench) -> str:
     _, plant = bench.board()
     readings = [plant.step(153, STEP_S).words for _ in range(200)]
     # The room stays as it reads: a step of it that is seen a sample later is another input, not another model.
-    readings = [words | {"ambient": readings[0]["ambient"]} for words in readings]
+    readings = [{**words, "ambient": readings[0]["ambient"]} for words in readings]
     with HostDevice(bench.coefficients) as late, HostDevice(bench.coefficients) as punctual:
         codes = set()
         for number, words in enumerate(readings):

@@ -14,7 +14,7 @@ import numpy as np
 
 import gen
 from benchmarks.real_machines.logs import Case, FloatArray
-from benchmarks.real_machines.references import fitted
+from benchmarks.real_machines.references import Fitted, fitted
 from gen.errors import CheckFailed, InputError
 from gen.runs import Run, write_run
 
@@ -107,7 +107,7 @@ def judge(case: Case, models: Collection[str], heat: Sequence[str] = ()) -> Judg
     by_part = {part: fitted(list(case.fit.values()), part) for part in case.parts}
     seconds = time.perf_counter() - started
     for name in REFERENCES:
-        answers[name] = _scored(case, lambda run, part, name=name: by_part[part][name].predict(run, part))
+        answers[name] = _scored(case, _shown_by({part: each[name] for part, each in by_part.items()}))
         answers[name].seconds = seconds / len(REFERENCES)
     with tempfile.TemporaryDirectory(prefix="real-") as folder:
         fit, test = _written(case.fit, Path(folder) / "fit"), _written(case.test, Path(folder) / "test")
@@ -118,6 +118,11 @@ def judge(case: Case, models: Collection[str], heat: Sequence[str] = ()) -> Judg
         if REFINED in models and model is not None:
             answers[REFINED] = _refined(case, model, fit, test)
     return Judged(case.machine, case.what, answers)
+
+
+def _shown_by(fits: Mapping[str, Fitted]) -> Predict:
+    """What references of one kind say of each part."""
+    return lambda run, part: fits[part].predict(run, part)
 
 
 def _held(run: Run, part: str) -> FloatArray:

@@ -107,7 +107,7 @@ def paderborn(folder: Path) -> Iterator[Case]:
 
     def run(rows: pd.DataFrame, step: float) -> Run:
         return Run(
-            time_s=np.arange(len(rows)) * step,
+            time_s=np.arange(len(rows), dtype=np.float64) * step,
             pwm=np.clip(np.rint(rows.motor_speed.to_numpy() / 6000.0 * 255.0), 0, 255).astype(np.int64),
             temps={"winding": rows.stator_winding.to_numpy(), "rotor": rows.pm.to_numpy()},
             ambient=rows.ambient.to_numpy(),

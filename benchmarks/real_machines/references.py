@@ -83,7 +83,7 @@ def thin(run: Run, part: str) -> Thin | None:
     return Thin(edges[1], rest, means(level), means(level**2), room, first, time[good], values[good])
 
 
-Vector = Sequence[float]
+Vector = Sequence[float] | FloatArray
 Solve = Callable[[Thin, Vector, FloatArray], FloatArray]
 """Run, numbers and room to the part's temperature at the ends of the times, shape (K + 1,)."""
 
