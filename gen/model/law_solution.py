@@ -7,12 +7,12 @@ Solving Ordinary Differential Equations I, section II.9), over pieces of an inte
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.model.laws import Law
+from gen.model.laws import Law, LawsTogether
 from gen.model.schedules import FloatArray
 
 _HALVES = (2, 4, 6)
@@ -25,40 +25,51 @@ Rate = Callable[[FloatArray], FloatArray]
 
 
 class LawFlow:
-    """dT/dt of many lanes.
+    """dT/dt of many lanes; the ambient is the last state, and stays.
 
     Parameters
     ----------
     matrix, constant
-        Of everything but the paths with a law: shapes (L, n, n) in 1/s, (L, n) in K/s, the ambient's part counted in.
-    laws
-        Of each path: its ends' positions among the states, None for the ambient, and its law.
+        Of everything but the paths with a law: shapes (L, n, n) in 1/s and (L, n) in K/s, the ambient's row zeros.
+    paths
+        Those with a law.
     rates
-        Of each path, at its first and its second end: conductance by capacity, 1/s, shape (L, paths, 2).
-    ambient
-        degC, shape (L,).
+        What a path's heat does to each state: conductance by capacity, negative at its first end, 1/s, shape
+        (L, n, paths).
     """
 
-    def __init__(
-        self,
-        matrix: FloatArray,
-        constant: FloatArray,
-        laws: list[tuple[int, int | None, Law]],
-        rates: FloatArray,
-        ambient: FloatArray,
-    ) -> None:
-        self._matrix, self._constant, self._laws, self._rates, self._ambient = matrix, constant, laws, rates, ambient
+    def __init__(self, matrix: FloatArray, constant: FloatArray, paths: LawPaths, rates: FloatArray) -> None:
+        self._matrix, self._constant, self._paths, self._rates = matrix, constant, paths, rates
+
+    def lane(self, number: int) -> LawFlow:
+        """One of the lanes, for states of shape (n,) or (.., n)."""
+        return LawFlow(self._matrix[number], self._constant[number], self._paths, self._rates[number])
 
     def __call__(self, states: FloatArray) -> FloatArray:
-        """K/s of states in degC, shape (L, n)."""
-        made = np.matmul(self._matrix, states[..., None])[..., 0] + self._constant
-        for k, (first, second, law) in enumerate(self._laws):
-            other = self._ambient if second is None else states[:, second]
-            driving = law.driving(states[:, first], other)
-            made[:, first] -= self._rates[:, k, 0] * driving
-            if second is not None:
-                made[:, second] += self._rates[:, k, 1] * driving
-        return np.asarray(made, dtype=np.float64)
+        """K/s of states in degC, shape (L, n), or (.., n) of one lane."""
+        driving = self._paths.driving(states)
+        made = self._matrix @ states[..., None] + self._rates @ driving[..., None]
+        return np.asarray(made[..., 0] + self._constant, dtype=np.float64)
+
+
+class LawPaths:
+    """Paths with a law: between which states, and which law.
+
+    Parameters
+    ----------
+    first, second
+        Of each path: its ends' positions among the states.
+    laws
+        Of each path.
+    """
+
+    def __init__(self, first: Sequence[int], second: Sequence[int], laws: Sequence[Law]) -> None:
+        self._first, self._second = np.array(first, dtype=np.intp), np.array(second, dtype=np.intp)
+        self._laws = LawsTogether(laws)
+
+    def driving(self, states: FloatArray) -> FloatArray:
+        """What drives heat through each path, K, of states in degC, shape (.., n) to (.., paths)."""
+        return self._laws.driving(states[..., self._first], states[..., self._second])
 
 
 def advanced(rate: Rate, states: FloatArray, length: NDArray[np.float64]) -> FloatArray:

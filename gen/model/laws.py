@@ -7,6 +7,7 @@ network with laws is monotone as one without them is (Smith, Monotone Dynamical 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -93,6 +94,39 @@ class Radiation:
 
 
 Law = Convection | Radiation
+
+
+class LawsTogether:
+    """Several laws at once, as integration asks for them: one for each column of both temperatures.
+
+    Parameters
+    ----------
+    laws
+        In the columns' order.
+    """
+
+    def __init__(self, laws: Sequence[Law]) -> None:
+        longest = max((len(law.polynomial) for law in laws if isinstance(law, Convection)), default=1)
+        self._polynomials = np.zeros((longest, len(laws)))
+        self._radiating = np.zeros(len(laws))
+        for k, law in enumerate(laws):
+            if isinstance(law, Convection):
+                self._polynomials[longest - len(law.polynomial) :, k] = law.polynomial
+            else:
+                self._radiating[k] = 0.25 * (law.reference + ZERO_C) ** -3
+        self._radiates = bool(self._radiating.any())
+
+    def driving(self, one: FloatArray, other: FloatArray) -> FloatArray:
+        """The differences in K that count, of temperatures in degC, shape (.., laws)."""
+        difference = one - other
+        apart = np.abs(difference)
+        factor = self._polynomials[0]
+        for coefficients in self._polynomials[1:]:
+            factor = factor * apart + coefficients
+        if self._radiates:
+            warm, cold = one + ZERO_C, other + ZERO_C
+            factor = factor + self._radiating * ((warm + cold) * (warm * warm + cold * cold))
+        return np.asarray(difference * factor, dtype=np.float64)
 
 
 def _powers(polynomial: tuple[float, ...]) -> range:

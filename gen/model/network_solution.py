@@ -9,6 +9,7 @@ relative precision (see :mod:`gen.model.exact`).
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from gen.model.dynamics import ThermalModel
 from gen.model.exact import magnitude
-from gen.model.law_solution import LawFlow, advanced
+from gen.model.exponential_step import Steps as ExponentialSteps
+from gen.model.law_solution import LawFlow, LawPaths, advanced
 from gen.model.network import Network
 from gen.model.schedules import FloatArray
 
@@ -157,10 +159,14 @@ class NetworkSolution:
         """Row by row, the inputs of equal rows looked up once."""
         distinct, index = np.unique(inputs[:, [0, *range(2, inputs.shape[1])]], axis=0, return_inverse=True)
         told = {name: distinct[:, 1 + k] for k, name in enumerate(names)}
-        given = self._given(distinct[:, 0].astype(np.int64), told)
+        flow = self.flow(distinct[:, 0].astype(np.int64), told)
+        flows, steps, lengths = [flow.lane(i) for i in range(len(distinct))], ExponentialSteps(), inputs[:, 1].tolist()
         for k, i in enumerate(index.ravel().tolist()):
-            flow = self._flow(given, slice(i, i + 1), room[k : k + 1])
-            out[k + 1] = advanced(flow, out[k : k + 1], inputs[k : k + 1, 1])[0]
+            states = np.append(out[k], room[k])
+            made = steps(flows[i], i, states, lengths[k])
+            if made is None:
+                made = advanced(flows[i], states[None], inputs[k : k + 1, 1])[0]
+            out[k + 1] = made[:-1]
 
     def advance(
         self,
@@ -182,35 +188,39 @@ class NetworkSolution:
             Values of the channels, numbers or shape (L,) each.
         """
         if self.network.laws:
-            return advanced(self._flow(self._given(pwm, told), slice(None), ambient), states, step)
+            return advanced(self.flow(pwm, told), np.concatenate([states, ambient[:, None]], axis=1), step)[:, :-1]
         made = self.steps(pwm, step, told)
         change = np.einsum("lij,lj->li", made.increment, states) + made.heat
         return np.asarray(states + change + made.ambient * ambient[:, None], dtype=np.float64)
 
-    def _given(self, pwm: NDArray[np.int64], told: Mapping[str, ArrayLike] | None) -> tuple[FloatArray, ...]:
-        """All but the paths with a law as M, a, f; and the rates of those, shape (k, laws, 2)."""
+    def flow(self, pwm: NDArray[np.int64], told: Mapping[str, ArrayLike] | None = None) -> LawFlow:
+        """dT/dt of states as :meth:`start` gives them and then the ambient, which stays; arguments as of `advance`."""
         network = self.network
         values = {**network.neutral(), **(told or {})}
         paths = [network.factor_values(path.factors, values, pwm.shape) for path in network.paths]
         heats = [network.factor_values(heat.factors, values, pwm.shape) for heat in network.heats]
-        rates = np.zeros((*pwm.shape, len(network.laws), 2))
+        size = len(network.nodes) + len(self._lags)
+        rates = np.zeros((*pwm.shape, size + 1, len(network.laws)))
         for k, (number, _) in enumerate(network.laws):
             path = network.paths[number]
-            for end, name in enumerate((path.first, path.second)):
+            for sign, name in ((-1.0, path.first), (1.0, path.second)):
                 if name is not None:
                     conductance = network.conductances[pwm, number] * paths[number]
-                    rates[:, k, end] = conductance / network.capacities[network.index(name)]
+                    rates[:, network.index(name), k] = sign * conductance / network.capacities[network.index(name)]
             paths[number] = np.zeros(pwm.shape)
-        return (*self.with_sensors(*network.matrices_with(pwm, paths, heats)), rates)
+        m, a, f = self.with_sensors(*network.matrices_with(pwm, paths, heats))
+        matrix, constant = np.zeros((*pwm.shape, size + 1, size + 1)), np.zeros((*pwm.shape, size + 1))
+        matrix[:, :size, :size], matrix[:, :size, size], constant[:, :size] = m, a, f
+        return LawFlow(matrix, constant, self._law_paths, rates)
 
-    def _flow(self, given: tuple[FloatArray, ...], lanes: slice, ambient: FloatArray) -> LawFlow:
+    @cached_property
+    def _law_paths(self) -> LawPaths:
         network = self.network
-        m, a, f, rates = (one[lanes] for one in given)
-        laws = [
-            (network.index(path.first), None if path.second is None else network.index(path.second), law)
-            for path, law in ((network.paths[number], law) for number, law in network.laws)
-        ]
-        return LawFlow(m, a * ambient[:, None] + f, laws, rates, ambient)
+        ambient = len(network.nodes) + len(self._lags)
+        paths = [network.paths[number] for number, _ in network.laws]
+        first = [network.index(path.first) for path in paths]
+        second = [ambient if path.second is None else network.index(path.second) for path in paths]
+        return LawPaths(first, second, [law for _, law in network.laws])
 
     def _steps(self, inputs: FloatArray, names: tuple[str, ...]) -> Steps:
         """For rows of |PWM|, length in s, and channels."""

@@ -92,6 +92,30 @@ def test_the_solution_is_that_of_the_files_own_equations() -> None:
         assert found["magnet"][end] == pytest.approx(state[1], abs=5e-9)
 
 
+@pytest.mark.parametrize("row_s", [0.25, 1.0, 5.0, 20.0, 60.0])
+@pytest.mark.parametrize("uneven", [False, True])
+def test_a_room_that_moves_in_every_row_is_followed(row_s: float, uneven: bool) -> None:
+    """With one node that follows within three seconds, so that rows are longer than it takes."""
+    tree = example()
+    tree["network"]["nodes"].append({"name": "lead", "capacity_J_per_K": 4})
+    tree["network"]["paths"] += [
+        {"between": ["casing", "lead"], "conductance_W_per_K": {"poly": [0.5]}},
+        {"between": ["lead", "ambient"], "conductance_W_per_K": {"poly": [0.4]}, "radiation": {"reference_degC": 25}},
+    ]
+    rng = np.random.default_rng([int(4 * row_s), uneven])
+    time = row_s * np.arange(60.0)
+    time[1:] += row_s * rng.uniform(-0.2, 0.2, 59) * uneven
+    pwm = np.repeat(rng.integers(0, 256, 6), 10)
+    room = 25.0 + rng.normal(0.0, 0.3, 60)
+    solution = NetworkSolution(parse(json.dumps(tree).encode()).model)
+    found = solution.states_along(time, pwm, room, start={"casing": 60.0})
+    state = found[0]
+    for k in range(59):
+        rate = change(tree, int(pwm[k]), float(room[k]))
+        state = solve_ivp(rate, (time[k], time[k + 1]), state, method="DOP853", rtol=1e-12, atol=1e-11).y[:, -1]
+        assert np.allclose(found[k + 1], state, rtol=0.0, atol=5e-9)
+
+
 def test_rows_of_any_length_give_the_same() -> None:
     solution = NetworkSolution(parse(EXAMPLE.read_bytes()).model)
     fine, coarse = np.arange(0.0, 1201.0, 0.5), np.arange(0.0, 1201.0, 60.0)
