@@ -14,7 +14,7 @@ from gen.coefficients import Coefficients
 from gen.identification.choice.decision import Decision
 from gen.identification.network.bins import FloatArray
 from gen.identification.network.identify import NetworkFound, curves
-from gen.identification.network.summary import Summary
+from gen.identification.network.summary import Summary, in_still_air
 from gen.pages.charts import Chart, Series
 from gen.pages.environment import page_environment
 from gen.pages.network_drawing import DrawnNode, DrawnPath, network_svg
@@ -51,6 +51,7 @@ def network_report(result: NetworkFound, coefficients: Coefficients, choice: Dec
             whole=whole,
             choice=choice,
             drawings=_drawings(whole),
+            still_air=in_still_air(whole["natural_convection"]),
             runs=[
                 (name, _courses(number, name, time, columns), _residuals(number, name, time, columns))
                 for number, (name, (time, columns)) in enumerate(curves(result).items())

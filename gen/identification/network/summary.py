@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
 
@@ -333,7 +334,7 @@ class Summary:
             f"network of {structure.nodes} nodes, {structure.hidden} of them hidden, {len(structure.paths)} paths, "
             f"{len(structure.heated) + len(structure.fed)} heats{self._by_columns()}",
             f"  over speed they {BENDING if structure.bend == BEND else POWERS}",
-            *_in_still_air(whole["natural_convection"]),
+            *(f"  {line}" for line in in_still_air(whole["natural_convection"])),
             "  hidden nodes  error on data left out (K)",
             *(f"  {c.hidden:>12}  {c.left_out_K:.2f}" for c in self.result.candidates),
             "part        in the runs (K)  left out (K)  steady rise (K) by PWM",
@@ -394,12 +395,13 @@ def _factor(log: float, sd: float) -> dict[str, Any]:
     return {"value": float(np.exp(log)), "interval": [float(np.exp(log - bound)), float(np.exp(log + bound))]}
 
 
-def _in_still_air(natural: dict[str, Any] | None) -> list[str]:
+def in_still_air(natural: Mapping[str, Any] | None) -> list[str]:
+    """Say what goes by natural convection; nothing where none was found."""
     if natural is None:
         return []
     share = natural["share_at_rest"]
     low, high = share["interval"]
     return [
-        f"  {share['value']:.0%} ({low:.0%} to {high:.0%}) of what surfaces lose at rest goes by natural convection, "
+        f"{share['value']:.0%} ({low:.0%} to {high:.0%}) of what surfaces lose at rest goes by natural convection, "
         "which grows with their rise"
     ]

@@ -18,6 +18,7 @@ from gen.identification.network.document import network_text
 from gen.identification.network.identify import identify_network
 from gen.identification.network.inputs import held, inputs_of
 from gen.identification.network.natural import USUAL_K, polynomial
+from gen.identification.network.page import network_report
 from gen.identification.network.priors import prior_of
 from gen.identification.network.problem import Problem
 from gen.identification.network.scale import Scale
@@ -135,6 +136,7 @@ def test_a_motor_in_still_air_is_identified_and_written_as_one() -> None:
     assert found.found.structure.natural > 0.0
     text, loaded = network_text(found, Settings("closed"))
     assert '"convection"' in text
+    assert "of what surfaces lose at rest goes by natural convection" in network_report(found, loaded)
     test = logged(9, np.repeat([255, 0], [270, 1000]).astype(np.int64))
     assert test.ambient is not None
     first = {name: float(values[0]) for name, values in test.temps.items()}
