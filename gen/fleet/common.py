@@ -12,12 +12,12 @@ import numpy as np
 from gen.errors import InputError
 from gen.fleet.pooling import BoolArray, FloatArray, Pool
 from gen.fleet.store import MODELS, Store
-from gen.identification.network.bends import BEND
-from gen.identification.network.inputs import Inputs
-from gen.identification.network.priors import OFFSET_K, Prior, prior_of
-from gen.identification.network.problem import Problem
-from gen.identification.network.scale import Scale
-from gen.identification.network.structure import Structure
+from gen.identification.network.fitting.bends import BEND
+from gen.identification.network.fitting.inputs import Inputs
+from gen.identification.network.fitting.priors import OFFSET_K, Prior, prior_of
+from gen.identification.network.fitting.problem import Problem
+from gen.identification.network.fitting.scale import Scale
+from gen.identification.network.fitting.structure import Structure
 
 FIRST_SPREAD = 0.3
 """Standard deviation of the logarithms in the first round, before the fleet has told its own."""

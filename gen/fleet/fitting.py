@@ -16,14 +16,14 @@ from gen.fleet.pooling import FloatArray, integrated_out
 from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays
 from gen.identification.coefficient_file import Settings
-from gen.identification.network.bins import Binned
 from gen.identification.network.data import NetworkData
-from gen.identification.network.document import network_text
+from gen.identification.network.fitting.bins import Binned
+from gen.identification.network.fitting.inputs import inputs_of
 from gen.identification.network.identify import NetworkFound
-from gen.identification.network.inputs import inputs_of
 from gen.identification.network.left_out import LeftOut, folds_of, left_out
 from gen.identification.network.search import Found, tightened
 from gen.identification.network.starts import taken_over
+from gen.identification.network.telling.document import network_text
 from gen.identification.sources import Source
 
 AT_FIRST, AT_LAST = 14, 8

@@ -12,10 +12,10 @@ from gen.fleet.common import Common, begun, structure_json, structure_of
 from gen.fleet.motor_data import data_of, usable
 from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays, Failed, Progress, computed
+from gen.identification.network.fitting.inputs import inputs_of
+from gen.identification.network.fitting.scale import Scale, scale_of
 from gen.identification.network.identify import identify_network
-from gen.identification.network.inputs import inputs_of
 from gen.identification.network.left_out import folds_of, left_out
-from gen.identification.network.scale import Scale, scale_of
 from gen.identification.network.search import tightened
 
 AT_FIRST = 12

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from gen.identification.data import Data
     from gen.identification.identify import Identified
     from gen.identification.network.identify import NetworkFound
-    from gen.identification.network.summary import Summary
+    from gen.identification.network.telling.summary import Summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +124,7 @@ class NetworkIdentification(Reported):
 
     @property
     def _said(self) -> Summary:
-        from gen.identification.network.summary import Summary
+        from gen.identification.network.telling.summary import Summary
 
         return Summary(self.result)
 
@@ -193,7 +193,7 @@ class NetworkIdentification(Reported):
 
     def html(self) -> str:
         """The report as one HTML page."""
-        from gen.identification.network.page import network_report
+        from gen.identification.network.telling.page import network_report
 
         return network_report(self.result, self.model.coefficients, self.choice)
 

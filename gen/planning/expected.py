@@ -17,9 +17,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import START_K
-from gen.identification.network.problem import Problem
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import START_K
+from gen.identification.network.fitting.problem import Problem
 from gen.planning.hypotheses import Remaining
 from gen.planning.march import March, Predicted, problem_of
 from gen.planning.stage import PwmArray, Stage

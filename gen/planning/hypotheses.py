@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bins import FloatArray
 from gen.refinement.judgement import LEAST_GAIN, LEVEL
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import Data

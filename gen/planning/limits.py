@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gen.coefficients import Coefficients
 from gen.coefficients.alarms import OverTemperature
 from gen.errors import InputError
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bins import FloatArray
 from gen.model.network import Network
 from gen.model.network_parts import PWM
 from gen.planning.hypotheses import Remaining

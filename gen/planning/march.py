@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import START_K
-from gen.identification.network.priors import Prior
-from gen.identification.network.problem import Problem
-from gen.identification.network.simulation import sources_of, steps_of
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import START_K
+from gen.identification.network.fitting.priors import Prior
+from gen.identification.network.fitting.problem import Problem
+from gen.identification.network.fitting.simulation import sources_of, steps_of
 from gen.planning.hypotheses import Hypothesis
 from gen.planning.stage import PwmArray, Stage
 from gen.refinement.network.anchored import Anchored

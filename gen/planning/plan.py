@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from gen.coefficients import Coefficients
-from gen.identification.network.inputs import held
+from gen.identification.network.fitting.inputs import held
 from gen.planning.expected import Expected
 from gen.planning.hypotheses import Remaining, remaining
 from gen.planning.intervals import intervals

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bins import FloatArray
 from gen.planning.hypotheses import Hypothesis
 from gen.planning.intervals import Interval
 from gen.planning.stage import PwmArray

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Levels
-from gen.identification.network.simulation import steps_of
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Levels
+from gen.identification.network.fitting.simulation import steps_of
 from gen.planning.expected import Expected
 from gen.planning.hypotheses import Hypothesis
 from gen.planning.limits import Limits, nothing_is_cold_enough

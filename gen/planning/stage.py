@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.bins import Binned, FloatArray
-from gen.identification.network.inputs import Inputs, Levels
+from gen.identification.network.fitting.bins import Binned, FloatArray
+from gen.identification.network.fitting.inputs import Inputs, Levels
 from gen.model.network_parts import PWM
 from gen.refinement.network.columns import POWERS
 from gen.refinement.network.data import DEGREE, Data

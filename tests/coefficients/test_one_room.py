@@ -31,7 +31,7 @@ OTHER_FORMATS = {
     "refinement/residual_charts.py": {"component"},
     # the JSON summary of `gen identify`: a measured error by speed, a fitted number with its interval
     "identification/page.py": {"components"},
-    "identification/network/page.py": {
+    "identification/network/telling/page.py": {
         "between",
         "conductance_W_per_K",
         "heats",
@@ -42,7 +42,7 @@ OTHER_FORMATS = {
         "power_W",
     },
     "identification/summary.py": {"components", "value", "model_minus_measured_K"},
-    "identification/network/summary.py": {"value"},
+    "identification/network/telling/summary.py": {"value"},
     # what a part may follow: another part of the run, or the room
     "identification/room_followers.py": {"ambient"},
     # times and lines as loggers write them, the mapping file of `gen import`, comments of a run file
@@ -99,7 +99,7 @@ VALUES = ("airflow", "load_heating", "sensor_offset", "supply_voltage")
 OTHER_DICTS = {f"model/effects/catalogue/{name}.py" for name in VALUES} | {
     "firmware/certificate.py",  # the certificate's own form of an equation
     "firmware/network_certificate.py",
-    "identification/network/summary.py",  # the JSON summary of `gen identify`
+    "identification/network/telling/summary.py",  # the JSON summary of `gen identify`
     # the JSON summary of `gen refine`: a channel that an effect reads, an effect
     *(f"refinement/network/effects/{name}.py" for name in ("airflow", "load_heating", "supply_voltage")),
     "refinement/network/entries.py",

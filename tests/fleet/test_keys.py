@@ -11,9 +11,9 @@ import pytest
 from gen.errors import CheckFailed
 from gen.fleet.common import begun
 from gen.fleet.shared_effects import key_of, variants
-from gen.identification.network.priors import OFFSET_K
-from gen.identification.network.scale import Scale
-from gen.identification.network.structure import full
+from gen.identification.network.fitting.priors import OFFSET_K
+from gen.identification.network.fitting.scale import Scale
+from gen.identification.network.fitting.structure import full
 
 
 def candidate(name: str, component: str, begins: float, *, held: bool = False) -> Any:  # noqa: ANN401

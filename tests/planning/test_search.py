@@ -11,8 +11,8 @@ from scipy.linalg import expm
 from scipy.optimize import least_squares
 
 from gen.errors import InputError
-from gen.identification.network.inputs import START_K
-from gen.identification.network.problem import Problem
+from gen.identification.network.fitting.inputs import START_K
+from gen.identification.network.fitting.problem import Problem
 from gen.model.network_solution import NetworkSolution
 from gen.planning.limits import Wishes, limits_of
 from gen.planning.march import March, problem_of

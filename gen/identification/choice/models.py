@@ -10,8 +10,8 @@ from gen.identification.coefficient_file import Settings, coefficient_text, usab
 from gen.identification.data import Data, make_data
 from gen.identification.identify import Identified, identify
 from gen.identification.network.data import make_network_data
-from gen.identification.network.document import network_text
 from gen.identification.network.identify import NetworkFound, identify_network
+from gen.identification.network.telling.document import network_text
 from gen.identification.sources import Source
 
 Progress = Callable[[str], None]

@@ -11,8 +11,8 @@ from gen.errors import InputError
 from gen.identification.ambients import ambients_of
 from gen.identification.data import FEWEST, MOVES_K, apart, components_of, sound
 from gen.identification.drive import common_drive
-from gen.identification.network.bins import Binned, FloatArray, binned, longest_bin
 from gen.identification.network.driving import Driving, driving_of, values_of
+from gen.identification.network.fitting.bins import Binned, FloatArray, binned, longest_bin
 from gen.identification.records import resolution
 from gen.identification.room_followers import followers
 from gen.identification.sources import Source

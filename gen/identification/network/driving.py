@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gen.errors import InputError
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.sources import Source
 
 _WRITTEN = re.compile(r"(?P<column>[A-Za-z]\w*?)(\^(?P<power>[12]))?", re.ASCII)

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.identification.network.bends import BEND
+from gen.identification.network.fitting.bends import BEND
+from gen.identification.network.fitting.weights import windows
 from gen.identification.network.search import Found
-from gen.identification.network.weights import windows
 
 STIFF = BEND / 8.0
 """Standard deviation of the logarithm by which curves bend that hardly do: a tenth."""

@@ -7,21 +7,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gen.identification.network.bends import BEND
-from gen.identification.network.bins import Binned, FloatArray
 from gen.identification.network.data import NetworkData
 from gen.identification.network.evidence import STIFF, clearly_better, likely
-from gen.identification.network.inputs import Inputs, inputs_of
+from gen.identification.network.fitting.bends import BEND
+from gen.identification.network.fitting.bins import Binned, FloatArray
+from gen.identification.network.fitting.inputs import Inputs, inputs_of
+from gen.identification.network.fitting.priors import prior_of
+from gen.identification.network.fitting.problem import Problem
+from gen.identification.network.fitting.rooms import level_of, places_of, unsure_K
+from gen.identification.network.fitting.scale import Scale, scale_of
+from gen.identification.network.fitting.structure import full
 from gen.identification.network.left_out import LeftOut, each_alone, folds_for_nodes, folds_of, left_out
-from gen.identification.network.priors import prior_of
-from gen.identification.network.problem import Problem
 from gen.identification.network.prune import pruned
-from gen.identification.network.rooms import level_of, places_of, unsure_K
-from gen.identification.network.scale import Scale, scale_of
 from gen.identification.network.search import Found, bent, in_still_air, search, tightened
 from gen.identification.network.starts import taken_over
-from gen.identification.network.structure import full
-from gen.identification.network.uncertainty import spread_of
+from gen.identification.network.telling.uncertainty import spread_of
 
 MOST_HIDDEN = 3
 MOST_ALONE = 1

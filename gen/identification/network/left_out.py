@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.fit import settle
-from gen.identification.network.inputs import Inputs
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.fit import settle
+from gen.identification.network.fitting.inputs import Inputs
 from gen.identification.network.search import Found
 
 MOST_FOLDS = 5

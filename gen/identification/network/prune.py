@@ -6,16 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.priors import prior_of
+from gen.identification.network.fitting.problem import Problem
+from gen.identification.network.fitting.scale import Scale
+from gen.identification.network.fitting.speed_laws import WITHIN
+from gen.identification.network.fitting.structure import Structure
 from gen.identification.network.left_out import LeftOut, Mask, left_out
-from gen.identification.network.priors import prior_of
-from gen.identification.network.problem import Problem
-from gen.identification.network.scale import Scale
 from gen.identification.network.search import Found, tightened
-from gen.identification.network.speed_laws import WITHIN
 from gen.identification.network.starts import taken_over
-from gen.identification.network.structure import Structure
-from gen.identification.network.uncertainty import spread_of
+from gen.identification.network.telling.uncertainty import spread_of
 
 SHARES = (0.02, 0.005)
 """Of the whole heat: paths and heats that never carry more are candidates; the boldest cut that does no harm stays."""

@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.fit import Fit, approach, settle
-from gen.identification.network.inputs import Inputs
-from gen.identification.network.priors import prior_of
-from gen.identification.network.problem import Problem
-from gen.identification.network.scale import Scale
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.fit import Fit, approach, settle
+from gen.identification.network.fitting.inputs import Inputs
+from gen.identification.network.fitting.priors import prior_of
+from gen.identification.network.fitting.problem import Problem
+from gen.identification.network.fitting.scale import Scale
+from gen.identification.network.fitting.structure import Structure
+from gen.identification.network.fitting.weights import density, weights
 from gen.identification.network.starts import from_parts, in_roles, taken_over
-from gen.identification.network.structure import Structure
-from gen.identification.network.weights import density, weights
 
 LOOSE = (3000.0, 300.0, 80.0)
 """Densities of the errors with which the search begins, K^2 s: 2 K for ten minutes, and less each time."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.problem import Problem
-from gen.identification.network.scale import Scale
-from gen.identification.network.speed_laws import HEAT, OUTSIDE
-from gen.identification.network.structure import Structure
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.problem import Problem
+from gen.identification.network.fitting.scale import Scale
+from gen.identification.network.fitting.speed_laws import HEAT, OUTSIDE
+from gen.identification.network.fitting.structure import Structure
 
 
 def from_parts(problem: Problem[Structure], scale: Scale) -> FloatArray:

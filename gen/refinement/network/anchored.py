@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.bins import FloatArray, IntArray
-from gen.identification.network.inputs import Inputs, Levels
-from gen.identification.network.physics import Physical, incidence_of, outer_of
+from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.identification.network.fitting.inputs import Inputs, Levels
+from gen.identification.network.fitting.physics import Physical, incidence_of, outer_of
 from gen.model.network import Network
 from gen.model.network_parts import Curve, Factor
 from gen.refinement.network import excess

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from gen.coefficients import Coefficients
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bins import FloatArray
 from gen.model.network_solution import NetworkSolution
 from gen.refinement.network.freed import gains
 from gen.runs import Run

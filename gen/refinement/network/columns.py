@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Levels
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Levels
 
 POWERS = (1, 2, 0.5)
 """Of a channel: their means are exact, however much it moves within a bin. The root is that of its size."""

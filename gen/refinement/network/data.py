@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from gen.coefficients import Coefficients
-from gen.identification.network.bins import Binned, FloatArray, binned
-from gen.identification.network.inputs import Inputs, inputs_of
+from gen.identification.network.fitting.bins import Binned, FloatArray, binned
+from gen.identification.network.fitting.inputs import Inputs, inputs_of
 from gen.model.dynamics import MAX_PWM
 from gen.refinement.network import excess
 from gen.refinement.network.anchors import anchors, declared_density

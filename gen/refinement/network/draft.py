@@ -6,9 +6,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.partial import Partial
-from gen.identification.network.physics import Physical
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.partial import Partial
+from gen.identification.network.fitting.physics import Physical
 
 Slope = tuple[int, FloatArray]
 """A parameter's place, and the derivative by it at each distinct input, shape (L,)."""

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.fit import Fit, settle
-from gen.identification.network.inputs import Inputs
-from gen.identification.network.priors import Prior
-from gen.identification.network.problem import Problem
-from gen.identification.network.weights import density
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.fit import Fit, settle
+from gen.identification.network.fitting.inputs import Inputs
+from gen.identification.network.fitting.priors import Prior
+from gen.identification.network.fitting.problem import Problem
+from gen.identification.network.fitting.weights import density
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import Data
 from gen.refinement.network.effects.base import Seen

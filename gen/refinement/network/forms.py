@@ -1,7 +1,7 @@
 """How far a known curve over speed may be off: by a smooth factor.
 
 The logarithm of the factor is a sum of known functions of the speed w (|PWM| over full scale) times free numbers: its
-level, and what bends it (`gen.identification.network.bends`).
+level, and what bends it (`gen.identification.network.fitting.bends`).
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.bends import KNOTS, bend_precision, spline
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bends import KNOTS, bend_precision, spline
+from gen.identification.network.fitting.bins import FloatArray
 
 SLOW = 0.2
 """Speed to which the conductance at rest is compared."""

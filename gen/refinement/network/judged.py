@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bins import FloatArray
 from gen.refinement.judgement import p_of_gains
 from gen.refinement.network.data import Data
 from gen.refinement.network.fit import Fitted

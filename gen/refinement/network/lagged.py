@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Inputs
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Inputs
 
 SHORT_S = 1e-3
 """Below this a reading is what was a lag ago, to first order; so a search may pass through 0."""

@@ -22,7 +22,7 @@ from gen.coefficients.network import (
 )
 from gen.coefficients.network_curves import points_of, six_digits, tabulated, values_of
 from gen.errors import InputError
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bins import FloatArray
 from gen.model.laws import ZERO_C
 from gen.model.network_parts import AMBIENT, PWM
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gen.identification.network.bins import LONGEST_S, SHORTEST_S, binned
-from gen.identification.network.inputs import inputs_of
+from gen.identification.network.fitting.bins import LONGEST_S, SHORTEST_S, binned
+from gen.identification.network.fitting.inputs import inputs_of
+from gen.identification.network.fitting.scale import scale_of
 from gen.identification.network.prune import OBJECTION, _objected
-from gen.identification.network.scale import scale_of
 from gen.runs import Run
 
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 
-from gen.identification.network.bends import BEND
 from gen.identification.network.evidence import CLEAR, STIFF, against
+from gen.identification.network.fitting.bends import BEND
+from gen.identification.network.fitting.scale import scale_of
 from gen.identification.network.identify import NetworkFound
-from gen.identification.network.scale import scale_of
 from gen.identification.network.search import Found, bent
-from gen.identification.network.uncertainty import spread_of
+from gen.identification.network.telling.uncertainty import spread_of
 from gen.runs import Run
 from tests.identification.network.plant import TWO, FloatArray, Plant, holds
 from tests.identification.network.test_identify import FLOOR, found_of, mixed, off

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gen.identification.network.foresight import Foresight
+from gen.identification.network.telling.foresight import Foresight
 
 ALONG = Foresight(
     pwm=np.array([0.0, 100.0, 100.0, 200.0]),

@@ -14,9 +14,9 @@ from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.identification.coefficient_file import Settings
 from gen.identification.network.data import make_network_data
-from gen.identification.network.document import network_text
 from gen.identification.network.identify import NetworkFound, identify_network
-from gen.identification.network.summary import Summary
+from gen.identification.network.telling.document import network_text
+from gen.identification.network.telling.summary import Summary
 from gen.identification.sources import Source, read_sources
 from gen.model.network_solution import NetworkSolution
 from gen.rig import Setup, make_run, sensors

@@ -12,18 +12,18 @@ from scipy.integrate import solve_ivp
 
 import gen
 from gen.identification.coefficient_file import Settings
-from gen.identification.network.bins import FloatArray, binned
 from gen.identification.network.data import make_network_data
-from gen.identification.network.document import network_text
+from gen.identification.network.fitting.bins import FloatArray, binned
+from gen.identification.network.fitting.inputs import held, inputs_of
+from gen.identification.network.fitting.natural import USUAL_K, polynomial
+from gen.identification.network.fitting.priors import prior_of
+from gen.identification.network.fitting.problem import Problem
+from gen.identification.network.fitting.scale import Scale
+from gen.identification.network.fitting.steady import settled
+from gen.identification.network.fitting.structure import Structure, full
 from gen.identification.network.identify import identify_network
-from gen.identification.network.inputs import held, inputs_of
-from gen.identification.network.natural import USUAL_K, polynomial
-from gen.identification.network.page import network_report
-from gen.identification.network.priors import prior_of
-from gen.identification.network.problem import Problem
-from gen.identification.network.scale import Scale
-from gen.identification.network.steady import settled
-from gen.identification.network.structure import Structure, full
+from gen.identification.network.telling.document import network_text
+from gen.identification.network.telling.page import network_report
 from gen.identification.sources import Source
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run

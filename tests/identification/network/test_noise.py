@@ -7,7 +7,7 @@ from typing import cast
 
 import pytest
 
-from gen.identification.network.bins import Binned
+from gen.identification.network.fitting.bins import Binned
 from gen.identification.network.identify import noise_of
 
 

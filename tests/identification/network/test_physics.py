@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gen.identification.network.partial import Partial
+from gen.identification.network.fitting.partial import Partial
 
 
 @pytest.mark.parametrize(

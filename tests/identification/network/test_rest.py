@@ -9,13 +9,13 @@ import pytest
 
 from gen.identification.coefficient_file import Settings
 from gen.identification.network.data import make_network_data
-from gen.identification.network.document import network_text, turned_range
+from gen.identification.network.fitting.speed_laws import HEAT, OUTSIDE, WITHIN, Law
 from gen.identification.network.identify import NetworkFound, identify_network
 from gen.identification.network.left_out import each_alone, folds_for_nodes, folds_of
-from gen.identification.network.resting import Rested, rested
-from gen.identification.network.speed_laws import HEAT, OUTSIDE, WITHIN, Law
-from gen.identification.network.summary import Summary
-from gen.identification.network.uncertainty import UNREACHED, spread_of, steady_of
+from gen.identification.network.telling.document import network_text, turned_range
+from gen.identification.network.telling.resting import Rested, rested
+from gen.identification.network.telling.summary import Summary
+from gen.identification.network.telling.uncertainty import UNREACHED, spread_of, steady_of
 from gen.identification.sources import Source
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
@@ -78,7 +78,7 @@ def test_an_interval_is_wider_where_no_run_came_near(
         """What is added to the first part's variance, K^2, and its rise, K."""
         steady = steady_of(found, spread, [pwm], 255)
         with monkeypatch.context() as without:
-            without.setattr("gen.identification.network.uncertainty.UNREACHED", 0.0)
+            without.setattr("gen.identification.network.telling.uncertainty.UNREACHED", 0.0)
             plain = steady_of(found, spread, [pwm], 255)
         return float(steady.deviation[0, 0] ** 2 - plain.deviation[0, 0] ** 2), float(steady.rise[0, 0])
 

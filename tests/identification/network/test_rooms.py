@@ -7,8 +7,8 @@ from typing import cast
 
 import numpy as np
 
-from gen.identification.network.inputs import Inputs
-from gen.identification.network.rooms import level_of, places_of, share_level, unsure_K
+from gen.identification.network.fitting.inputs import Inputs
+from gen.identification.network.fitting.rooms import level_of, places_of, share_level, unsure_K
 
 DEVIATION_K = 4.0
 PLACES = np.array([1, 2, 4])

@@ -10,17 +10,17 @@ import pytest
 from scipy.integrate import quad
 
 from gen.identification.coefficient_file import Settings
-from gen.identification.network.bins import binned
 from gen.identification.network.data import make_network_data
-from gen.identification.network.document import network_text
+from gen.identification.network.fitting.bins import binned
+from gen.identification.network.fitting.inputs import inputs_of
+from gen.identification.network.fitting.priors import prior_of
+from gen.identification.network.fitting.problem import Problem
+from gen.identification.network.fitting.scale import scale_of
+from gen.identification.network.fitting.simulation import _confluent
+from gen.identification.network.fitting.structure import Structure, full
+from gen.identification.network.fitting.weights import weights
 from gen.identification.network.identify import curves, identify_network
-from gen.identification.network.inputs import inputs_of
-from gen.identification.network.priors import prior_of
-from gen.identification.network.problem import Problem
-from gen.identification.network.scale import scale_of
-from gen.identification.network.simulation import _confluent
-from gen.identification.network.structure import Structure, full
-from gen.identification.network.weights import weights
+from gen.identification.network.telling.document import network_text
 from gen.identification.sources import Source
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run

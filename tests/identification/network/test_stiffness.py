@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gen.identification.network.stiffness import slowed
+from gen.identification.network.telling.stiffness import slowed
 
 
 @pytest.mark.parametrize("given", [1e12, 300.0, 0.2])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gen.identification.network.data import make_network_data
 from gen.identification.network.identify import NetworkFound, identify_network
-from gen.identification.network.summary import Summary
+from gen.identification.network.telling.summary import Summary
 from gen.identification.sources import Source
 from tests.identification.network.plant import TWO, holds
 

@@ -8,8 +8,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from gen.identification.network.bins import binned
-from gen.identification.network.inputs import inputs_of
+from gen.identification.network.fitting.bins import binned
+from gen.identification.network.fitting.inputs import inputs_of
 from gen.refinement.network.data import Data
 from gen.refinement.network.fit import Bench, Fitted, _masked
 from gen.runs import Run

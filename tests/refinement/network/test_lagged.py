@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gen.identification.network.bins import FloatArray, binned
-from gen.identification.network.inputs import Inputs, inputs_of
+from gen.identification.network.fitting.bins import FloatArray, binned
+from gen.identification.network.fitting.inputs import Inputs, inputs_of
 from gen.refinement.network.lagged import Lagged
 from gen.runs import Run
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from gen.coefficients.network import FactorEntry, FactorPoints
 from gen.coefficients.network_curves import six_digits
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Levels
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.columns import Columns
 from gen.refinement.network.draft import Draft
 from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Number, Place

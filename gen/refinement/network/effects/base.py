@@ -9,8 +9,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray, IntArray
-from gen.identification.network.inputs import Levels
+from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.columns import Columns
 from gen.refinement.network.draft import Draft, Slope
 from gen.refinement.network.writer import NetworkWriter

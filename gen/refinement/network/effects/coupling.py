@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Levels
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.draft import Draft
 from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered

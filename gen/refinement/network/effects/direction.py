@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from gen.coefficients.network import FactorEntry, FactorPoints
 from gen.coefficients.network_curves import six_digits
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Levels
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Levels
 from gen.model.network_parts import PWM
 from gen.refinement.network.draft import Draft
 from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gen.identification.network.bends import BEND, KNOTS, WIDE, Bend
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Levels
+from gen.identification.network.fitting.bends import BEND, KNOTS, WIDE, Bend
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.draft import Draft
 from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered

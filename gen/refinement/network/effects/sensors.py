@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bins import FloatArray
 from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Seen
 from gen.refinement.network.effects.offered import Offered
 from gen.refinement.network.writer import NetworkWriter

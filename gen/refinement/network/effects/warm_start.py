@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bins import FloatArray
 from gen.refinement.judgement import LEAST_GAIN, LEVEL
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import Data

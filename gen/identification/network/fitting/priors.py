@@ -14,12 +14,12 @@ from functools import cached_property
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Inputs
-from gen.identification.network.rooms import places_of, share_level, unsure_K
-from gen.identification.network.scale import Scale
-from gen.identification.network.speed_laws import ALL_AT_REST, CONSTANT, HEAT, OUTSIDE, WITHIN
-from gen.identification.network.structure import Structure
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Inputs
+from gen.identification.network.fitting.rooms import places_of, share_level, unsure_K
+from gen.identification.network.fitting.scale import Scale
+from gen.identification.network.fitting.speed_laws import ALL_AT_REST, CONSTANT, HEAT, OUTSIDE, WITHIN
+from gen.identification.network.fitting.structure import Structure
 
 FACTOR = 2.0
 """Standard deviation of a logarithm. Narrower ones cost a motor of others' logs a factor of three in its error."""

@@ -12,9 +12,9 @@ from markupsafe import Markup
 
 from gen.coefficients import Coefficients
 from gen.identification.choice.decision import Decision
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.identify import NetworkFound, curves
-from gen.identification.network.summary import Summary, in_still_air
+from gen.identification.network.telling.summary import Summary, in_still_air
 from gen.pages.charts import Chart, Series
 from gen.pages.environment import page_environment
 from gen.pages.network_drawing import DrawnNode, DrawnPath, network_svg

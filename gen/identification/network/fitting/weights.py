@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Inputs
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Inputs
 
 WINDOW_S = 600.0
 """Errors are averaged over this time (or an eighth of the run); the scatter of the means is the density."""

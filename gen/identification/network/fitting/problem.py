@@ -11,11 +11,11 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray, IntArray
-from gen.identification.network.inputs import Inputs
-from gen.identification.network.physics import Shape
-from gen.identification.network.priors import Prior
-from gen.identification.network.simulation import Slopes, sensitivities, simulate, steps_of
+from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.identification.network.fitting.inputs import Inputs
+from gen.identification.network.fitting.physics import Shape
+from gen.identification.network.fitting.priors import Prior
+from gen.identification.network.fitting.simulation import Slopes, sensitivities, simulate, steps_of
 
 
 @dataclass(frozen=True, eq=False)

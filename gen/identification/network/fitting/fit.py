@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.physics import Shape
-from gen.identification.network.problem import Evaluated, Normal, Problem
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.physics import Shape
+from gen.identification.network.fitting.problem import Evaluated, Normal, Problem
 
 FIRST_RADIUS, LARGEST_RADIUS = 0.5, 4.0
 """How far one iteration may go, in standard deviations of the prior, for every single parameter."""

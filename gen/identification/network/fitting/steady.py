@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Levels
-from gen.identification.network.physics import Physical, Shape
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Levels
+from gen.identification.network.fitting.physics import Physical, Shape
 
 ROUNDS = 6
 """Of Newton's method, from where the network would settle without natural convection."""

@@ -9,10 +9,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Inputs, Levels
-from gen.identification.network.natural import Natural
-from gen.identification.network.partial import Partial
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Inputs, Levels
+from gen.identification.network.fitting.natural import Natural
+from gen.identification.network.fitting.partial import Partial
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,10 +14,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.bins import FloatArray, IntArray
-from gen.identification.network.inputs import Inputs, Levels
-from gen.identification.network.natural import Natural
-from gen.identification.network.physics import Physical, Shape
+from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.identification.network.fitting.inputs import Inputs, Levels
+from gen.identification.network.fitting.natural import Natural
+from gen.identification.network.fitting.physics import Physical, Shape
 
 Slopes = NDArray[np.float32]
 

@@ -30,15 +30,15 @@ from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
 from gen.identification.drive import input_entry
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.forecast import Band, bands
-from gen.identification.network.foresight import Foresight, foresight
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import held, joined, turning
+from gen.identification.network.fitting.natural import polynomial
+from gen.identification.network.fitting.speed_laws import CONSTANT, WITHIN, Law
 from gen.identification.network.identify import NetworkFound
-from gen.identification.network.inputs import held, joined, turning
-from gen.identification.network.natural import polynomial
-from gen.identification.network.speed_laws import CONSTANT, WITHIN, Law
-from gen.identification.network.stiffness import slowed
-from gen.identification.network.uncertainty import Spread, spread_of
+from gen.identification.network.telling.forecast import Band, bands
+from gen.identification.network.telling.foresight import Foresight, foresight
+from gen.identification.network.telling.stiffness import slowed
+from gen.identification.network.telling.uncertainty import Spread, spread_of
 
 FASTEST = 20.0
 """No node follows its neighbours within fewer steps of the board: paths are limited, then its capacity is raised."""

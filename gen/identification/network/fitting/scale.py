@@ -11,8 +11,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Inputs
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Inputs
 
 _GRID = 16
 LEAST = 0.5

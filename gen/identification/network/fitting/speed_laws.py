@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.bends import BEND, KNOTS, bend_precision, spline
-from gen.identification.network.bins import FloatArray
+from gen.identification.network.fitting.bends import BEND, KNOTS, bend_precision, spline
+from gen.identification.network.fitting.bins import FloatArray
 
 MOVED_POWER = 1.0
 """Of moved air. Along a wall it goes with w^0.5 (laminar) to w^0.8 (turbulent), but still and moved air combine as the

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.partial import Partial
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.partial import Partial
 
 USUAL_K = 20.0
 """The difference at which conductances are what their curves over speed say."""

@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 
 from gen.identification.grades import Grade, Miss, told, worse_than
-from gen.identification.network.bends import BEND
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.document import measured_range, rest_was_measured, turned_range
-from gen.identification.network.forecast import bands
+from gen.identification.network.fitting.bends import BEND
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import held
+from gen.identification.network.fitting.natural import USUAL_K
 from gen.identification.network.identify import NetworkFound
-from gen.identification.network.inputs import held
 from gen.identification.network.left_out import each_alone
-from gen.identification.network.natural import USUAL_K
-from gen.identification.network.resting import REST_S, rested
-from gen.identification.network.uncertainty import Spread, Steady, spread_of, steady_of, undetermined
+from gen.identification.network.telling.document import measured_range, rest_was_measured, turned_range
+from gen.identification.network.telling.forecast import bands
+from gen.identification.network.telling.resting import REST_S, rested
+from gen.identification.network.telling.uncertainty import Spread, Steady, spread_of, steady_of, undetermined
 
 SETTLED = 3.0
 """Time constants that a hold has to last for its part to have settled (95 %)."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.bins import FloatArray, IntArray
+from gen.identification.network.fitting.bins import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gen.identification.network.bins import Binned, FloatArray, IntArray
+from gen.identification.network.fitting.bins import Binned, FloatArray, IntArray
 
 MOST_LEVELS = 1500
 """Where more distinct inputs occur, speeds are rounded."""

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.foresight import ROW_S, along, foresight
+from gen.identification.network.fitting.weights import weights
 from gen.identification.network.search import Found
-from gen.identification.network.uncertainty import Spread
-from gen.identification.network.weights import weights
+from gen.identification.network.telling.foresight import ROW_S, along, foresight
+from gen.identification.network.telling.uncertainty import Spread
 from gen.runs import Run
 
 REST_S, BEFORE_S = 1200.0, 10_800.0

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gen.identification.network.bends import BEND
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Levels, held
+from gen.identification.network.fitting.bends import BEND
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Levels, held
+from gen.identification.network.fitting.speed_laws import HEAT
+from gen.identification.network.fitting.steady import settled
 from gen.identification.network.search import Found
-from gen.identification.network.speed_laws import HEAT
-from gen.identification.network.steady import settled
 
 SENSOR_K, FORM = 0.15, 0.01
 """What the covariance does not hold, as standard deviations: a sensor's own error over its range, K; and, as a share of

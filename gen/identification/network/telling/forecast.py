@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import Inputs
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Inputs
 from gen.identification.network.left_out import LeftOut, Mask
 
 WINDOWS = 60

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray, IntArray
-from gen.identification.network.inputs import Inputs
+from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.identification.network.fitting.inputs import Inputs
 
 
 def unsure_K(inputs: Inputs) -> float:

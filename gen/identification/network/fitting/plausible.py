@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray
-from gen.identification.network.inputs import held
-from gen.identification.network.physics import Shape
-from gen.identification.network.steady import settled
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import held
+from gen.identification.network.fitting.physics import Shape
+from gen.identification.network.fitting.steady import settled
 
 WITHIN = 0.5
 """Standard deviation of the logarithm of a hidden node's steady rise over the mean of the sensed ones."""

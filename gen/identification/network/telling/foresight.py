@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gen.identification.network.bins import FloatArray, binned
-from gen.identification.network.inputs import Inputs, inputs_of
-from gen.identification.network.priors import prior_of
-from gen.identification.network.problem import Evaluated, Problem
-from gen.identification.network.scale import Scale
+from gen.identification.network.fitting.bins import FloatArray, binned
+from gen.identification.network.fitting.inputs import Inputs, inputs_of
+from gen.identification.network.fitting.priors import prior_of
+from gen.identification.network.fitting.problem import Evaluated, Problem
+from gen.identification.network.fitting.scale import Scale
 from gen.identification.network.search import Found
-from gen.identification.network.uncertainty import FORM, SENSOR_K, Spread
+from gen.identification.network.telling.uncertainty import FORM, SENSOR_K, Spread
 from gen.runs import Run
 
 HOURS, ROW_S = 6.0, 10.0

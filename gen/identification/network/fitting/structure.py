@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.bends import BEND
-from gen.identification.network.bins import FloatArray, IntArray
-from gen.identification.network.inputs import Inputs, Levels
-from gen.identification.network.natural import Natural
-from gen.identification.network.partial import Partial
-from gen.identification.network.physics import Physical, incidence_of, outer_of
-from gen.identification.network.plausible import off
-from gen.identification.network.speed_laws import CONSTANT, HEAT, OUTSIDE, WITHIN, Law
+from gen.identification.network.fitting.bends import BEND
+from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.identification.network.fitting.inputs import Inputs, Levels
+from gen.identification.network.fitting.natural import Natural
+from gen.identification.network.fitting.partial import Partial
+from gen.identification.network.fitting.physics import Physical, incidence_of, outer_of
+from gen.identification.network.fitting.plausible import off
+from gen.identification.network.fitting.speed_laws import CONSTANT, HEAT, OUTSIDE, WITHIN, Law
 
 LARGEST = 60.0
 """Of a logarithm: what a search tries must not overflow."""

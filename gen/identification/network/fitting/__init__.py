@@ -1,0 +1,1 @@
+"""One structure and its numbers: bins of runs, the simulation with its derivatives, priors, and the minimum."""
