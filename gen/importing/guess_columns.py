@@ -28,7 +28,7 @@ _WARM_C = 100.0
 _FEW_VALUES = 3
 _UNSAID = 0.5
 """How sure it is that a column named after a part is its temperature."""
-_SAYS_SO = re.compile(r"(?i)temp|thermo|°")
+_SAYS_SO = re.compile(r"(?i)temp|th?ermo|°")
 _LETTER = re.compile(r".*[_ ][A-Za-z]")
 
 
@@ -114,6 +114,8 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
 
 def _no_temperature(base: str) -> str:
     """What a name says that is told in degrees and is no temperature of anything; empty where it says no such thing."""
+    if names.NO_TEMPERATURE.fullmatch(base):
+        return "a time by its name"
     if names.RISE.search(base):
         return "a rise over the ambient by its name, and no temperature"
     if names.DIFFERENCE.search(base):
@@ -253,7 +255,10 @@ def _channel(found: _Sorted, base: str, taken: set[str]) -> tuple[str, str, floa
     unit = found.unit
     if unit is not None and unit.quantity in _CANONICAL:
         to, pattern = _CANONICAL[unit.quantity]
-        if to not in taken and (pattern.fullmatch(base) or unit_of(base)):
+        named = pattern.fullmatch(base) or unit_of(base)
+        if unit.quantity == VOLTAGE:
+            named = named or names.VOLTAGE_IN_VOLTS.fullmatch(base)
+        if to not in taken and named:
             return to, unit.name, found.confidence
     written = found.unit.name if found.unit is not None else found.facts.columns[0].unit
     kept = names.channel_name(base, written, taken)

@@ -17,8 +17,8 @@ from gen.importing.names import TIME
 from gen.importing.numbers import plain_number
 from gen.importing.origins import days_since
 from gen.importing.plain_steps import plainer_unit
+from gen.importing.units import TEMPERATURE, unit_of
 from gen.importing.units import TIME as TIME_QUANTITY
-from gen.importing.units import unit_of
 
 _KINDS = {"instant": "timestamp", "clock": "time of day", "minutes": "mm:ss"}
 _EPOCHS = ((1e9, 2.5e9, "s"), (1e12, 2.5e12, "ms"), (1e15, 2.5e15, "us"), (1e18, 2.5e18, "ns"))
@@ -91,7 +91,7 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
     instants = [entry for entry in facts if entry.kind == "instant"]
     if instants:
         return [instants[0].name], choices, 0.95, f"timestamps such as {_example(instants[0])}"
-    named = [entry for entry in numbers if TIME.fullmatch(entry.named[0].casefold())]
+    named = [entry for entry in numbers if TIME.fullmatch(entry.named[0].casefold()) and not _in_degrees(entry)]
     if dates and clocks:
         return [dates[0].name, clocks[0].name], choices, 0.95, f"a date and a time: {_example(dates[0])}"
     if named:
@@ -247,6 +247,11 @@ def _timed(entry: Facts) -> bool:
         bool(TIME.fullmatch(base.casefold()) or base.casefold() in ("t", ""))
         and (unit is None or unit.quantity == TIME_QUANTITY)
     ) or (alone is not None and alone.quantity == TIME_QUANTITY)
+
+
+def _in_degrees(entry: Facts) -> bool:
+    unit = entry.named[1]
+    return unit is not None and unit.quantity == TEMPERATURE
 
 
 def _rises(entry: Facts) -> bool:
