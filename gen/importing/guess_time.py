@@ -93,11 +93,16 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
         return [instants[0].name], choices, 0.95, f"timestamps such as {_example(instants[0])}"
     named = [entry for entry in numbers if TIME.fullmatch(entry.named[0].casefold()) and not _in_degrees(entry)]
     if dates and clocks:
-        return [dates[0].name, clocks[0].name], choices, 0.95, f"a date and a time: {_example(dates[0])}"
+        return (
+            [dates[0].name, clocks[0].name],
+            choices,
+            0.95,
+            f"a date and a time: {_example(dates[0])}{_parted(clocks[0])}",
+        )
     if named:
         return _one_of(named, choices)
     if clocks:
-        return [clocks[0].name], choices, 0.85, f"times such as {_example(clocks[0])}"
+        return [clocks[0].name], choices, 0.85, f"times such as {_example(clocks[0])}{_parted(clocks[0])}"
     unnamed = [entry for entry in numbers if entry.name.startswith("column_")]
     if unnamed:
         since = [entry for entry in unnamed if _epoch(entry)]
@@ -260,6 +265,11 @@ def _rises(entry: Facts) -> bool:
     if not steps.size:
         return entry.values.size > 0
     return bool((steps >= 0).mean() > 0.8 and (steps > 0).mean() > 0.04)
+
+
+def _parted(entry: Facts) -> str:
+    """What is said of times that look like dates."""
+    return ", hours.minutes.seconds" if clock.dotted(entry.texts) else ""
 
 
 def _example(entry: Facts) -> str:
