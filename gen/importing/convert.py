@@ -14,6 +14,7 @@ from gen.importing import clock, sequence
 from gen.importing.evidence import Evidence, Facts
 from gen.importing.local import goes_ahead_an_hour, goes_back_an_hour, in_utc
 from gen.importing.mapping import DATED, Entry, Mapping
+from gen.importing.means import means
 from gen.importing.origins import days_since
 from gen.importing.overflow import overflows
 from gen.importing.suspicions import suspicions
@@ -118,6 +119,9 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
         order = sequence.order(time[stretch] - begin, stretch, mapping.duplicates or "first", ticks)
         _report(order, stretch, mapping, made)
         _spring(order, ticks, mapping, made)
+        if mapping.duplicates == "mean" and order.repeated.size:
+            drive = means(drive, order.kept, order.repeated)
+            channels = {to: means(values, order.kept, order.repeated) for to, values in channels.items()}
         pieces = _pieces(order, splitting, ticks, made)
         for number, (first, end) in enumerate(pieces, start=1):
             kept = order.kept[first:end]
@@ -303,7 +307,8 @@ def _report(order: sequence.Order, stretch: IntArray, mapping: Mapping, made: Co
     if order.repeated.size > max(_MOST_REPEATED * stretch.size, _FEW_REPEATED) and not mapping.duplicates:
         raise InputError(
             f"{order.repeated.size} of {stretch.size} rows repeat the time of the row before; expected --duplicates "
-            "spread (a clock that is too coarse), first or last; or --runs COLUMN, where several series share the file",
+            "spread (a clock that is too coarse), mean, first or last; or --runs COLUMN, where several series share "
+            "the file",
             place=made.table.place(int(order.repeated[0]), column),
         )
     astray = np.sort(np.concatenate([order.late, order.jumped]))
@@ -313,8 +318,8 @@ def _report(order: sequence.Order, stretch: IntArray, mapping: Mapping, made: Co
             "them there",
             place=made.table.place(int(astray[0]), column),
         )
-    which = "last" if mapping.duplicates == "last" else "first"
-    made.count(f"repeated time, the {which} row taken", order.repeated, column)
+    which = {"last": "the last row", "mean": "the mean of its rows"}.get(mapping.duplicates, "the first row")
+    made.count(f"repeated time, {which} taken", order.repeated, column)
     made.count("time before that of an earlier row, left out", order.late, column)
     made.count("time far ahead in one row, left out", order.jumped, column)
     for row, name in order.wraps:

@@ -9,6 +9,7 @@ from itertools import pairwise
 
 from gen.errors import InputError
 from gen.importing.evidence import Evidence
+from gen.importing.extreme_rows import extremes_by_turns
 from gen.importing.guess_columns import decide_columns
 from gen.importing.guess_input import decide_input, spanned
 from gen.importing.guess_time import decide_time, short_in_seconds
@@ -118,6 +119,8 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     used = {*reserved, *time.columns, drive.column, drive.sign} - {""}
     entries, said = decide_columns(evidence, _by_old_names(evidence, choices), used)
     guesses += said
+    turns = None if choices.duplicates else extremes_by_turns(evidence, time.columns)
+    guesses += [turns] if turns else []
     form = evidence.tables[0].reading
     mapping = Mapping(
         text=TextForm.model_validate(
@@ -131,7 +134,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
         time=time,
         input=drive,
         runs=runs,
-        duplicates=choices.duplicates,  # type: ignore[arg-type]
+        duplicates="mean" if turns else choices.duplicates,  # type: ignore[arg-type]
         sort=choices.sort or bool(choices.series),
         series=choices.series,
         column=entries,
