@@ -16,7 +16,8 @@ from gen.importing.guess_time import decide_time, short_in_seconds
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.listing import listed
 from gen.importing.mapping import Entry, Mapping, TextForm
-from gen.importing.names import RISE, RUNS, SERIES
+from gen.importing.names import RISE, RUNS
+from gen.importing.series_columns import names_and_values
 from gen.importing.table import Table
 from gen.importing.text import shown_delimiter
 from gen.importing.units import unit_of
@@ -24,7 +25,8 @@ from gen.importing.units import unit_of
 _MOST_RUNS = 1000
 _LEAST_ROWS = 2
 """Of a run, on average."""
-_MOST_SERIES = 200
+_MOST_NAMES = 4
+"""Shown of a column of them."""
 _PERCENT = 100.0
 _LEAST_VALUES = 3
 """Different ones, of a column that moves."""
@@ -160,14 +162,15 @@ def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str
 
 def _check_wide(evidence: Evidence) -> None:
     """Refuse a table with a row for each sensor: a column of names that alternate beside one of values."""
-    for name, facts in evidence.facts.items():
-        if facts.kind == "text" and SERIES.fullmatch(name.casefold()) and 1 < len(set(facts.texts)) <= _MOST_SERIES:
-            found = ", ".join(sorted(set(facts.texts))[:4])
-            raise InputError(
-                f"has a row for each of {found} ..; expected --series {quoted(name)}, which gives each a column of its "
-                "own",
-                place=f"column {name}",
-            )
+    found = names_and_values(evidence)
+    if found is not None:
+        name, said = found
+        names = sorted(set(evidence.facts[name].texts))
+        shown = ", ".join(names[:_MOST_NAMES]) + (" .." if len(names) > _MOST_NAMES else "")
+        raise InputError(
+            f"has a row for each of {shown}; expected --series {quoted(said)}, which gives each a column of its own",
+            place=f"column {name}",
+        )
 
 
 def _by_old_names(evidence: Evidence, choices: Choices) -> Choices:

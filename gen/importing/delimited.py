@@ -201,6 +201,8 @@ def table_of_rows(
         raise InputError(f"found {width} columns, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")
     first = next((i for i, row in enumerate(rows) if _is_data(row, width)), None)
     if first is None:
+        first = next((i for i, row in enumerate(rows) if _is_reading(row, width)), None)
+    if first is None:
         found = " | ".join(rows[0])[:_SHOWN] if rows else "nothing"
         raise InputError(
             f'found no row of numbers, only such as "{found}"; expected a header line and rows',
@@ -276,6 +278,11 @@ def _is_data(row: Sequence[str], width: int) -> bool:
         return False
     filled = [cell for cell in row if cell.strip() and cell.strip().casefold() not in NAN_WORDS]
     return bool(filled) and 2 * sum(map(_is_number, filled)) >= len(filled)
+
+
+def _is_reading(row: Sequence[str], width: int) -> bool:
+    """A row with a time and a number among words: which device's sensor, in what unit."""
+    return len(row) == width and sum(map(_is_number, row)) > 1 and any(is_time(cell.strip()) for cell in row)
 
 
 def _is_head(row: Sequence[str]) -> bool:

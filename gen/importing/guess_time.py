@@ -30,6 +30,8 @@ _RATIOS = tuple(x for r in (1.0, 60.0, 3600.0, 1e3, 1e6, 1e9) for x in (r, 1.0 /
 _SAME_LENGTH = 0.05
 _IN_SECONDS = {"x_value"}
 """LabVIEW's time, whatever its steps."""
+_COARSE_S = 2.0
+"""By which timestamps of whole seconds may be off at both ends."""
 _SHORT_S = 900.0
 _SHORTEST_S = 20.0
 """A log of a motor's temperature lasts longer."""
@@ -82,15 +84,17 @@ def _decided(evidence: Evidence, choices: Choices) -> tuple[TimeForm, list[Guess
 def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, float, str]:
     facts = [entry for name, entry in evidence.facts.items() if choices.columns.get(name, "time_s") == "time_s"]
     numbers = [entry for entry in facts if entry.kind == "number" and _rises(entry)]
+    instants = [entry for entry in facts if entry.kind == "instant"]
     known = [entry for entry in numbers if _timed(entry) and entry.named[1] is not None]
+    known = [entry for entry in known if not any(_contradicts(entry, instant) for instant in instants)]
     if known:
         best = next((entry for entry in known if TIME.fullmatch(entry.named[0].casefold())), known[0])
         return [best.name], choices, 0.95, "by its name and unit; it rises"
     dates = [entry for entry in facts if entry.kind == "date"]
     clocks = [entry for entry in facts if entry.kind in ("clock", "minutes")]
-    instants = [entry for entry in facts if entry.kind == "instant"]
     if instants:
-        return [instants[0].name], choices, 0.95, f"timestamps such as {_example(instants[0])}"
+        best = next((entry for entry in instants if not _stands(entry)), instants[0])
+        return [best.name], choices, 0.95, f"timestamps such as {_example(best)}"
     named = [entry for entry in numbers if TIME.fullmatch(entry.named[0].casefold()) and not _in_degrees(entry)]
     if dates and clocks:
         return (
@@ -137,6 +141,20 @@ def _alike(one: Facts, other: Facts) -> bool:
     """Whether two columns last equally long, in whatever units."""
     ratio = _length(one) / max(_length(other), 1e-12)
     return any(abs(ratio * scale - 1.0) < _SAME_LENGTH for scale in _RATIOS)
+
+
+def _contradicts(entry: Facts, instants: Facts) -> bool:
+    """Whether a time in a unit lasts otherwise than timestamps say: WinCC's `Time_ms` counts millionths of days."""
+    unit, cells = entry.named[1], instants.columns[0].cells
+    values = entry.parsed[0].values
+    if unit is None or not isinstance(cells, list):
+        return False
+    time, _ = clock.seconds(clock.instants(cells, clock.date_order(cells)[0]))
+    both = np.flatnonzero(np.isfinite(time) & np.isfinite(values))
+    if both.size < 2 or not time[both].max() > time[both].min():
+        return False
+    lasts, said = np.ptp(time[both]), np.ptp(values[both]) * unit.scale
+    return bool(abs(said - lasts) > max(_SAME_LENGTH * lasts, _COARSE_S))
 
 
 def _form(
@@ -239,7 +257,8 @@ def short_in_seconds(evidence: Evidence, form: TimeForm, choices: Choices) -> st
     entry = evidence.facts[form.columns[0]]
     low, high = entry.span
     base, unit, _ = entry.named
-    if unit is not None or unit_of(base) is not None or base.casefold() in _IN_SECONDS or high - low >= _SHORT_S:
+    said = unit is not None or unit_of(base) is not None or base.casefold() in _IN_SECONDS or bool(_epoch(entry))
+    if said or high - low >= _SHORT_S:
         return ""
     settle = f"--unit {quoted(f'{entry.name}=min')}"
     return f"{entry.name}: {high - low:g} in all, taken for s, is short for a motor's temperature; if min: {settle}"
@@ -265,6 +284,11 @@ def _rises(entry: Facts) -> bool:
     if not steps.size:
         return entry.values.size > 0
     return bool((steps >= 0).mean() > 0.8 and (steps > 0).mean() > 0.04)
+
+
+def _stands(entry: Facts) -> bool:
+    """Whether a column says one instant in all rows of each table: when a file or a query was begun."""
+    return all(len(set(map(str, column.cells))) < 2 < len(column.cells) for column in entry.columns)
 
 
 def _parted(entry: Facts) -> str:

@@ -36,7 +36,8 @@ RUNS = re.compile(
     r"(?:run|runs|run.?id|run.?name|test|test.?id|experiment|session|trial|profile.?id|versuch|lauf|file)"
 )
 SERIES = re.compile(
-    r"sensor|sensor.?name|sensor.?id|channel|kanal|signal|variable|field|_field|tag|tag.?name|entity.?id|metric"
+    r"sensor|sensor.?name|sensor.?id|channel|kanal|signal|variable|field|_field|tag|tag.?name|entity.?id|metric|series|topic|"
+    r"var.?name|messstelle|messgr(?:ö|oe)(?:ß|ss)e|capteur|sensore"
 )
 _SAYS_AMBIENT = (
     r"amb|ambient|ambiance|t_?amb|surroundings?|umgebung|umgebungstemperatur|umgebungsluft|ambiante?s?|ambiente|"

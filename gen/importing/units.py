@@ -84,7 +84,7 @@ _BRACKETED_FROM = re.compile(r"[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]")
 _SPOKEN = re.compile(r"^(?P<base>.*\S)\s*(?:\s(?:in|/)\s|,\s+|\s*/\s*)(?P<unit>\S+)$", re.IGNORECASE)
 _LABEL = re.compile(r"(?:^|[,;]\s*)(?:LBL|label|name)\s*[:=]\s*(?P<label>[^,;]*[^,;\s])", re.IGNORECASE)
 _ALONE = {"deg", "count", "raw", "digits", "d", "min", "cnt", "duty", "perc", "fraction", "grad"}
-"""No units where they only stand behind an underscore: `cell_count`, `T_min`, `motor_duty`."""
+"""No units where they only stand behind an underscore or a stroke: `cell_count`, `T_min`, `motor/duty`."""
 
 
 @lru_cache(maxsize=4096)
@@ -156,7 +156,8 @@ def split_name(header: str) -> tuple[str, Unit | None, str]:
         base = f"{bracketed['base'].strip()} {bracketed['rest']}".strip()
         return base, unit_of(bracketed["unit"]), bracketed["unit"].strip()
     spoken = _SPOKEN.match(text)
-    if spoken and (unit := unit_of(spoken["unit"])):
+    path = spoken is not None and spoken["unit"].casefold() in _ALONE and f"/{spoken['unit']}" in text  # of a topic
+    if spoken and not path and (unit := unit_of(spoken["unit"])):
         return spoken["base"], unit, spoken["unit"]
     degrees = re.fullmatch(r"(.+?)[\s_]*(°\s?[CFK]|℃|℉|%)", text)
     if degrees:
