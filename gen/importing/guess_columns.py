@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gen.errors import InputError
 from gen.importing import names
 from gen.importing.ambient import ambient_of
+from gen.importing.counters import counts_rows, never_falls, that_falls
 from gen.importing.evidence import Evidence, Facts
 from gen.importing.extremes import least_of_pairs
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.mapping import Entry
-from gen.importing.units import CURRENT, SPEED, TEMPERATURE, VOLTAGE, Unit, split_name, unit_of
+from gen.importing.units import CURRENT, DEGC, DEGF, SPEED, TEMPERATURE, VOLTAGE, Unit, split_name, unit_of
 
 AMBIENT = "ambient_degC"
 _CANONICAL = {
@@ -85,6 +86,7 @@ def _least(name: str, largest: str) -> Guess:
 def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     """The quantity and the unit of a column."""
     base, unit, where = facts.named
+    base = names.apart(base)
     told = choices.units.get(facts.name) or choices.units.get(choices.columns.get(facts.name) or facts.name)
     if told:
         unit = unit_of(told)
@@ -95,6 +97,8 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
         return _Sorted(facts, "", None, 0.9, f"holds {facts.kind}")
     if unit is not None and where == "name" and _one_of_letters(facts.name, evidence):
         unit = None
+    if unit in (DEGC, DEGF) and names.CHARGE.fullmatch(base) and facts.name not in choices.columns:
+        return _Sorted(facts, "", None, 0.8, "a charge or a capacity by its name, in coulomb or farad; kept as it is")
     target = choices.columns.get(facts.name, "")
     if names.WANTED.search(base) and not target:
         return _Sorted(facts, "", unit, 0.8, "a wanted or modelled value by its name")
@@ -106,7 +110,9 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     if unit is None and target:
         return _by_range(facts, True) if target.endswith("_degC") or _thermal(facts, base) else _by_name(facts, base)
     if unit is None and _thermal(facts, base):
-        return _by_range(facts, False) if _said(base) else _of_a_part(facts)
+        if _SAYS_SO.search(base):
+            return _by_range(facts, False)
+        return _unless_it_counts(_by_range(facts, False) if _said(base) else _of_a_part(facts), evidence)
     if unit is not None:
         return _Sorted(facts, unit.quantity, unit, 0.9, f"in {unit.name} by its {where}")
     return _by_name(facts, base)
@@ -161,6 +167,32 @@ def _of_a_part(facts: Facts) -> _Sorted:
         return _Sorted(facts, "", None, 0.8, "kept as it is")
     said = f"named after a part, {low:.4g}..{high:.4g}, and nothing says that it is a temperature"
     return _Sorted(facts, TEMPERATURE, unit_of("degC"), _UNSAID, said)
+
+
+def _unless_it_counts(found: _Sorted, evidence: Evidence) -> _Sorted:
+    """A temperature by little of its name, unless it rises as none does."""
+    facts = found.facts
+    if found.quantity != TEMPERATURE:
+        return found
+    counter = counts_rows(facts)
+    if counter:
+        return _Sorted(facts, "", None, 0.8, f"{counter}; kept as it is")
+    if not never_falls(facts):
+        return found
+    other = that_falls([entry for entry in evidence.numbers if entry is not facts and _is_temperature(entry)])
+    if not other:
+        if found.confidence <= _UNSAID:
+            return found
+        return replace(found, why=f"{found.why}; it never falls, nor does another")
+    said = f"{found.why}; but it never falls, though {other} does, as an energy or an odometer"
+    return replace(found, confidence=min(found.confidence, _UNSAID), why=said)
+
+
+def _is_temperature(facts: Facts) -> bool:
+    base, unit, _ = facts.named
+    if unit is not None:
+        return unit.quantity == TEMPERATURE
+    return _thermal(facts, names.apart(base)) and _said(names.apart(base))
 
 
 def _electrical(base: str) -> bool:
@@ -239,7 +271,7 @@ def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool, dou
         if ambient and doubtful:
             confidence, why = _UNSAID, f"{why}; the ambient, or of a part"
             settle = f"--column {quoted(f'{facts.name}={AMBIENT}')} or {quoted(f'{facts.name}=NAME_degC')}"
-        elif confidence == _UNSAID:
+        elif confidence <= _UNSAID:
             settle += f", or --column {quoted(f'{facts.name}=')} to leave it out"
     elif new:
         to = new

@@ -12,7 +12,7 @@ from gen.importing.evidence import Evidence, Facts
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.listing import listed
 from gen.importing.mapping import InputForm
-from gen.importing.names import DRIVES, DUTY, PWM, SIGN, WANTED
+from gen.importing.names import DRIVES, DUTY, PWM, SIGN, WANTED, apart
 from gen.importing.numbers import plain_number
 from gen.importing.units import COUNTS, SHARE, TEMPERATURE, Unit, unit_of
 from gen.importing.units import DUTY as DUTY_SHARE
@@ -95,7 +95,7 @@ def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[F
         if entry.name in renamed:
             return entry, CERTAIN, "--column"
     for pattern, confidence in ((PWM, 0.95), (DUTY, 0.85)):
-        found = [entry for entry in numbers if pattern.search(_composed(entry))]
+        found = [entry for entry in numbers if pattern.search(_worded(entry))]
         exact = [entry for entry in found if entry.named[0].casefold() in ("pwm", "duty")]
         if len(found) > 1 and len(exact) != 1:
             names = listed((f"--input {quoted(entry.name)}" for entry in found), " or ")
@@ -108,11 +108,9 @@ def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[F
 
 
 def _none(numbers: list[Facts]) -> str:
-    drives = [entry for entry in numbers if DRIVES.search(_composed(entry)) and entry.span != (0.0, 0.0)]
+    drives = [entry for entry in numbers if DRIVES.search(_worded(entry)) and entry.span != (0.0, 0.0)]
     drives = [entry for entry in drives if not _is_temperature(entry)]
-    drives = [
-        entry for entry in drives if not WANTED.search(_composed(entry))
-    ] or drives  # what was wanted heats nothing
+    drives = [entry for entry in drives if not WANTED.search(_worded(entry))] or drives  # what was wanted heats nothing
     said = NO_INPUT
     options = [f"--input {quoted(entry.name)}{_full_scale(entry)}" for entry in drives[:4]]
     if options:
@@ -124,9 +122,9 @@ def _none(numbers: list[Facts]) -> str:
     return f"{said} among {names}; expected {wanted}"
 
 
-def _composed(entry: Facts) -> str:
-    """A column's name, with an accent that is a letter of its own joined to the letter below it."""
-    return unicodedata.normalize("NFC", entry.name)
+def _worded(entry: Facts) -> str:
+    """A column's name with its words apart, and with accents that are letters of their own joined to those below."""
+    return apart(unicodedata.normalize("NFC", entry.name))
 
 
 def _is_temperature(entry: Facts) -> bool:
@@ -174,7 +172,7 @@ def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> _Scale:
                 unit.name, float(_full_counts(reached)), 0.3, f"{reached:g} is more than {full:g} {unit.name}"
             )
         return _Scale(unit.name, full, sure, "--unit" if told else f"in {unit.name} by its name")
-    if unit is not None or (choices.drive and not PWM.search(entry.name) and not DUTY.search(_composed(entry))):
+    if unit is not None or (choices.drive and not PWM.search(_worded(entry)) and not DUTY.search(_worded(entry))):
         shown = f" {unit.name}" if unit else ""
         raise InputError(
             f"found {low:g}..{high:g}{shown}; expected --full-scale, the value that is 255 counts",

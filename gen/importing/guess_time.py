@@ -13,7 +13,7 @@ from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.listing import listed
 from gen.importing.local import is_zone
 from gen.importing.mapping import DATED, TimeForm
-from gen.importing.names import TIME
+from gen.importing.names import CHARGED, TIME
 from gen.importing.numbers import plain_number
 from gen.importing.origins import days_since
 from gen.importing.plain_steps import plainer_unit
@@ -30,9 +30,15 @@ _RATIOS = tuple(x for r in (1.0, 60.0, 3600.0, 1e3, 1e6, 1e9) for x in (r, 1.0 /
 _SAME_LENGTH = 0.05
 _IN_SECONDS = {"x_value"}
 """LabVIEW's time, whatever its steps."""
+_EVEN = 0.8
+"""Of the steps."""
 _COARSE_S = 2.0
 """By which timestamps of whole seconds may be off at both ends."""
 _SHORT_S = 900.0
+_SLOWER = (("min", 60.0, 1.0), ("h", 3600.0, 10.0))
+"""Units that loggers write instead of s, and from which interval of rows on, s."""
+_SLOWEST_S = 1800.0
+_SPOKEN = ((3600.0, "h"), (60.0, "min"), (1.0, "s"))
 _SHORTEST_S = 20.0
 """A log of a motor's temperature lasts longer."""
 
@@ -95,7 +101,7 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
     if instants:
         best = next((entry for entry in instants if not _stands(entry)), instants[0])
         return [best.name], choices, 0.95, f"timestamps such as {_example(best)}"
-    named = [entry for entry in numbers if TIME.fullmatch(entry.named[0].casefold()) and not _in_degrees(entry)]
+    named = [entry for entry in numbers if _named_so(entry) and not _in_degrees(entry)]
     if dates and clocks:
         return (
             [dates[0].name, clocks[0].name],
@@ -260,17 +266,51 @@ def short_in_seconds(evidence: Evidence, form: TimeForm, choices: Choices) -> st
     said = unit is not None or unit_of(base) is not None or base.casefold() in _IN_SECONDS or bool(_epoch(entry))
     if said or high - low >= _SHORT_S:
         return ""
-    settle = f"--unit {quoted(f'{entry.name}=min')}"
-    return f"{entry.name}: {high - low:g} in all, taken for s, is short for a motor's temperature; if min: {settle}"
+    rising = entry.steps[entry.steps > 0]
+    step = float(np.median(rising)) if rising.size else 0.0
+    others = [
+        (name, scale) for name, scale, least_s in _SLOWER if step * scale >= least_s and step * scale <= _SLOWEST_S
+    ]
+    if not others:
+        return ""
+    shown = ", ".join(
+        f"{quoted(f'{entry.name}={name}')} ({_lasting((high - low) * scale)}, a row every {_lasting(step * scale)})"
+        for name, scale in others
+    )
+    return (
+        f"{entry.name}: has no unit; taken for s it lasts {_lasting(high - low)}, a row every {_lasting(step)}, which "
+        f"is short for a motor's temperature; if it is not s: --unit {shown}; if it is: --unit "
+        f"{quoted(f'{entry.name}=s')}"
+    )
+
+
+def _lasting(seconds: float) -> str:
+    """A time in the unit in which people say it."""
+    return next(f"{seconds / scale:.4g} {name}" for scale, name in _SPOKEN if seconds >= 2 * scale or scale == 1.0)
 
 
 def _timed(entry: Facts) -> bool:
     base, unit, _ = entry.named
     alone = unit_of(base) if unit is None else unit
+    if CHARGED.search(base):
+        return False
     return (
         bool(TIME.fullmatch(base.casefold()) or base.casefold() in ("t", ""))
         and (unit is None or unit.quantity == TIME_QUANTITY)
     ) or (alone is not None and alone.quantity == TIME_QUANTITY)
+
+
+def _named_so(entry: Facts) -> bool:
+    """Whether a name says time: of `T` only where its steps are even, for temperatures are called so, too."""
+    base = entry.named[0]
+    if CHARGED.search(base):
+        return False
+    return bool(TIME.fullmatch(base.casefold())) and (base != "T" or _is_even(entry))
+
+
+def _is_even(entry: Facts) -> bool:
+    usual = float(np.median(entry.steps)) if entry.steps.size else 0.0
+    return usual > 0 and bool((np.abs(entry.steps - usual) <= _SAME_LENGTH * usual).mean() >= _EVEN)
 
 
 def _in_degrees(entry: Facts) -> bool:

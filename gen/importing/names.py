@@ -26,7 +26,7 @@ DUTY = _words(languages.DUTY)
 DRIVES = _words(
     f"{languages.COMMAND}|{languages.OUTPUT}|{languages.POWER}|{languages.CURRENT}|{languages.SPEED}|{languages.HEAT}|"
     f"{languages.SETPOINT}|"
-    r"gas|drive|load|pid|ssr|utili[sz]ation|i|p|q\d*"
+    r"gas|drive|load|pid|ssr|utili[sz]ation|i|p|q\d*|@"
 )
 SIGN = _words(
     r"dir|direction|richtung|drehrichtung|sign|sens.de.rotation|senso.di.rotazione|sentido(?:.de.giro)?|draairichting"
@@ -88,7 +88,7 @@ OTHER = _words(
     r"energy|torque|drehmoment|moment|force|thrust|load|last|position|pos|angle|winkel|encoder|tacho(?:meter)?|clock|freq|"
     r"frequency|usage|utili[sz]ation|duty|pwm|throttle|cmd|command|on|off|enable|pressure|druck|flow|fan|vibration|vib|accel|"
     r"acceleration|gyro|flux|field|noise|level|resistance|ohms?|inductance|charge|soc|capacity|efficiency|hours|time|age|"
-    r"humidity|feuchte|distance|weight|mass|pole|poles|kv|kp|ki|kd|"
+    r"humidity|feuchte|distance|weight|mass|pole|poles|kv|kp|ki|kd|vel|iq|uq|energie|odo|odometer|mileage|"
     f"{languages.OTHER}|{languages.COMMAND}|{languages.CURRENT}|{languages.POWER}|{languages.SPEED}|{languages.VOLTAGE}|"
     f"{languages.VOLTAGE_IN_VOLTS}|{languages.DUTY}"
 )
@@ -126,6 +126,26 @@ CURRENT = _alone(rf"i|ia|idc|{languages.CURRENT}|amps?|amperage|intensit[ée]|in
 VOLTAGE = _alone(rf"u|v|vbat|ubat|vdc|vin|{languages.VOLTAGE}|volts?|supply")
 VOLTAGE_IN_VOLTS = _alone(languages.VOLTAGE_IN_VOLTS)
 SPEED = _alone(rf"omega|n|{languages.SPEED}|r[ée]gime|r[ée]gimen")
+
+
+CHARGE = _alone(
+    r"(?:total |used |net )?(?:charge|ladung|capacity|capacitance|kapazit(?:ä|ae)t|capacit[ée]|carga|carica)"
+    r"(?: used| total)?"
+)
+"""What is told in C and F, too: coulomb and farad."""
+CHARGED = _words(r"(?:milli)?(?:amp|amp[eè]re|watt|kilowatt)s?[ _-]?hours?(?:[ _-]\w+)*")
+"""No hours."""
+
+
+def apart(text: str) -> str:
+    """A name with its words apart where capitals begin them: `rTempAmbient`, `PWMDuty`.
+
+    Parameters
+    ----------
+    text
+        A column's name.
+    """
+    return re.sub(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])|(?<=[A-Z])(?=[A-Z][a-zäöü])", " ", text)
 
 
 def slug(text: str) -> str:

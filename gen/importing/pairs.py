@@ -23,9 +23,10 @@ _HEADS = (
         "timestamp",
         re.compile(rf"[\[(]?(?P<stamp>{_DAY}[T ,]\s?{_CLOCK}(?:Z|[+-]\d{{2}}:?\d{{2}})?)[\])]?(?=[\s,;:|>-])"),
     ),
+    ("millis", re.compile(r"^\s*(?:\x1b\[[0-9;]*m)?[EWIDV] \((?P<stamp>\d+)\) [\w.-]{1,40}:(?=\s)")),
     ("clock", re.compile(rf"^\s*(?:[A-Z][a-z]{{2}} [ \d]\d )?[\[(]?(?P<stamp>{_CLOCK})[\])]?(?=[\s,;:|>-])")),
 )
-"""The time that a logger, a daemon or a terminal puts before a line."""
+"""The time that a logger, a daemon, a terminal or a firmware puts before a line."""
 _COUNT = re.compile(r"^\s*(?P<key>[A-Za-z]+) (?P<value>\d+(?:\.\d+)?):\s")
 """A line's own number: `Stats 420126.9: ..`."""
 _SECTION = re.compile(r"(?P<of>[A-Za-z_]\w*)\s*:\s+$")
