@@ -14,14 +14,15 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.clock import is_time
+from gen.importing.heads import STATISTIC, is_label, is_units, labelled_head
 from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
+from gen.importing.unit_columns import with_units
 from gen.importing.units import unit_of
 
 DELIMITERS = {";": "semicolon", "\t": "tab", "|": "pipe", ",": "comma", " ": "white space"}
 _COMMENT = re.compile(r"\s*(?:#|%(?![,;|\t])|//|\*\*|--\s)")  # a unit of a row of units may be `%`
 _STAMPED = re.compile(r"\s*(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*->\s?(.*)")
-_STATISTIC = re.compile(r"(?:min|max|mean|avg|average|ave|last|inst)\.?", re.IGNORECASE)
 _SAMPLE = 400
 _LEAST_CONSISTENT = 0.8
 _MOST_LOST = 0.5
@@ -226,10 +227,12 @@ def table_of_rows(
     kept = [i for i, name in enumerate(names) if name.strip() or any(cell.strip() for cell in cells[i])]
     return Table(
         file,
-        [
-            Column(name, cells[i], units[i].strip())
-            for i, name in zip(kept, unique_names([names[i] for i in kept]), strict=True)
-        ],
+        with_units(
+            [
+                Column(name, cells[i], units[i].strip())
+                for i, name in zip(kept, unique_names([names[i] for i in kept]), strict=True)
+            ]
+        ),
         np.array([numbers[i] for i in good], dtype=np.int64),
         word,
         part,
@@ -290,21 +293,18 @@ def _is_head(row: Sequence[str]) -> bool:
     return 2 * len(filled) > len(row) and not any(plain_number(cell.strip()) is not None for cell in filled)
 
 
-def _is_units(row: Sequence[str]) -> bool:
-    filled = [cell.strip() for cell in row if cell.strip()]
-    known = sum(1 for cell in filled if unit_of(cell) or re.fullmatch(r"[\[(].*[\])]|-|hh:mm:ss.*", cell))
-    return bool(filled) and 2 * known > len(filled)
-
-
 def _head(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> tuple[list[str], list[str]]:
     """Names and units; no names where there is no header.
 
     A header may lack the last name, or have one more: a column of comments that no row has (LabVIEW's files).
     """
+    labelled = labelled_head(before, width)
     heads = [_padded(row, width) for row in before[-4:] if abs(len(row) - width) <= 1 and _is_head(row)]
-    if len(heads) > 1 and sum(1 for cell in heads[-1] if _STATISTIC.fullmatch(cell.strip())) > 1:
+    if labelled is not None and (not heads or is_label(heads[-1][0])):
+        return labelled
+    if len(heads) > 1 and sum(1 for cell in heads[-1] if STATISTIC.fullmatch(cell.strip())) > 1:
         return _under_names(heads)
-    if heads and len(heads) > 1 and _is_units(heads[-1]) and not _is_units(heads[-2]):
+    if len(heads) > 1 and is_units(heads[-1], heads[-2]) and not is_units(heads[-2]):
         return heads[-2], heads[-1]
     if heads:
         return heads[-1], [""] * width
@@ -319,10 +319,10 @@ def _head(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> t
 def _under_names(heads: Sequence[list[str]]) -> tuple[list[str], list[str]]:
     """Names and units where the last line only says which value of an interval a column holds: `Min`, `Max`."""
     *above, last = heads
-    names = next((row for row in reversed(above) if not _is_units(row)), [""] * len(last))
-    units = next((row for row in reversed(above) if _is_units(row)), [""] * len(last))
+    names = next((row for row in reversed(above) if not is_units(row)), [""] * len(last))
+    units = next((row for row in reversed(above) if is_units(row)), [""] * len(last))
     made = [
-        f"{name.strip()} {cell.strip()}".strip() if _STATISTIC.fullmatch(cell.strip()) else cell
+        f"{name.strip()} {cell.strip()}".strip() if STATISTIC.fullmatch(cell.strip()) else cell
         for name, cell in zip(names, last, strict=True)
     ]
     return made, [unit if unit_of(unit) else "" for unit in units]
