@@ -13,7 +13,7 @@ from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.listing import listed
 from gen.importing.local import is_zone
 from gen.importing.mapping import DATED, TimeForm
-from gen.importing.names import CHARGED, TIME
+from gen.importing.names import BUSY, CHARGED, TIME
 from gen.importing.numbers import plain_number
 from gen.importing.origins import days_since
 from gen.importing.plain_steps import plainer_unit
@@ -109,7 +109,7 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
             0.95,
             f"a date and a time: {_example(dates[0])}{_parted(clocks[0])}",
         )
-    if named:
+    if any(not BUSY.search(entry.named[0]) for entry in named):
         return _one_of(named, choices)
     if clocks:
         return [clocks[0].name], choices, 0.85, f"times such as {_example(clocks[0])}{_parted(clocks[0])}"

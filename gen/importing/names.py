@@ -133,8 +133,10 @@ CHARGE = _alone(
     r"(?: used| total)?"
 )
 """What is told in C and F, too: coulomb and farad."""
-CHARGED = _words(r"(?:milli)?(?:amp|amp[eè]re|watt|kilowatt)s?[ _-]?hours?(?:[ _-]\w+)*")
+CHARGED = _words(r"(?:milli)?(?:amp|amp[eè]re|watt|kilowatt)s?[ _-]?hours?")
 """No hours."""
+BUSY = _words(r"(?:cpu|processor|buffer)[ _-]?time")
+"""What a processor worked, or what waits in a queue, s: no time of a log."""
 
 
 def apart(text: str) -> str:
