@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -112,7 +112,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
         confidence = CERTAIN if choices.runs else 0.9
         why = "--runs" if choices.runs else "by its name; each value in rows of its own"
         guesses.append(Guess(runs, "a run for each value", confidence, why))
-    _check_wide(evidence)
+    _check_wide(evidence, {*choices.columns, runs})
     reserved = {runs} - {""}
     time, said = decide_time(evidence, choices)
     guesses += said
@@ -160,15 +160,16 @@ def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str
     return f"{name}: the largest is {_PERCENT:g}, as in percent; if so: --unit {quoted(f'{name}=percent')}"
 
 
-def _check_wide(evidence: Evidence) -> None:
+def _check_wide(evidence: Evidence, told: Collection[str]) -> None:
     """Refuse a table with a row for each sensor: a column of names that alternate beside one of values."""
-    found = names_and_values(evidence)
+    found = names_and_values(evidence, told)
     if found is not None:
         name, said = found
         names = sorted(set(evidence.facts[name].texts))
         shown = ", ".join(names[:_MOST_NAMES]) + (" .." if len(names) > _MOST_NAMES else "")
         raise InputError(
-            f"has a row for each of {shown}; expected --series {quoted(said)}, which gives each a column of its own",
+            f"has a row for each of {shown}; expected --series {quoted(said)}, which gives each a column of its own, "
+            f"or --column {quoted(f'{name}=')} where it is none",
             place=f"column {name}",
         )
 

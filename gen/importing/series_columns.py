@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from itertools import pairwise
 
 import numpy as np
@@ -20,13 +21,26 @@ _MOST_STEADY = 0.8
 _LEAST_ROWS = 3
 """Of each name, on average."""
 _LEAST_UNITS = 0.9
+_STATE_WORDS = (
+    "on off ein aus true false yes no ja nein ok open closed fault error idle run running stop stopped heating cooling "
+    "cw ccw forward backward reverse left right auto manual high low max min"
+)
+_STATES = {"", *_STATE_WORDS.split()}
 
 
-def names_and_values(evidence: Evidence) -> tuple[str, str] | None:
-    """The column of names, and what `--series` has to be told; None of a table with a column for each sensor."""
-    texts = [facts for facts in evidence.facts.values() if _names(facts)]
+def names_and_values(evidence: Evidence, told: Collection[str]) -> tuple[str, str] | None:
+    """The column of names, and what `--series` has to be told; None of a table with a column for each sensor.
+
+    Parameters
+    ----------
+    evidence
+        The columns.
+    told
+        Columns of which the user says what they are.
+    """
+    texts = [facts for name, facts in evidence.facts.items() if name not in told and _names(facts)]
     named = [facts for facts in texts if SERIES.fullmatch(facts.name.casefold())]
-    by_turns = [facts for facts in texts if _turns(facts) and not _all_units(facts)]
+    by_turns = [facts for facts in texts if _turns(facts) and not _all_units(facts) and not _states(facts)]
     values = value_column(evidence)
     if not named and (not values or len(by_turns) != 1):
         return None
@@ -58,6 +72,11 @@ def _turns(facts: Facts) -> bool:
     texts = facts.texts
     same = sum(1 for before, after in pairwise(texts) if before == after)
     return same <= _MOST_STEADY * len(texts)
+
+
+def _states(facts: Facts) -> bool:
+    """Whether texts say how something is: a relay, a fault, a direction."""
+    return {text.strip().casefold() for text in facts.texts} <= _STATES
 
 
 def _all_units(facts: Facts) -> bool:

@@ -184,3 +184,16 @@ def test_a_time_in_ms_that_is_none_by_the_timestamps_beside_it_is_not_taken(tmp_
     np.testing.assert_allclose(read_run(take(log, tmp_path / "out").runs[0]).time_s, seconds)
     frame.assign(Time_ms=1000 * seconds + 250).to_csv(true, index=False)
     np.testing.assert_allclose(read_run(take(true, tmp_path / "true").runs[0]).time_s, seconds + 0.25)
+
+
+@pytest.mark.parametrize("states", [("ON", "OFF"), ("A", "B")])
+def test_states_that_change_from_row_to_row_are_no_names_of_readings(states: tuple[str, str], tmp_path: Path) -> None:
+    """Those that nobody knows are asked for, and may be left out."""
+    frame = pd.DataFrame({"t [s]": 10 * np.arange(ROWS), "relay": [states[i % 2] for i in range(ROWS)], "PWM [%]": 60})
+    log = tmp_path / "log.csv"
+    frame.assign(winding_degC=TEMPERATURE + np.cos(np.arange(ROWS))).to_csv(log, index=False)
+    if states == ("A", "B"):
+        with pytest.raises(InputError, match=r"expected --series relay,winding_degC, .*, or --column relay= where it"):
+            take(log, tmp_path / "out")
+    columns = {} if states == ("ON", "OFF") else {"relay": ""}
+    assert list(read_run(take(log, tmp_path / "out", columns=columns).runs[0]).temps) == ["winding"]
