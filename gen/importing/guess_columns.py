@@ -29,6 +29,9 @@ _WARM_C = 100.0
 _FEW_VALUES = 3
 _UNSAID = 0.5
 """How sure it is that a column named after a part is its temperature."""
+_SLOW = 0.7
+_ALIKE_K = 8.0
+"""How far apart sensors of one motor begin at most."""
 _SAYS_SO = re.compile(r"(?i)temp|th?ermo|°")
 _LETTER = re.compile(r".*[_ ][A-Za-z]")
 
@@ -179,13 +182,22 @@ def _unless_it_counts(found: _Sorted, evidence: Evidence) -> _Sorted:
         return _Sorted(facts, "", None, 0.8, f"{counter}; kept as it is")
     if not never_falls(facts):
         return found
-    other = that_falls([entry for entry in evidence.numbers if entry is not facts and _is_temperature(entry)])
-    if not other:
-        if found.confidence <= _UNSAID:
-            return found
-        return replace(found, why=f"{found.why}; it never falls, nor does another")
-    said = f"{found.why}; but it never falls, though {other} does, as an energy or an odometer"
+    others = [entry for entry in evidence.numbers if entry is not facts and _is_temperature(entry)]
+    falling = that_falls(others)
+    if not falling:
+        return found if found.confidence <= _UNSAID else replace(found, why=f"{found.why}; it never falls")
+    said = f"{found.why}; it never falls, though {falling} does"
+    apart = abs(_start_degC(facts, found.unit) - float(np.median([_start_degC(entry) for entry in others])))
+    if apart <= _ALIKE_K:  # what is heavy, or far from the heat, still warms while the others cool
+        return replace(found, confidence=min(found.confidence, _SLOW), why=said)
+    said += f", and begins {apart:.4g} K from the others: an energy or an odometer?"
     return replace(found, confidence=min(found.confidence, _UNSAID), why=said)
+
+
+def _start_degC(facts: Facts, unit: Unit | None = None) -> float:
+    unit = unit or facts.named[1]
+    begin = float(np.median(facts.starts)) if facts.starts.size else 0.0
+    return begin * unit.scale + unit.offset if unit is not None else begin
 
 
 def _is_temperature(facts: Facts) -> bool:

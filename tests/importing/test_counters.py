@@ -28,21 +28,25 @@ def test_what_rises_by_one_step_in_every_row_is_a_counter(name: str, values: np.
 
 @pytest.mark.parametrize("name", ["T3", "bearing", "T_x", "TC1"])
 def test_what_never_falls_beside_a_temperature_that_does_is_asked_for(name: str, tmp_path: Path) -> None:
-    path = write(tmp_path, csv(COOLS.assign(**{name: WARM})))
-    with pytest.raises(
-        InputError,
-        match=rf"{name}: .* never falls, though winding_degC does.*; settle it by --unit {name}=degC .* out$",
-    ):
+    path = write(tmp_path, csv(COOLS.assign(**{name: WARM - 18})))
+    said = "never falls, though winding_degC does, and begins "
+    with pytest.raises(InputError, match=rf"{name}: .* {said}\d.*; settle it by --unit {name}=degC .* out$"):
         take(path, tmp_path / "runs")
     assert len(taken(path, tmp_path / "yes", units={name: "degC"}).temps) == 3
     assert list(taken(path, tmp_path / "no", columns={name: ""}).temps) == ["winding", "casing"]
 
 
+def test_a_slow_part_still_warms_while_another_cools(tmp_path: Path) -> None:
+    found = take(write(tmp_path, csv(COOLS.assign(T3=WARM))), tmp_path / "runs")
+    assert found.guesses().loc["T3", "taken"] == "T3_degC"
+    assert "it never falls, though winding_degC does" in str(found.guesses().loc["T3", "why"])
+
+
 def test_it_is_taken_where_no_other_falls_and_where_its_name_or_unit_says_so(tmp_path: Path) -> None:
     rising = TRUE.assign(T3=WARM)
     found = take(write(tmp_path, csv(rising)), tmp_path / "a")
-    assert "it never falls, nor does another" in str(found.guesses().loc["T3", "why"])
-    said = COOLS.assign(**{"T3 [°C]": WARM, "temp_back": WARM})
+    assert "; it never falls" in str(found.guesses().loc["T3", "why"])
+    said = COOLS.assign(**{"T3 [°C]": WARM - 18, "temp_back": WARM - 18})
     assert {"T3", "back"} < set(taken(write(tmp_path, csv(said)), tmp_path / "b").temps)
 
 
