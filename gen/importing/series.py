@@ -69,14 +69,14 @@ def _units(table: Table, names: str, values: str) -> dict[str, str]:
     if not said:
         return {}
     found: dict[str, set[str]] = {}
-    for name, unit in zip(_texts(table.column(names)), _texts(table.column(said)), strict=True):
+    for name, unit in zip(texts_of(table.column(names)), texts_of(table.column(said)), strict=True):
         found.setdefault(name, set()).update({unit} - {""})
     return {name: next(iter(units)) for name, units in found.items() if len(units) == _MOST_UNITS}
 
 
 def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Table:
-    of, said = _texts(table.column(names)), _texts(table.column(values))
-    when = list(zip(*(_texts(table.column(name)) for name in times), strict=True))
+    of, said = texts_of(table.column(names)), texts_of(table.column(values))
+    when = list(zip(*(texts_of(table.column(name)) for name in times), strict=True))
     series = list(dict.fromkeys(name for name in of if name))
     if not 0 < len(series) <= MOST_SERIES:
         raise InputError(f"found {len(series)} names, expected {MOST_SERIES} at most", place=f"column {names}")
@@ -101,7 +101,14 @@ def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Tabl
     return replace(table, columns=columns, places=first, counted=tuple(counted))
 
 
-def _texts(column: Column) -> list[str]:
+def texts_of(column: Column) -> list[str]:
+    """Give a column's cells as texts, empty where nothing is.
+
+    Parameters
+    ----------
+    column
+        Of texts, numbers or instants.
+    """
     if isinstance(column.cells, list):
         return [cell.strip() for cell in column.cells]
     if column.cells.dtype.kind == "M":
