@@ -32,6 +32,9 @@ _CELSIUS = (-273.15, 5000.0)
 _HIGHEST = 1e12
 _DIGITS = 9
 _DAY_S = 86_400.0
+_SINCE_1601_S = 11_644_473_600.0
+_WINDOWS_S = (1.16e10, 1.5e10)
+"""Of a first time since 1601, from 1968 to 2076."""
 _DAY_DIGITS = 4
 """Of s: a double holds a day of today to 10 us at best."""
 _DATED_ONLY = " (which needs dates with the times)"
@@ -180,6 +183,8 @@ def _numbered(values: FloatArray, scale: float) -> tuple[FloatArray, str]:
     finite = values[np.isfinite(values)]
     if finite.size and 1e9 < finite[0] * scale < 2.5e9:
         return _scaled(values - finite[0], scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e9))
+    if finite.size and _WINDOWS_S[0] < finite[0] * scale < _WINDOWS_S[1]:
+        return _scaled(values - finite[0], scale), _iso(round((float(finite[0]) * scale - _SINCE_1601_S) * 1e3) * 10**6)
     since = days_since(float(finite[0])) if finite.size and scale == _DAY_S else None
     if since is not None:
         begin = round((float(finite[0]) + since[0]) * _DAY_S * 1e3) * 10**6

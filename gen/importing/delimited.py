@@ -14,7 +14,7 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.clock import is_time
-from gen.importing.heads import STATISTIC, is_label, is_units, labelled_head
+from gen.importing.heads import STATISTIC, is_label, is_units, labelled_head, paired_head
 from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 from gen.importing.unit_columns import with_units
@@ -213,6 +213,10 @@ def table_of_rows(
     if not names:
         first = _behind_a_preamble(rows, first, width)
         names, units = _head(rows[:first], width, comments)
+    paired = paired_head(rows[:_LONGEST_PREAMBLE], width)
+    if paired is not None:
+        at, names, units = paired
+        first = next((i for i in range(at + 1, len(rows)) if _is_data(rows[i], width)), first)
     good, counted = _sorted_out(rows, numbers, first, width, names, word)
     if len(good) < _MOST_LOST * (len(rows) - first):
         raise InputError(

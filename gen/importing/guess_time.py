@@ -21,7 +21,14 @@ from gen.importing.units import TEMPERATURE, unit_of
 from gen.importing.units import TIME as TIME_QUANTITY
 
 _KINDS = {"instant": "timestamp", "clock": "time of day", "minutes": "mm:ss"}
-_EPOCHS = ((1e9, 2.5e9, "s"), (1e12, 2.5e12, "ms"), (1e15, 2.5e15, "us"), (1e18, 2.5e18, "ns"))
+_EPOCHS = (
+    (1e9, 2.5e9, "s"),
+    (1e12, 2.5e12, "ms"),
+    (1e15, 2.5e15, "us"),
+    (1e18, 2.5e18, "ns"),
+    (1.16e17, 1.5e17, "100ns"),
+)
+"""From which first number to which, and the unit; the last since 1601, as Windows counts."""
 _ROUND_S = {60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0}
 _PLAIN = {"t", "ts", "time", "times", "zeit", "timestamp", "zeitstempel", "elapsed", "seconds", "millis", "ms"}
 """Names of a time that need nothing beside them."""
@@ -210,7 +217,11 @@ def _unit(entry: Facts, choices: Choices) -> tuple[str, float, str]:
     if unit is not None and unit.quantity == TIME_QUANTITY:
         return unit.name, 0.95, "" if where == "name" else f"unit from the {where}"
     if epoch:
-        return epoch, 0.95, f"begins at {float(np.median(entry.starts)):.0f}, {epoch} since 1970"
+        return (
+            epoch,
+            0.95,
+            f"begins at {float(np.median(entry.starts)):.0f}, {epoch} since {1601 if epoch == '100ns' else 1970}",
+        )
     return _unit_by_steps(entry)
 
 

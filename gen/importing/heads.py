@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from gen.importing.units import unit_of
+from gen.importing.units import TIME, unit_of
 
 STATISTIC = re.compile(r"(?:min|max|mean|avg|average|ave|last|inst)\.?", re.IGNORECASE)
 _NAMES = ("tag", "tag no.", "tag name", "name", "signal name", "label", "comment", "ch", "ch.", "channel", "kanal")
@@ -13,6 +13,7 @@ _NAMES = ("tag", "tag no.", "tag name", "name", "signal name", "label", "comment
 _UNITS = ("unit", "units", "einheit", "unité", "unità", "unidad")
 _KINDS = ("kind", "data type")
 _OTHERS = ("type", "mode", "range", "scaling", "input", "function")
+_LEAST_PAIRED = 4
 _LEAST_NAMED = 0.5
 _LONGEST = 20
 """Lines above the first row, at most, among which they stand."""
@@ -49,6 +50,39 @@ def labelled_head(before: Sequence[Sequence[str]], width: int) -> tuple[list[str
             for name, kind in zip(names, kinds, strict=True)
         ]
     return ["time", *names[1:]], ["", *(unit if unit_of(unit) else "" for unit in units[1:])]
+
+
+def paired_head(lines: Sequence[Sequence[str]], width: int) -> tuple[int, list[str], list[str]] | None:
+    """Names and units of columns of times and values by turns, by lines such as `Name | Winding | Name | Duty`.
+
+    Parameters
+    ----------
+    lines
+        The first of a file.
+    width
+        Of a row.
+
+    Returns
+    -------
+    at, names, units
+        Behind which line rows may begin; or None without such a line.
+    """
+    if width < _LEAST_PAIRED or width % 2:
+        return None
+    paired = [(i, row) for i, row in enumerate(lines) if len(row) == width and len({*row[::2]}) == 1 and row[0].strip()]
+    named = next((row for _, row in paired if row[0].strip().casefold() in _NAMES and all(row[1::2])), None)
+    if named is None:
+        return None
+    last = max(i for i, row in paired if not row[0][:1].isdigit())
+    said = (re.search(r"\[(\w+)\]", row[0]) for _, row in paired)
+    of_times = next((match[1] for match in said if match and _is_time(match[1])), "")
+    names = [name for channel in named[1::2] for name in ("time", channel.strip())]
+    return last, names, [of_times, ""] * (width // 2)
+
+
+def _is_time(text: str) -> bool:
+    unit = unit_of(text)
+    return unit is not None and unit.quantity == TIME
 
 
 def is_label(cell: str) -> bool:

@@ -73,3 +73,40 @@ def test_another_clock_of_the_same_rows_is_no_channels_own(name: str, other: pd.
     found = take(write(tmp_path, csv(frame)), tmp_path / "out", time="time_s")
     same(read_run(found.runs[0]), TRUE[["time_s", "pwm", "winding_degC"]])
     assert not any("times of its own" in text for text in found.counted().index)
+
+
+PLC = """Name\tScope01
+File\t
+StartRecord\t134401608000000000\tDonnerstag, 26. November 2026\t10:00:00
+EndRecord\t134401613990000000\tDonnerstag, 26. November 2026\t10:09:59
+
+Name\tfDuty\tName\tfTempWinding
+NetId\t172.16.8.205.1.1\tNetId\t172.16.8.205.1.1
+Port\t801\tPort\t801
+SampleTime[ms]\t4000\tSampleTime[ms]\t10000
+SymbolName\tMAIN.fDuty\tSymbolName\tMAIN.fTempWinding
+Data-Type\tADST_REAL32\tData-Type\tADST_REAL32
+VariableSize\t4\tVariableSize\t4
+
+"""
+
+
+@pytest.mark.parametrize("windows", [False, True])
+def test_a_scope_of_a_plc_with_a_head_for_each_channel(windows: bool, tmp_path: Path) -> None:
+    """As its manual shows it: ms since the record's begin, or 100 ns since 1601."""
+
+    def shown(seconds: int) -> str:
+        return str(134_401_608_000_000_000 + seconds * 10**7) if windows else str(1000 * seconds)
+
+    rows = [
+        "\t".join((shown(t), str(DUTY[i]), *((shown(SLOW[i]), str(WARM[i])) if i < len(SLOW) else ("", ""))))
+        for i, t in enumerate(FAST)
+    ]
+    head = PLC.replace("SampleTime[ms]\t4000\tSampleTime[ms]\t10000\n", "") if windows else PLC
+    path = write(tmp_path, head + "\n".join(rows).replace(".", ",") + "\n", name="scope.csv")
+    run = taken(path, tmp_path / "out", units={"fDuty": "percent"})
+    known = np.isfinite(run.temps["fTempWinding"])
+    assert run.temps["fTempWinding"][known].tolist() == WARM[1:]
+    np.testing.assert_allclose(np.diff(run.time_s[known]), 10.0, atol=1e-6)
+    if windows:
+        assert run.comments["started"].startswith("2026-11-26T10:00:00")
