@@ -14,7 +14,7 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.clock import is_time
-from gen.importing.heads import STATISTIC, is_label, is_units, labelled_head, paired_head
+from gen.importing.heads import STATISTIC, is_label, is_units, labelled_head, paired_head, with_labels
 from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 from gen.importing.unit_columns import with_units
@@ -26,6 +26,8 @@ _STAMPED = re.compile(r"\s*(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*->\s?(.*)")
 _SAMPLE = 400
 _LEAST_CONSISTENT = 0.8
 _MOST_LOST = 0.5
+_FEW_HEADS = 2
+"""Lines of names and of units, which are no list of channels."""
 _LONGEST_PREAMBLE = 100
 """Lines that come before a header, at most."""
 _SHOWN = 40
@@ -213,6 +215,7 @@ def table_of_rows(
     if not names:
         first = _behind_a_preamble(rows, first, width)
         names, units = _head(rows[:first], width, comments)
+    names = with_labels(names, rows[: max(first - _FEW_HEADS, 0)])
     paired = paired_head(rows[:_LONGEST_PREAMBLE], width)
     if paired is not None:
         at, names, units = paired

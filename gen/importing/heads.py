@@ -14,6 +14,7 @@ _UNITS = ("unit", "units", "einheit", "unité", "unità", "unidad")
 _KINDS = ("kind", "data type")
 _OTHERS = ("type", "mode", "range", "scaling", "input", "function")
 _LEAST_PAIRED = 4
+_LEAST_LABELS = 2
 _LEAST_NAMED = 0.5
 _LONGEST = 20
 """Lines above the first row, at most, among which they stand."""
@@ -78,6 +79,23 @@ def paired_head(lines: Sequence[Sequence[str]], width: int) -> tuple[int, list[s
     of_times = next((match[1] for match in said if match and _is_time(match[1])), "")
     names = [name for channel in named[1::2] for name in ("time", channel.strip())]
     return last, names, [of_times, ""] * (width // 2)
+
+
+def with_labels(names: Sequence[str], before: Sequence[Sequence[str]]) -> list[str]:
+    """Names of columns with what a list of channels above says of them: `CH1,Winding,TEMP,TC_K`.
+
+    Parameters
+    ----------
+    names
+        Of the columns.
+    before
+        Lines above the first row.
+    """
+    lines = [[cell.strip() for cell in row] for row in before if len(row) > 1 and row[0].strip() in names]
+    said = {row[0]: row[1] for row in lines if row[0] and re.search(r"[^\W\d_]", row[1]) and not unit_of(row[1])}
+    if len(said) < _LEAST_LABELS or len(set(said.values())) < len(said) or len(lines) > len({row[0] for row in lines}):
+        return list(names)
+    return [f"{name} {said[name]}" if name in said else name for name in names]
 
 
 def _is_time(text: str) -> bool:

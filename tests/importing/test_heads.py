@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from gen.importing.encoding import decode
+from gen.importing.heads import with_labels
 from tests.importing.logs import TRUE, taken, write
 
 STAMPS = [str(pd.Timestamp("2026-11-26 10:00:00") + pd.Timedelta(seconds=2 * s)) for s in TRUE.time_s]
@@ -60,8 +61,8 @@ def test_units_below_names_where_less_than_half_have_one(tmp_path: Path) -> None
         for i, (at, d, w, a) in enumerate(ROWS)
     )
     run = taken(write(tmp_path, LOGGER + rows), tmp_path / "out")
-    np.testing.assert_array_equal(run.temps["CH1"], TRUE.winding_degC)
-    np.testing.assert_array_equal(run.temps["CH2"], TRUE.ambient_degC)
+    np.testing.assert_array_equal(run.temps["ch1_winding"], TRUE.winding_degC)  # by the list of channels
+    np.testing.assert_array_equal(run.ambient, TRUE.ambient_degC)
     np.testing.assert_array_equal(run.pwm, TRUE.pwm)
 
 
@@ -87,3 +88,11 @@ def test_a_header_below_a_preamble_is_no_noise() -> None:
         assert decode(text.encode(encoding))[0] == text
     broken = f"{head}\nt;T Wicklung\n{rows}".encode().replace(b"57;20,5", b"57;2\xe4,5")
     assert decode(broken)[1] == "utf-8"
+
+
+def test_a_list_of_channels_names_columns_only_where_it_says_different_things_of_several() -> None:
+    names = ["Number", "CH1", "CH2"]
+    lists = [["CH1", "Winding", "TEMP"], ["CH2", "Room", "TEMP"]]
+    assert with_labels(names, lists) == ["Number", "CH1 Winding", "CH2 Room"]
+    for other in ([["CH1", "TEMP"], ["CH2", "TEMP"]], lists[:1], [["CH1", "20.5"], ["CH2", "21.5"]], lists * 2):
+        assert with_labels(names, other) == names
