@@ -197,3 +197,17 @@ def test_states_that_change_from_row_to_row_are_no_names_of_readings(states: tup
             take(log, tmp_path / "out")
     columns = {} if states == ("ON", "OFF") else {"relay": ""}
     assert list(read_run(take(log, tmp_path / "out", columns=columns).runs[0]).temps) == ["winding"]
+
+
+def test_a_switch_is_1_or_0(tmp_path: Path) -> None:
+    """Of home automation; where it says nothing, what it said before is held."""
+    lines = [f"sensor.motor_temperature,{t:.2f},{at}" for t, at in zip(TEMPERATURE, times(7000), strict=True)]
+    states = ["on" if i < 40 else "off" for i in range(ROWS)]
+    states[7] = "unavailable"
+    lines += [f"switch.motor,{state},{at}" for state, at in zip(states, times(), strict=True)]
+    log = write(tmp_path, "\n".join(["entity_id,state,last_changed", *lines]))
+    with pytest.raises(InputError, match=r"among sensor\.motor_temperature \(.*\), switch\.motor \(0\.\.1\); expected"):
+        take(log, tmp_path / "out", series="entity_id")
+    found = take(log, tmp_path / "out", series="entity_id", input="switch.motor", full_scale=1.0)
+    assert found.counted()["count"]["on or off of switch.motor, taken for 1 or 0"] == ROWS - 1
+    assert read_run(found.runs[0]).pwm.tolist() == [255] * 80 + [0] * 40
