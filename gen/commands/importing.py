@@ -46,8 +46,8 @@ _WIDTH = 140
 )
 @click.option(
     "--duplicates",
-    type=click.Choice(["first", "last", "spread"]),
-    help="Of rows with one time: which to take, or to spread them until the next time.",
+    type=click.Choice(["first", "last", "mean", "spread"]),
+    help="Of rows with one time: which to take, their mean, or to spread them until the next time.",
 )
 @click.option(
     "--series", metavar="NAMES[,VALUES]", default="", help="A row for each reading: each of the names becomes a column."

@@ -16,6 +16,7 @@ from plotly.offline import get_plotlyjs
 from gen.drawing.palette import BAR_NAMES, BARS, COLOURS, INK, colour
 from gen.drawing.section import Array, Curve, Panel, Section
 from gen.drawing.thinning import line, lonely, steps
+from gen.pages.charts import reaching_zero
 from gen.pages.environment import page_environment
 from gen.version import __version__
 
@@ -139,7 +140,7 @@ def _layout(section: Section) -> tuple[dict[str, Any], list[tuple[float, float]]
             "anchor": "y" if lowest == 1 else f"y{lowest}",
             "title": {"text": f"time, {unit}"},
             "unifiedhovertitle": {"text": f"%{{x}} {unit}"},
-            "range": [first, last] if last > first else [first - 1.0, first + 1.0],
+            "range": [*reaching_zero(first, last)] if last > first else [first - 1.0, first + 1.0],
         },
         "shapes": [],
     }

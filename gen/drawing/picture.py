@@ -21,6 +21,7 @@ from matplotlib.text import Text
 from gen.drawing.palette import BAR_NAMES, BARS, INK, colour
 from gen.drawing.section import Curve, Panel, Section
 from gen.drawing.thinning import line, lonely, steps
+from gen.pages.charts import reaching_zero
 
 MOST_POINTS = 4_000
 """Of a curve: a line of so many is as the whole one at any size of paper."""
@@ -83,6 +84,9 @@ def _draw(section: Section, place: SubFigure) -> None:
     for axes in columns:
         axes.grid(alpha=0.3)
         axes.margins(x=0.0)
+    first, last = float(section.time_s[0]), float(section.time_s[-1])
+    if reaching_zero(first, last)[0] < first:
+        columns[-1].set_xlim(left=0.0)
     columns[-1].set_xlabel(f"time, {unit}")
     _plain(place.suptitle("", fontsize=10), section.title)
     _legend(section, place)

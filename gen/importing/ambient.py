@@ -26,7 +26,7 @@ def ambient_of(temperatures: Sequence[Facts]) -> tuple[str, bool]:
     name, doubtful
         No name where none says so.
     """
-    ranked = [(rank, facts.name) for facts in temperatures if (rank := _rank(facts.named[0])) is not None]
+    ranked = [(rank, facts.name) for facts in temperatures if (rank := _rank(names.apart(facts.named[0]))) is not None]
     if not ranked:
         return "", False
     (level, others), name = min(ranked, key=lambda entry: entry[0])

@@ -9,7 +9,11 @@ import numpy as np
 
 from gen.importing.table import FloatArray, InstantArray, IntArray
 
-_TIME = r"(?P<h>\d{1,3}):(?P<min>\d{2})(?::(?P<s>\d{2})(?:[.,:](?P<frac>\d{1,9}))?)?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
+_TIME = (
+    r"(?P<h>\d{1,3})(?P<between>:|\.(?=\d{2}\.\d{2}))(?P<min>\d{2})"
+    r"(?:(?P=between)(?P<s>\d{2})(?:[.,:](?P<frac>\d{1,9}))?)?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
+)
+"""Points may part hours, minutes and seconds, all three: 10.02.33."""
 _ZONE = r"\s*(?P<zone>Z|UTC|[+-]\d{2}:?\d{2})?"
 _SEPARATOR = r"(?:[T ,;]\s*)"
 _ISO = r"(?P<y>\d{4})[-/.]?(?P<m>\d{2})[-/.]?(?P<d>\d{2})"
@@ -29,6 +33,7 @@ _MONTHS = {
     )
     for number, name in enumerate(names.split(), start=1)
 }
+_DOTTED = re.compile(r"\d{1,2}\.\d{2}\.\d{2}(?:[.,]\d{1,9})?", re.ASCII)
 _ISO_MARKS = str.maketrans("", "", "0123456789-:.T \n")
 _DAY_NS = 86_400 * 10**9
 _NOT = np.iinfo(np.int64).min
@@ -38,7 +43,9 @@ def is_time(text: str) -> bool:
     """Whether a text is a date, a time of day or both; a number alone is none of them."""
     if ":" in text:
         return bool(_CLOCK.fullmatch(text) or _MINUTES.fullmatch(text)) or any(p.fullmatch(text) for p in _DATES)
-    return not text.isdigit() and _plain(text) is None and any(p.fullmatch(text) for p in _DATES)
+    if text.isdigit() or _plain(text) is not None:
+        return False
+    return bool(_DOTTED.fullmatch(text)) or any(p.fullmatch(text) for p in _DATES)
 
 
 def _plain(text: str) -> re.Match[str] | None:
@@ -54,11 +61,55 @@ def kind_of(cells: Sequence[str]) -> str:
     def share(test: Sequence[bool]) -> bool:
         return sum(test) > 0.5 * len(sample)
 
+    if share([bool(_DOTTED.fullmatch(text)) for text in sample]) and _goes_on(cells):
+        return "clock"
     if share([any(p.fullmatch(text) and is_time(text) for p in _DATES) for text in sample]):
-        return "instant" if share([":" in text for text in sample]) else "date"
+        return "instant" if share([_has_time(text) for text in sample]) else "date"
     if share([bool(_CLOCK.fullmatch(text)) and text.count(":") >= 2 for text in sample]):
         return "clock"
     return "minutes" if share([bool(_MINUTES.fullmatch(text)) for text in sample]) else ""
+
+
+def _has_time(text: str) -> bool:
+    return ":" in text or any(match["h"] is not None for p in _DATES if (match := p.fullmatch(text)))
+
+
+def dotted(cells: Sequence[str]) -> bool:
+    """Whether times of day are parted by points; the first that holds something tells.
+
+    Parameters
+    ----------
+    cells
+        Times of day.
+    """
+    return bool(_DOTTED.fullmatch(next((cell.strip() for cell in cells if cell.strip()), "")))
+
+
+def _goes_on(cells: Sequence[str]) -> bool:
+    """Whether texts such as `10.02.33` are times of day throughout, and go on as such, and not dates of a few days.
+
+    The last number of a date is the year, which a log of hours does not change; of a time it is the seconds.
+    """
+    texts = [text for cell in cells if (text := cell.strip())]
+    ns = of_day(texts)
+    if (ns == _NOT).any() or (ns >= _DAY_NS).any() or not all(_DOTTED.fullmatch(text) for text in texts):
+        return False
+    on, nights = over_midnight(ns)
+    steps = np.diff(on)
+    if (steps < 0).any() or not (steps > 0).any() or on[-1] - on[0] >= (nights + 1) * _DAY_NS:
+        return False
+    found = [tuple(map(int, re.split("[.,]", text)[:3])) for text in texts]
+    if any(not (_is_day(a, b) or _is_day(b, a)) for a, b, _ in found):
+        return True
+    years = {year for _, _, year in found}
+    if len(years) == 1:
+        return False
+    dates = ([(year, b, a) for a, b, year in found], [(year, a, b) for a, b, year in found])
+    return len(years) > 2 or not any(date == sorted(date) for date in dates)
+
+
+def _is_day(day: int, month: int) -> bool:
+    return 1 <= day <= 31 and 1 <= month <= 12
 
 
 def date_order(cells: Sequence[str]) -> tuple[str, float, str]:

@@ -14,6 +14,7 @@ from gen.importing import clock, sequence
 from gen.importing.evidence import Evidence, Facts
 from gen.importing.local import goes_ahead_an_hour, goes_back_an_hour, in_utc
 from gen.importing.mapping import DATED, Entry, Mapping
+from gen.importing.means import means
 from gen.importing.origins import days_since
 from gen.importing.overflow import overflows
 from gen.importing.suspicions import suspicions
@@ -31,6 +32,9 @@ _CELSIUS = (-273.15, 5000.0)
 _HIGHEST = 1e12
 _DIGITS = 9
 _DAY_S = 86_400.0
+_SINCE_1601_S = 11_644_473_600.0
+_WINDOWS_S = (1.16e10, 1.5e10)
+"""Of a first time since 1601, from 1968 to 2076."""
 _DAY_DIGITS = 4
 """Of s: a double holds a day of today to 10 us at best."""
 _DATED_ONLY = " (which needs dates with the times)"
@@ -118,6 +122,9 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
         order = sequence.order(time[stretch] - begin, stretch, mapping.duplicates or "first", ticks)
         _report(order, stretch, mapping, made)
         _spring(order, ticks, mapping, made)
+        if mapping.duplicates == "mean" and order.repeated.size:
+            drive = means(drive, order.kept, order.repeated)
+            channels = {to: means(values, order.kept, order.repeated) for to, values in channels.items()}
         pieces = _pieces(order, splitting, ticks, made)
         for number, (first, end) in enumerate(pieces, start=1):
             kept = order.kept[first:end]
@@ -176,6 +183,8 @@ def _numbered(values: FloatArray, scale: float) -> tuple[FloatArray, str]:
     finite = values[np.isfinite(values)]
     if finite.size and 1e9 < finite[0] * scale < 2.5e9:
         return _scaled(values - finite[0], scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e9))
+    if finite.size and _WINDOWS_S[0] < finite[0] * scale < _WINDOWS_S[1]:
+        return _scaled(values - finite[0], scale), _iso(round((float(finite[0]) * scale - _SINCE_1601_S) * 1e3) * 10**6)
     since = days_since(float(finite[0])) if finite.size and scale == _DAY_S else None
     if since is not None:
         begin = round((float(finite[0]) + since[0]) * _DAY_S * 1e3) * 10**6
@@ -303,7 +312,8 @@ def _report(order: sequence.Order, stretch: IntArray, mapping: Mapping, made: Co
     if order.repeated.size > max(_MOST_REPEATED * stretch.size, _FEW_REPEATED) and not mapping.duplicates:
         raise InputError(
             f"{order.repeated.size} of {stretch.size} rows repeat the time of the row before; expected --duplicates "
-            "spread (a clock that is too coarse), first or last; or --runs COLUMN, where several series share the file",
+            "spread (a clock that is too coarse), mean, first or last; or --runs COLUMN, where several series share "
+            "the file",
             place=made.table.place(int(order.repeated[0]), column),
         )
     astray = np.sort(np.concatenate([order.late, order.jumped]))
@@ -313,8 +323,8 @@ def _report(order: sequence.Order, stretch: IntArray, mapping: Mapping, made: Co
             "them there",
             place=made.table.place(int(astray[0]), column),
         )
-    which = "last" if mapping.duplicates == "last" else "first"
-    made.count(f"repeated time, the {which} row taken", order.repeated, column)
+    which = {"last": "the last row", "mean": "the mean of its rows"}.get(mapping.duplicates, "the first row")
+    made.count(f"repeated time, {which} taken", order.repeated, column)
     made.count("time before that of an earlier row, left out", order.late, column)
     made.count("time far ahead in one row, left out", order.jumped, column)
     for row, name in order.wraps:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 from gen.errors import InputError
 from gen.importing.evidence import Evidence
+from gen.importing.extreme_rows import extremes_by_turns
 from gen.importing.guess_columns import decide_columns
 from gen.importing.guess_input import decide_input, spanned
 from gen.importing.guess_time import decide_time, short_in_seconds
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.listing import listed
 from gen.importing.mapping import Entry, Mapping, TextForm
-from gen.importing.names import RISE, RUNS, SERIES
+from gen.importing.names import RISE, RUNS
+from gen.importing.series_columns import names_and_values
 from gen.importing.table import Table
 from gen.importing.text import shown_delimiter
 from gen.importing.units import unit_of
@@ -23,7 +25,8 @@ from gen.importing.units import unit_of
 _MOST_RUNS = 1000
 _LEAST_ROWS = 2
 """Of a run, on average."""
-_MOST_SERIES = 200
+_MOST_NAMES = 4
+"""Shown of a column of them."""
 _PERCENT = 100.0
 _LEAST_VALUES = 3
 """Different ones, of a column that moves."""
@@ -109,7 +112,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
         confidence = CERTAIN if choices.runs else 0.9
         why = "--runs" if choices.runs else "by its name; each value in rows of its own"
         guesses.append(Guess(runs, "a run for each value", confidence, why))
-    _check_wide(evidence)
+    _check_wide(evidence, {*choices.columns, runs})
     reserved = {runs} - {""}
     time, said = decide_time(evidence, choices)
     guesses += said
@@ -118,6 +121,8 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     used = {*reserved, *time.columns, drive.column, drive.sign} - {""}
     entries, said = decide_columns(evidence, _by_old_names(evidence, choices), used)
     guesses += said
+    turns = None if choices.duplicates else extremes_by_turns(evidence, time.columns)
+    guesses += [turns] if turns else []
     form = evidence.tables[0].reading
     mapping = Mapping(
         text=TextForm.model_validate(
@@ -131,7 +136,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
         time=time,
         input=drive,
         runs=runs,
-        duplicates=choices.duplicates,  # type: ignore[arg-type]
+        duplicates="mean" if turns else choices.duplicates,  # type: ignore[arg-type]
         sort=choices.sort or bool(choices.series),
         series=choices.series,
         column=entries,
@@ -155,16 +160,18 @@ def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str
     return f"{name}: the largest is {_PERCENT:g}, as in percent; if so: --unit {quoted(f'{name}=percent')}"
 
 
-def _check_wide(evidence: Evidence) -> None:
+def _check_wide(evidence: Evidence, told: Collection[str]) -> None:
     """Refuse a table with a row for each sensor: a column of names that alternate beside one of values."""
-    for name, facts in evidence.facts.items():
-        if facts.kind == "text" and SERIES.fullmatch(name.casefold()) and 1 < len(set(facts.texts)) <= _MOST_SERIES:
-            found = ", ".join(sorted(set(facts.texts))[:4])
-            raise InputError(
-                f"has a row for each of {found} ..; expected --series {quoted(name)}, which gives each a column of its "
-                "own",
-                place=f"column {name}",
-            )
+    found = names_and_values(evidence, told)
+    if found is not None:
+        name, said = found
+        names = sorted(set(evidence.facts[name].texts))
+        shown = ", ".join(names[:_MOST_NAMES]) + (" .." if len(names) > _MOST_NAMES else "")
+        raise InputError(
+            f"has a row for each of {shown}; expected --series {quoted(said)}, which gives each a column of its own, "
+            f"or --column {quoted(f'{name}=')} where it is none",
+            place=f"column {name}",
+        )
 
 
 def _by_old_names(evidence: Evidence, choices: Choices) -> Choices:

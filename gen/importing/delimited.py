@@ -14,17 +14,20 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.clock import is_time
+from gen.importing.heads import STATISTIC, is_label, is_units, labelled_head, paired_head, with_labels
 from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
+from gen.importing.unit_columns import with_units
 from gen.importing.units import unit_of
 
 DELIMITERS = {";": "semicolon", "\t": "tab", "|": "pipe", ",": "comma", " ": "white space"}
 _COMMENT = re.compile(r"\s*(?:#|%(?![,;|\t])|//|\*\*|--\s)")  # a unit of a row of units may be `%`
 _STAMPED = re.compile(r"\s*(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*->\s?(.*)")
-_STATISTIC = re.compile(r"(?:min|max|mean|avg|average|ave|last|inst)\.?", re.IGNORECASE)
 _SAMPLE = 400
 _LEAST_CONSISTENT = 0.8
 _MOST_LOST = 0.5
+_FEW_HEADS = 2
+"""Lines of names and of units, which are no list of channels."""
 _LONGEST_PREAMBLE = 100
 """Lines that come before a header, at most."""
 _SHOWN = 40
@@ -201,6 +204,8 @@ def table_of_rows(
         raise InputError(f"found {width} columns, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")
     first = next((i for i, row in enumerate(rows) if _is_data(row, width)), None)
     if first is None:
+        first = next((i for i, row in enumerate(rows) if _is_reading(row, width)), None)
+    if first is None:
         found = " | ".join(rows[0])[:_SHOWN] if rows else "nothing"
         raise InputError(
             f'found no row of numbers, only such as "{found}"; expected a header line and rows',
@@ -210,6 +215,11 @@ def table_of_rows(
     if not names:
         first = _behind_a_preamble(rows, first, width)
         names, units = _head(rows[:first], width, comments)
+    names = with_labels(names, rows[: max(first - _FEW_HEADS, 0)])
+    paired = paired_head(rows[:_LONGEST_PREAMBLE], width)
+    if paired is not None:
+        at, names, units = paired
+        first = next((i for i in range(at + 1, len(rows)) if _is_data(rows[i], width)), first)
     good, counted = _sorted_out(rows, numbers, first, width, names, word)
     if len(good) < _MOST_LOST * (len(rows) - first):
         raise InputError(
@@ -224,10 +234,12 @@ def table_of_rows(
     kept = [i for i, name in enumerate(names) if name.strip() or any(cell.strip() for cell in cells[i])]
     return Table(
         file,
-        [
-            Column(name, cells[i], units[i].strip())
-            for i, name in zip(kept, unique_names([names[i] for i in kept]), strict=True)
-        ],
+        with_units(
+            [
+                Column(name, cells[i], units[i].strip())
+                for i, name in zip(kept, unique_names([names[i] for i in kept]), strict=True)
+            ]
+        ),
         np.array([numbers[i] for i in good], dtype=np.int64),
         word,
         part,
@@ -278,15 +290,14 @@ def _is_data(row: Sequence[str], width: int) -> bool:
     return bool(filled) and 2 * sum(map(_is_number, filled)) >= len(filled)
 
 
+def _is_reading(row: Sequence[str], width: int) -> bool:
+    """A row with a time and a number among words: which device's sensor, in what unit."""
+    return len(row) == width and sum(map(_is_number, row)) > 1 and any(is_time(cell.strip()) for cell in row)
+
+
 def _is_head(row: Sequence[str]) -> bool:
     filled = [cell for cell in row if cell.strip()]
     return 2 * len(filled) > len(row) and not any(plain_number(cell.strip()) is not None for cell in filled)
-
-
-def _is_units(row: Sequence[str]) -> bool:
-    filled = [cell.strip() for cell in row if cell.strip()]
-    known = sum(1 for cell in filled if unit_of(cell) or re.fullmatch(r"[\[(].*[\])]|-|hh:mm:ss.*", cell))
-    return bool(filled) and 2 * known > len(filled)
 
 
 def _head(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -294,10 +305,13 @@ def _head(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> t
 
     A header may lack the last name, or have one more: a column of comments that no row has (LabVIEW's files).
     """
+    labelled = labelled_head(before, width)
     heads = [_padded(row, width) for row in before[-4:] if abs(len(row) - width) <= 1 and _is_head(row)]
-    if len(heads) > 1 and sum(1 for cell in heads[-1] if _STATISTIC.fullmatch(cell.strip())) > 1:
+    if labelled is not None and (not heads or is_label(heads[-1][0])):
+        return labelled
+    if len(heads) > 1 and sum(1 for cell in heads[-1] if STATISTIC.fullmatch(cell.strip())) > 1:
         return _under_names(heads)
-    if heads and len(heads) > 1 and _is_units(heads[-1]) and not _is_units(heads[-2]):
+    if len(heads) > 1 and is_units(heads[-1], heads[-2]) and not is_units(heads[-2]):
         return heads[-2], heads[-1]
     if heads:
         return heads[-1], [""] * width
@@ -312,10 +326,10 @@ def _head(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> t
 def _under_names(heads: Sequence[list[str]]) -> tuple[list[str], list[str]]:
     """Names and units where the last line only says which value of an interval a column holds: `Min`, `Max`."""
     *above, last = heads
-    names = next((row for row in reversed(above) if not _is_units(row)), [""] * len(last))
-    units = next((row for row in reversed(above) if _is_units(row)), [""] * len(last))
+    names = next((row for row in reversed(above) if not is_units(row)), [""] * len(last))
+    units = next((row for row in reversed(above) if is_units(row)), [""] * len(last))
     made = [
-        f"{name.strip()} {cell.strip()}".strip() if _STATISTIC.fullmatch(cell.strip()) else cell
+        f"{name.strip()} {cell.strip()}".strip() if STATISTIC.fullmatch(cell.strip()) else cell
         for name, cell in zip(names, last, strict=True)
     ]
     return made, [unit if unit_of(unit) else "" for unit in units]

@@ -19,9 +19,12 @@ _DEGREES = re.compile(r"[°º]\s?[CFK]|℃|℉|µs|[A-Za-zÄÖÜäöü]*[ÄÖÜ�
 _SINGLE_BYTE = ("cp1252", "cp437", "mac_roman")
 _RUNS = re.compile("[\u3000-\u30ff\u4e00-\u9fff\uff01-\uff5e\u2103\u00b0\u00b1\u03a9\u25a0-\u25ff\u2010-\u203b]+")
 """Kana, Chinese characters, and what stands beside them: wide letters, marks, degrees."""
+_CELSIUS = re.compile("\u2103|\u00b0[CFK]")
 _JAPANESE = 0.95
 _ZEROS = 0.01
 """Share of a text's characters up to which zeros are noise."""
+_FIRST, _HEAD = 5, 60
+"""Lines that a header may be among: without a preamble, and with one."""
 _DAMAGED = 0.05
 """Of the lines: a serial line's bit errors hit fewer, another encoding's letters stand in the header or in all rows."""
 
@@ -75,9 +78,15 @@ def _guessed(data: bytes) -> tuple[str, str, str]:
     replaced = data.decode("utf-8", "replace")
     lines = replaced.split("\n")
     damaged = [number for number, line in enumerate(lines) if "\ufffd" in line]
-    if damaged[0] > 5 and len(damaged) <= max(1, _DAMAGED * len(lines)):
+    noise = damaged[0] > _HEAD or (damaged[0] > _FIRST and not _has_words(data.split(b"\n")[damaged[0]]))
+    if noise and len(damaged) <= max(1, _DAMAGED * len(lines)):
         return replaced, "utf-8", f"{len(damaged)} line(s) hold other bytes, as noise on a serial line does"
     return _single_byte(data)
+
+
+def _has_words(line: bytes) -> bool:
+    """Whether a line holds degrees or an accented word in some encoding: a header's, or a row's of units."""
+    return bool(_japanese(line)) or any(_DEGREES.search(line.decode(name, "replace")) for name in _SINGLE_BYTE)
 
 
 def _without_mark(sample: bytes) -> str:
@@ -108,7 +117,7 @@ def _japanese(sample: bytes) -> str:
     runs = _RUNS.findall(text)
     if not beyond or sum(map(len, runs)) < _JAPANESE * len(beyond):
         return ""
-    return max(runs, key=len) if "\u2103" in text or 2 * len(runs) <= sum(map(len, runs)) else ""
+    return max(runs, key=len) if _CELSIUS.search(text) or 2 * len(runs) <= sum(map(len, runs)) else ""
 
 
 def _single_byte(data: bytes) -> tuple[str, str, str]:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gen.errors import InputError
 from gen.importing import names
 from gen.importing.ambient import ambient_of
+from gen.importing.counters import counts_rows, never_falls, that_falls
 from gen.importing.evidence import Evidence, Facts
 from gen.importing.extremes import least_of_pairs
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.mapping import Entry
-from gen.importing.units import CURRENT, SPEED, TEMPERATURE, VOLTAGE, Unit, split_name, unit_of
+from gen.importing.units import CURRENT, DEGC, DEGF, SPEED, TEMPERATURE, VOLTAGE, Unit, split_name, unit_of
 
 AMBIENT = "ambient_degC"
 _CANONICAL = {
@@ -28,7 +29,10 @@ _WARM_C = 100.0
 _FEW_VALUES = 3
 _UNSAID = 0.5
 """How sure it is that a column named after a part is its temperature."""
-_SAYS_SO = re.compile(r"(?i)temp|thermo|°")
+_SLOW = 0.7
+_ALIKE_K = 8.0
+"""How far apart sensors of one motor begin at most."""
+_SAYS_SO = re.compile(r"(?i)temp|th?ermo|°")
 _LETTER = re.compile(r".*[_ ][A-Za-z]")
 
 
@@ -85,6 +89,7 @@ def _least(name: str, largest: str) -> Guess:
 def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     """The quantity and the unit of a column."""
     base, unit, where = facts.named
+    base = names.apart(base)
     told = choices.units.get(facts.name) or choices.units.get(choices.columns.get(facts.name) or facts.name)
     if told:
         unit = unit_of(told)
@@ -95,6 +100,8 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
         return _Sorted(facts, "", None, 0.9, f"holds {facts.kind}")
     if unit is not None and where == "name" and _one_of_letters(facts.name, evidence):
         unit = None
+    if unit in (DEGC, DEGF) and names.CHARGE.fullmatch(base) and facts.name not in choices.columns:
+        return _Sorted(facts, "", None, 0.8, "a charge or a capacity by its name, in coulomb or farad; kept as it is")
     target = choices.columns.get(facts.name, "")
     if names.WANTED.search(base) and not target:
         return _Sorted(facts, "", unit, 0.8, "a wanted or modelled value by its name")
@@ -106,7 +113,9 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     if unit is None and target:
         return _by_range(facts, True) if target.endswith("_degC") or _thermal(facts, base) else _by_name(facts, base)
     if unit is None and _thermal(facts, base):
-        return _by_range(facts, False) if _said(base) else _of_a_part(facts)
+        if _SAYS_SO.search(base):
+            return _by_range(facts, False)
+        return _unless_it_counts(_by_range(facts, False) if _said(base) else _of_a_part(facts), evidence)
     if unit is not None:
         return _Sorted(facts, unit.quantity, unit, 0.9, f"in {unit.name} by its {where}")
     return _by_name(facts, base)
@@ -114,6 +123,8 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
 
 def _no_temperature(base: str) -> str:
     """What a name says that is told in degrees and is no temperature of anything; empty where it says no such thing."""
+    if names.NO_TEMPERATURE.fullmatch(base):
+        return "a time by its name"
     if names.RISE.search(base):
         return "a rise over the ambient by its name, and no temperature"
     if names.DIFFERENCE.search(base):
@@ -159,6 +170,41 @@ def _of_a_part(facts: Facts) -> _Sorted:
         return _Sorted(facts, "", None, 0.8, "kept as it is")
     said = f"named after a part, {low:.4g}..{high:.4g}, and nothing says that it is a temperature"
     return _Sorted(facts, TEMPERATURE, unit_of("degC"), _UNSAID, said)
+
+
+def _unless_it_counts(found: _Sorted, evidence: Evidence) -> _Sorted:
+    """A temperature by little of its name, unless it rises as none does."""
+    facts = found.facts
+    if found.quantity != TEMPERATURE:
+        return found
+    counter = counts_rows(facts)
+    if counter:
+        return _Sorted(facts, "", None, 0.8, f"{counter}; kept as it is")
+    if not never_falls(facts):
+        return found
+    others = [entry for entry in evidence.numbers if entry is not facts and _is_temperature(entry)]
+    falling = that_falls(others)
+    if not falling:
+        return found if found.confidence <= _UNSAID else replace(found, why=f"{found.why}; it never falls")
+    said = f"{found.why}; it never falls, though {falling} does"
+    apart = abs(_start_degC(facts, found.unit) - float(np.median([_start_degC(entry) for entry in others])))
+    if apart <= _ALIKE_K:  # what is heavy, or far from the heat, still warms while the others cool
+        return replace(found, confidence=min(found.confidence, _SLOW), why=said)
+    said += f", and begins {apart:.4g} K from the others: an energy or an odometer?"
+    return replace(found, confidence=min(found.confidence, _UNSAID), why=said)
+
+
+def _start_degC(facts: Facts, unit: Unit | None = None) -> float:
+    unit = unit or facts.named[1]
+    begin = float(np.median(facts.starts)) if facts.starts.size else 0.0
+    return begin * unit.scale + unit.offset if unit is not None else begin
+
+
+def _is_temperature(facts: Facts) -> bool:
+    base, unit, _ = facts.named
+    if unit is not None:
+        return unit.quantity == TEMPERATURE
+    return _thermal(facts, names.apart(base)) and _said(names.apart(base))
 
 
 def _electrical(base: str) -> bool:
@@ -237,7 +283,7 @@ def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool, dou
         if ambient and doubtful:
             confidence, why = _UNSAID, f"{why}; the ambient, or of a part"
             settle = f"--column {quoted(f'{facts.name}={AMBIENT}')} or {quoted(f'{facts.name}=NAME_degC')}"
-        elif confidence == _UNSAID:
+        elif confidence <= _UNSAID:
             settle += f", or --column {quoted(f'{facts.name}=')} to leave it out"
     elif new:
         to = new
@@ -253,7 +299,10 @@ def _channel(found: _Sorted, base: str, taken: set[str]) -> tuple[str, str, floa
     unit = found.unit
     if unit is not None and unit.quantity in _CANONICAL:
         to, pattern = _CANONICAL[unit.quantity]
-        if to not in taken and (pattern.fullmatch(base) or unit_of(base)):
+        named = pattern.fullmatch(base) or unit_of(base)
+        if unit.quantity == VOLTAGE:
+            named = named or names.VOLTAGE_IN_VOLTS.fullmatch(base)
+        if to not in taken and named:
             return to, unit.name, found.confidence
     written = found.unit.name if found.unit is not None else found.facts.columns[0].unit
     kept = names.channel_name(base, written, taken)

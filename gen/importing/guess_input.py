@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +12,9 @@ from gen.importing.evidence import Evidence, Facts
 from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.listing import listed
 from gen.importing.mapping import InputForm
-from gen.importing.names import DRIVES, DUTY, PWM, SIGN, WANTED
+from gen.importing.names import DRIVES, DUTY, PWM, SIGN, WANTED, apart
 from gen.importing.numbers import plain_number
-from gen.importing.units import COUNTS, SHARE, Unit, unit_of
+from gen.importing.units import COUNTS, SHARE, TEMPERATURE, Unit, unit_of
 from gen.importing.units import DUTY as DUTY_SHARE
 
 FULL = 255
@@ -94,7 +95,7 @@ def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[F
         if entry.name in renamed:
             return entry, CERTAIN, "--column"
     for pattern, confidence in ((PWM, 0.95), (DUTY, 0.85)):
-        found = [entry for entry in numbers if pattern.search(entry.name)]
+        found = [entry for entry in numbers if pattern.search(_worded(entry))]
         exact = [entry for entry in found if entry.named[0].casefold() in ("pwm", "duty")]
         if len(found) > 1 and len(exact) != 1:
             names = listed((f"--input {quoted(entry.name)}" for entry in found), " or ")
@@ -107,8 +108,9 @@ def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[F
 
 
 def _none(numbers: list[Facts]) -> str:
-    drives = [entry for entry in numbers if DRIVES.search(entry.name) and entry.span != (0.0, 0.0)]
-    drives = [entry for entry in drives if not WANTED.search(entry.name)] or drives  # what was wanted heats nothing
+    drives = [entry for entry in numbers if DRIVES.search(_worded(entry)) and entry.span != (0.0, 0.0)]
+    drives = [entry for entry in drives if not _is_temperature(entry)]
+    drives = [entry for entry in drives if not WANTED.search(_worded(entry))] or drives  # what was wanted heats nothing
     said = NO_INPUT
     options = [f"--input {quoted(entry.name)}{_full_scale(entry)}" for entry in drives[:4]]
     if options:
@@ -118,6 +120,16 @@ def _none(numbers: list[Facts]) -> str:
     names = listed(f"{entry.name} ({spanned(entry)})" for entry in numbers)
     wanted = "--input COLUMN --full-scale X, or --input COUNTS for what all rows have"
     return f"{said} among {names}; expected {wanted}"
+
+
+def _worded(entry: Facts) -> str:
+    """A column's name with its words apart, and with accents that are letters of their own joined to those below."""
+    return apart(unicodedata.normalize("NFC", entry.name))
+
+
+def _is_temperature(entry: Facts) -> bool:
+    unit = entry.named[1]
+    return unit is not None and unit.quantity == TEMPERATURE
 
 
 def spanned(entry: Facts) -> str:
@@ -160,7 +172,7 @@ def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> _Scale:
                 unit.name, float(_full_counts(reached)), 0.3, f"{reached:g} is more than {full:g} {unit.name}"
             )
         return _Scale(unit.name, full, sure, "--unit" if told else f"in {unit.name} by its name")
-    if unit is not None or (choices.drive and not PWM.search(entry.name) and not DUTY.search(entry.name)):
+    if unit is not None or (choices.drive and not PWM.search(_worded(entry)) and not DUTY.search(_worded(entry))):
         shown = f" {unit.name}" if unit else ""
         raise InputError(
             f"found {low:g}..{high:g}{shown}; expected --full-scale, the value that is 255 counts",

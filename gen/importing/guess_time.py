@@ -13,15 +13,22 @@ from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.listing import listed
 from gen.importing.local import is_zone
 from gen.importing.mapping import DATED, TimeForm
-from gen.importing.names import TIME
+from gen.importing.names import BUSY, CHARGED, TIME
 from gen.importing.numbers import plain_number
 from gen.importing.origins import days_since
 from gen.importing.plain_steps import plainer_unit
+from gen.importing.units import TEMPERATURE, unit_of
 from gen.importing.units import TIME as TIME_QUANTITY
-from gen.importing.units import unit_of
 
 _KINDS = {"instant": "timestamp", "clock": "time of day", "minutes": "mm:ss"}
-_EPOCHS = ((1e9, 2.5e9, "s"), (1e12, 2.5e12, "ms"), (1e15, 2.5e15, "us"), (1e18, 2.5e18, "ns"))
+_EPOCHS = (
+    (1e9, 2.5e9, "s"),
+    (1e12, 2.5e12, "ms"),
+    (1e15, 2.5e15, "us"),
+    (1e18, 2.5e18, "ns"),
+    (1.16e17, 1.5e17, "100ns"),
+)
+"""From which first number to which, and the unit; the last since 1601, as Windows counts."""
 _ROUND_S = {60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0}
 _PLAIN = {"t", "ts", "time", "times", "zeit", "timestamp", "zeitstempel", "elapsed", "seconds", "millis", "ms"}
 """Names of a time that need nothing beside them."""
@@ -30,7 +37,15 @@ _RATIOS = tuple(x for r in (1.0, 60.0, 3600.0, 1e3, 1e6, 1e9) for x in (r, 1.0 /
 _SAME_LENGTH = 0.05
 _IN_SECONDS = {"x_value"}
 """LabVIEW's time, whatever its steps."""
+_EVEN = 0.8
+"""Of the steps."""
+_COARSE_S = 2.0
+"""By which timestamps of whole seconds may be off at both ends."""
 _SHORT_S = 900.0
+_SLOWER = (("min", 60.0, 1.0), ("h", 3600.0, 10.0))
+"""Units that loggers write instead of s, and from which interval of rows on, s."""
+_SLOWEST_S = 1800.0
+_SPOKEN = ((3600.0, "h"), (60.0, "min"), (1.0, "s"))
 _SHORTEST_S = 20.0
 """A log of a motor's temperature lasts longer."""
 
@@ -82,22 +97,29 @@ def _decided(evidence: Evidence, choices: Choices) -> tuple[TimeForm, list[Guess
 def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, float, str]:
     facts = [entry for name, entry in evidence.facts.items() if choices.columns.get(name, "time_s") == "time_s"]
     numbers = [entry for entry in facts if entry.kind == "number" and _rises(entry)]
+    instants = [entry for entry in facts if entry.kind == "instant"]
     known = [entry for entry in numbers if _timed(entry) and entry.named[1] is not None]
+    known = [entry for entry in known if not any(_contradicts(entry, instant) for instant in instants)]
     if known:
         best = next((entry for entry in known if TIME.fullmatch(entry.named[0].casefold())), known[0])
         return [best.name], choices, 0.95, "by its name and unit; it rises"
     dates = [entry for entry in facts if entry.kind == "date"]
     clocks = [entry for entry in facts if entry.kind in ("clock", "minutes")]
-    instants = [entry for entry in facts if entry.kind == "instant"]
     if instants:
-        return [instants[0].name], choices, 0.95, f"timestamps such as {_example(instants[0])}"
-    named = [entry for entry in numbers if TIME.fullmatch(entry.named[0].casefold())]
+        best = next((entry for entry in instants if not _stands(entry)), instants[0])
+        return [best.name], choices, 0.95, f"timestamps such as {_example(best)}"
+    named = [entry for entry in numbers if _named_so(entry) and not _in_degrees(entry)]
     if dates and clocks:
-        return [dates[0].name, clocks[0].name], choices, 0.95, f"a date and a time: {_example(dates[0])}"
-    if named:
+        return (
+            [dates[0].name, clocks[0].name],
+            choices,
+            0.95,
+            f"a date and a time: {_example(dates[0])}{_parted(clocks[0])}",
+        )
+    if any(not BUSY.search(entry.named[0]) for entry in named):
         return _one_of(named, choices)
     if clocks:
-        return [clocks[0].name], choices, 0.85, f"times such as {_example(clocks[0])}"
+        return [clocks[0].name], choices, 0.85, f"times such as {_example(clocks[0])}{_parted(clocks[0])}"
     unnamed = [entry for entry in numbers if entry.name.startswith("column_")]
     if unnamed:
         since = [entry for entry in unnamed if _epoch(entry)]
@@ -132,6 +154,20 @@ def _alike(one: Facts, other: Facts) -> bool:
     """Whether two columns last equally long, in whatever units."""
     ratio = _length(one) / max(_length(other), 1e-12)
     return any(abs(ratio * scale - 1.0) < _SAME_LENGTH for scale in _RATIOS)
+
+
+def _contradicts(entry: Facts, instants: Facts) -> bool:
+    """Whether a time in a unit lasts otherwise than timestamps say: WinCC's `Time_ms` counts millionths of days."""
+    unit, cells = entry.named[1], instants.columns[0].cells
+    values = entry.parsed[0].values
+    if unit is None or not isinstance(cells, list):
+        return False
+    time, _ = clock.seconds(clock.instants(cells, clock.date_order(cells)[0]))
+    both = np.flatnonzero(np.isfinite(time) & np.isfinite(values))
+    if both.size < 2 or not time[both].max() > time[both].min():
+        return False
+    lasts, said = np.ptp(time[both]), np.ptp(values[both]) * unit.scale
+    return bool(abs(said - lasts) > max(_SAME_LENGTH * lasts, _COARSE_S))
 
 
 def _form(
@@ -181,7 +217,11 @@ def _unit(entry: Facts, choices: Choices) -> tuple[str, float, str]:
     if unit is not None and unit.quantity == TIME_QUANTITY:
         return unit.name, 0.95, "" if where == "name" else f"unit from the {where}"
     if epoch:
-        return epoch, 0.95, f"begins at {float(np.median(entry.starts)):.0f}, {epoch} since 1970"
+        return (
+            epoch,
+            0.95,
+            f"begins at {float(np.median(entry.starts)):.0f}, {epoch} since {1601 if epoch == '100ns' else 1970}",
+        )
     return _unit_by_steps(entry)
 
 
@@ -234,19 +274,59 @@ def short_in_seconds(evidence: Evidence, form: TimeForm, choices: Choices) -> st
     entry = evidence.facts[form.columns[0]]
     low, high = entry.span
     base, unit, _ = entry.named
-    if unit is not None or unit_of(base) is not None or base.casefold() in _IN_SECONDS or high - low >= _SHORT_S:
+    said = unit is not None or unit_of(base) is not None or base.casefold() in _IN_SECONDS or bool(_epoch(entry))
+    if said or high - low >= _SHORT_S:
         return ""
-    settle = f"--unit {quoted(f'{entry.name}=min')}"
-    return f"{entry.name}: {high - low:g} in all, taken for s, is short for a motor's temperature; if min: {settle}"
+    rising = entry.steps[entry.steps > 0]
+    step = float(np.median(rising)) if rising.size else 0.0
+    others = [
+        (name, scale) for name, scale, least_s in _SLOWER if step * scale >= least_s and step * scale <= _SLOWEST_S
+    ]
+    if not others:
+        return ""
+    shown = ", ".join(
+        f"{quoted(f'{entry.name}={name}')} ({_lasting((high - low) * scale)}, a row every {_lasting(step * scale)})"
+        for name, scale in others
+    )
+    return (
+        f"{entry.name}: has no unit; taken for s it lasts {_lasting(high - low)}, a row every {_lasting(step)}, which "
+        f"is short for a motor's temperature; if it is not s: --unit {shown}; if it is: --unit "
+        f"{quoted(f'{entry.name}=s')}"
+    )
+
+
+def _lasting(seconds: float) -> str:
+    """A time in the unit in which people say it."""
+    return next(f"{seconds / scale:.4g} {name}" for scale, name in _SPOKEN if seconds >= 2 * scale or scale == 1.0)
 
 
 def _timed(entry: Facts) -> bool:
     base, unit, _ = entry.named
     alone = unit_of(base) if unit is None else unit
+    if CHARGED.search(base):
+        return False
     return (
         bool(TIME.fullmatch(base.casefold()) or base.casefold() in ("t", ""))
         and (unit is None or unit.quantity == TIME_QUANTITY)
     ) or (alone is not None and alone.quantity == TIME_QUANTITY)
+
+
+def _named_so(entry: Facts) -> bool:
+    """Whether a name says time: of `T` only where its steps are even, for temperatures are called so, too."""
+    base = entry.named[0]
+    if CHARGED.search(base):
+        return False
+    return bool(TIME.fullmatch(base.casefold())) and (base != "T" or _is_even(entry))
+
+
+def _is_even(entry: Facts) -> bool:
+    usual = float(np.median(entry.steps)) if entry.steps.size else 0.0
+    return usual > 0 and bool((np.abs(entry.steps - usual) <= _SAME_LENGTH * usual).mean() >= _EVEN)
+
+
+def _in_degrees(entry: Facts) -> bool:
+    unit = entry.named[1]
+    return unit is not None and unit.quantity == TEMPERATURE
 
 
 def _rises(entry: Facts) -> bool:
@@ -255,6 +335,16 @@ def _rises(entry: Facts) -> bool:
     if not steps.size:
         return entry.values.size > 0
     return bool((steps >= 0).mean() > 0.8 and (steps > 0).mean() > 0.04)
+
+
+def _stands(entry: Facts) -> bool:
+    """Whether a column says one instant in all rows of each table: when a file or a query was begun."""
+    return all(len(set(map(str, column.cells))) < 2 < len(column.cells) for column in entry.columns)
+
+
+def _parted(entry: Facts) -> str:
+    """What is said of times that look like dates."""
+    return ", hours.minutes.seconds" if clock.dotted(entry.texts) else ""
 
 
 def _example(entry: Facts) -> str:

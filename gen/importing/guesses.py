@@ -61,7 +61,8 @@ class Choices:
     runs
         The column that says which run a row belongs to.
     duplicates
-        Which of the rows of one time to take: "first", "last", or "spread" over the time until the next.
+        Which of the rows of one time to take: "first", "last", the "mean" of them, or "spread" over the time until the
+        next.
     sort
         Whether rows are put in the order of their times.
     series

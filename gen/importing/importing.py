@@ -15,6 +15,7 @@ from gen.importing.decide import NO_PART, Decided, decide, doubts
 from gen.importing.guess_input import NO_INPUT
 from gen.importing.guesses import Choices
 from gen.importing.mapping import Mapping, read_mapping
+from gen.importing.own_times import joined
 from gen.importing.provenance import commented_mapping, comments_of
 from gen.importing.series import spread_out
 from gen.importing.sheets import choice_of_sheets, logs_among
@@ -103,7 +104,7 @@ def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress
     tables: list[Table] = []
     for file in files:
         progress(f"reading {file.name}")
-        tables += read_tables(file, given)
+        tables += [joined(table) for table in read_tables(file, given)]
     if series:
         progress("a column for each name")
         tables = [spread_out(table, replace(choices, series=series)) for table in tables]

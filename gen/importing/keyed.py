@@ -12,7 +12,7 @@ import numpy as np
 from gen.errors import InputError
 from gen.importing.delimited import MOST_COLUMNS, Lines, keyed_comments
 from gen.importing.listing import listed
-from gen.importing.pairs import LONGEST, SAMPLE, names_in, record_of
+from gen.importing.pairs import LONGEST, SAMPLE, kinds_of, names_in, record_of
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
 _ROWS = ("values", "data", "rows")
@@ -115,23 +115,22 @@ def _plain(values: Sequence[object]) -> bool:
 
 
 def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading) -> Table:
-    """A table of lines such as ``T1:23.4 T2:25.1``."""
+    """A table of lines such as ``T1:23.4 T2:25.1``; of several kinds of lines, each fills its own columns."""
     records, numbers, bad = [], [], []
     step = max(1, len(lines.texts) // SAMPLE)
-    found = Counter(names_in(line[:LONGEST]) for line in lines.texts[::step])
-    found.pop((), None)
-    alike = found.most_common(1)[0][0]
-    twice = frozenset(key for key, count in Counter(alike).items() if count > 1)
-    first = next(line for line in lines.texts if names_in(line[:LONGEST]) == alike)
-    wanted = record_of(first, twice)
+    kinds = kinds_of(lines.texts[::step])
+    twice = frozenset(key for kind in kinds for key, count in Counter(kind).items() if count > 1)
+    firsts = [next(line for line in lines.texts if names_in(line[:LONGEST]) == kind) for kind in kinds]
+    wanted = [set(record_of(line, twice)) for line in firsts]
     for i, (text, number) in enumerate(zip(lines.texts, lines.numbers, strict=True)):
         record = record_of(text, twice) if len(text) <= LONGEST else {}
-        if 2 * len(set(record) & set(wanted)) >= len(wanted) and set(record) <= set(wanted):
+        if any(2 * len(set(record) & kind) >= len(kind) and set(record) <= kind for kind in wanted):
             records.append({"clock": times[i], **record} if times else record)
             numbers.append(number)
         else:
             bad.append(number)
-    shown = ", ".join(list(wanted)[:_SHOWN]) + (" .." if len(wanted) > _SHOWN else "")
+    names = list(dict.fromkeys(name for line in firsts for name in record_of(line, twice)))
+    shown = ", ".join(names[:_SHOWN]) + (" .." if len(names) > _SHOWN else "")
     return _table(file, records, numbers, bad, lines, reading, f"line without {shown}")
 
 

@@ -90,7 +90,7 @@ class Mapping(_Part):
     input: InputForm
     runs: str = ""
     overflow: Literal["empty", "keep"] = "empty"
-    duplicates: Literal["", "first", "last", "spread"] = ""
+    duplicates: Literal["", "first", "last", "mean", "spread"] = ""
     sort: bool = False
     series: str = ""
     column: list[Entry] = []
@@ -148,7 +148,7 @@ def mapping_text(mapping: Mapping, files: Sequence[str], why: Dict[str, str]) ->
     document.add(tomlkit.comment("Correct it where it is wrong: with --mapping it is read, and nothing is guessed."))
     document.add("version", tomlkit.item(mapping.version))
     document.add("overflow", _explained(mapping.overflow, '"keep": values that a sensor gives when it fails stay'))
-    document.add("duplicates", _explained(mapping.duplicates, '"first", "last" or "spread": rows of one time'))
+    document.add("duplicates", _explained(mapping.duplicates, '"first", "last", "mean" or "spread": rows of one time'))
     document.add("sort", _explained(mapping.sort, "true: rows are put in the order of their times"))
     document.add(
         "series", _explained(mapping.series, "the column of names that each become a column, and that of values")

@@ -7,6 +7,7 @@ import unicodedata
 from collections.abc import Collection
 
 from gen.coefficients.names import MAX_LENGTH, name_fault
+from gen.importing import languages
 
 _SPECIAL = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "%": "percent"})
 
@@ -16,21 +17,27 @@ def _words(text: str) -> re.Pattern[str]:
 
 
 TIME = re.compile(
-    r"t|ts|x_value|(?:.*[^a-z])?(?:time|times|zeit|uhrzeit|timestamp|zeitstempel|datum|date|datetime|elapsed|epoch|unix|clock|"
+    rf"t|ts|x_value|{languages.TIME}|"
+    r"(?:.*[^a-z])?(?:time|times|zeit|uhrzeit|timestamp|zeitstempel|datum|date|datetime|elapsed|epoch|unix|clock|"
     r"millis|micros|seconds?|secs?|ms|minutes?|minuten|hours?|stunden|sekunden)(?:[^a-z].*)?|.*time|.*zeit",
 )
 PWM = _words(r"pwm\d*")
-DUTY = _words(r"duty|duty.?cycle|dutycycle|tastgrad|tastverh(?:ä|ae)ltnis")
+DUTY = _words(languages.DUTY)
 DRIVES = _words(
-    r"throttle|command|cmd|power|leistung|gas|drive|output|current|strom|speed|drehzahl|rpm|heat|heater\d*|heating|heizung|"
-    r"heizleistung|setpoint|load|control|pid|ssr|utili[sz]ation|i|p|q\d*"
+    f"{languages.COMMAND}|{languages.OUTPUT}|{languages.POWER}|{languages.CURRENT}|{languages.SPEED}|{languages.HEAT}|"
+    f"{languages.SETPOINT}|"
+    r"gas|drive|load|pid|ssr|utili[sz]ation|i|p|q\d*|@"
 )
-SIGN = _words(r"dir|direction|richtung|drehrichtung|sign")
+SIGN = _words(
+    r"dir|direction|richtung|drehrichtung|sign|sens.de.rotation|senso.di.rotazione|sentido(?:.de.giro)?|draairichting"
+)
+NO_TEMPERATURE = re.compile(languages.TIME_ONLY, re.IGNORECASE)
 RUNS = re.compile(
     r"(?:run|runs|run.?id|run.?name|test|test.?id|experiment|session|trial|profile.?id|versuch|lauf|file)"
 )
 SERIES = re.compile(
-    r"sensor|sensor.?name|sensor.?id|channel|kanal|signal|variable|field|_field|tag|tag.?name|entity.?id|metric"
+    r"sensor|sensor.?name|sensor.?id|channel|kanal|signal|variable|field|_field|tag|tag.?name|entity.?id|metric|series|topic|"
+    r"var.?name|messstelle|messgr(?:ö|oe)(?:ß|ss)e|capteur|sensore"
 )
 _SAYS_AMBIENT = (
     r"amb|ambient|ambiance|t_?amb|surroundings?|umgebung|umgebungstemperatur|umgebungsluft|ambiante?s?|ambiente|"
@@ -66,7 +73,7 @@ NEUTRAL = re.compile(
     re.IGNORECASE,
 )
 """What stands beside such a word and changes nothing."""
-WANTED = _words(r"set|setpoint|soll|target|ziel|limit|threshold|grenze|model|estimated?|predicted")
+WANTED = _words(rf"{languages.WANTED}|limit|threshold|grenze|model|estimated?|predicted")
 FLAG = _words(
     r"open|opened|fault|faults|fehler|error|errors|flag|flags|alarm|alarms|alert|status|state|ok|valid|invalid|enabled?|active|"
     r"connected|missing|code|id|nr|counts?|counter|index|mode|type"
@@ -81,7 +88,9 @@ OTHER = _words(
     r"energy|torque|drehmoment|moment|force|thrust|load|last|position|pos|angle|winkel|encoder|tacho(?:meter)?|clock|freq|"
     r"frequency|usage|utili[sz]ation|duty|pwm|throttle|cmd|command|on|off|enable|pressure|druck|flow|fan|vibration|vib|accel|"
     r"acceleration|gyro|flux|field|noise|level|resistance|ohms?|inductance|charge|soc|capacity|efficiency|hours|time|age|"
-    r"humidity|feuchte|distance|weight|mass|pole|poles|kv|kp|ki|kd"
+    r"humidity|feuchte|distance|weight|mass|pole|poles|kv|kp|ki|kd|vel|iq|uq|energie|odo|odometer|mileage|"
+    f"{languages.OTHER}|{languages.COMMAND}|{languages.CURRENT}|{languages.POWER}|{languages.SPEED}|{languages.VOLTAGE}|"
+    f"{languages.VOLTAGE_IN_VOLTS}|{languages.DUTY}"
 )
 """Another quantity of a part: `motor_torque`, `Core 0 Clock`."""
 WHERE = _words(
@@ -97,7 +106,7 @@ OTHER_UNIT = re.compile(
 )
 """Units in brackets that nothing here converts, but that are none of a temperature."""
 THERMAL = re.compile(
-    r".*(?:temp|thermo|°).*|tc\d*|t\d+|t_.*|ntc\d*.*|pt\d{3,4}.*|ds18.*|max6675.*|max31855.*|.*[^a-z]t\d*",
+    r".*(?:temp|th?ermo|°).*|tc\d*|t\d+|t_.*|ntc\d*.*|pt\d{3,4}.*|ds18.*|max6675.*|max31855.*|.*[^a-z]t\d*",
     re.IGNORECASE,
 )
 PARTS = _words(
@@ -106,15 +115,39 @@ PARTS = _words(
     r"air.?gap|luftspalt|entrefer|traferro|entrehierro|entreferro|luchtspleet"
 )
 _OF = r"(?:(?:motor|mot|dc|bus|bat|batt|battery|supply|shaft|versorgungs?)[ _-]?)?"
+_OF_BEHIND = r"(?:[ _-]?(?:(?:del?|du|d[oa]|di|van)[ _-])?(?:motor|mot|dc|bat|in|moteur|motore))?"
 
 
 def _alone(text: str) -> re.Pattern[str]:
-    return re.compile(rf"{_OF}(?:{text})(?:[ _-]?(?:motor|mot|dc|bat|in))?", re.IGNORECASE)
+    return re.compile(rf"{_OF}(?:{text}){_OF_BEHIND}", re.IGNORECASE)
 
 
-CURRENT = _alone(r"i|ia|idc|current|strom|amps?|amperage")
-VOLTAGE = _alone(r"u|v|vbat|ubat|vdc|vin|voltage|spannung|volts?|supply")
-SPEED = _alone(r"rpm|speed|drehzahl|omega|n|velocity|geschwindigkeit")
+CURRENT = _alone(rf"i|ia|idc|{languages.CURRENT}|amps?|amperage|intensit[ée]|intensidad")
+VOLTAGE = _alone(rf"u|v|vbat|ubat|vdc|vin|{languages.VOLTAGE}|volts?|supply")
+VOLTAGE_IN_VOLTS = _alone(languages.VOLTAGE_IN_VOLTS)
+SPEED = _alone(rf"omega|n|{languages.SPEED}|r[ée]gime|r[ée]gimen")
+
+
+CHARGE = _alone(
+    r"(?:total |used |net )?(?:charge|ladung|capacity|capacitance|kapazit(?:ä|ae)t|capacit[ée]|carga|carica)"
+    r"(?: used| total)?"
+)
+"""What is told in C and F, too: coulomb and farad."""
+CHARGED = _words(r"(?:milli)?(?:amp|amp[eè]re|watt|kilowatt)s?[ _-]?hours?")
+"""No hours."""
+BUSY = _words(r"(?:cpu|processor|buffer)[ _-]?time")
+"""What a processor worked, or what waits in a queue, s: no time of a log."""
+
+
+def apart(text: str) -> str:
+    """A name with its words apart where capitals begin them: `rTempAmbient`, `PWMDuty`.
+
+    Parameters
+    ----------
+    text
+        A column's name.
+    """
+    return re.sub(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])|(?<=[A-Z])(?=[A-Z][a-zäöü])", " ", text)
 
 
 def slug(text: str) -> str:

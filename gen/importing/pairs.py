@@ -23,11 +23,15 @@ _HEADS = (
         "timestamp",
         re.compile(rf"[\[(]?(?P<stamp>{_DAY}[T ,]\s?{_CLOCK}(?:Z|[+-]\d{{2}}:?\d{{2}})?)[\])]?(?=[\s,;:|>-])"),
     ),
+    ("epoch", re.compile(r"^\s*\((?P<stamp>\d{9,10}\.\d{3,9})\)(?=\s)")),
+    ("millis", re.compile(r"^\s*(?:\x1b\[[0-9;]*m)?[EWIDV] \((?P<stamp>\d+)\) [\w.-]{1,40}:(?=\s)")),
     ("clock", re.compile(rf"^\s*(?:[A-Z][a-z]{{2}} [ \d]\d )?[\[(]?(?P<stamp>{_CLOCK})[\])]?(?=[\s,;:|>-])")),
 )
-"""The time that a logger, a daemon or a terminal puts before a line."""
+"""The time that a logger, a daemon, a terminal or a firmware puts before a line."""
 _COUNT = re.compile(r"^\s*(?P<key>[A-Za-z]+) (?P<value>\d+(?:\.\d+)?):\s")
 """A line's own number: `Stats 420126.9: ..`."""
+_FRAME = re.compile(r"\s*\w+\s+[0-9A-F]+\s+\[\d+\]\s+(?:[0-9A-F]{2}\s+)*::\s+\w+\(", re.IGNORECASE)
+"""What stands before a decoded frame of a bus: `can0  123   [2]  01 02 :: Motor(`."""
 _SECTION = re.compile(r"(?P<of>[A-Za-z_]\w*)\s*:\s+$")
 """Of what the numbers behind it are: `extruder: target=200 temp=199.8`."""
 _SAID = re.compile(r"^(?:ok|recv|rx|info|debug|data|out)\s+", re.IGNORECASE)
@@ -37,6 +41,8 @@ LONGEST = 2000
 _LEAST_ALIKE = 0.5
 _LEAST_BETWEEN = 0.25
 """Of the lines, where others stand between them that are no rows: commands, answers."""
+_LEAST_KIND = 0.05
+"""Of the lines, for another kind of them to be readings, too."""
 _MOST_PLAIN = 0.05
 _PLAIN = re.compile(r"\s*[+-]?\d[\d.,eE+-]*\s*[,;\t| ]\s*[+-]?\d")
 """A line that begins as a row of a table does."""
@@ -55,6 +61,7 @@ def is_keyed(lines: Sequence[str]) -> bool:
     names, count = found.most_common(1)[0]
     if count < _LEAST_BETWEEN * len(sample):
         return False
+    count = max(count, sum(found[kind] for kind in kinds_of(sample)))
     if count < _LEAST_ALIKE * len(sample):
         plain = sum(1 for line in sample if _PLAIN.match(_headed(line)[1]))
         if len(names) < 2 or plain > _MOST_PLAIN * len(sample):
@@ -75,7 +82,9 @@ def _headed(line: str) -> tuple[dict[str, str], str]:
     for name, pattern in _HEADS:
         match = pattern.search(line[:_LONGEST_HEAD])
         if match and not _PAIR.search(line[: match.start()].replace(":", " ")):
-            return {name: match["stamp"]}, line[match.end() :]
+            body = line[match.end() :]
+            frame = _FRAME.match(body)
+            return {name: match["stamp"]}, body[frame.end() :].rstrip().removesuffix(")") if frame else body
     counted = _COUNT.match(line)
     return ({counted["key"]: counted["value"]}, line[counted.end() :]) if counted else ({}, line)
 
@@ -103,6 +112,33 @@ def _pairs(body: str) -> list[_Pair]:
 def names_in(line: str) -> tuple[str, ...]:
     """The names of a line's numbers, in order."""
     return tuple(pair.key for pair in _pairs(_headed(line)[1]))
+
+
+def is_timed(line: str) -> bool:
+    """Whether a line tells its time before its numbers."""
+    return bool(_headed(line)[0])
+
+
+def kinds_of(lines: Sequence[str]) -> list[tuple[str, ...]]:
+    """The sets of names that lines come with, the commonest first; others only where lines tell their times.
+
+    Parameters
+    ----------
+    lines
+        Some of a log's, at least one of which names numbers.
+    """
+    found = Counter(names for line in lines if (names := names_in(line[:LONGEST])))
+    common = found.most_common()
+    first = common[0][0]
+    if not all(is_timed(line) for line in lines if names_in(line[:LONGEST]) == first):
+        return [first]
+    kinds = [first]
+    for names, count in common[1:]:
+        apart = not any(set(names) & set(kind) for kind in kinds)
+        timed = all(is_timed(line) for line in lines if names_in(line[:LONGEST]) == names)
+        if apart and timed and count >= _LEAST_KIND * len(lines):
+            kinds.append(names)
+    return kinds
 
 
 def record_of(line: str, twice: frozenset[str]) -> dict[str, str]:

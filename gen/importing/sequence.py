@@ -110,7 +110,7 @@ def order(time_s: FloatArray, rows: IntArray, repeats: str, ticks: Ticks = Ticks
     rows
         Of the table, for each time, shape (N,).
     repeats
-        Of rows with one time: "first", "last", or "spread" evenly until the next time.
+        Of rows with one time: "first" (also for their "mean"), "last", or "spread" evenly until the next time.
     ticks
         What is known of the clock.
     """

@@ -12,10 +12,13 @@ from gen.importing.evidence import Evidence
 from gen.importing.guess_time import decide_time
 from gen.importing.guesses import Choices
 from gen.importing.listing import listed
+from gen.importing.series_columns import MOST_SERIES, unit_column, value_column
 from gen.importing.table import Column, Counted, Table
 
-MOST_SERIES = 200
-_VALUES = ("value", "_value", "state", "reading", "wert", "messwert")
+_SWITCHED = {"on": "1", "off": "0", "true": "1", "false": "0"}
+_NOTHING = {"", "unavailable", "unknown", "none", "null"}
+_MOST_UNITS = 1
+"""Of one name."""
 
 
 def spread_out(table: Table, choices: Choices) -> Table:
@@ -52,17 +55,30 @@ def _columns(table: Table, said: str) -> tuple[str, str]:
             raise InputError(f'found "{name}", expected one of the columns {listed(table.names)}', place="--series")
     if len(parts) == 2:
         return parts[0], parts[1]
-    named = [name for name in table.names if name.casefold() in _VALUES and name != parts[0]]
-    if len(parts) != 1 or len(named) != 1:
+    others = [column for column in table.columns if column.name != parts[0]]
+    values = value_column(Evidence([replace(table, columns=others)]))
+    if len(parts) != 1 or not values:
         raise InputError(
             f"which column holds the values nobody knows; expected --series {parts[0]},COLUMN", place="--series"
         )
-    return parts[0], named[0]
+    return parts[0], values
+
+
+def _units(table: Table, names: str, values: str) -> dict[str, str]:
+    """The unit of each name that a column says, where it is one throughout."""
+    others = [column for column in table.columns if column.name not in (names, values)]
+    said = unit_column(Evidence([replace(table, columns=others)])) if others else ""
+    if not said:
+        return {}
+    found: dict[str, set[str]] = {}
+    for name, unit in zip(texts_of(table.column(names)), texts_of(table.column(said)), strict=True):
+        found.setdefault(name, set()).update({unit} - {""})
+    return {name: next(iter(units)) for name, units in found.items() if len(units) == _MOST_UNITS}
 
 
 def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Table:
-    of, said = _texts(table.column(names)), _texts(table.column(values))
-    when = list(zip(*(_texts(table.column(name)) for name in times), strict=True))
+    of, said = texts_of(table.column(names)), texts_of(table.column(values))
+    when = list(zip(*(texts_of(table.column(name)) for name in times), strict=True))
     series = list(dict.fromkeys(name for name in of if name))
     if not 0 < len(series) <= MOST_SERIES:
         raise InputError(f"found {len(series)} names, expected {MOST_SERIES} at most", place=f"column {names}")
@@ -81,12 +97,26 @@ def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Tabl
     counted = list(table.counted)
     if twice:
         counted.append(Counted("second reading of one name and time, left out", len(twice), table.place(twice[0])))
+    for name, texts in cells.items():
+        found = {text.casefold() for text in texts} - _NOTHING
+        if found and found <= set(_SWITCHED):
+            cells[name] = [_SWITCHED.get(text.casefold(), "") for text in texts]
+            switched = sum(1 for text in cells[name] if text)
+            counted.append(Counted(f"on or off of {name}, taken for 1 or 0", switched, f"column {names}"))
     columns = [Column(name, [time[k] for time in rows], table.column(name).unit) for k, name in enumerate(times)]
-    columns += [Column(name, cells[name]) for name in series]
+    units = _units(table, names, values)
+    columns += [Column(name, cells[name], units.get(name, "")) for name in series]
     return replace(table, columns=columns, places=first, counted=tuple(counted))
 
 
-def _texts(column: Column) -> list[str]:
+def texts_of(column: Column) -> list[str]:
+    """Give a column's cells as texts, empty where nothing is.
+
+    Parameters
+    ----------
+    column
+        Of texts, numbers or instants.
+    """
     if isinstance(column.cells, list):
         return [cell.strip() for cell in column.cells]
     if column.cells.dtype.kind == "M":

@@ -51,22 +51,24 @@ DUTY = Unit(SHARE, "duty", "percent", 100.0)
 PWM_COUNTS = Unit(COUNTS, "counts", "counts")
 
 _SPELT: dict[Unit, str] = {
-    DEGC: "degc °c c celsius ℃ grad gradc deg ºc 'c",
-    DEGF: "degf °f f fahrenheit 'f ℉ gradf ºf",
+    DEGC: "degc degreec degreesc °c c celsius ℃ grad gradc deg ºc 'c",
+    DEGF: "degf degreef degreesf °f f fahrenheit 'f ℉ gradf ºf",
     KELVIN: "k kelvin degk °k",
     Unit(CURRENT, "A", "A"): "a amp amps ampere amperes",
     Unit(CURRENT, "mA", "A", 1e-3): "ma milliamp milliamps",
     Unit(VOLTAGE, "V", "V"): "v volt volts vdc",
     Unit(VOLTAGE, "mV", "V", 1e-3): "mv millivolt millivolts",
-    Unit(SPEED, "rpm", "rpm"): "rpm 1/min u/min min-1 min^-1 min⁻¹ /min r/min rev/min upm",
+    Unit(
+        SPEED, "rpm", "rpm"
+    ): "rpm 1/min u/min min-1 min^-1 min⁻¹ /min r/min rev/min upm tr/min tr/mn giri/min omw/min umdr/min",
     Unit(SPEED, "rps", "rpm", 60.0): "rps 1/s u/s s-1 s^-1 r/s rev/s",
     Unit(SPEED, "rad/s", "rpm", 9.549296585513721): "rad/s rads",
-    Unit(TIME, "s", "s"): "s sec secs second seconds sek sekunden sekunde",
+    Unit(TIME, "s", "s"): "s sec secs second seconds sek sekunden sekunde secondes secondi segundos seconden",
     Unit(TIME, "ms", "s", 1e-3): "ms msec msecs millis millisecond milliseconds millisekunden",
     Unit(TIME, "us", "s", 1e-6): "us µs μs usec micros microseconds mikrosekunden",
     Unit(TIME, "ns", "s", 1e-9): "ns nanoseconds",
-    Unit(TIME, "min", "s", 60.0): "min mins minute minutes minuten",
-    Unit(TIME, "h", "s", 3600.0): "h hr hrs hour hours std stunden",
+    Unit(TIME, "min", "s", 60.0): "min mins minute minutes minuten minuti minutos",
+    Unit(TIME, "h", "s", 3600.0): "h hr hrs hour hours std stunden heures horas uur",
     Unit(TIME, "d", "s", 86400.0): "d day days tage",
     PERCENT: "% percent pct prozent perc",
     DUTY: "duty 0..1 0-1 0…1 fraction",
@@ -82,7 +84,7 @@ _BRACKETED_FROM = re.compile(r"[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]")
 _SPOKEN = re.compile(r"^(?P<base>.*\S)\s*(?:\s(?:in|/)\s|,\s+|\s*/\s*)(?P<unit>\S+)$", re.IGNORECASE)
 _LABEL = re.compile(r"(?:^|[,;]\s*)(?:LBL|label|name)\s*[:=]\s*(?P<label>[^,;]*[^,;\s])", re.IGNORECASE)
 _ALONE = {"deg", "count", "raw", "digits", "d", "min", "cnt", "duty", "perc", "fraction", "grad"}
-"""No units where they only stand behind an underscore: `cell_count`, `T_min`, `motor_duty`."""
+"""No units where they only stand behind an underscore or a stroke: `cell_count`, `T_min`, `motor/duty`."""
 
 
 @lru_cache(maxsize=4096)
@@ -154,7 +156,8 @@ def split_name(header: str) -> tuple[str, Unit | None, str]:
         base = f"{bracketed['base'].strip()} {bracketed['rest']}".strip()
         return base, unit_of(bracketed["unit"]), bracketed["unit"].strip()
     spoken = _SPOKEN.match(text)
-    if spoken and (unit := unit_of(spoken["unit"])):
+    path = spoken is not None and spoken["unit"].casefold() in _ALONE and f"/{spoken['unit']}" in text  # of a topic
+    if spoken and not path and (unit := unit_of(spoken["unit"])):
         return spoken["base"], unit, spoken["unit"]
     degrees = re.fullmatch(r"(.+?)[\s_]*(°\s?[CFK]|℃|℉|%)", text)
     if degrees:

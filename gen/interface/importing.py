@@ -119,7 +119,7 @@ def import_runs(
     runs
         The column that says which run a row belongs to.
     duplicates
-        Of rows with the same time: ``first``, ``last``, or ``spread`` until the next time.
+        Of rows with the same time: ``first``, ``last``, their ``mean``, or ``spread`` until the next time.
     series
         In a log with a row for each reading, the column of names, each of which becomes a column; behind a comma, the
         column of values.
@@ -152,7 +152,7 @@ def import_runs(
     >>> found.guesses()  # doctest: +SKIP
     """
     one_of("decimal", decimal, ("", ",", "."))
-    one_of("duplicates", duplicates, ("", "first", "last", "spread"))
+    one_of("duplicates", duplicates, ("", "first", "last", "mean", "spread"))
     paths = [a_path("files", file) for file in several("files", files)]
     folder = a_path("out", out)
     if folder.exists() and not folder.is_dir():

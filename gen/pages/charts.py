@@ -15,6 +15,8 @@ WIDTH, HEIGHT = 440.0, 270.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 58.0, 12.0, 42.0, 44.0
 _LEGEND_Y = 33.0
 LETTER = 6.1
+_SHORTLY = 0.1
+"""Of what the data span: how far behind 0 an axis begins there."""
 """Width of one, on average."""
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -102,6 +104,17 @@ def ticks(low: float, high: float, about: int = 5, least: int = 0) -> list[float
     return [float(f"{k * step:.9g}") + 0.0 for k in range(first, last + 1)]
 
 
+def reaching_zero(low: float, high: float) -> tuple[float, float]:
+    """An axis that would begin shortly after 0 begins there, so that it has a tick at 0.
+
+    Parameters
+    ----------
+    low, high
+        From where to where the data go.
+    """
+    return (0.0 if 0.0 < low <= _SHORTLY * (high - low) else low, high)
+
+
 def inside(x: float, label: str, width: float) -> float:
     """Give where the middle of a label has to be, so that a drawing of that width does not cut its end."""
     return min(x, width - 0.5 * LETTER * len(label))
@@ -126,7 +139,8 @@ class _Drawing:
         values = [value for series in chart.series for value in series.y]
         positions = [value for series in chart.series for value in series.x]
         self._exponent = 0 if chart.log_y else _exponent(max(map(abs, values)))
-        self._x_range = (min(positions), max(positions) if max(positions) > min(positions) else min(positions) + 1.0)
+        first, last = min(positions), max(positions)
+        self._x_range = reaching_zero(first, last) if last > first else (first, first + 1.0)
         self._y_range = self._vertical([value / 10.0**self._exponent for value in values])
 
     def _vertical(self, values: list[float]) -> tuple[float, float]:

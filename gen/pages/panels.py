@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup, escape
 
-from gen.pages.charts import inside, plain, ticks
+from gen.pages.charts import inside, plain, reaching_zero, ticks
 
 WIDTH = 360.0
 _LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 54.0, 12.0, 24.0, 34.0, 13.0
@@ -87,7 +87,7 @@ class Panels:
 def panels_svg(drawing: Panels) -> Markup:
     """Draw the panels: one ``svg`` element, its text escaped."""
     every = [x for panel in drawing.panels for course in panel.courses for x in course.x]
-    across = _Scale(min(every), max(every), _LEFT, WIDTH - _RIGHT)
+    across = _Scale(*reaching_zero(min(every), max(every)), _LEFT, WIDTH - _RIGHT)
     title, description = f"{drawing.identifier}-title", f"{drawing.identifier}-desc"
     parts = [
         f'<title id="{title}">{escape(drawing.title)}</title>',

@@ -31,3 +31,13 @@ def test_the_last_label_of_an_axis_of_time_is_whole(last: float) -> None:
         found = MIDDLE.findall(text)
         assert len(found) >= 3
         assert all(float(x) + 0.5 * LETTER * len(label) <= width + 0.1 for x, label in found)
+
+
+@pytest.mark.parametrize(("first", "zero"), [(0.0, True), (0.25, True), (90.0, True), (2000.0, False)])
+def test_an_axis_that_would_begin_shortly_after_0_begins_there(first: float, zero: bool) -> None:
+    last = first + 3600.0
+    course = Course("after", (first, last), (1.0, 2.0))
+    drawn = str(panels_svg(Panels("a", "casing", "", "time (s)", (Panel("°C", (course,), 130.0),))))
+    chart = str(svg(Chart("b", "casing", "", "time (s)", "rise", "K", (Series("", (first, last), (1.0, 2.0), 0),))))
+    for text in (drawn, chart):
+        assert ("0" in [label for _, label in MIDDLE.findall(text)]) == zero

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from gen.drawing.interactive import figure_of
 from gen.drawing.picture import picture
 from gen.drawing.section import Bar, Curve, Panel, Section
 
@@ -35,6 +37,17 @@ def test_the_time_axis_suits_the_run(length_s: float, unit: str) -> None:
     found = text(run(length_s))
     assert f"time, {unit}" in found
     assert {"a motor", "brush", "casing", "ambient", "brush_hot", "measured", "model"} <= set(found)
+
+
+@pytest.mark.parametrize("begin_s", [0.2, 30.0])
+def test_a_run_that_begins_shortly_after_0_is_drawn_from_0(begin_s: float) -> None:
+    drawn = run(1200.0)
+    late = replace(drawn, time_s=drawn.time_s + begin_s)
+    assert "0.0" in text(late) or "0" in text(late)
+    layout = figure_of(late, gl=False, most=1000)["layout"]
+    assert layout["xaxis"]["range"][0] == 0.0
+    much_later = replace(drawn, time_s=drawn.time_s + 600.0)
+    assert figure_of(much_later, gl=False, most=1000)["layout"]["xaxis"]["range"][0] == 10.0
 
 
 def test_the_same_run_gives_the_same_picture() -> None:

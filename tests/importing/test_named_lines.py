@@ -112,3 +112,48 @@ def test_degrees_as_a_small_computer_prints_them(tmp_path: Path) -> None:
     lines = [f"2024-05-01 10:{i // 60:02d}:{i % 60:02d} temp={WARM[i]:.1f}'C load=0.50" for i in range(ROWS)]
     run = taken(write(tmp_path, "\n".join(lines)), tmp_path / "out", input="load", full_scale=1.0)
     np.testing.assert_allclose(run.temps["temp"], WARM)
+
+
+def test_a_processors_time_is_no_time_of_a_log(tmp_path: Path) -> None:
+    lines = [
+        f"Stats {100.1 + i:.1f}: cputime={1.1 + 0.4 * i:.3f} extruder: target=210 temp={WARM[i]:.1f} pwm=0.640"
+        for i in range(ROWS)
+    ]
+    log = write(tmp_path, "\n".join(lines), name="host.log")
+    with pytest.raises(InputError, match="no column is a time among Stats, cputime"):
+        take(log, tmp_path / "out")
+    np.testing.assert_allclose(np.diff(taken(log, tmp_path / "out", time="Stats").time_s), 1.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("stamp", ["(2026-11-26 10:00:{s:02d}.{ms:03d}456)", "({epoch}.{ms:03d}456)"])
+@pytest.mark.parametrize("together", [True, False])
+def test_decoded_frames_of_a_bus(stamp: str, together: bool, tmp_path: Path) -> None:
+    """As `candump | cantools decode --single-line` prints them, of one message or of two."""
+
+    def line(i: int, ms: int, said: str) -> str:
+        before = stamp.format(s=i, epoch=1_795_687_200 + i, ms=ms)
+        return f" {before}  can0  123   [4]  01 02 03 0A :: {said}"
+
+    lines = []
+    for i in range(ROWS):
+        duty, temps = f"Duty: {60 if i < 40 else 0} %", f"TempWinding: {WARM[i]:.1f} degC, TempAmbient: 20.5 degC"
+        parts = [f"Motor({duty}, {temps})"] if together else [f"Motor({duty})", f"Temps({temps})"]
+        lines += [line(i, 123 + 100 * k, said) for k, said in enumerate(parts)]
+    run = taken(write(tmp_path, "\n".join(lines), name="bus.log"), tmp_path / "out")
+    known = np.isfinite(run.temps["TempWinding"])
+    np.testing.assert_allclose(run.temps["TempWinding"][known], WARM)
+    np.testing.assert_allclose(np.diff(run.time_s[known]), 1.0, atol=1e-6)
+    assert run.pwm[known].tolist() == [153] * 40 + [0] * 20
+    assert run.ambient is not None
+    assert set(run.ambient[known].tolist()) == {20.5}
+
+
+def test_lines_of_several_kinds_fill_their_own_columns_where_they_tell_their_times(tmp_path: Path) -> None:
+    timed = "".join(
+        f"I ({1000 * i}) drive: duty={60 if i < 40 else 0}%\nI ({1000 * i + 20}) sensors: winding={WARM[i]:.1f}C\n"
+        for i in range(ROWS)
+    )
+    run = taken(write(tmp_path, timed, name="monitor.txt"), tmp_path / "out")
+    known = np.isfinite(run.temps["winding"])
+    np.testing.assert_allclose(run.temps["winding"][known], WARM)
+    assert run.pwm[known].tolist() == [153] * 40 + [0] * 20

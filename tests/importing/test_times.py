@@ -176,7 +176,11 @@ def test_steps_that_are_plain_in_seconds_are_seconds(step_s: float, tmp_path: Pa
 
 def test_a_log_that_would_be_short_in_seconds_is_said(tmp_path: Path) -> None:
     path = write(tmp_path, csv(truth(400, 0.5).rename(columns={"time_s": "time"})))
-    warning = "time: 199.5 in all, taken for s, is short for a motor's temperature; if min: --unit time=min"
+    warning = (
+        "time: has no unit; taken for s it lasts 3.325 min, a row every 0.5 s, which is short for a motor's "
+        "temperature; if it is not s: --unit time=min (3.325 h, a row every 30 s), time=h (199.5 h, a row every 30 "
+        "min); if it is: --unit time=s"
+    )
     assert [text.partition(": ")[2] for text in take(path, tmp_path / "a").warnings] == [warning]
     assert take(path, tmp_path / "b", units={"time": "s"}).warnings == []
     assert taken(path, tmp_path / "c", units={"time": "min"}).time_s[-1] == 199.5 * 60
@@ -309,3 +313,41 @@ def test_newest_first_is_turned_round_when_that_is_said(tmp_path: Path, split: b
     with pytest.raises(InputError, match=r"line 3: rows stand in the order of falling times; expected --sort"):
         take(log, tmp_path / "out", split=split)
     np.testing.assert_allclose(taken(log, tmp_path / "out", sort=True, split=split).time_s, np.arange(120.0))
+
+
+@pytest.mark.parametrize(
+    ("step", "units"),
+    [
+        (0.002, []),  # in min, eight rows a second, and in h one in 7 s, which nobody writes so
+        (0.01, ["h"]),
+        (0.25, ["min", "h"]),
+        (1.0, ["min"]),
+    ],
+)
+def test_only_units_in_which_rows_may_come_that_often_are_offered(
+    step: float, units: list[str], tmp_path: Path
+) -> None:
+    rows = max(60, round(30 / step))
+    frame = truth(rows, step).assign(time_s=np.round(np.arange(rows) * step, 6))
+    warnings = take(write(tmp_path, csv(frame.rename(columns={"time_s": "time"}))), tmp_path / "runs").warnings
+    assert [unit for unit in ("min", "h") if any(f"time={unit} (" in text for text in warnings)] == units
+    assert len(warnings) == bool(units)
+
+
+def test_a_time_since_1970_is_in_no_other_unit(tmp_path: Path) -> None:
+    frame = TRUE.assign(time_s=1_795_687_200 + TRUE.time_s).rename(columns={"time_s": "timestamp"})
+    assert take(write(tmp_path, csv(frame)), tmp_path / "runs").warnings == []
+
+
+def test_a_capital_t_is_a_time_only_where_its_steps_are_even(tmp_path: Path) -> None:
+    """What a printer says of its heater, without any time."""
+    lines = "".join(
+        f"ok T:{value:.1f} /210.0 @:{127 if i < 80 else 0} PWM:{128 if i < 80 else 0}\n"
+        for i, value in enumerate(TRUE.winding_degC)
+    )
+    path = write(tmp_path, lines, name="printer.log")
+    with pytest.raises(InputError, match="no column is a time among T, T target, @, PWM"):
+        take(path, tmp_path / "runs")
+    run = taken(path, tmp_path / "runs", time="2", columns={"T": "nozzle_degC"})
+    np.testing.assert_array_equal(run.temps["nozzle"], TRUE.winding_degC)
+    same(taken(write(tmp_path, csv(TRUE.rename(columns={"time_s": "T"}))), tmp_path / "even"), TRUE)

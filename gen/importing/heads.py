@@ -1,0 +1,136 @@
+"""Lines above a table: which hold units, and which say by their first cell what they hold (`Tag`, `Unit`)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from gen.importing.units import TIME, unit_of
+
+STATISTIC = re.compile(r"(?:min|max|mean|avg|average|ave|last|inst)\.?", re.IGNORECASE)
+_NAMES = ("tag", "tag no.", "tag name", "name", "signal name", "label", "comment", "ch", "ch.", "channel", "kanal")
+"""Which of such lines names the columns best, first of all."""
+_UNITS = ("unit", "units", "einheit", "unité", "unità", "unidad")
+_KINDS = ("kind", "data type")
+_OTHERS = ("type", "mode", "range", "scaling", "input", "function")
+_LEAST_PAIRED = 4
+_LEAST_LABELS = 2
+_LEAST_NAMED = 0.5
+_LONGEST = 20
+"""Lines above the first row, at most, among which they stand."""
+
+
+def labelled_head(before: Sequence[Sequence[str]], width: int) -> tuple[list[str], list[str]] | None:
+    """Names and units of columns by lines such as `Tag | Winding | Casing` and `Unit | °C | °C`.
+
+    Parameters
+    ----------
+    before
+        Lines above the first row.
+    width
+        Of a row.
+
+    Returns
+    -------
+    names, units
+        The first column, of the times, is called so; or None without lines of names and of units.
+    """
+    rows: dict[str, list[str]] = {}
+    for row in before[-_LONGEST:]:
+        if abs(len(row) - width) <= 1 and row:
+            rows.setdefault(row[0].strip().casefold(), [cell.strip() for cell in [*row, ""][:width]])
+    units = next((rows[key] for key in _UNITS if key in rows), None)
+    named = [rows[key] for key in _NAMES if key in rows and _is_filled(rows[key])]
+    if units is None or not named or not any(map(unit_of, units[1:])):
+        return None
+    kinds = next((rows[key] for key in _KINDS if key in rows and any(map(STATISTIC.fullmatch, rows[key][1:]))), None)
+    names = [next((row[i] for row in named if row[i]), "") for i in range(width)]
+    if kinds is not None:
+        names = [
+            f"{name} {kind}".strip() if STATISTIC.fullmatch(kind) else name
+            for name, kind in zip(names, kinds, strict=True)
+        ]
+    return ["time", *names[1:]], ["", *(unit if unit_of(unit) else "" for unit in units[1:])]
+
+
+def paired_head(lines: Sequence[Sequence[str]], width: int) -> tuple[int, list[str], list[str]] | None:
+    """Names and units of columns of times and values by turns, by lines such as `Name | Winding | Name | Duty`.
+
+    Parameters
+    ----------
+    lines
+        The first of a file.
+    width
+        Of a row.
+
+    Returns
+    -------
+    at, names, units
+        Behind which line rows may begin; or None without such a line.
+    """
+    if width < _LEAST_PAIRED or width % 2:
+        return None
+    paired = [(i, row) for i, row in enumerate(lines) if len(row) == width and len({*row[::2]}) == 1 and row[0].strip()]
+    named = next((row for _, row in paired if row[0].strip().casefold() in _NAMES and all(row[1::2])), None)
+    if named is None:
+        return None
+    last = max(i for i, row in paired if not row[0][:1].isdigit())
+    said = (re.search(r"\[(\w+)\]", row[0]) for _, row in paired)
+    of_times = next((match[1] for match in said if match and _is_time(match[1])), "")
+    names = [name for channel in named[1::2] for name in ("time", channel.strip())]
+    return last, names, [of_times, ""] * (width // 2)
+
+
+def with_labels(names: Sequence[str], before: Sequence[Sequence[str]]) -> list[str]:
+    """Names of columns with what a list of channels above says of them: `CH1,Winding,TEMP,TC_K`.
+
+    Parameters
+    ----------
+    names
+        Of the columns.
+    before
+        Lines above the first row.
+    """
+    lines = [[cell.strip() for cell in row] for row in before if len(row) > 1 and row[0].strip() in names]
+    said = {row[0]: row[1] for row in lines if row[0] and re.search(r"[^\W\d_]", row[1]) and not unit_of(row[1])}
+    if len(said) < _LEAST_LABELS or len(set(said.values())) < len(said) or len(lines) > len({row[0] for row in lines}):
+        return list(names)
+    return [f"{name} {said[name]}" if name in said else name for name in names]
+
+
+def _is_time(text: str) -> bool:
+    unit = unit_of(text)
+    return unit is not None and unit.quantity == TIME
+
+
+def is_label(cell: str) -> bool:
+    """Whether a line's first cell says what the line holds.
+
+    Parameters
+    ----------
+    cell
+        The cell.
+    """
+    return cell.strip().casefold() in (*_NAMES, *_UNITS, *_KINDS, *_OTHERS)
+
+
+def _is_filled(row: Sequence[str]) -> bool:
+    return sum(map(bool, row[1:])) >= _LEAST_NAMED * max(len(row) - 1, 1)
+
+
+def is_units(row: Sequence[str], above: Sequence[str] | None = None) -> bool:
+    """Whether a line holds units: in more than half of its cells; below a line of names, where one comes back.
+
+    Parameters
+    ----------
+    row
+        The line.
+    above
+        The line above it, or None.
+    """
+    filled = [cell.strip() for cell in row if cell.strip()]
+    known = [cell for cell in filled if unit_of(cell) or re.fullmatch(r"[\[(].*[\])]|-|hh:mm:ss.*", cell)]
+    if filled and 2 * len(known) > len(filled):
+        return True
+    names = [cell.strip().casefold() for cell in above or () if cell.strip()]
+    return len(set(known)) < len(known) and len(set(names)) == len(names) >= len(filled)
