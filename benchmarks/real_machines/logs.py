@@ -197,6 +197,117 @@ def reflow_oven(folder: Path) -> Iterator[Case]:
     yield from _each_left_out("reflow oven", runs, ("oven",), str)
 
 
+PLATE_VOLTS = 10.0
+PLATE_CUT_S = 800.0
+
+
+def heating_plate(folder: Path) -> Iterator[Case]:
+    """A steel plate below a lamp: one run, cut where the voltage steps up for the first time. Each half once left out.
+
+    The room was not measured.
+    """
+    t, volts, plate = np.loadtxt(folder / "heating_system.dat", unpack=True)
+    halves = {}
+    for name, rows in (("first half", t < PLATE_CUT_S), ("second half", t >= PLATE_CUT_S)):
+        pwm = np.rint(volts[rows] / PLATE_VOLTS * 255.0).astype(np.int64)
+        halves[name] = Run(t[rows] - t[rows][0], pwm, {"plate": plate[rows]})
+    yield from _each_left_out("heating plate", halves, ("plate",), str)
+
+
+Steps = tuple[tuple[float, float], ...]
+"""From when, s, and how much, A."""
+HELD_CURRENTS: dict[str, tuple[float, Steps]] = {
+    "ak109Run1": (22.8, ((0.0, 16.37), (40.0, 0.0))),
+    "ak109Run2": (21.3, ((0.0, 11.7), (60.0, 0.0))),
+    "ak109Run3": (21.3, ((0.0, 14.0), (40.0, 0.0), (80.0, 14.0), (120.0, 0.0))),
+    "ak109Run4": (21.4, ((0.0, 16.37), (90.0, 0.0), (180.0, 14.0), (270.0, 0.0), (360.0, 11.7), (450.0, 0.0))),
+    "ak606Run1": (20.4, ((0.0, 3.6), (90.0, 0.0), (180.0, 2.95), (270.0, 0.0), (360.0, 2.0), (450.0, 0.0))),
+    "ak606Run2": (20.6, ((0.0, 4.4), (90.0, 0.0), (180.0, 2.95), (270.0, 0.0), (360.0, 3.6), (450.0, 0.0))),
+    "ak809Run1": (21.4, ((0.0, 9.75), (60.0, 0.0), (150.0, 8.52), (270.0, 0.0), (360.0, 7.31), (450.0, 0.0))),
+}
+"""The room, degC, and the currents of each run: they are in the author's program, not in the logs."""
+FULL_CURRENTS = {"ak109": 20.0, "ak606": 5.0, "ak809": 10.0}
+AK809_CUT_S = 360.0
+
+
+def tmotor(folder: Path) -> Iterator[Case]:
+    """Three actuators held at a current for a minute or so, and cooling: two with each run once left out.
+
+    Of the third there is one run: its third heating is tested.
+    """
+    for motor in ("ak109", "ak606"):
+        runs = {name: _held_current(folder, name) for name in HELD_CURRENTS if name.startswith(motor)}
+        yield from _each_left_out(f"tmotor {motor}", runs, ("motor",), lambda name: f"run {name[-1]}")
+    run = _held_current(folder, "ak809Run1")
+    fit, test = _between(run, 0.0, AK809_CUT_S), _between(run, AK809_CUT_S, np.inf)
+    yield Case("tmotor ak809", "third heating", ("motor",), {"first two": fit}, {"third": test})
+
+
+def _held_current(folder: Path, name: str) -> Run:
+    table = pd.read_csv(folder / f"{name}Data.csv")
+    time = table.time.to_numpy(dtype=np.float64)
+    motor = table.temperature.astype(str).str.strip().to_numpy(dtype=np.float64)
+    room, steps = HELD_CURRENTS[name]
+    since = np.searchsorted([at for at, _ in steps], time, side="right") - 1
+    current = np.array([level for _, level in steps])[since]
+    pwm = np.rint(current / FULL_CURRENTS[name[:5]] * 255.0).astype(np.int64)
+    return Run(time, pwm, {"motor": motor}, np.full(time.size, room))
+
+
+HOUSE_KILOWATTS = 6.0
+HOUSE_CUT_H = 28.8
+
+
+def house(folder: Path) -> Iterator[Case]:
+    """A small house in winter, heated by switched electric heaters: each half of 58 h once left out.
+
+    The sun shines in, which the input does not say.
+    """
+    table = pd.read_csv(folder / "inputPRBS1.csv")
+    halves = {}
+    for name, rows in (("first half", table.t < HOUSE_CUT_H), ("second half", table.t >= HOUSE_CUT_H)):
+        half = table[rows]
+        halves[name] = Run(
+            time_s=np.rint((half.t - half.t.iloc[0]).to_numpy() * 3600.0),
+            pwm=np.rint(half.Ph.to_numpy() / HOUSE_KILOWATTS * 255.0).astype(np.int64),
+            temps={"inside": half.yTi.to_numpy(dtype=np.float64)},
+            ambient=half.Ta.to_numpy(dtype=np.float64),
+            extras={"sun_kW_m2": half.Ps.to_numpy(dtype=np.float64)},
+        )
+    yield from _each_left_out("house", halves, ("inside",), str)
+
+
+STRETCHES = {
+    "warming": ("202603031510.csv", "00:00:30", "00:30:40"),
+    "approach": ("202602111639.csv", "00:00:30", "00:31:01"),
+    "regulated": ("202603031806.csv", "00:01:20", "00:31:00"),
+}
+"""From which log, and from when to when: between the times at which the logger hung."""
+
+
+def incubator(folder: Path) -> Iterator[Case]:
+    """A box with a heater that is on or off, from 25 degC, from 52 degC and kept at 60 degC. Each once left out.
+
+    The room was not measured.
+    """
+    runs = {}
+    for name, (file, first, last) in STRETCHES.items():
+        table = pd.read_csv(folder / file)
+        rows = table[(table.TimeElapsed >= first) & (table.TimeElapsed <= last)]
+        time = pd.to_timedelta(rows.TimeElapsed).dt.total_seconds().to_numpy(dtype=np.float64)
+        pwm = np.where(rows.Heater.to_numpy() == "ON", 255, 0).astype(np.int64)
+        box = rows.Temperature.to_numpy(dtype=np.float64)
+        runs[name] = Run(time - time[0], pwm, {"box": box})
+    yield from _each_left_out("incubator", runs, ("box",), str)
+
+
+def _between(run: Run, first: float, until: float) -> Run:
+    rows = (run.time_s >= first) & (run.time_s < until)
+    ambient = None if run.ambient is None else run.ambient[rows]
+    temps = {name: values[rows] for name, values in run.temps.items()}
+    return Run(run.time_s[rows] - run.time_s[rows][0], run.pwm[rows], temps, ambient)
+
+
 def _read(paths: list[Path]) -> Iterator[tuple[Path, Run]]:
     for path in paths:
         yield path, read_run(path)
@@ -222,5 +333,9 @@ READERS: dict[str, Callable[[Path], Iterator[Case]]] = {
     "tass_bldc_stall": tass_bldc_stall,
     "paderborn_mini": paderborn,
     "reflow_oven": reflow_oven,
+    "heating_plate": heating_plate,
+    "tmotor": tmotor,
+    "house": house,
+    "incubator": incubator,
 }
 """By the folder that holds the log."""
