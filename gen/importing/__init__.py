@@ -1,13 +1,13 @@
 """Logs of any logger to run files: what was recorded, by whatever, as this tool takes it.
 
-Reading knows nothing of meaning (:mod:`~gen.importing.sources` and what it calls gives tables of cells), deciding knows
-nothing of files (:mod:`~gen.importing.decide` gives a mapping with how sure each part of it is), converting guesses
-nothing (:mod:`~gen.importing.convert` makes runs of a table and a mapping, and counts what is no sample).
+Reading knows nothing of meaning (:mod:`~gen.importing.reading` gives tables of cells), guessing knows nothing of files
+(:mod:`~gen.importing.guessing` gives a mapping with how sure each part of it is), converting guesses nothing
+(:mod:`~gen.importing.convert` makes runs of a table and a mapping, and counts what is no sample).
 """
 
 from gen.importing.convert import Converted, Splitting
-from gen.importing.decide import Decided, doubts
-from gen.importing.guesses import Choices, Guess
+from gen.importing.guessing.decide import Decided, doubts
+from gen.importing.guessing.guesses import Choices, Guess
 from gen.importing.importing import Plan, Written, plan, write
 from gen.importing.mapping import Mapping, read_mapping
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gen.errors import InputError
 from gen.importing import clock, sequence
-from gen.importing.evidence import Evidence, Facts
+from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.local import goes_ahead_an_hour, goes_back_an_hour, in_utc
 from gen.importing.mapping import DATED, Entry, Mapping
 from gen.importing.means import means

@@ -11,15 +11,15 @@ from pathlib import Path
 from gen.errors import InputError
 from gen.files import check_writable, write_text
 from gen.importing.convert import Converted, Splitting, convert, with_comments
-from gen.importing.decide import NO_PART, Decided, decide, doubts
-from gen.importing.guess_input import NO_INPUT
-from gen.importing.guesses import Choices
+from gen.importing.guessing.decide import NO_PART, Decided, decide, doubts
+from gen.importing.guessing.guess_input import NO_INPUT
+from gen.importing.guessing.guesses import Choices
+from gen.importing.guessing.own_times import joined
+from gen.importing.guessing.series import spread_out
+from gen.importing.guessing.sheets import choice_of_sheets, logs_among
 from gen.importing.mapping import Mapping, read_mapping
-from gen.importing.own_times import joined
 from gen.importing.provenance import commented_mapping, comments_of
-from gen.importing.series import spread_out
-from gen.importing.sheets import choice_of_sheets, logs_among
-from gen.importing.sources import read_tables
+from gen.importing.reading.sources import read_tables
 from gen.importing.table import Reading, Table
 from gen.runs import Run, write_run
 

@@ -47,9 +47,9 @@ OTHER_FORMATS = {
     "identification/room_followers.py": {"ambient"},
     # times and lines as loggers write them, the mapping file of `gen import`, comments of a run file
     "importing/clock.py": {"min"},
-    "importing/evidence.py": {"unit"},
+    "importing/guessing/evidence.py": {"unit"},
     "importing/provenance.py": {"input"},
-    "importing/pairs.py": {"value", "unit"},
+    "importing/reading/pairs.py": {"value", "unit"},
     "importing/units.py": {"unit"},
     "importing/mapping.py": {"input"},
     # the manifest of a project

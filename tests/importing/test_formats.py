@@ -13,7 +13,7 @@ import pytest
 from scipy.io import savemat
 
 from gen.errors import InputError
-from gen.importing import sources
+from gen.importing.reading import sources
 from gen.runs import read_run
 from tests.importing.logs import TRUE, csv, same, take, taken, write
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from gen.importing.encoding import decode
 from gen.importing.numbers import parse
-from gen.importing.pairs import is_keyed
+from gen.importing.reading.encoding import decode
+from gen.importing.reading.pairs import is_keyed
 
 
 @pytest.mark.parametrize(

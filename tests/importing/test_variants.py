@@ -9,7 +9,7 @@ import pytest
 
 from gen.coefficients.names import name_fault
 from gen.errors import InputError
-from gen.importing.names import component_name
+from gen.importing.guessing.names import component_name
 from gen.importing.table import unique_names
 from gen.runs import read_run
 from tests.importing.logs import TRUE, csv, same, take, taken, write

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen.errors import InputError
-from gen.importing.evidence import Evidence, Facts
-from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.guessing.evidence import Evidence, Facts
+from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.guessing.names import DRIVES, DUTY, PWM, SIGN, WANTED, apart
 from gen.importing.listing import listed
 from gen.importing.mapping import InputForm
-from gen.importing.names import DRIVES, DUTY, PWM, SIGN, WANTED, apart
 from gen.importing.numbers import plain_number
 from gen.importing.units import COUNTS, SHARE, TEMPERATURE, Unit, unit_of
 from gen.importing.units import DUTY as DUTY_SHARE

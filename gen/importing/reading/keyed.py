@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from gen.errors import InputError
-from gen.importing.delimited import MOST_COLUMNS, Lines, keyed_comments
 from gen.importing.listing import listed
-from gen.importing.pairs import LONGEST, SAMPLE, kinds_of, names_in, record_of
+from gen.importing.reading.delimited import MOST_COLUMNS, Lines, keyed_comments
+from gen.importing.reading.pairs import LONGEST, SAMPLE, kinds_of, names_in, record_of
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
 _ROWS = ("values", "data", "rows")

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from gen.importing.evidence import Facts
+from gen.importing.guessing.evidence import Facts
 
 _MIN = re.compile(r"(.*[^A-Za-z])min([^A-Za-z].*)?", re.IGNORECASE)
 _APART_K = 5.0

@@ -14,10 +14,10 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.clock import is_time
-from gen.importing.heads import STATISTIC, is_label, is_units, labelled_head, paired_head, with_labels
 from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
+from gen.importing.reading.heads import STATISTIC, is_label, is_units, labelled_head, paired_head, with_labels
+from gen.importing.reading.unit_columns import with_units
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
-from gen.importing.unit_columns import with_units
 from gen.importing.units import unit_of
 
 DELIMITERS = {";": "semicolon", "\t": "tab", "|": "pipe", ",": "comma", " ": "white space"}

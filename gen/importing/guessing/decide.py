@@ -8,18 +8,18 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from gen.errors import InputError
-from gen.importing.evidence import Evidence
-from gen.importing.extreme_rows import extremes_by_turns
-from gen.importing.guess_columns import decide_columns
-from gen.importing.guess_input import decide_input, spanned
-from gen.importing.guess_time import decide_time, short_in_seconds
-from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.guessing.evidence import Evidence
+from gen.importing.guessing.extreme_rows import extremes_by_turns
+from gen.importing.guessing.guess_columns import decide_columns
+from gen.importing.guessing.guess_input import decide_input, spanned
+from gen.importing.guessing.guess_time import decide_time, short_in_seconds
+from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.guessing.names import RISE, RUNS
+from gen.importing.guessing.series_columns import names_and_values
 from gen.importing.listing import listed
 from gen.importing.mapping import Entry, Mapping, TextForm
-from gen.importing.names import RISE, RUNS
-from gen.importing.series_columns import names_and_values
+from gen.importing.reading.text import shown_delimiter
 from gen.importing.table import Table
-from gen.importing.text import shown_delimiter
 from gen.importing.units import unit_of
 
 _MOST_RUNS = 1000

@@ -8,15 +8,15 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing import clock
-from gen.importing.evidence import Evidence, Facts
-from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.guessing.evidence import Evidence, Facts
+from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.guessing.names import BUSY, CHARGED, TIME
+from gen.importing.guessing.plain_steps import plainer_unit
 from gen.importing.listing import listed
 from gen.importing.local import is_zone
 from gen.importing.mapping import DATED, TimeForm
-from gen.importing.names import BUSY, CHARGED, TIME
 from gen.importing.numbers import plain_number
 from gen.importing.origins import days_since
-from gen.importing.plain_steps import plainer_unit
 from gen.importing.units import TEMPERATURE, unit_of
 from gen.importing.units import TIME as TIME_QUANTITY
 

@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from gen.importing.evidence import Evidence, Facts
-from gen.importing.names import SERIES, TIME
+from gen.importing.guessing.evidence import Evidence, Facts
+from gen.importing.guessing.names import SERIES, TIME
 from gen.importing.units import unit_of
 
 MOST_SERIES = 200

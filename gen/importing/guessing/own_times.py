@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from gen.importing import clock
-from gen.importing.evidence import Evidence, Facts
-from gen.importing.names import TIME
-from gen.importing.series import texts_of
+from gen.importing.guessing.evidence import Evidence, Facts
+from gen.importing.guessing.names import TIME
+from gen.importing.guessing.series import texts_of
 from gen.importing.table import Column, Counted, FloatArray, Table
 from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import split_name, unit_of

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gen.errors import InputError
-from gen.importing import names
-from gen.importing.ambient import ambient_of
-from gen.importing.counters import counts_rows, never_falls, that_falls
-from gen.importing.evidence import Evidence, Facts
-from gen.importing.extremes import least_of_pairs
-from gen.importing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.guessing import names
+from gen.importing.guessing.ambient import ambient_of
+from gen.importing.guessing.counters import counts_rows, never_falls, that_falls
+from gen.importing.guessing.evidence import Evidence, Facts
+from gen.importing.guessing.extremes import least_of_pairs
+from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.mapping import Entry
 from gen.importing.units import CURRENT, DEGC, DEGF, SPEED, TEMPERATURE, VOLTAGE, Unit, split_name, unit_of
 

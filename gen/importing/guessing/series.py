@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from gen.errors import InputError
-from gen.importing.evidence import Evidence
-from gen.importing.guess_time import decide_time
-from gen.importing.guesses import Choices
+from gen.importing.guessing.evidence import Evidence
+from gen.importing.guessing.guess_time import decide_time
+from gen.importing.guessing.guesses import Choices
+from gen.importing.guessing.series_columns import MOST_SERIES, unit_column, value_column
 from gen.importing.listing import listed
-from gen.importing.series_columns import MOST_SERIES, unit_column, value_column
 from gen.importing.table import Column, Counted, Table
 
 _SWITCHED = {"on": "1", "off": "0", "true": "1", "false": "0"}

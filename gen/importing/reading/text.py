@@ -6,7 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from gen.errors import InputError
-from gen.importing.delimited import (
+from gen.importing.numbers import decimal_mark
+from gen.importing.reading.delimited import (
     DELIMITERS,
     guess_delimiter,
     lines_of,
@@ -14,11 +15,10 @@ from gen.importing.delimited import (
     stamped,
     table_of_rows,
 )
-from gen.importing.encoding import decode
-from gen.importing.keyed import array_table, is_json, json_table, keyed_table
-from gen.importing.numbers import decimal_mark
-from gen.importing.pairs import is_keyed
-from gen.importing.published import is_published, published_table
+from gen.importing.reading.encoding import decode
+from gen.importing.reading.keyed import array_table, is_json, json_table, keyed_table
+from gen.importing.reading.pairs import is_keyed
+from gen.importing.reading.published import is_published, published_table
 from gen.importing.table import Reading, Table
 
 

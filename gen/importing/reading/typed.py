@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gen.errors import InputError
-from gen.importing.delimited import MOST_COLUMNS
+from gen.importing.reading.delimited import MOST_COLUMNS
 from gen.importing.table import Cells, Column, Reading, Table, unique_names
 
 if TYPE_CHECKING:

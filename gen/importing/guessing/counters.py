@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gen.importing.evidence import Facts
+from gen.importing.guessing.evidence import Facts
 from gen.importing.table import FloatArray
 
 _LEAST_ROWS = 10

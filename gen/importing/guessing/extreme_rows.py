@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.importing.evidence import Evidence, Facts
-from gen.importing.guesses import Guess
+from gen.importing.guessing.evidence import Evidence, Facts
+from gen.importing.guessing.guesses import Guess
 from gen.importing.table import Cells, IntArray
 
 _MOSTLY = 0.9

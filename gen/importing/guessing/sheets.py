@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from gen.errors import InputError
-from gen.importing.decide import decide
-from gen.importing.guesses import Choices, quoted
+from gen.importing.guessing.decide import decide
+from gen.importing.guessing.guesses import Choices, quoted
 from gen.importing.listing import listed
 from gen.importing.mapping import Mapping
 from gen.importing.table import Counted, Table

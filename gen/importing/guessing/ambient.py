@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from gen.importing import names
-from gen.importing.evidence import Facts
+from gen.importing.guessing import names
+from gen.importing.guessing.evidence import Facts
 
 _OUTRIGHT, _ROOM, _AIR = range(3)
 

@@ -77,19 +77,19 @@ def _tables(file: Path, data: bytes, given: Reading) -> list[Table]:
         if data.startswith(magic):
             raise InputError(message)
     if data.startswith(b"PK\x03\x04"):
-        from gen.importing.workbook import read_workbook
+        from gen.importing.reading.workbook import read_workbook
 
         return read_workbook(file, data, given.sheet)
     if given.sheet:
         raise InputError(f'is no workbook; expected one with the sheet "{given.sheet}"')
     if data.startswith(b"PAR1"):
-        from gen.importing.typed import read_parquet
+        from gen.importing.reading.typed import read_parquet
 
         return [read_parquet(file, data)]
     if data.startswith((b"MATLAB ", b"\x89HDF")) or file.suffix.casefold() == ".mat":
-        from gen.importing.typed import read_matlab
+        from gen.importing.reading.typed import read_matlab
 
         return [read_matlab(file, data)]
-    from gen.importing.text import read_text
+    from gen.importing.reading.text import read_text
 
     return [read_text(file, data, given)]

@@ -7,7 +7,7 @@ import unicodedata
 from collections.abc import Collection
 
 from gen.coefficients.names import MAX_LENGTH, name_fault
-from gen.importing import languages
+from gen.importing.guessing import languages
 
 _SPECIAL = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "%": "percent"})
 
