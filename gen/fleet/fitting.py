@@ -31,12 +31,14 @@ AT_FIRST, AT_LAST = 14, 8
 
 
 def fitted_in_common(store: Store, *, runs: list[list[str]], ambient: float | None, common: dict[str, Any]) -> Arrays:
-    """Fit one motor on the coarse bins, and give what its runs say of the shared parameters (a task)."""
+    """Fit one motor on the coarse bins; give what its runs say of the shared parameters, and what is left (a task)."""
     form = common_of(common)
     said = usable(store, [Kept(*run) for run in runs])
     found = _fit(form, data_of(said.sources, ambient, form.structure.sensed).coarse)
     matrix, vector = told_by(found)
-    return {"matrix": matrix, "vector": vector}
+    read = found.problem.inputs.covered > 0.0
+    off_K = np.sqrt(np.mean(found.fit.evaluated.residual[read] ** 2))
+    return {"matrix": matrix, "vector": vector, "off_K": np.array(off_K)}
 
 
 def model_in_common(

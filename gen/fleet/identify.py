@@ -23,11 +23,13 @@ from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
 
 ROUNDS = 2
-MOST_POOLED = 100
-"""Motors that make the fleet's mean and spread, evenly taken by name: their mean is within a tenth of the spread.
+MOST_POOLED = 36
+"""Motors that make the fleet's mean and spread, evenly taken by name: their mean is within a sixth of the spread.
 
 What runs say is linearised, and where they say next to nothing the mistake of that is alike in all motors: it grows
-with their number as what they say does, and a thousand motors outvote what is known of the mean before any run."""
+with their number as what they say does, and a hundred motors may outvote what is known of the mean before any run."""
+WORSE = 1.3
+"""Factor on the median error of fits by which a round's mean and spread may be worse than the best before it."""
 MOST_RUNS = 40
 """Of one motor, the newest: what older ones say is in the fleet's mean already."""
 SHOWN_RUNS = 2
@@ -101,8 +103,7 @@ def identify_fleet(store: Store, options: Options, workers: Workers, progress: P
             scouts = scouts_of(runs, options.scouts)
             common, lines = common_form(store, runs, scouts, options.ambient, options.max_hidden, client, progress)
             some = evenly(runs, MOST_POOLED)
-            for _ in range(ROUNDS):
-                common = _next_round(store, some, common, options, client, progress)
+            common = _in_rounds(store, some, common, options, client, progress)
             progress("common model")
             sources = [s for motor in scouts for s in usable(store, runs[motor]).sources[-SHOWN_RUNS:]]
             text = mean_model(common, data_of(sources, options.ambient, common.structure.sensed))
@@ -141,14 +142,38 @@ def evenly(runs: dict[str, list[Kept]], most: int) -> dict[str, list[Kept]]:
     return {names[k]: runs[names[k]] for k in taken.tolist()}
 
 
-def _next_round(
+def _in_rounds(
     store: Store,
     runs: dict[str, list[Kept]],
     common: Common,
     options: Options,
-    client: Any,  # noqa: ANN401 - as `work` has it
+    client: Any,  # noqa: ANN401 - distributed is imported where it is needed
     progress: Progress,
 ) -> Common:
+    """Fit and pool by turns; where motors are fitted worse for it, stay before it: what was linearised led astray."""
+    best, least = common, np.inf
+    for number in range(ROUNDS + 1):
+        fits = _fits(store, runs, common, options, client, progress)
+        off = float(np.median([fit["off_K"] for fit in fits]))
+        if off > WORSE * least:
+            break
+        best, least = common, min(off, least)
+        if number < ROUNDS:
+            progress("pooling")
+            told = Told(np.array([fit["matrix"] for fit in fits]), np.array([fit["vector"] for fit in fits]))
+            common = replace(common, pool=pooled(told, common.pool, common.fixed))
+    return best
+
+
+def _fits(
+    store: Store,
+    runs: dict[str, list[Kept]],
+    common: Common,
+    options: Options,
+    client: Any,  # noqa: ANN401 - distributed is imported where it is needed
+    progress: Progress,
+) -> list[Arrays]:
+    """Each motor with the fleet's present mean and spread as its prior."""
     said = common.as_json()
     tasks = {motor: {"runs": as_lists(own), "ambient": options.ambient, "common": said} for motor, own in runs.items()}
     fits = list(computed(store, fitted_in_common, tasks, client, progress).values())
@@ -156,9 +181,7 @@ def _next_round(
     if not good:
         reasons = sorted({fit.message for fit in fits if isinstance(fit, Failed)})
         raise CheckFailed(f"no motor can be fitted in the common form: {'; '.join(reasons[:3])}")
-    progress("pooling")
-    told = Told(np.array([fit["matrix"] for fit in good]), np.array([fit["vector"] for fit in good]))
-    return replace(common, pool=pooled(told, common.pool, common.fixed))
+    return good
 
 
 def _written(store: Store, models: dict[str, Arrays | Failed], lines: list[str]) -> Identified:
