@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,12 @@ import numpy as np
 from gen.errors import CheckFailed
 from gen.fleet.common import Common, begun, structure_json, structure_of
 from gen.fleet.motor_data import data_of, usable
+from gen.fleet.pooling import FloatArray
 from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays, Failed, Progress, computed
 from gen.identification.network.fitting.inputs import inputs_of
 from gen.identification.network.fitting.scale import Scale, scale_of
+from gen.identification.network.fitting.structure import Structure
 from gen.identification.network.identify import identify_network
 from gen.identification.network.left_out import folds_of, left_out
 from gen.identification.network.search import tightened
@@ -27,14 +30,20 @@ def identified_alone(store: Store, *, runs: list[list[str]], ambient: float | No
     data = data_of(usable(store, [Kept(*run) for run in runs]).sources, ambient)
     found = identify_network(data, lambda _: None, most_hidden)
     scale = scale_of(found.inputs)
-    structure = found.found.structure
+    structure, vector = without_natural(found.found.structure, found.found.vector)
     return {
         "structure": np.array(json.dumps(structure_json(structure))),
-        "vector": found.found.vector[: structure.size],
+        "vector": vector,
         "settling": scale.settling,
         "rise": scale.rise,
         "density": found.found.density,
     }
+
+
+def without_natural(structure: Structure, vector: FloatArray) -> tuple[Structure, FloatArray]:
+    """Give a form and its shared numbers, shape (p,), without natural convection: a fleet does not ask for it."""
+    shared = np.delete(vector[: structure.size], structure.still)
+    return replace(structure, natural=0.0), shared
 
 
 def suits(store: Store, *, runs: list[list[str]], ambient: float | None, common: dict[str, Any]) -> Arrays:

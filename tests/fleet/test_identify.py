@@ -16,15 +16,17 @@ import pytest
 from gen.coefficients import parse
 from gen.errors import InputError
 from gen.fleet import identify
-from gen.fleet.common import common_of, kept
+from gen.fleet.common import common_of, kept, structure_json, structure_of
 from gen.fleet.fitting import model_name
 from gen.fleet.identify import Identified, evenly, identify_fleet, runs_of
 from gen.fleet.models import COMMON, model_path
 from gen.fleet.motor_data import check_inputs
 from gen.fleet.report import pages_of
+from gen.fleet.scouting import without_natural
 from gen.fleet.store import TASKS, Store
 from gen.fleet.watch import read_watched, watch
 from gen.fleet.work import Workers
+from gen.identification.network.fitting.structure import full
 from gen.reference.simulate import simulate_run
 from tests.fleet.conftest import MOTORS, OPTIONS
 from tests.fleet.made import run_of
@@ -84,6 +86,17 @@ def test_of_many_motors_some_make_the_mean_and_all_get_a_model(fleet: Store, mon
     fits = [name for name in set(fleet.names(TASKS)) - before if name.startswith("fitted_in_common")]
     assert len(fits) == 4  # of the second and the third round, the first is there; the run of "short" cannot be used
     assert set(found.left_out_K) == set(runs) - {"short"}
+
+
+def test_a_scout_in_still_air_lends_its_form_without_that() -> None:
+    """Numbers keep their places: what is left out stands before the sensors' offsets."""
+    plain = full(("casing", "magnet"), 1)
+    numbers = np.arange(plain.size + 40.0)
+    there = replace(plain, natural=80.0)
+    vector = np.insert(numbers, int(there.still[0]), -1.0)
+    form, shared = without_natural(there, vector)
+    assert form == structure_of(structure_json(form)) == plain
+    assert shared.tolist() == numbers[: plain.size].tolist()
 
 
 def test_what_the_fleet_shares_is_kept_exactly(fleet: Store) -> None:
