@@ -19,6 +19,10 @@ SAME_ROOM_K = 4.0
 """Rooms of several runs differ by no more than this: what begins warmer does not begin cold."""
 UNKNOWN_K = 5.0
 """Standard deviation of a room that nothing says about where the coldest run begins, K."""
+WARMEST_ROOM = 40.0
+"""degC: what begins warmer and cools from there did not begin in its room."""
+ROOM, ROOM_UNSURE_K = 22.0, 8.0
+"""A room of which no more is known than that people work in it, degC, and its standard deviation, K."""
 
 
 def ambients_of(
@@ -27,7 +31,7 @@ def ambients_of(
     """Give the ambient of each run, and what all of them may be off by together.
 
     Where nothing says it a run that begins like the coldest ones begins in its room; others are taken to stand in the
-    room of those.
+    room of those. Where all begin warmer than rooms are, and cool from there, it is a usual room.
 
     Parameters
     ----------
@@ -62,6 +66,9 @@ def ambients_of(
         )
     known = [min(firsts) for firsts, level in zip(starts, said, strict=True) if firsts and (level is None or levels)]
     usual = float(np.median(levels)) if levels else min(known)
+    unsure, others = (0.0 if levels else UNKNOWN_K), "in the others"
+    if not levels and usual > WARMEST_ROOM and _lowest([source.run for source in sources]) < usual - SAME_ROOM_K:
+        usual, unsure, others = ROOM, ROOM_UNSURE_K, "rooms usually are"
     found: list[FloatArray | float] = []
     for source, level, firsts in zip(sources, said, starts, strict=True):
         if level is not None:
@@ -74,11 +81,9 @@ def ambients_of(
             )
             found.append(own)
         else:
-            warnings.append(
-                f"{source.path}: no ambient_degC, and a warm start; {usual:g} degC is taken, as in the others"
-            )
+            warnings.append(f"{source.path}: no ambient_degC, and a warm start; {usual:g} degC is taken, as {others}")
             found.append(usual)
-    return found, 0.0 if levels else UNKNOWN_K
+    return found, unsure
 
 
 def _said_ambient(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float | None:
@@ -114,6 +119,12 @@ def _said_ambient(source: Source, fixed: float | None, warnings: list[str]) -> F
         except ValueError:
             raise InputError(f'found "{noted}", expected a number', file=source.path, place="# ambient_degC") from None
     return None
+
+
+def _lowest(runs: Sequence[Run]) -> float:
+    """What the runs' parts cool to, degC: a twentieth of some part's readings is lower."""
+    known = [values[np.isfinite(values)] for run in runs for values in run.temps.values()]
+    return min(float(np.quantile(values, 0.05)) for values in known if values.size)
 
 
 def _first_readings(run: Run) -> list[float]:

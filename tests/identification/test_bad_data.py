@@ -155,6 +155,22 @@ def test_without_ambient_a_cold_start_says_it_and_a_warm_one_asks() -> None:
     assert make_data([Source("run.csv", noted)], None).ambient_fixed == 29.5
 
 
+def test_what_begins_warmer_than_rooms_are_and_cools_did_not_begin_in_its_room() -> None:
+    """As a furnace does that was hot when the log began; one that only gets warmer from there says nothing else."""
+    time, rng = 10.0 * np.arange(400.0), np.random.default_rng(3)
+    power = np.where(time < 2000.0, 0, 150)
+    plate = 24.0 + 106.0 * np.exp(-np.minimum(time, 2000.0) / 900.0) + 0.02 * np.maximum(time - 2000.0, 0.0)
+    run = Run(time, power, {"plate": plate + rng.normal(0.0, 0.1, time.size)})
+    data = make_network_data([Source("hot.csv", run)], None)
+    assert data.ambient_fixed == 22.0
+    assert data.fine[0].room_K == 8.0
+    assert any("hot.csv: no ambient_degC, and a warm start; 22 degC" in warning for warning in data.warnings)
+    warming = replace(run, temps={"plate": 130.0 + 0.02 * time})
+    assert make_network_data([Source("hot.csv", warming)], None).ambient_fixed == pytest.approx(130.0)
+    beside = replace(run, temps={"plate": run.temps["plate"] - 95.0})  # begins at 35: it may be a hot day
+    assert make_network_data([Source("warm.csv", beside)], None).ambient_fixed == pytest.approx(35.0, abs=0.5)
+
+
 def test_a_warm_run_stands_in_the_room_of_the_cold_one() -> None:
     cold = step()
     warm = {name: values + 12.0 for name, values in cold.temps.items()}
