@@ -13,7 +13,6 @@ from collections.abc import Callable
 from math import factorial
 
 import numpy as np
-from scipy.linalg import expm
 
 from gen.model.schedules import FloatArray
 
@@ -129,6 +128,8 @@ def _through(count: int, functions: list[FloatArray], thirds: int) -> FloatArray
 
 def _phi(matrix: FloatArray, length: float, most: int) -> list[FloatArray]:
     """h phi_1(h M) .. h phi_k(h M): blocks of one exponential (Al-Mohy and Higham, SIAM J. Sci. Comp. 33, 2011)."""
+    from scipy.linalg import expm  # slow to import, and of no use where no path has a law
+
     n = len(matrix)
     grown = np.zeros((n * (most + 1), n * (most + 1)))
     grown[:n, :n] = length * matrix
