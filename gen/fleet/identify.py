@@ -7,7 +7,9 @@ where each motor is believed to be (Lindstrom and Bates, Biometrics 46, 1990).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -103,7 +105,7 @@ def identify_fleet(store: Store, options: Options, workers: Workers, progress: P
             scouts = scouts_of(runs, options.scouts)
             common, lines = common_form(store, runs, scouts, options.ambient, options.max_hidden, client, progress)
             some = evenly(runs, MOST_POOLED)
-            common = _in_rounds(store, some, common, options, client, progress)
+            common = in_rounds(partial(_fits, store, some, options, client, progress), common)
             progress("common model")
             sources = [s for motor in scouts for s in usable(store, runs[motor]).sources[-SHOWN_RUNS:]]
             text = mean_model(common, data_of(sources, options.ambient, common.structure.sensed))
@@ -142,24 +144,24 @@ def evenly(runs: dict[str, list[Kept]], most: int) -> dict[str, list[Kept]]:
     return {names[k]: runs[names[k]] for k in taken.tolist()}
 
 
-def _in_rounds(
-    store: Store,
-    runs: dict[str, list[Kept]],
-    common: Common,
-    options: Options,
-    client: Any,  # noqa: ANN401 - distributed is imported where it is needed
-    progress: Progress,
-) -> Common:
-    """Fit and pool by turns; where motors are fitted worse for it, stay before it: what was linearised led astray."""
+def in_rounds(fits_of: Callable[[Common], list[Arrays]], common: Common) -> Common:
+    """Fit and pool by turns; where motors are fitted worse for it, stay before it: what was linearised led astray.
+
+    Parameters
+    ----------
+    fits_of
+        What :func:`gen.fleet.fitting.fitted_in_common` gives of each motor, the fleet's mean and spread its prior.
+    common
+        Mean and spread to begin with.
+    """
     best, least = common, np.inf
     for number in range(ROUNDS + 1):
-        fits = _fits(store, runs, common, options, client, progress)
+        fits = fits_of(common)
         off = float(np.median([fit["off_K"] for fit in fits]))
         if off > WORSE * least:
             break
         best, least = common, min(off, least)
         if number < ROUNDS:
-            progress("pooling")
             told = Told(np.array([fit["matrix"] for fit in fits]), np.array([fit["vector"] for fit in fits]))
             common = replace(common, pool=pooled(told, common.pool, common.fixed))
     return best
@@ -168,12 +170,12 @@ def _in_rounds(
 def _fits(
     store: Store,
     runs: dict[str, list[Kept]],
-    common: Common,
     options: Options,
     client: Any,  # noqa: ANN401 - distributed is imported where it is needed
     progress: Progress,
+    common: Common,
 ) -> list[Arrays]:
-    """Each motor with the fleet's present mean and spread as its prior."""
+    """Fit each motor with the fleet's present mean and spread as its prior."""
     said = common.as_json()
     tasks = {motor: {"runs": as_lists(own), "ambient": options.ambient, "common": said} for motor, own in runs.items()}
     fits = list(computed(store, fitted_in_common, tasks, client, progress).values())
@@ -181,6 +183,7 @@ def _fits(
     if not good:
         reasons = sorted({fit.message for fit in fits if isinstance(fit, Failed)})
         raise CheckFailed(f"no motor can be fitted in the common form: {'; '.join(reasons[:3])}")
+    progress("pooling")
     return good
 
 

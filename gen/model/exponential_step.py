@@ -73,28 +73,28 @@ class ExponentialStep:
         return states + last, bool(np.abs(last - change).max() <= _LARGEST_OFF)
 
 
-class Steps:
-    """Steps of a run's rows, one after another: those of one row serve for rows like it, as long as they are good."""
+class RowSteps:
+    """Steps of a run's rows, one after another: derivatives of one row serve for rows like it, while they are good."""
 
     def __init__(self) -> None:
-        self._known: dict[tuple[int, float], ExponentialStep | None] = {}
-        self._waits: dict[tuple[int, float], int] = {}
+        self._known: dict[tuple[float, float], ExponentialStep | None] = {}
+        self._waits: dict[tuple[float, float], int] = {}
 
-    def __call__(self, rate: Rate, inputs: int, states: FloatArray, length: float) -> FloatArray | None:
+    def __call__(self, rate: Rate, counts: float, states: FloatArray, length: float) -> FloatArray | None:
         """Step, or give nothing where it takes another method: a length that never came before, or one too long.
 
         Parameters
         ----------
         rate
             K/s of states in degC, shape (n,) or (L, n) both.
-        inputs
-            Which inputs act.
+        counts
+            |PWM|, by which rows are alike; channels may differ, as they change derivatives by little.
         states
             At the beginning, degC, shape (n,).
         length
             s.
         """
-        key = (inputs, length)
+        key = (counts, length)
         if key not in self._known:
             self._known[key] = None  # what comes once is not worth its matrices
             return None

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gen.model.dynamics import ThermalModel
 from gen.model.exact import magnitude
-from gen.model.exponential_step import Steps as ExponentialSteps
+from gen.model.exponential_step import RowSteps
 from gen.model.law_solution import LawFlow, LawPaths, advanced
 from gen.model.network import Network
 from gen.model.schedules import FloatArray
@@ -160,12 +160,12 @@ class NetworkSolution:
         distinct, index = np.unique(inputs[:, [0, *range(2, inputs.shape[1])]], axis=0, return_inverse=True)
         told = {name: distinct[:, 1 + k] for k, name in enumerate(names)}
         flow = self.flow(distinct[:, 0].astype(np.int64), told)
-        flows, steps, lengths = [flow.lane(i) for i in range(len(distinct))], ExponentialSteps(), inputs[:, 1].tolist()
+        steps, counts, lengths = RowSteps(), inputs[:, 0].tolist(), inputs[:, 1].tolist()
         for k, i in enumerate(index.ravel().tolist()):
-            states = np.append(out[k], room[k])
-            made = steps(flows[i], i, states, lengths[k])
+            states, rate = np.append(out[k], room[k]), flow.lane(i)
+            made = steps(rate, counts[k], states, lengths[k])
             if made is None:
-                made = advanced(flows[i], states[None], inputs[k : k + 1, 1])[0]
+                made = advanced(rate, states[None], inputs[k : k + 1, 1])[0]
             out[k + 1] = made[:-1]
 
     def advance(

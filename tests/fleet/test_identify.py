@@ -16,16 +16,16 @@ import pytest
 from gen.coefficients import parse
 from gen.errors import InputError
 from gen.fleet import identify
-from gen.fleet.common import common_of, kept, structure_json, structure_of
+from gen.fleet.common import Common, common_of, kept, structure_json, structure_of
 from gen.fleet.fitting import model_name
-from gen.fleet.identify import Identified, evenly, identify_fleet, runs_of
+from gen.fleet.identify import Identified, evenly, identify_fleet, in_rounds, runs_of
 from gen.fleet.models import COMMON, model_path
 from gen.fleet.motor_data import check_inputs
 from gen.fleet.report import pages_of
 from gen.fleet.scouting import without_natural
 from gen.fleet.store import TASKS, Store
 from gen.fleet.watch import read_watched, watch
-from gen.fleet.work import Workers
+from gen.fleet.work import Arrays, Workers
 from gen.identification.network.fitting.structure import full
 from gen.reference.simulate import simulate_run
 from tests.fleet.conftest import MOTORS, OPTIONS
@@ -97,6 +97,22 @@ def test_a_scout_in_still_air_lends_its_form_without_that() -> None:
     form, shared = without_natural(there, vector)
     assert form == structure_of(structure_json(form)) == plain
     assert shared.tolist() == numbers[: plain.size].tolist()
+
+
+@pytest.mark.parametrize(("errors", "stays"), [((0.11, 0.12, 0.11), 2), ((0.11, 0.12, 0.57), 1), ((0.1, 0.3), 0)])
+def test_a_round_that_fits_motors_worse_is_not_taken(fleet: Store, errors: tuple[float, ...], stays: int) -> None:
+    """Whatever it says of itself: the fleet stays with the mean and spread of the round before."""
+    begun, seen = kept(fleet), list[Common]()
+    size = begun.structure.size
+    told = {"matrix": np.eye(size), "vector": np.full(size, 0.5)}
+
+    def fits_of(common: Common) -> list[Arrays]:
+        seen.append(common)
+        return [{**told, "off_K": np.array(errors[len(seen) - 1])}]
+
+    assert in_rounds(fits_of, begun) is seen[stays]
+    assert len(seen) == len(errors)
+    assert len({common.pool.mean.tobytes() for common in seen}) == len(seen)
 
 
 def test_what_the_fleet_shares_is_kept_exactly(fleet: Store) -> None:

@@ -116,6 +116,33 @@ def test_a_room_that_moves_in_every_row_is_followed(row_s: float, uneven: bool) 
         assert np.allclose(found[k + 1], state, rtol=0.0, atol=5e-9)
 
 
+def test_a_fan_that_changes_in_every_row_is_followed() -> None:
+    """Derivatives of one row serve for rows of other channels; the rate is each row's own."""
+    tree = example()
+    tree["network"]["channels"] = [{"column": "fan_rpm", "range": [0, 3000], "neutral": 1000}]
+    tree["network"]["paths"][-1]["factors"] = [{"channel": "fan_rpm", "poly": [1e-4, 0.9]}]
+    plain = example()
+    rng = np.random.default_rng(8)
+    time, pwm, fan = 5.0 * np.arange(60.0), np.repeat([200, 60], 30), rng.uniform(0.0, 3000.0, 60)
+    solution = NetworkSolution(parse(json.dumps(tree).encode()).model)
+    found = solution.states_along(time, pwm, 25.0, {"fan_rpm": fan}, {"casing": 60.0})
+    state = found[0]
+    for k in range(59):
+        scaled = copy.deepcopy(plain)
+        path = scaled["network"]["paths"][-1]["conductance_W_per_K"]
+        path.update(scaled_curve(path, 1e-4 * fan[k] + 0.9))
+        rate = change(scaled, int(pwm[k]), 25.0)
+        state = solve_ivp(rate, (time[k], time[k + 1]), state, method="DOP853", rtol=1e-12, atol=1e-11).y[:, -1]
+        assert np.allclose(found[k + 1], state, rtol=0.0, atol=5e-9)
+
+
+def scaled_curve(entry: Tree, by: float) -> Tree:
+    if "poly" in entry:
+        return {"poly": [by * value for value in entry["poly"]]}
+    law = entry["power"]
+    return {"power": {**law, "constant": by * law["constant"], "forced": by * law["forced"]}}
+
+
 def test_rows_of_any_length_give_the_same() -> None:
     solution = NetworkSolution(parse(EXAMPLE.read_bytes()).model)
     fine, coarse = np.arange(0.0, 1201.0, 0.5), np.arange(0.0, 1201.0, 60.0)

@@ -12,7 +12,7 @@ import numpy as np
 from gen.importing.clock import kind_of
 from gen.importing.numbers import Parsed, parse
 from gen.importing.table import Column, FloatArray, Table
-from gen.importing.units import Unit, split_name, unit_of
+from gen.importing.units import TEMPERATURE, Unit, split_name, unit_of
 
 _LEAST_NUMBERS = 0.2
 _COUNTED_TIME = re.compile(r"(?P<base>t|[Tt]ime|[Ee]lapsed|[Zz]eit|[Tt]emps|[Tt]empo)[ _.](?P<unit>min|mins|d)")
@@ -90,6 +90,12 @@ class Facts:
         if behind and (unit := unit_of(behind)):
             return base, unit, "values"
         return base, None, ""
+
+    @property
+    def in_degrees(self) -> bool:
+        """Whether its unit is one of temperatures."""
+        unit = self.named[1]
+        return unit is not None and unit.quantity == TEMPERATURE
 
     @property
     def whole(self) -> bool:

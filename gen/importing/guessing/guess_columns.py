@@ -203,7 +203,7 @@ def _start_degC(facts: Facts, unit: Unit | None = None) -> float:
 def _is_temperature(facts: Facts) -> bool:
     base, unit, _ = facts.named
     if unit is not None:
-        return unit.quantity == TEMPERATURE
+        return facts.in_degrees
     return _thermal(facts, names.apart(base)) and _said(names.apart(base))
 
 

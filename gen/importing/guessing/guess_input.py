@@ -14,7 +14,7 @@ from gen.importing.guessing.names import DRIVES, DUTY, PWM, SIGN, WANTED, apart
 from gen.importing.listing import listed
 from gen.importing.mapping import InputForm
 from gen.importing.numbers import plain_number
-from gen.importing.units import COUNTS, SHARE, TEMPERATURE, Unit, unit_of
+from gen.importing.units import COUNTS, SHARE, Unit, unit_of
 from gen.importing.units import DUTY as DUTY_SHARE
 
 FULL = 255
@@ -109,7 +109,7 @@ def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[F
 
 def _none(numbers: list[Facts]) -> str:
     drives = [entry for entry in numbers if DRIVES.search(_worded(entry)) and entry.span != (0.0, 0.0)]
-    drives = [entry for entry in drives if not _is_temperature(entry)]
+    drives = [entry for entry in drives if not entry.in_degrees]
     drives = [entry for entry in drives if not WANTED.search(_worded(entry))] or drives  # what was wanted heats nothing
     said = NO_INPUT
     options = [f"--input {quoted(entry.name)}{_full_scale(entry)}" for entry in drives[:4]]
@@ -125,11 +125,6 @@ def _none(numbers: list[Facts]) -> str:
 def _worded(entry: Facts) -> str:
     """A column's name with its words apart, and with accents that are letters of their own joined to those below."""
     return apart(unicodedata.normalize("NFC", entry.name))
-
-
-def _is_temperature(entry: Facts) -> bool:
-    unit = entry.named[1]
-    return unit is not None and unit.quantity == TEMPERATURE
 
 
 def spanned(entry: Facts) -> str:

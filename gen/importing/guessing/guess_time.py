@@ -17,8 +17,8 @@ from gen.importing.local import is_zone
 from gen.importing.mapping import DATED, TimeForm
 from gen.importing.numbers import plain_number
 from gen.importing.origins import days_since
-from gen.importing.units import TEMPERATURE, unit_of
 from gen.importing.units import TIME as TIME_QUANTITY
+from gen.importing.units import unit_of
 
 _KINDS = {"instant": "timestamp", "clock": "time of day", "minutes": "mm:ss"}
 _EPOCHS = (
@@ -108,7 +108,7 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
     if instants:
         best = next((entry for entry in instants if not _stands(entry)), instants[0])
         return [best.name], choices, 0.95, f"timestamps such as {_example(best)}"
-    named = [entry for entry in numbers if _named_so(entry) and not _in_degrees(entry)]
+    named = [entry for entry in numbers if _named_so(entry) and not entry.in_degrees]
     if dates and clocks:
         return (
             [dates[0].name, clocks[0].name],
@@ -322,11 +322,6 @@ def _named_so(entry: Facts) -> bool:
 def _is_even(entry: Facts) -> bool:
     usual = float(np.median(entry.steps)) if entry.steps.size else 0.0
     return usual > 0 and bool((np.abs(entry.steps - usual) <= _SAME_LENGTH * usual).mean() >= _EVEN)
-
-
-def _in_degrees(entry: Facts) -> bool:
-    unit = entry.named[1]
-    return unit is not None and unit.quantity == TEMPERATURE
 
 
 def _rises(entry: Facts) -> bool:

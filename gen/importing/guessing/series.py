@@ -17,8 +17,6 @@ from gen.importing.table import Column, Counted, Table
 
 _SWITCHED = {"on": "1", "off": "0", "true": "1", "false": "0"}
 _NOTHING = {"", "unavailable", "unknown", "none", "null"}
-_MOST_UNITS = 1
-"""Of one name."""
 
 
 def spread_out(table: Table, choices: Choices) -> Table:
@@ -73,7 +71,7 @@ def _units(table: Table, names: str, values: str) -> dict[str, str]:
     found: dict[str, set[str]] = {}
     for name, unit in zip(texts_of(table.column(names)), texts_of(table.column(said)), strict=True):
         found.setdefault(name, set()).update({unit} - {""})
-    return {name: next(iter(units)) for name, units in found.items() if len(units) == _MOST_UNITS}
+    return {name: next(iter(units)) for name, units in found.items() if len(units) == 1}
 
 
 def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Table:
