@@ -33,6 +33,8 @@ _MONTHS = {
     )
     for number, name in enumerate(names.split(), start=1)
 }
+_SOUND = 0.95
+"""Of a column of times, as others hold damaged lines."""
 _DOTTED = re.compile(r"\d{1,2}\.\d{2}\.\d{2}(?:[.,]\d{1,9})?", re.ASCII)
 _ISO_MARKS = str.maketrans("", "", "0123456789-:.T \n")
 _DAY_NS = 86_400 * 10**9
@@ -86,14 +88,16 @@ def dotted(cells: Sequence[str]) -> bool:
 
 
 def _goes_on(cells: Sequence[str]) -> bool:
-    """Whether texts such as `10.02.33` are times of day throughout, and go on as such, and not dates of a few days.
+    """Whether texts such as `10.02.33` are times of day that go on, a few damaged apart, and no dates of a few days.
 
     The last number of a date is the year, which a log of hours does not change; of a time it is the seconds.
     """
-    texts = [text for cell in cells if (text := cell.strip())]
-    ns = of_day(texts)
-    if (ns == _NOT).any() or (ns >= _DAY_NS).any() or not all(_DOTTED.fullmatch(text) for text in texts):
+    filled = [text for cell in cells if (text := cell.strip())]
+    ns = of_day(filled)
+    sound = (ns != _NOT) & (ns < _DAY_NS) & np.array([bool(_DOTTED.fullmatch(text)) for text in filled], dtype=bool)
+    if sound.sum() < _SOUND * sound.size:
         return False
+    texts, ns = [text for text, good in zip(filled, sound, strict=True) if good], ns[sound]
     on, nights = over_midnight(ns)
     steps = np.diff(on)
     if (steps < 0).any() or not (steps > 0).any() or on[-1] - on[0] >= (nights + 1) * _DAY_NS:

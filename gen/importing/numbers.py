@@ -128,6 +128,10 @@ def plain_number(text: str, decimal: str = ".") -> float | None:
     return value if np.isfinite(value) else None
 
 
+_RARE = 0.02
+"""Of a decimal mark over the other one: what damaged lines leave."""
+
+
 def decimal_mark(cells: Iterable[str]) -> tuple[str, float, str]:
     """Guess the decimal mark of a file.
 
@@ -153,7 +157,10 @@ def decimal_mark(cells: Iterable[str]) -> tuple[str, float, str]:
     if "thousands point" in seen and "point" not in seen:
         return ",", 0.95, f"points part thousands: {seen['thousands point'][0]}"
     if "comma" in seen and "point" in seen:
-        return ".", 0.3, f"both occur: {seen['comma'][0]}, {seen['point'][0]}"
+        often, rare = sorted(("point", "comma"), key=lambda kind: -len(seen[kind]))
+        if len(seen[rare]) > _RARE * len(seen[often]):
+            return ".", 0.3, f"both occur: {seen['comma'][0]}, {seen['point'][0]}"
+        del seen[rare]  # of damaged lines
     if "comma" in seen:
         return ",", 0.97, f"found {seen['comma'][0]}"
     if "point" in seen:

@@ -34,6 +34,15 @@ def test_a_time_of_day(tmp_path: Path) -> None:
     assert "times such as 10.02.33, hours.minutes.seconds" in str(found.guesses().loc["Zeit", "why"])
 
 
+def test_one_damaged_line_costs_its_row_alone(tmp_path: Path) -> None:
+    """Neither the times nor the decimal commas of all others, though what is left of it looks like a decimal point."""
+    cells = stamps("%H.%M.%S")
+    cells[7] = "10.0#.3"
+    found = take(write(tmp_path, csv(frame(("Zeit", cells)), sep=";", decimal=",")), tmp_path / "runs")
+    same(read_run(found.runs[0]), TRUE.assign(time_s=HALVES + 36_153).drop(index=7))
+    assert found.counted().loc["row without a time", "count"] == 1
+
+
 def test_a_time_of_day_passes_midnight_and_has_fractions(tmp_path: Path) -> None:
     late = (pd.Timestamp("2026-11-26 23:59:30") + pd.to_timedelta(TRUE.time_s, unit="s")).dt.strftime("%H.%M.%S,%f")
     found = take(write(tmp_path, csv(frame(("Zeit", late)), sep=";", decimal=",")), tmp_path / "runs")
