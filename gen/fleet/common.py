@@ -14,7 +14,7 @@ from gen.fleet.pooling import BoolArray, FloatArray, Pool
 from gen.fleet.store import MODELS, Store
 from gen.identification.network.fitting.bends import BEND
 from gen.identification.network.fitting.inputs import Inputs
-from gen.identification.network.fitting.priors import OFFSET_K, Prior, prior_of
+from gen.identification.network.fitting.priors import OFFSET_K, START_FACTOR, Prior, prior_of
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.scale import Scale
 from gen.identification.network.fitting.structure import Structure
@@ -47,9 +47,9 @@ class Common:
 
     @property
     def fixed(self) -> BoolArray:
-        """The sensors' offsets, which say nothing of the motor: their prior stays identification's."""
+        """Sensors' offsets and how warm runs begin: they say nothing of a motor, and keep identification's prior."""
         mask = np.zeros(self.structure.size, dtype=np.bool_)
-        mask[self.structure.offsets] = True
+        mask[self.structure.offsets] = mask[self.structure.factors] = True
         return mask
 
     def problem(self, inputs: Inputs) -> Problem[Structure]:
@@ -87,6 +87,7 @@ def begun(structure: Structure, vector: FloatArray, scale: Scale, density: Float
     """Give the first round's: about one motor's parameters, shape (p,)."""
     mean, variance = vector.copy(), np.full(structure.size, FIRST_SPREAD**2)
     mean[structure.offsets], variance[structure.offsets] = 0.0, OFFSET_K**2
+    mean[structure.factors], variance[structure.factors] = 0.0, START_FACTOR**2
     return Common(structure, Pool(mean, variance), scale, density)
 
 
@@ -100,6 +101,7 @@ def structure_json(structure: Structure) -> dict[str, Any]:
         "constant": sorted(structure.constant),
         "fed": [list(one) for one in structure.fed],
         "bend": structure.bend,
+        "apart": structure.apart,
     }
 
 
@@ -113,6 +115,7 @@ def structure_of(said: dict[str, Any]) -> Structure:
         frozenset(said["constant"]),
         tuple((column, node) for column, node in said.get("fed", ())),
         said.get("bend", BEND),
+        apart=said.get("apart", 0.0),
     )
 
 

@@ -69,6 +69,7 @@ class Stage:
             covered=np.full((size, sensors), self.bin_s),
             begin=np.full((runs, sensors + 1), self.ambient),
             loose=np.zeros((runs, 2)),
+            warm=np.zeros(runs),
         )
 
     def _record(self, bins: int) -> Binned:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gen.errors import CheckFailed
-from gen.fleet.common import begun
+from gen.fleet.common import begun, structure_json, structure_of
 from gen.fleet.shared_effects import key_of, variants
 from gen.identification.network.fitting.priors import OFFSET_K
 from gen.identification.network.fitting.scale import Scale
@@ -42,3 +42,12 @@ def test_a_fleet_begins_with_offsets_as_wide_as_one_motors() -> None:
     assert np.allclose(np.sqrt(common.pool.variance[offsets]), OFFSET_K)
     assert np.all(common.pool.mean[offsets] == 0.0)
     assert np.array_equal(common.pool.mean[~offsets], vector[~offsets])
+
+
+def test_how_warm_runs_begin_says_nothing_of_a_motor() -> None:
+    structure = full(("casing", "brush"), 1, apart=0.1)
+    common = begun(structure, np.ones(structure.size), Scale(np.ones(2), np.ones(2)), np.ones(2))
+    assert structure.factors.size == 1
+    assert np.all(common.fixed[structure.factors])
+    assert np.all(common.pool.mean[structure.factors] == 0.0)
+    assert structure_of(structure_json(structure)) == structure

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -22,12 +23,15 @@ from gen.identification.network.prune import pruned
 from gen.identification.network.search import Found, bent, in_still_air, search, tightened
 from gen.identification.network.starts import taken_over
 from gen.identification.network.telling.uncertainty import spread_of
+from gen.identification.network.used import as_used
 
 MOST_HIDDEN = 3
 MOST_ALONE = 1
 """Hidden nodes at most where each run has a speed of its own: at one speed alone hidden temperatures may be any mixture
 of them, and what happens when speed changes, which the mixture decides, is in no run."""
 MOST_NODES = 10
+APART = 0.1
+"""How far hidden nodes may start from where the file lets them, as a share of what parts differ by there."""
 BETTER = 1.1
 """Left-out errors within this factor of the best are as good."""
 SLACK = 0.1
@@ -79,10 +83,10 @@ class NetworkFound:
     inputs: Inputs
     candidates: tuple[Candidate, ...]
 
-    @property
+    @cached_property
     def residual(self) -> FloatArray:
-        """Reading minus model in each fine bin, shape (N, S), K; 0 where nothing was read."""
-        return self.found.fit.evaluated.residual
+        """Reading minus what the file gives (see `used`) in each fine bin, shape (N, S), K; 0 where none was read."""
+        return as_used(self.found, self.data.ambient_fixed).residual
 
 
 def identify_network(
@@ -154,7 +158,8 @@ def _best(
         if hidden < len(stiff):
             one = bent(stiff[hidden], BEND, scale)
         else:
-            form = full(data.names, hidden, len(data.driving), BEND if stiff else STIFF)
+            apart = APART if inputs.warm.any() else 0.0
+            form = full(data.names, hidden, len(data.driving), BEND if stiff else STIFF, apart)
             one = search(form, inputs, scale, tried[-1][0] if tried else None)
         progress(f"{kind}, {hidden} hidden node(s): left-out error")
         tried.append((one, left_out(one, by_nodes)))

@@ -130,13 +130,12 @@ def _cut(found: Found, share: float) -> Structure:
     kept.sort()
     heated = [node for h, node in enumerate(structure.heated) if by_heat[h] > share]
     heated = heated or [structure.heated[int(np.argmax(by_heat))]]
-    return Structure(
-        structure.sensed,
-        structure.hidden,
-        tuple(structure.paths[q] for q in kept),
-        tuple(heated),
+    return replace(
+        structure,
+        paths=tuple(structure.paths[q] for q in kept),
+        heated=tuple(heated),
+        constant=frozenset(),
         fed=tuple(fed for k, fed in enumerate(structure.fed) if by_feed[k] > share),
-        bend=structure.bend,
     )
 
 

@@ -88,6 +88,10 @@ def taken_over(problem: Problem[Structure], before: Problem[Structure], found: F
     if structure.natural and old.natural:
         vector[structure.still] = found[old.still]
     vector[structure.offsets] = found[old.offsets]
+    if structure.apart and old.apart:
+        for i, k in nodes:
+            if i >= structure.sensors:
+                vector[structure.factors[i - structure.sensors]] = found[old.factors[k - old.sensors]]
     own, mine = before.per_run(found), problem.per_run(vector)
     mine[:, [i for i, _ in nodes]] = own[:, [k for _, k in nodes]]
     mine[:, structure.nodes :] = own[:, old.nodes :]

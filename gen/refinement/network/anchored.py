@@ -255,6 +255,9 @@ class Anchored:
             for effect, place in zip(self.effects, self.places, strict=True)
         ]
 
+    def begun(self, vector: FloatArray, sensed: FloatArray, ambient: FloatArray) -> None:
+        """None: each run's starts are its own (see `effects.warm_start`)."""
+
     # The network at distinct inputs.
 
     def _told(self, factors: Sequence[Factor], levels: Levels) -> FloatArray:

@@ -59,3 +59,12 @@ def test_runs_speak_against_a_cut_by_so_much_for_each_number_that_is_cut(cut: in
         fit=SimpleNamespace(evaluated=SimpleNamespace(residual=residual)), structure=SimpleNamespace(size=12 - cut)
     )
     assert _objected(found, smaller) is objected
+
+
+@pytest.mark.parametrize(("rise", "tau"), [(4.0, 12.0), (8.0, 40.0), (0.0, 40.0)])
+def test_a_run_begins_where_its_first_readings_are_however_fast_it_warms(rise: float, tau: float) -> None:
+    """A light part may have half of its rise after ten seconds: a line through its first minute begins late."""
+    time = np.arange(0.0, 600.0, 0.25)
+    noise = np.random.default_rng(5).normal(0.0, 0.1, time.size)
+    run = Run(time, np.full(time.size, 200), {"part": 22.0 + rise * (1.0 - np.exp(-time / tau)) + noise})
+    assert binned("run", run, ("part",), 22.0, 255).begin == pytest.approx([22.0], abs=0.15)

@@ -225,7 +225,8 @@ def test_no_part_is_torn_from_the_motor_where_left_out_speeds_do_not_see_it(tmp_
         make_run(cut_off(51 * (number + 1), 10_800.0, 3600.0), Setup(sensors=sensors(0), seed=number)).write(path)
     result = identify_network(make_network_data(read_sources(paths), None), lambda _: None)
     covered = result.found.problem.inputs.covered
-    rms = np.sqrt(np.sum(covered * result.residual**2, axis=0) / covered.sum(axis=0))
+    residual = result.found.fit.evaluated.residual
+    rms = np.sqrt(np.sum(covered * residual**2, axis=0) / covered.sum(axis=0))
     assert np.all(rms < 0.15)
     structure = result.found.structure
     within = {structure.names[node] for path in structure.paths if -1 not in path for node in path}

@@ -25,7 +25,10 @@ GROWTH = 0.15
 MOST_BINS = 12_000
 """Of all runs together; more are made longer."""
 WINDOW_S = 60.0
-"""The start is the mean of the readings over this time, or over the first reading alone."""
+"""The start is the mean of the readings over this time, or where the line through them begins."""
+BENT, FEWEST = 3.0, 5
+"""Standard deviations from which readings are no straight line, and how many it takes; fewer say what the first of them
+says."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,16 +222,28 @@ def _distance(time: FloatArray, values: FloatArray | None) -> float:
 
 
 def _begin(time: FloatArray, values: FloatArray | None) -> float:
+    """Give where a sensor begins: by its first minute, or by as much of it as is a straight line, degC."""
     if values is None or not np.isfinite(values).any():
         return float("nan")
     good = np.flatnonzero(np.isfinite(values))
     early = good[time[good] <= time[good[0]] + WINDOW_S]
-    # The line through the first minute, at its beginning: a part may warm from the first second on.
-    if early.size < 5:
-        return float(values[good[0]])
-    slope, level = np.polyfit(time[early] - time[good[0]], values[early], 1)
-    spread = float(np.std(values[early]))
-    return float(level) if abs(slope) * WINDOW_S > 2.0 * spread else float(np.mean(values[early]))
+    noise = _noise(values)
+    while early.size >= FEWEST:
+        at, value = time[early] - time[good[0]], values[early]
+        slope, level = np.polyfit(at, value, 1)
+        if _straight(at, value, noise):
+            # A part may warm from the first second on.
+            ramp = abs(slope) * at[-1] > 2.0 * float(np.std(value))
+            return float(level) if ramp else float(np.mean(value))
+        early = early[: early.size // 2]
+    return float(values[good[0]])
+
+
+def _straight(at: FloatArray, value: FloatArray, noise: float) -> bool:
+    """Whether readings lie about a straight line: what a square of time adds is within what noise does to it."""
+    square = at**2 - np.polyval(np.polyfit(at, at**2, 1), at)
+    length = float(square @ square)
+    return abs(float(square @ value)) <= BENT * noise * np.sqrt(length)
 
 
 def _noise(values: FloatArray | None) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,8 @@ COLD_K = 2.5
 """A motor whose parts all read the ambient to within this began cold: sensors may be off by as much."""
 STILL_K = 0.5
 """In a room that moves by more (standard deviation) parts lag behind it: then they are not as warm as the room."""
+APART = 0.5
+"""Of what parts differ by at the start: how far a hidden node may be from them."""
 START_K = 0.2
 """Standard deviation of a start about what is said of it, K."""
 WARM_K = 10.0
@@ -112,6 +115,9 @@ class Inputs:
         Temperatures that the nodes begin at, before any parameter, shape (R, S + 1), degC; the last is a hidden one's.
     loose
         How far sensed nodes, and hidden ones, may be from that, shape (R, 2), K.
+    warm
+        By how much parts differ from each other or from the ambient at the start of a run that does not begin cold, and
+        whose start was read, shape (R,), K; 0 for others.
     """
 
     runs: tuple[Binned, ...]
@@ -129,6 +135,7 @@ class Inputs:
     covered: FloatArray
     begin: FloatArray
     loose: FloatArray
+    warm: FloatArray
 
     @cached_property
     def rows(self) -> tuple[IntArray, ...]:
@@ -181,8 +188,9 @@ def inputs_of(runs: Sequence[Binned]) -> Inputs:
         share=flat(lambda r: r.share),
         weight=np.zeros_like(covered),
         covered=covered,
-        begin=np.array([start for start, _ in starts]),
-        loose=np.array([loose for _, loose in starts]),
+        begin=np.array([start.degC for start in starts]),
+        loose=np.array([start.loose_K for start in starts]),
+        warm=np.array([start.warm_K for start in starts]),
     )
 
 
@@ -216,21 +224,30 @@ def _levels(table: FloatArray) -> tuple[IntArray, FloatArray]:
     return index, np.column_stack([np.bincount(index, column) / number for column in table.T])
 
 
-def _begin(run: Binned) -> tuple[FloatArray, tuple[float, float]]:
-    """Temperatures that the sensed nodes begin at, then a hidden one, and how far they may be from that."""
+class _Begin(NamedTuple):
+    """Temperatures that the sensed nodes begin at, then a hidden one, and how far both kinds may be from that."""
+
+    degC: FloatArray
+    loose_K: tuple[float, float]
+    warm_K: float = 0.0
+
+
+def _begin(run: Binned) -> _Begin:
+    """Say where a run begins."""
     known = np.isfinite(run.begin)
     ambient = float(run.ambient[0])
     if not known.any():
-        return np.full(known.size + 1, ambient), (WARM_K, WARM_K)
+        return _Begin(np.full(known.size + 1, ambient), (WARM_K, WARM_K))
     spread = float(np.max(np.abs(run.begin[known] - ambient)))
     moves = float(np.std(run.ambient))
     if spread < COLD_K and moves < STILL_K:
         # It has stood for long: all parts are as warm as the room, and what sensors read beside that is their offset.
         within = START_K if run.ambient_known else 2.0 * START_K
-        return np.full(known.size + 1, ambient), (within, within)
+        return _Begin(np.full(known.size + 1, ambient), (within, within))
     level = float(np.mean(run.begin[known]))
     begin = np.append(np.where(known, run.begin, level), level)
-    return begin, (2.0 * START_K if known.all() else WARM_K, START_K + 0.5 * (spread + moves))
+    loose = (2.0 * START_K if known.all() else WARM_K, START_K + APART * (spread + moves))
+    return _Begin(begin, loose, spread + moves)
 
 
 def _hats(runs: Sequence[Binned]) -> int:

@@ -47,6 +47,28 @@ class Physical:
     natural: Natural | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class Begun:
+    """Starts of the hidden nodes of R runs.
+
+    Attributes
+    ----------
+    temperature
+        Shape (R, h), degC.
+    by_shared
+        Derivatives by the parameters that all runs share, shape (R, h, p).
+    by_sensed
+        By the sensed nodes' starts, shape (R, h, S).
+    by_ambient
+        By the ambient at the start, shape (R, h).
+    """
+
+    temperature: FloatArray
+    by_shared: FloatArray
+    by_sensed: FloatArray
+    by_ambient: FloatArray
+
+
 def incidence_of(paths: Sequence[tuple[int, int]], nodes: int) -> FloatArray:
     """For each path +1 at its first and -1 at its second node, shape (Q, n); the ambient, second, is -1 as a node."""
     made = np.zeros((len(paths), nodes))
@@ -90,6 +112,9 @@ class Shape(Protocol):
 
     def physical(self, levels: Levels, vector: FloatArray) -> Physical:
         """Evaluate capacities, conductances and heats at each distinct input."""
+
+    def begun(self, vector: FloatArray, sensed: FloatArray, ambient: FloatArray) -> Begun | None:
+        """Where hidden nodes start, if that follows from the sensed ones, shape (R, S), and the ambient, shape (R,)."""
 
     def shown(self, inputs: Inputs, vector: FloatArray, temperature: FloatArray, change: FloatArray) -> FloatArray:
         """What sensors show.

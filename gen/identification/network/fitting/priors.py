@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
-from gen.identification.network.fitting.inputs import Inputs
+from gen.identification.network.fitting.inputs import START_K, Inputs
 from gen.identification.network.fitting.rooms import places_of, share_level, unsure_K
 from gen.identification.network.fitting.scale import Scale
 from gen.identification.network.fitting.speed_laws import ALL_AT_REST, CONSTANT, HEAT, OUTSIDE, WITHIN
@@ -29,6 +29,8 @@ CAPACITY = 100.0
 """J/K."""
 OFFSET_K = 0.7
 """Standard deviation of a sensor's offset, K."""
+START_FACTOR = 1.0
+"""Standard deviation of the logarithm by which hidden nodes start warmer than they would rest."""
 NATURAL = (0.0, 1.0)
 """Logit of natural convection's share of the loss at rest: painted metal loses about as much by radiation."""
 ROOM_K = 1.5
@@ -84,10 +86,13 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
     mean[structure.feeds] = np.log(loss * scale.rise_K / 2.0)
     mean[structure.still], deviation[structure.still] = NATURAL
     mean[structure.offsets], deviation[structure.offsets] = 0.0, OFFSET_K
+    mean[structure.factors], deviation[structure.factors] = 0.0, START_FACTOR
     precision = np.zeros((size, size))
     for r in range(len(inputs.runs)):
         first = shared + r * own
         sensed, hidden = inputs.loose[r]
+        if structure.apart and inputs.warm[r]:
+            hidden = START_K + structure.apart * inputs.warm[r]
         deviation[first : first + len(structure.sensed)] = sensed
         deviation[first + len(structure.sensed) : first + nodes] = hidden
         deviation[first + nodes : first + own] = ROOM_K if not inputs.runs[r].ambient_known else 1e-3

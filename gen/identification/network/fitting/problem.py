@@ -13,7 +13,7 @@ import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Inputs
-from gen.identification.network.fitting.physics import Shape
+from gen.identification.network.fitting.physics import Begun, Shape
 from gen.identification.network.fitting.priors import Prior
 from gen.identification.network.fitting.simulation import Slopes, sensitivities, simulate, steps_of
 
@@ -88,20 +88,46 @@ class Problem(Generic[S_co]):
         """Each run's own parameters, shape (R, own)."""
         return vector[self.structure.size :].reshape(self.runs, self.own)
 
-    def _begin(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Temperatures at the start, shape (R, n), and the unknown part of the ambient, shape (N,)."""
+    def _begin(self, vector: FloatArray) -> tuple[FloatArray, FloatArray, Begun | None]:
+        """Temperatures at the start, shape (R, n), the unknown part of the ambient, shape (N,), and hidden starts."""
         own = self.per_run(vector)
         nodes, sensors = self.structure.nodes, self.structure.sensors
         begin = np.repeat(self.inputs.begin[:, -1:], nodes, axis=1)
         begin[:, :sensors] = self.inputs.begin[:, :sensors]
         room = np.einsum("nb,nb->n", self.inputs.room, own[self.inputs.run, nodes:])
-        return begin + own[:, :nodes], room
+        ambient = np.array([run.ambient[0] for run in self.inputs.runs])
+        if self.inputs.room.shape[-1]:
+            ambient = ambient + own[:, nodes]  # the first hat is 1 where the run begins
+        begun = self.structure.begun(vector, begin[:, :sensors] + own[:, :sensors], ambient)
+        if begun is not None:
+            begin[:, sensors:] = begun.temperature
+        return begin + own[:, :nodes], room, begun
+
+    def _with_starts(self, slopes: Slopes, begun: Begun) -> None:
+        """Let hidden nodes' starts go with what they follow from, in place.
+
+        Parameters
+        ----------
+        slopes
+            Derivatives with each start on its own, shape (N, S, p).
+        begun
+            The hidden nodes' starts.
+        """
+        size, nodes, sensors = self.structure.size, self.structure.nodes, self.structure.sensors
+        runs, hidden = begun.temperature.shape
+        by = np.zeros((runs, hidden, slopes.shape[-1]), dtype=slopes.dtype)
+        by[..., :size] = begun.by_shared
+        by[..., size : size + sensors] = begun.by_sensed
+        if self.own > nodes:
+            by[..., size + nodes] = begun.by_ambient
+        for row, own in zip(self.inputs.rows, by, strict=True):
+            slopes[row] += slopes[row][..., size + sensors : size + nodes] @ own
 
     def evaluate(self, vector: FloatArray) -> Evaluated:
         """Simulate all runs."""
         found = self.structure.physical(self.inputs.levels, vector)
         steps = steps_of(self.structure, self.inputs.levels, found)
-        start, room = self._begin(vector)
+        start, room, _ = self._begin(vector)
         return self._evaluated(vector, *simulate(self.inputs, steps, found, start, room))
 
     def _evaluated(self, vector: FloatArray, before: FloatArray, after: FloatArray) -> Evaluated:
@@ -136,9 +162,11 @@ class Problem(Generic[S_co]):
         structure, inputs = self.structure, self.inputs
         found = structure.physical(inputs.levels, vector)
         steps = steps_of(structure, inputs.levels, found)
-        start, room = self._begin(vector)
+        start, room, begun = self._begin(vector)
         before, after = simulate(inputs, steps, found, start, room)
         slopes, changes = sensitivities(structure, inputs, found, steps, (before, after), room)
+        if begun is not None:
+            self._with_starts(slopes, begun)
         old, new = before[:, : structure.sensors], after[:, : structure.sensors]
         at, change = old + inputs.share * (new - old), (new - old) / inputs.width[:, None]
         structure.through_sensors(inputs, vector, slopes, changes)

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.identification.network.fitting.at_start import begun
 from gen.identification.network.fitting.bends import BEND
 from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Inputs, Levels
 from gen.identification.network.fitting.natural import Natural
 from gen.identification.network.fitting.partial import Partial
-from gen.identification.network.fitting.physics import Physical, incidence_of, outer_of
+from gen.identification.network.fitting.physics import Begun, Physical, incidence_of, outer_of
 from gen.identification.network.fitting.plausible import off
 from gen.identification.network.fitting.speed_laws import CONSTANT, HEAT, OUTSIDE, WITHIN, Law
 
@@ -45,6 +46,9 @@ class Structure:
         How far curves over speed bend: the prior's standard deviation of the logarithm (see `bends`).
     natural
         The widest difference for which natural convection is described, K; 0 where nothing goes by it (see `natural`).
+    apart
+        How far hidden nodes may start from a multiple of the rise at which they would rest (see `resting`), standard
+        deviation as a share of what the parts differ by; 0 where every run begins cold, or they start near the parts.
     """
 
     sensed: tuple[str, ...]
@@ -55,6 +59,7 @@ class Structure:
     fed: tuple[tuple[int, int], ...] = ()
     bend: float = BEND
     natural: float = 0.0
+    apart: float = 0.0
 
     @property
     def nodes(self) -> int:
@@ -149,6 +154,11 @@ class Structure:
         return self._end + np.arange(len(self.sensed))
 
     @property
+    def factors(self) -> IntArray:
+        """Of the logarithms of the hidden nodes' factors at the start, shape (hidden,), or (0,) without."""
+        return self._end + len(self.sensed) + np.arange(self.hidden if self.apart else 0)
+
+    @property
     def still(self) -> IntArray:
         """Of natural convection's share at rest, a logit, shape (1,), or (0,) where there is none."""
         return self._fed_end + np.arange(int(self.natural > 0.0))
@@ -164,7 +174,7 @@ class Structure:
     @property
     def size(self) -> int:
         """Parameters that all runs share."""
-        return self._end + len(self.sensed)
+        return self._end + len(self.sensed) + self.factors.size
 
     def physical(self, levels: Levels, vector: FloatArray) -> Physical:
         """Evaluate capacities, conductances and heats at each distinct input."""
@@ -238,6 +248,10 @@ class Structure:
             return np.zeros((levels.count, len(self.fed)))
         return np.asarray(np.exp(np.minimum(vector[self.feeds], LARGEST)) * levels.further[:, [c for c, _ in self.fed]])
 
+    def begun(self, vector: FloatArray, sensed: FloatArray, ambient: FloatArray) -> Begun | None:
+        """Where hidden nodes start if that goes with where they would rest."""
+        return begun(self, self.factors, vector, sensed, ambient) if self.factors.size else None
+
     def shown(self, inputs: Inputs, vector: FloatArray, temperature: FloatArray, change: FloatArray) -> FloatArray:  # noqa: D102
         return np.asarray(temperature + vector[self.offsets])
 
@@ -274,10 +288,10 @@ def _slices(first: int, sizes: list[int]) -> tuple[slice, ...]:
     return tuple(slice(int(end) - size, int(end)) for end, size in zip(ends, sizes, strict=True))
 
 
-def full(sensed: tuple[str, ...], hidden: int, columns: int = 0, bend: float = BEND) -> Structure:
+def full(sensed: tuple[str, ...], hidden: int, columns: int = 0, bend: float = BEND, apart: float = 0.0) -> Structure:
     """Give the network in which every node has a path to every other and to the ambient, and a heat of each kind."""
     count = len(sensed) + hidden
     inner = [(i, j) for i in range(count) for j in range(i + 1, count)]
     paths = (*inner, *((i, -1) for i in range(count)))
     fed = tuple((column, node) for column in range(columns) for node in range(count))
-    return Structure(sensed, hidden, paths, tuple(range(count)), fed=fed, bend=bend)
+    return Structure(sensed, hidden, paths, tuple(range(count)), fed=fed, bend=bend, apart=apart)

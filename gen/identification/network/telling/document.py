@@ -34,8 +34,9 @@ from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import held, joined, turning
 from gen.identification.network.fitting.natural import polynomial
 from gen.identification.network.fitting.speed_laws import CONSTANT, WITHIN, Law
+from gen.identification.network.fitting.structure import Structure
 from gen.identification.network.identify import NetworkFound
-from gen.identification.network.telling.forecast import Band, bands
+from gen.identification.network.telling.forecast import Band, bands, widened
 from gen.identification.network.telling.foresight import Foresight, foresight
 from gen.identification.network.telling.stiffness import slowed
 from gen.identification.network.telling.uncertainty import Spread, spread_of
@@ -44,6 +45,8 @@ FASTEST = 20.0
 """No node follows its neighbours within fewer steps of the board: paths are limited, then its capacity is raised."""
 HELD_SHARE = 0.05
 """Of the whole time: a |PWM| that is held for longer is named."""
+MOST_FACTOR = 7.99
+"""Of a start: a file may hold less than 8."""
 TWICE = 2.0
 """Standard deviations by which a declared error is widened."""
 
@@ -171,12 +174,20 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
             offset = six_digits(float(vector[structure.offsets[i]]))
             nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, sensor=SensorEntry(offset_K=offset)))
         else:
-            nodes.append(NodeEntry(name=name, capacity_J_per_K=mass))
+            factor = _start_factor(structure, vector, i)
+            nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, start_factor=factor))
     heats = tuple(
         HeatEntry(node=names[node], power_W=tabulated(pwm, physics.heat[1:, node], 0.0)) for node in structure.heated
     )
     channels, fed = _fed(result, names)
     return NetworkEntry(channels=channels, nodes=tuple(nodes), paths=tuple(paths), heats=(*heats, *fed))
+
+
+def _start_factor(structure: Structure, vector: FloatArray, node: int) -> float:
+    """Of a hidden node: where it starts; 1 where no run tells."""
+    if not structure.factors.size:
+        return 1.0
+    return six_digits(min(float(np.exp(vector[structure.factors[node - structure.sensors]])), MOST_FACTOR))
 
 
 def _fed(result: NetworkFound, names: tuple[str, ...]) -> tuple[tuple[ChannelEntry, ...], tuple[HeatEntry, ...]]:
@@ -236,7 +247,12 @@ def _figures(result: NetworkFound) -> dict[str, dict[str, float]]:
 def _error_bands(result: NetworkFound, spread: Spread) -> list[ErrorBand]:
     turning = turned_range(result)
     ahead = foresight(result.found, spread, turning, result.data.full_scale)
-    own = bands(result.inputs, result.judged, result.data.full_scale)
+    own = widened(
+        bands(result.inputs, result.judged, result.data.full_scale),
+        result.found.problem.inputs,
+        result.residual,
+        result.data.full_scale,
+    )
     made = []
     for s, name in enumerate(result.data.names):
         for band in own:
@@ -262,6 +278,7 @@ def _error_band(name: str, s: int, band: Band, ahead: Foresight) -> ErrorBand:
         component=name,
         pwm=band.pwm,
         model_minus_measured_K=(six_digits(low - unknown), six_digits(high + unknown)),
-        note=f"on data left out: {band.low[s]:+.2f}..{band.high[s]:+.2f} K in means over a 60th of a run, "
-        f"{band.rms[s]:.2f} K rms; widened by {unknown:.2f} K for what the runs do not determine on other profiles",
+        note=f"on data left out and in its own runs: {band.low[s]:+.2f}..{band.high[s]:+.2f} K in means over a 60th of "
+        f"a run, {band.rms[s]:.2f} K rms on the former; widened by {unknown:.2f} K for what the runs do not determine "
+        "on other profiles",
     )

@@ -16,6 +16,8 @@ WINDOWS = 60
 LEAST_SHARE = 0.2
 """Windows that are covered less than others by this factor do not count."""
 MOST_BANDS = 6
+AT_REST = 0.99
+"""Share of a bin at PWM 0 from which it is one of rest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,14 +42,31 @@ class Band:
 
 def bands(inputs: Inputs, judged: LeftOut, full_scale: int) -> list[Band]:
     """Give the errors by speed, rest first where it was measured."""
-    at_rest = inputs.rest > 0.99
     pwm = np.rint(inputs.speed * full_scale)
-    turning = inputs.rest < 0.5
+    ranges = [(0, 0)] if (inputs.rest > AT_REST).any() else []
+    ranges += _ranges(pwm[inputs.rest < 0.5])
+    return [_band(inputs, judged.error, one, full_scale) for one in ranges]
+
+
+def widened(found: list[Band], inputs: Inputs, residual: FloatArray, full_scale: int) -> list[Band]:
+    """Let bands hold what the file errs by in its own runs, too.
+
+    Parameters
+    ----------
+    found
+        Of data left out.
+    inputs, residual
+        Bins of the runs, and reading minus model there, shape (N, S), K.
+    full_scale
+        The count that is 100 %.
+    """
+    error = np.where(inputs.covered > 0.0, residual, np.nan)
     made = []
-    if at_rest.any():
-        made.append(_band(inputs, judged, at_rest, (0, 0)))
-    for low, high in _ranges(pwm[turning]):
-        made.append(_band(inputs, judged, turning & (pwm >= low) & (pwm <= high), (low, high)))
+    for band in found:
+        own = _band(inputs, error, band.pwm, full_scale)
+        low, high = np.fmin(band.low, own.low), np.fmax(band.high, own.high)
+        told = np.isfinite(band.low)
+        made.append(Band(band.pwm, np.where(told, low, np.nan), np.where(told, high, np.nan), band.rms))
     return made
 
 
@@ -65,17 +84,25 @@ def _ranges(pwm: FloatArray) -> list[tuple[int, int]]:
     return list(zip(lows, highs, strict=True))
 
 
-def _band(inputs: Inputs, judged: LeftOut, mask: Mask, pwm: tuple[int, int]) -> Band:
-    sensors = judged.error.shape[1]
+def _within(inputs: Inputs, pwm: tuple[int, int], full_scale: int) -> Mask:
+    """Bins of a range of |PWM|, rest being one of its own, shape (N,)."""
+    if pwm == (0, 0):
+        return np.asarray(inputs.rest > AT_REST)
+    level = np.rint(inputs.speed * full_scale)
+    return np.asarray((inputs.rest < 0.5) & (level >= pwm[0]) & (level <= pwm[1]))
+
+
+def _band(inputs: Inputs, errors: FloatArray, pwm: tuple[int, int], full_scale: int) -> Band:
+    sensors, mask = errors.shape[1], _within(inputs, pwm, full_scale)
     low, high, rms = (np.full(sensors, np.nan) for _ in range(3))
     for s in range(sensors):
         means: list[float] = []
         square = time = 0.0
         for run, row in zip(inputs.runs, inputs.rows, strict=True):
-            used = row[mask[row] & np.isfinite(judged.error[row, s])]
+            used = row[mask[row] & np.isfinite(errors[row, s])]
             if not used.size:
                 continue
-            error, cover = -judged.error[used, s], inputs.covered[used, s]
+            error, cover = -errors[used, s], inputs.covered[used, s]
             window = run.duration / WINDOWS
             index = (inputs.begins[used] // window).astype(np.int64)
             total, weight = np.bincount(index, error * cover), np.bincount(index, cover)

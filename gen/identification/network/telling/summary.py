@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gen.identification.grades import Grade, Miss, told, worse_than
+from gen.identification.grades import GOOD_K, NOISES, Grade, Miss, told, worse_than
 from gen.identification.network.fitting.bends import BEND
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import held
@@ -19,11 +19,14 @@ from gen.identification.network.telling.document import measured_range, rest_was
 from gen.identification.network.telling.forecast import bands
 from gen.identification.network.telling.resting import REST_S, rested
 from gen.identification.network.telling.uncertainty import Spread, Steady, spread_of, steady_of, undetermined
+from gen.identification.network.used import rms_K
 
 SETTLED = 3.0
 """Time constants that a hold has to last for its part to have settled (95 %)."""
 INTERVAL = 1.96
 OFFSET_SURE = 3.0
+OTHERWISE = 2.0
+"""Times the error from starts of its own: a run that the file misses by more begins otherwise than the file says."""
 MOST_SPEEDS = 12
 HEATING = ("_A", "_W", "_Nm", "_percent")
 """Ends of the names of columns that may heat a motor."""
@@ -67,10 +70,7 @@ class Summary:
     @cached_property
     def rms_K(self) -> FloatArray:
         """Of the residual, by run and part, shape (R, S), K; NaN where nothing was read."""
-        inputs, residual = self.result.found.problem.inputs, self.result.residual
-        total = np.array([inputs.covered[row].sum(axis=0) for row in inputs.rows])
-        square = np.array([np.sum(inputs.covered[row] * residual[row] ** 2, axis=0) for row in inputs.rows])
-        return np.where(total > 0.0, np.sqrt(square / np.maximum(total, 1e-9)), np.nan)
+        return rms_K(self.result.found, self.result.residual)
 
     @cached_property
     def left_out_K(self) -> FloatArray:
@@ -167,12 +167,29 @@ class Summary:
             )
         if not rest_was_measured(result):
             said.append(self._rest())
+        said += self._starts()
         said += self._room()
         for s, name in enumerate(result.data.names):
             offset = float(result.found.vector[result.found.structure.offsets[s]])
             sd = float(self.spread.deviation[result.found.structure.offsets[s]])
             if abs(offset) > OFFSET_SURE * sd:
                 said.append(f"{name}: its sensor reads {offset:+.2f} K against the ambient's (±{INTERVAL * sd:.2f} K)")
+        return said
+
+    def _starts(self) -> list[str]:
+        """Runs that the file misses, and the network would not miss if it knew how warm they begin inside."""
+        own, noise = rms_K(self.result.found, self.result.found.fit.evaluated.residual), self.noise_K
+        said = []
+        for r, run in enumerate(self.result.data.fine):
+            worse = np.where(self.rms_K[r] > np.maximum(OTHERWISE * own[r], NOISES * noise), self.rms_K[r], 0.0)
+            s = int(np.argmax(worse))
+            if worse[s] > GOOD_K:
+                beside = "" if run.ambient_known else ", or its room was not the one that is taken"
+                said.append(
+                    f"{run.name}: {self.result.data.names[s]} is followed to {own[r, s]:.2g} K, but from where the "
+                    f"file lets the motor begin to {worse[s]:.2g} K: it begins warmer or colder inside than its "
+                    f"sensors tell{beside}; runs that begin cold need no such guess"
+                )
         return said
 
     def _rest(self) -> str:
@@ -282,9 +299,18 @@ class Summary:
                 "sensed": i < len(structure.sensed),
                 "capacity_J_per_K": _factor(float(vector[i]), float(self.spread.deviation[i])),
                 "determined_share": float(1.0 - min(self.spread.share[i], 1.0)),
+                **self._start(i),
             }
             for i, name in enumerate(structure.names)
         ]
+
+    def _start(self, node: int) -> dict[str, Any]:
+        """By how much more than it would rest at a hidden node begins; nothing where no run says."""
+        found, hidden = self.result.found, node - self.result.found.structure.sensors
+        if hidden < 0 or not found.structure.factors.size:
+            return {}
+        place = found.structure.factors[hidden]
+        return {"start_factor": _factor(float(found.vector[place]), float(self.spread.deviation[place]))}
 
     def _paths(self, names: tuple[str, ...]) -> list[dict[str, Any]]:
         structure, vector = self.result.found.structure, self.result.found.vector
