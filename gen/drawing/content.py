@@ -126,13 +126,13 @@ def _residual_panel(
 
 
 def _channel_panels(run: Run) -> list[Panel]:
-    """Other columns, those of one unit together; the unit is what stands last in a column's name."""
+    """Other columns, those of one unit together; the unit is the letters that stand last in a column's name."""
     by_unit: dict[str, list[Curve]] = {}
     for name, values in run.extras.items():
         if name.endswith("_degC") or name in _STATUS or not np.isfinite(values).any():
             continue
-        unit = name.rpartition("_")[2] if re.search(r"._[^_]+$", name) else ""
-        own = by_unit.setdefault(unit, [])
+        unit = name.rpartition("_")[2] if re.search(r"._[^\W\d_]+$", name) else ""
+        own = by_unit.setdefault(unit or name, [])
         own.append(Curve(shown(name), "measured", len(own) or None, values))
     panels = []
     for curves in by_unit.values():

@@ -20,6 +20,7 @@ from gen.importing.guessing.sheets import choice_of_sheets, logs_among
 from gen.importing.mapping import Mapping, read_mapping
 from gen.importing.provenance import commented_mapping, comments_of
 from gen.importing.reading.sources import read_tables
+from gen.importing.switches import switched
 from gen.importing.table import Reading, Table
 from gen.runs import Run, write_run
 
@@ -108,6 +109,8 @@ def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress
     if series:
         progress("a column for each name")
         tables = [spread_out(table, replace(choices, series=series)) for table in tables]
+    names = {choices.runs, known.runs if known is not None else ""}
+    tables = [switched(table, names) for table in tables]
     progress("deciding")
     tables = logs_among(tables, choices, known)
     groups: dict[tuple[str, ...], list[Table]] = {}

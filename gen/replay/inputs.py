@@ -8,6 +8,7 @@ from math import isfinite
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
@@ -68,6 +69,13 @@ def read_for(coefficients: Coefficients, path: Path, *, most_rows: int | None = 
     return run if coefficients.model.ambient_fixed is not None else _with_noted_ambient(run)
 
 
+def _believed(coefficients: Coefficients, values: FloatArray) -> NDArray[np.int64]:
+    """Rows from which a part may start: its readings in the model's range, all of them where none is."""
+    low, high = coefficients.document.domain.temperature_degC
+    inside = np.flatnonzero((values >= low) & (values <= high))
+    return inside if inside.size else np.flatnonzero(np.isfinite(values))
+
+
 def _with_noted_ambient(run: Run) -> Run:
     """A run whose ambient stands in a comment, as `gen identify` takes it, where no column has it."""
     if run.ambient is not None and not np.all(np.isnan(run.ambient)):
@@ -103,7 +111,7 @@ def inputs_of(coefficients: Coefficients, run: Run, file: str, *, as_declared: b
     ambient = _counted_from(coefficients, run, sensed, as_declared, file)
     first_rise = {}
     for name, values in run.temps.items():
-        known = np.flatnonzero(np.isfinite(values))
+        known = _believed(coefficients, values)
         if known.size:
             first_rise[name] = float(values[known[0]] - ambient[known[0]])
     channels = {name: held_over_gaps(values) for name, values in run.extras.items() if not np.all(np.isnan(values))}

@@ -135,6 +135,16 @@ def test_the_axis_has_the_unit_of_the_whole_run(ends_s: float, unit: str) -> Non
     assert section.unit[0] == unit
 
 
+def test_columns_of_one_unit_share_an_axis_and_those_without_have_their_own(tmp_path: Path) -> None:
+    """A controller's output of 0 to 1 beside its set point of 60 would be a line along the bottom."""
+    names = ("current_A", "other_A", "output", "setpoint", "channel_1", "channel_2")
+    rows = [f"{k},100,{25 + k}," + ",".join(str(n * 10 + k % 2) for n in range(len(names))) for k in range(10)]
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join(["time_s,pwm,casing_degC," + ",".join(names), *rows]) + "\n", encoding="utf-8")
+    labels = [panel.label for panel in section_of(path, None).panels]
+    assert labels[2:] == ["current_A, other_A", "output", "setpoint", "channel_1", "channel_2"]
+
+
 def test_a_day_at_4_hz_is_drawn_with_as_many_points_as_can_be_seen(tmp_path: Path) -> None:
     path = rig_run(tmp_path / "day.csv", hours=24.0, step_s=0.25)
     section = section_of(path, load(RIG))

@@ -50,6 +50,15 @@ def test_gaps_are_held_and_what_was_never_measured_is_not_there(path: Path) -> N
     assert found.first_rise == {"casing": 3.0}
 
 
+def test_a_part_starts_from_the_first_reading_that_it_can_have(tmp_path: Path) -> None:
+    """What a sensor says before it works (-45 degC, or 850 degC of a converter) is none that a board takes."""
+    coefficients = model()
+    file = tmp_path / "run.csv"
+    file.write_text("time_s,pwm,casing_degC,brush_degC\n0,100,-45,-60\n10,100,1800,-60\n20,100,34,\n")
+    found = inputs_of(coefficients, read_for(coefficients, file), "run.csv")
+    assert found.first_rise == {"casing": 4.0, "brush": -90.0}
+
+
 @pytest.mark.parametrize(
     ("ambient", "effects", "as_declared", "counted_from"),
     [

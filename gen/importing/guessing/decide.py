@@ -11,7 +11,7 @@ from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.extreme_rows import extremes_by_turns
 from gen.importing.guessing.guess_columns import decide_columns
-from gen.importing.guessing.guess_input import decide_input, spanned
+from gen.importing.guessing.guess_input import NO_INPUT, decide_input, spanned
 from gen.importing.guessing.guess_time import decide_time, short_in_seconds
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.guessing.names import RISE, RUNS
@@ -116,7 +116,10 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     reserved = {runs} - {""}
     time, said = decide_time(evidence, choices)
     guesses += said
-    drive, said = decide_input(evidence, choices, reserved | set(time.columns))
+    try:
+        drive, said = decide_input(evidence, choices, reserved | set(time.columns))
+    except InputError as error:
+        raise _with_part(error, evidence, choices, reserved | set(time.columns)) from None
     guesses += said
     used = {*reserved, *time.columns, drive.column, drive.sign} - {""}
     entries, said = decide_columns(evidence, _by_old_names(evidence, choices), used)
@@ -142,6 +145,15 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
         column=entries,
     )
     return Decided(evidence, mapping, guesses, _suspicious(evidence, mapping, choices))
+
+
+def _with_part(error: InputError, evidence: Evidence, choices: Choices, used: set[str]) -> InputError:
+    """Where there is no input: ask for a temperature at once, if there is none either."""
+    if not error.message.startswith(NO_INPUT):
+        return error
+    entries, _ = decide_columns(evidence, _by_old_names(evidence, choices), used)
+    missing = _no_part(entries, evidence)
+    return InputError(f"{error.message}; and {missing}", place=error.place) if missing else error
 
 
 def _suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[str]:
@@ -258,15 +270,23 @@ def _check_entries(mapping: Mapping, evidence: Evidence) -> None:
         if set(name) & set(',"#\n\r') or name != name.strip() or not name.isprintable():
             raise InputError(f"{name!r} cannot be a run file's column", place="--column")
     _check_units(mapping.column)
-    if not any(name.endswith("_degC") and name != "ambient_degC" for name in given):
-        rises = [entry.source for entry in mapping.column if entry.to and RISE.search(entry.source)]
-        said = f"; {rises[0]} is a rise, to which the ambient has to be added first" if rises else ""
-        raise InputError(f"{NO_PART}{said}; expected --column OLD=NAME_degC{_likeliest(mapping, evidence)}")
+    missing = _no_part(mapping.column, evidence)
+    if missing:
+        raise InputError(missing)
 
 
-def _likeliest(mapping: Mapping, evidence: Evidence) -> str:
+def _no_part(entries: Sequence[Entry], evidence: Evidence) -> str:
+    """What to say where no column is a part's temperature; nothing where one is."""
+    if any(entry.to.endswith("_degC") and entry.to != "ambient_degC" for entry in entries):
+        return ""
+    rises = [entry.source for entry in entries if entry.to and RISE.search(entry.source)]
+    said = f"; {rises[0]} is a rise, to which the ambient has to be added first" if rises else ""
+    return f"{NO_PART}{said}; expected --column OLD=NAME_degC{_likeliest(entries, evidence)}"
+
+
+def _likeliest(entries: Sequence[Entry], evidence: Evidence) -> str:
     """Which columns hold what temperatures may be: numbers that move, from where a log may begin."""
-    parts = [entry.source for entry in mapping.column if entry.to != "ambient_degC" and not RISE.search(entry.source)]
+    parts = [entry.source for entry in entries if entry.to != "ambient_degC" and not RISE.search(entry.source)]
     left = [facts for name in parts if (facts := evidence.facts[name]).kind == "number"]
     left = [f for f in left if not (f.whole and (f.steps > 0).all())]  # a number of the row
     fit = [f for f in left if len(set(f.values.tolist())) > _LEAST_VALUES and f.span[0] > -50.0 and f.span[1] < 2000.0]

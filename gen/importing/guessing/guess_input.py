@@ -135,7 +135,13 @@ def spanned(entry: Facts) -> str:
 
 def _full_scale(entry: Facts) -> str:
     unit = entry.named[1]
-    return "" if unit is not None and unit.quantity == SHARE else f" --full-scale {_round_up(entry):g}"
+    known = unit.quantity == SHARE if unit is not None else _switch(entry)
+    return "" if known else f" --full-scale {_round_up(entry):g}"
+
+
+def _switch(entry: Facts) -> bool:
+    """Whether a column holds 0 and 1, and nothing else."""
+    return entry.whole and entry.span == (0.0, 1.0)
 
 
 def _round_up(entry: Facts) -> float:
@@ -167,6 +173,8 @@ def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> _Scale:
                 unit.name, float(_full_counts(reached)), 0.3, f"{reached:g} is more than {full:g} {unit.name}"
             )
         return _Scale(unit.name, full, sure, "--unit" if told else f"in {unit.name} by its name")
+    if unit is None and _switch(entry):
+        return _Scale(_bare(entry), 1.0, 0.9, "nothing but 0 and 1: 1 is on")
     if unit is not None or (choices.drive and not PWM.search(_worded(entry)) and not DUTY.search(_worded(entry))):
         shown = f" {unit.name}" if unit else ""
         raise InputError(

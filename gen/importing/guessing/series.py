@@ -15,9 +15,6 @@ from gen.importing.guessing.series_columns import MOST_SERIES, unit_column, valu
 from gen.importing.listing import listed
 from gen.importing.table import Column, Counted, Table
 
-_SWITCHED = {"on": "1", "off": "0", "true": "1", "false": "0"}
-_NOTHING = {"", "unavailable", "unknown", "none", "null"}
-
 
 def spread_out(table: Table, choices: Choices) -> Table:
     """Give each name of a column a column of its own, with one row for each time.
@@ -95,12 +92,6 @@ def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Tabl
     counted = list(table.counted)
     if twice:
         counted.append(Counted("second reading of one name and time, left out", len(twice), table.place(twice[0])))
-    for name, texts in cells.items():
-        found = {text.casefold() for text in texts} - _NOTHING
-        if found and found <= set(_SWITCHED):
-            cells[name] = [_SWITCHED.get(text.casefold(), "") for text in texts]
-            switched = sum(1 for text in cells[name] if text)
-            counted.append(Counted(f"on or off of {name}, taken for 1 or 0", switched, f"column {names}"))
     columns = [Column(name, [time[k] for time in rows], table.column(name).unit) for k, name in enumerate(times)]
     units = _units(table, names, values)
     columns += [Column(name, cells[name], units.get(name, "")) for name in series]

@@ -243,7 +243,7 @@ def _straight(at: FloatArray, value: FloatArray, noise: float) -> bool:
     """Whether readings lie about a straight line: what a square of time adds is within what noise does to it."""
     square = at**2 - np.polyval(np.polyfit(at, at**2, 1), at)
     length = float(square @ square)
-    return abs(float(square @ value)) <= BENT * noise * np.sqrt(length)
+    return abs(float(square @ value)) <= BENT * noise * float(np.sqrt(length))
 
 
 def _noise(values: FloatArray | None) -> float:

@@ -1,0 +1,53 @@
+"""A relay's column of ON and OFF as the input, and what is asked of a log that says nothing of itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gen.errors import InputError
+from gen.runs import read_run
+from tests.importing.logs import take, write
+
+ROWS = 120
+HEATED = np.arange(ROWS) % 40 < 25
+TEMPERATURE = 21.0 + np.cumsum(np.where(HEATED, 0.3, -0.2))
+
+
+def log(words: tuple[str, str], name: str = "Heater") -> str:
+    rows = [
+        f"{5 * k},{t:.1f},{words[0] if on else words[1]}"
+        for k, (t, on) in enumerate(zip(TEMPERATURE.tolist(), HEATED.tolist(), strict=True))
+    ]
+    return "\n".join([f"time_s,Plate (C),{name}", *rows])
+
+
+@pytest.mark.parametrize("words", [("ON", "OFF"), ("true", "false"), ("Ein", "Aus"), ("1", "0"), ("Marche", "Arrêt")])
+def test_on_is_all_of_it_and_off_is_nothing(words: tuple[str, str], tmp_path: Path) -> None:
+    path = write(tmp_path, log(words))
+    with pytest.raises(InputError, match=r"expected what drives it, such as --input Heater$"):
+        take(path, tmp_path / "out")
+    take(path, tmp_path / "out", input="Heater")
+    run = read_run(next((tmp_path / "out").glob("*.csv")))
+    assert run.pwm.tolist() == np.where(HEATED, 255, 0).tolist()
+
+
+def test_it_is_counted(tmp_path: Path) -> None:
+    found = take(write(tmp_path, log(("ON", "OFF"))), tmp_path / "out", input="Heater")
+    assert found.counted()["count"]["on or off of Heater, taken for 1 or 0"] == ROWS
+
+
+def test_other_words_stay_words(tmp_path: Path) -> None:
+    path = write(tmp_path, log(("ON", "fault")))
+    with pytest.raises(InputError, match="holds text, expected numbers"):
+        take(path, tmp_path / "out", input="Heater")
+
+
+def test_a_log_without_names_is_asked_of_input_and_parts_at_once(tmp_path: Path) -> None:
+    rows = [f"{5 * k},{t:.2f},{120 if on else 0}" for k, (t, on) in enumerate(zip(TEMPERATURE, HEATED, strict=True))]
+    with pytest.raises(InputError) as caught:
+        take(write(tmp_path, "\n".join(rows)), tmp_path / "out")
+    assert "no column is a motor's PWM among column_2 (" in str(caught.value)
+    assert "and no column is a part's temperature; expected --column OLD=NAME_degC, such as" in str(caught.value)
