@@ -142,14 +142,9 @@ def _derived(
 ) -> Derived:
     own, notes, refused = {}, {}, {}
     for number, (motor, model) in enumerate(models.items(), start=1):
-        coefficients = model.coefficients
         progress(f"thresholds: {number} of {len(models)}")
-        pooled = [*healthy[motor], *_others(healthy, motor)]
         try:
-            wanted = read_rules(rules, coefficients.model.component_names)
-            alarms = [complete(rule, coefficients, pooled, hours) for rule in wanted.alarms]
-            bands = error_bands(coefficients.document, pooled)
-            text = with_rules(model.text, wanted, alarms, bands, source="gen fleet thresholds")
+            text = with_thresholds(model, rules, hours, [*healthy[motor], *others_of(healthy, motor)])
             made = parse(text.encode())
         except (InputError, CheckFailed) as error:
             refused[motor] = str(error)
@@ -160,7 +155,31 @@ def _derived(
     return Derived(own, notes, refused)
 
 
-def _others(healthy: Mapping[str, Sequence[HealthyRun]], motor: str) -> list[HealthyRun]:
+def with_thresholds(model: Model, rules: Path, hours: float, runs: Sequence[HealthyRun]) -> str:
+    """Give a motor's coefficient file with alarms whose thresholds come from healthy runs.
+
+    Parameters
+    ----------
+    model
+        The motor's.
+    rules, hours
+        As of :func:`derive_all`.
+    runs
+        The motor's own, and others that count as such.
+
+    Raises
+    ------
+    InputError, CheckFailed
+        When the rules have a fault, or the runs do not give a rule its numbers.
+    """
+    coefficients = model.coefficients
+    wanted = read_rules(rules, coefficients.model.component_names)
+    alarms = [complete(rule, coefficients, runs, hours) for rule in wanted.alarms]
+    bands = error_bands(coefficients.document, runs)
+    return with_rules(model.text, wanted, alarms, bands, source="gen fleet thresholds")
+
+
+def others_of(healthy: Mapping[str, Sequence[HealthyRun]], motor: str) -> list[HealthyRun]:
     """Runs of other motors, evenly over the sorted list: the same ones each time."""
     every = [run for other in sorted(healthy) if other != motor for run in healthy[other]]
     places = np.unique(np.linspace(0, len(every) - 1, min(OTHERS, len(every))).round().astype(np.int64))
