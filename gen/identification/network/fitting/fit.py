@@ -9,9 +9,10 @@ Optimization, 4.3).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, eigh
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.physics import Shape
@@ -147,15 +148,14 @@ class Trust:
     """
 
     def __init__(self, matrix: FloatArray, right: FloatArray, deviation: FloatArray) -> None:
-        self._deviation = deviation
-        self._values, self._vectors = eigh(matrix * deviation * deviation[:, None], check_finite=False)
-        self._right = self._vectors.T @ (right * deviation)
+        self._deviation, self._plain = deviation, right * deviation
+        self._matrix = matrix * deviation * deviation[:, None]
 
     def step(self, radius: float) -> FloatArray:
         """Give the step, no entry longer than `radius` units; shape (P,)."""
-        step = self._damped(0.0)
-        if np.max(np.abs(step)) <= radius:
-            return step * self._deviation
+        whole = self._whole
+        if whole is not None and np.max(np.abs(whole)) <= radius:
+            return whole * self._deviation
         low, high = -6.0, 16.0
         for _ in range(24):
             middle = 0.5 * (low + high)
@@ -163,5 +163,21 @@ class Trust:
             low, high = (middle, high) if long else (low, middle)
         return self._damped(10.0**high) * self._deviation
 
+    @cached_property
+    def _whole(self) -> FloatArray | None:
+        """The step to the minimum without a radius; None where there is none."""
+        try:
+            factor = cho_factor(self._matrix, check_finite=False)
+        except LinAlgError:
+            return None
+        return np.asarray(cho_solve(factor, self._plain, check_finite=False))
+
+    @cached_property
+    def _modes(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Eigenvalues, eigenvectors as columns, and the right-hand side along them."""
+        values, vectors = eigh(self._matrix, check_finite=False)
+        return np.maximum(values, 1e-9), vectors, vectors.T @ self._plain
+
     def _damped(self, damping: float) -> FloatArray:
-        return np.asarray(self._vectors @ (self._right / (np.maximum(self._values, 1e-9) + damping)))
+        values, vectors, along = self._modes
+        return np.asarray(vectors @ (along / (values + damping)))

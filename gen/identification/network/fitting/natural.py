@@ -14,6 +14,7 @@ f is a polynomial, the one that the coefficient file holds and the board evaluat
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -48,14 +49,21 @@ class Natural:
 
     def excess(self, difference: FloatArray) -> FloatArray:
         """What drives heat beyond the difference itself, any shape, K."""
-        return difference * (np.polyval(polynomial(self.widest), self._within(difference)) - 1.0)
+        held, (a, b, c, d) = self._within(difference), self._factors
+        return np.asarray(difference * (((a * held + b) * held + c) * held + (d - 1.0)))
 
     def slope(self, difference: FloatArray) -> FloatArray:
         """Its derivative by the difference."""
-        held = self._within(difference)
-        factors = polynomial(self.widest)
+        held, (a, b, c, d) = self._within(difference), self._factors
         inside = np.abs(difference) <= FARTHEST * self.widest
-        return np.asarray(np.polyval(factors, held) - 1.0 + inside * held * np.polyval(np.polyder(factors), held))
+        by_held = (3.0 * a * held + 2.0 * b) * held + c
+        return np.asarray(((a * held + b) * held + c) * held + (d - 1.0) + inside * held * by_held)
+
+    @cached_property
+    def _factors(self) -> tuple[float, float, float, float]:
+        """Of the polynomial, highest power first."""
+        a, b, c, d = polynomial(self.widest).tolist()
+        return a, b, c, d
 
     def _within(self, difference: FloatArray) -> FloatArray:
         return np.minimum(np.abs(difference), FARTHEST * self.widest)

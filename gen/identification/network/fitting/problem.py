@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 import numpy as np
+from scipy.linalg.blas import dsyrk
 
 from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Inputs
@@ -51,6 +52,14 @@ class Normal:
 
     matrix: FloatArray
     vector: FloatArray
+
+
+def _square(lines: FloatArray) -> FloatArray:
+    """L^T L, shape (p, p), of which only a half is computed."""
+    half = dsyrk(1.0, lines.T)  # Fortran's order: no copy; 0 below the diagonal
+    whole = half + half.T
+    whole[np.diag_indices_from(whole)] = half.diagonal()
+    return np.asarray(whole)
 
 
 S_co = TypeVar("S_co", bound=Shape, covariant=True)
@@ -146,8 +155,8 @@ class Problem(Generic[S_co]):
         matrix, right = np.empty((self.runs, count, count)), np.empty((self.runs, count))
         weighed = root * evaluated.residual
         for r, row in enumerate(self.inputs.rows):
-            lines = (slopes[row] * root[row][:, :, None]).reshape(-1, count)
-            matrix[r] = lines.T @ lines
+            lines = np.asarray(slopes[row] * root[row][:, :, None], dtype=np.float64).reshape(-1, count)
+            matrix[r] = _square(lines)
             right[r] = lines.T @ weighed[row].ravel()
         return evaluated, Normal(matrix, right)
 
