@@ -6,13 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from gen.coefficients import Coefficients
+from gen.errors import CheckFailed
 from gen.identification.coefficient_file import Settings, coefficient_text, usable
 from gen.identification.data import Data, make_data
 from gen.identification.identify import Identified, identify
 from gen.identification.network.data import make_network_data
-from gen.identification.network.identify import NetworkFound, identify_network
+from gen.identification.network.identify import NetworkFound, identify_network, without_convection
 from gen.identification.network.telling.document import network_text
 from gen.identification.sources import Source
+from gen.lowering.network.lower import lower_network
 
 Progress = Callable[[str], None]
 
@@ -110,9 +112,26 @@ def parts_of(sources: Sequence[Source], options: Options, progress: Progress) ->
 
 
 def network_of(sources: Sequence[Source], options: Options, progress: Progress) -> NetworkModel:
-    """Identify one network; raises as :func:`parts_of` does."""
+    """Identify one network; raises as :func:`parts_of` does.
+
+    Natural convection that no board can be shown to follow is left out: a model is there to be built.
+    """
     settings = options.settings
     data = make_network_data(sources, options.ambient, settings.full_scale, options.heat)
     result = identify_network(data, progress, options.max_hidden)
     text, coefficients = network_text(result, settings)
+    refused = _refused(coefficients) if result.still is not None else ""
+    if refused:
+        progress("last fit, without natural convection")
+        result = without_convection(result, f"natural convection is left out, as no board could be built: {refused}")
+        text, coefficients = network_text(result, settings)
     return NetworkModel(result, settings, text, coefficients)
+
+
+def _refused(coefficients: Coefficients) -> str:
+    """Why a network cannot be built; nothing where it can."""
+    try:
+        lower_network(coefficients, "fixed")
+    except CheckFailed as error:
+        return str(error)
+    return ""

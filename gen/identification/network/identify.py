@@ -10,10 +10,11 @@ import numpy as np
 
 from gen.identification.network.data import NetworkData
 from gen.identification.network.evidence import STIFF, clearly_better, likely
+from gen.identification.network.fitting.as_found import usual
 from gen.identification.network.fitting.bends import BEND
 from gen.identification.network.fitting.bins import Binned, FloatArray
 from gen.identification.network.fitting.inputs import Inputs, inputs_of
-from gen.identification.network.fitting.priors import prior_of
+from gen.identification.network.fitting.priors import Prior, prior_of
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.rooms import level_of, places_of, unsure_K
 from gen.identification.network.fitting.scale import Scale, scale_of
@@ -30,6 +31,8 @@ MOST_ALONE = 1
 """Hidden nodes at most where each run has a speed of its own: at one speed alone hidden temperatures may be any mixture
 of them, and what happens when speed changes, which the mixture decides, is in no run."""
 MOST_NODES = 10
+
+
 APART = 0.1
 """How far hidden nodes may start from where the file lets them, as a share of what parts differ by there."""
 BETTER = 1.1
@@ -75,6 +78,8 @@ class NetworkFound:
         The coarse bins.
     candidates
         What else was tried.
+    still
+        The same, on the coarse bins, without natural convection and how that was judged; None where there is none.
     """
 
     data: NetworkData
@@ -82,6 +87,7 @@ class NetworkFound:
     judged: LeftOut
     inputs: Inputs
     candidates: tuple[Candidate, ...]
+    still: tuple[Found, LeftOut] | None = None
 
     @cached_property
     def residual(self) -> FloatArray:
@@ -109,15 +115,26 @@ def identify_network(
     stiff = _best(data, inputs, scale, most_hidden, progress)
     bending = _best(data, inputs, scale, most_hidden, progress, stiff.tried)
     best = stiff if clearly_better(stiff.found, bending.found) else bending
+    still = None
     if data.ambient_measured:
         # Where nobody measured the room, it is not known what the difference to it is.
         progress("natural convection")
         natural = in_still_air(best.found, data.widest_K, scale)
         if likely(natural, best.found):
+            still = best.found, best.judged
             best = replace(best, found=natural, judged=left_out(natural, folds_of(inputs)))
     progress("last fit")
     last = _polished(data, best.found, scale)
-    return NetworkFound(_with_room(data, last), last, best.judged, inputs, best.candidates)
+    return NetworkFound(_with_room(data, last), last, best.judged, inputs, best.candidates, still)
+
+
+def without_convection(result: NetworkFound, why: str) -> NetworkFound:
+    """Give the same without natural convection, and the reason as a warning."""
+    assert result.still is not None
+    found, judged = result.still
+    last = _polished(result.data, found, scale_of(result.inputs))
+    data = replace(result.data, warnings=(*result.data.warnings, why))
+    return replace(result, data=data, found=last, judged=judged, still=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +212,17 @@ def _polished(data: NetworkData, found: Found, scale: Scale) -> Found:
     inputs = inputs_of(data.fine)
     problem = Problem(found.structure, inputs, prior_of(found.structure, inputs, scale))
     start = taken_over(problem, found.problem, found.vector)
-    return tightened(problem, start, found.density, AT_LAST, rounds=2)
+    last = tightened(problem, start, found.density, AT_LAST, rounds=2)
+    return _with_usual_starts(last) if found.structure.factors.size else last
+
+
+def _with_usual_starts(found: Found) -> Found:
+    """Fit once more, the factors of hidden nodes at the start near what the runs show of them (see `as_found`)."""
+    shared, prior = usual(found.problem, found.vector, found.fit.evaluated), found.problem.prior
+    mean, precision, places = prior.mean.copy(), prior.precision.copy(), found.structure.factors
+    mean[places], precision[places, places] = shared.log, shared.deviation**-2
+    problem = replace(found.problem, prior=Prior(mean, precision))
+    return tightened(problem, found.vector, found.density, AT_LAST, rounds=2)
 
 
 def _with_room(data: NetworkData, found: Found) -> NetworkData:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import gen
+from gen.identification.choice.models import Options, network_of
 from gen.identification.coefficient_file import Settings
 from gen.identification.network.data import make_network_data
 from gen.identification.network.fitting.bins import FloatArray, binned
@@ -25,6 +26,7 @@ from gen.identification.network.identify import identify_network
 from gen.identification.network.telling.document import network_text
 from gen.identification.network.telling.page import network_report
 from gen.identification.sources import Source
+from gen.lowering.network.lower import lower_network
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
 from tests.examples import ROOT
@@ -143,6 +145,17 @@ def test_a_motor_in_still_air_is_identified_and_written_as_one() -> None:
     shown = NetworkSolution(loaded.model).simulate_times(test.time_s, test.pwm, test.ambient, start=first)
     error = np.concatenate([shown[name] - test.temps[name] for name in first])
     assert float(np.sqrt(np.mean(error**2))) < 0.01 * float(np.ptp(test.temps["magnet"]))
+
+
+def test_what_no_board_can_be_shown_to_follow_is_left_out() -> None:
+    """The same motor with a twentieth of its masses: a model is there to be built."""
+    rows = np.repeat(np.random.default_rng(5).choice([0, 150, 220, 255], (2, 30)), 60, axis=1).astype(np.int64)
+    slow = [logged(k, pwm) for k, pwm in enumerate(rows)]
+    quick = [Source(f"r{k}.csv", replace(run, time_s=run.time_s / 20.0)) for k, run in enumerate(slow)]
+    found = network_of(quick, Options(Settings("quick"), max_hidden=1), lambda _: None)
+    assert '"convection"' not in found.text
+    assert [said for said in found.result.data.warnings if "natural convection is left out, as no board" in said]
+    assert max(part.proof.bound_K for part in lower_network(found.coefficients, "fixed").components()) < 1e-3
 
 
 def test_where_nobody_measured_the_room_none_is_sought() -> None:

@@ -105,3 +105,27 @@ def test_a_run_that_begins_otherwise_than_the_others_is_named(found: NetworkFoun
     said = [warning for warning in Summary(wrong).warnings() if "begins warmer or colder inside" in warning]
     assert len(said) == 1
     assert said[0].startswith("warm1: casing is followed to ")
+
+
+def test_runs_from_cold_tell_how_warm_a_motor_is_found_that_has_run(paths: list[Path], tmp_path: Path) -> None:
+    """None of them begins warm; but all rest, and while they do the rotor is warmer than its casing."""
+    made = []
+    for number in range(3):
+        rng = np.random.default_rng(50 + number)
+        speeds = rng.integers(60, 255, 4)
+        made.append(tmp_path / f"cold{number}.csv")
+        run = INSIDE.run(
+            holds(*((int(s), m) for s in speeds for m in (25,)), (0, 30), (200, 20), (0, 15)), rng, noise=0.05
+        )
+        write_run(made[-1], run)
+    found = identify_network(make_network_data(read_sources(made), None), lambda _: None)
+    document = json.loads(network_text(found, Settings("motor"))[0])
+    hidden = [node for node in document["network"]["nodes"] if "sensor" not in node]
+    assert any(node["start_factor"] > 1.1 for node in hidden)
+    errors = []
+    for factor in (None, 1.0):
+        for node in hidden:
+            node["start_factor"] = node["start_factor"] if factor is None else factor
+        (tmp_path / "model.json").write_text(json.dumps(document))
+        errors.append(rms_K(gen.load(tmp_path / "model.json"), paths[-1]))
+    assert errors[0] < 0.6 * errors[1]

@@ -51,6 +51,11 @@ def begun(shape: Shape, factors: IntArray, vector: FloatArray, sensed: FloatArra
     return Begun(ambient[:, None] + factor * at_rest, by_shared, by_sensed, 1.0 - by_sensed.sum(axis=-1))
 
 
+def balance(shape: Shape, vector: FloatArray) -> FloatArray:
+    """Give the share of each sensed node's rise that a hidden one rests at, shape (h, S)."""
+    return _balance(shape, shape.physical(AT_REST, vector))[1]
+
+
 def _balance(shape: Shape, physics: Physical) -> tuple[FloatArray, FloatArray]:
     """Invert K_hh, and give the share of each sensed node's rise that a hidden one rests at, shapes (h, h), (h, S)."""
     incidence, sensors = shape.incidence, shape.sensors

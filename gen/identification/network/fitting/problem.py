@@ -132,6 +132,10 @@ class Problem(Generic[S_co]):
         for row, own in zip(self.inputs.rows, by, strict=True):
             slopes[row] += slopes[row][..., size + sensors : size + nodes] @ own
 
+    def ambient(self, vector: FloatArray) -> FloatArray:
+        """Ambient of each bin, with what is unknown of it, shape (N,), degC."""
+        return self.inputs.ambient + self._begin(vector)[1]
+
     def evaluate(self, vector: FloatArray) -> Evaluated:
         """Simulate all runs."""
         found = self.structure.physical(self.inputs.levels, vector)

@@ -30,12 +30,13 @@ from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
 from gen.identification.drive import input_entry
+from gen.identification.network.fitting.as_found import usual
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import held, joined, turning
 from gen.identification.network.fitting.natural import polynomial
 from gen.identification.network.fitting.speed_laws import CONSTANT, WITHIN, Law
-from gen.identification.network.fitting.structure import Structure
 from gen.identification.network.identify import NetworkFound
+from gen.identification.network.search import Found
 from gen.identification.network.telling.forecast import Band, bands, widened
 from gen.identification.network.telling.foresight import Foresight, foresight
 from gen.identification.network.telling.stiffness import slowed
@@ -43,6 +44,8 @@ from gen.identification.network.telling.uncertainty import Spread, spread_of
 
 FASTEST = 20.0
 """No node follows its neighbours within fewer steps of the board: paths are limited, then its capacity is raised."""
+CONVECTION_LIMIT_K = 0.01
+"""Of natural convection, whose bound counts the fastest change that its ranges allow in every sample."""
 HELD_SHARE = 0.05
 """Of the whole time: a |PWM| that is held for longer is named."""
 MOST_FACTOR = 7.99
@@ -122,7 +125,7 @@ def _document(result: NetworkFound, settings: Settings, note: str) -> Document:
         ambient=_ambient(result),
         validity=Validity(pwm=(low, high), outside="extrapolate"),
         domain=_domain(result, top),
-        accuracy=Accuracy(fixed_limit_K=FIXED_LIMIT_K, float_limit_K=FLOAT_LIMIT_K),
+        accuracy=_accuracy(result),
         network=_network(result, settings),
         provenance=Provenance(
             source="gen identify --model network",
@@ -133,6 +136,12 @@ def _document(result: NetworkFound, settings: Settings, note: str) -> Document:
             error=tuple(_error_bands(result, spread)),
         ),
     )
+
+
+def _accuracy(result: NetworkFound) -> Accuracy:
+    if not result.found.structure.natural:
+        return Accuracy(fixed_limit_K=FIXED_LIMIT_K, float_limit_K=FLOAT_LIMIT_K)
+    return Accuracy(fixed_limit_K=CONVECTION_LIMIT_K, float_limit_K=CONVECTION_LIMIT_K)
 
 
 def _ambient(result: NetworkFound) -> Ambient:
@@ -174,7 +183,7 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
             offset = six_digits(float(vector[structure.offsets[i]]))
             nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, sensor=SensorEntry(offset_K=offset)))
         else:
-            factor = _start_factor(structure, vector, i)
+            factor = _start_factor(result.found, i)
             nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, start_factor=factor))
     heats = tuple(
         HeatEntry(node=names[node], power_W=tabulated(pwm, physics.heat[1:, node], 0.0)) for node in structure.heated
@@ -183,11 +192,14 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
     return NetworkEntry(channels=channels, nodes=tuple(nodes), paths=tuple(paths), heats=(*heats, *fed))
 
 
-def _start_factor(structure: Structure, vector: FloatArray, node: int) -> float:
-    """Of a hidden node: where it starts; 1 where no run tells."""
-    if not structure.factors.size:
-        return 1.0
-    return six_digits(min(float(np.exp(vector[structure.factors[node - structure.sensors]])), MOST_FACTOR))
+def _start_factor(found: Found, node: int) -> float:
+    """Of a hidden node: where it starts, as runs that begin warm do, or as it is found at rest in the runs."""
+    structure, hidden = found.structure, node - found.structure.sensors
+    if structure.factors.size:
+        log = float(found.vector[structure.factors[hidden]])
+    else:
+        log = float(usual(found.problem, found.vector, found.fit.evaluated).log[hidden])
+    return six_digits(min(float(np.exp(log)), MOST_FACTOR))
 
 
 def _fed(result: NetworkFound, names: tuple[str, ...]) -> tuple[tuple[ChannelEntry, ...], tuple[HeatEntry, ...]]:
