@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -85,7 +85,8 @@ def tclab(folder: Path) -> Iterator[Case]:
 
 def battery_cell(folder: Path) -> Iterator[Case]:
     """A cell under random current: tested on other random runs, and on discharges at 1 and 2 C."""
-    runs = {path.stem.removeprefix("cell1_"): run for path, run in _read(sorted(folder.glob("cell1_*.csv")))}
+    files = _read(sorted(folder.glob("cell1_*.csv")))
+    runs = {path.stem.removeprefix("cell1_"): _driven_by(run, "current, 255 = 6 A") for path, run in files}
     test = {name: runs[name] for name in ("random05", "random15", "random25", "random35", "random45")}
     fit = {name: runs[name] for name in ("random00", "random10", "random20", "random30", "random40")}
     surface = ("surface",)
@@ -162,13 +163,14 @@ def _stalled(sensors: pd.DataFrame, controller: pd.DataFrame) -> Run:
         key: np.interp(time, rows.t_s.to_numpy() - (first - on), rows.T_C.to_numpy(), right=np.nan)
         for key, rows in at.items()
     }
-    return Run(
+    run = Run(
         time_s=time - time[0],
         pwm=np.clip(np.rint(held.P_W.to_numpy() / WATTS_PER_COUNT), 0, 255).astype(np.int64),
         temps={"winding": shown["Winding Temp"], "stator": shown["Stator Body"]},
         ambient=np.full(time.size, float(at["Ambient"].T_C.median())),
         extras={"current_A": held.I_A.to_numpy()},
     )
+    return _driven_by(run, f"P_W, 255 = {255.0 * WATTS_PER_COUNT:g} W")
 
 
 OVEN = {
@@ -251,7 +253,8 @@ def _held_current(folder: Path, name: str) -> Run:
     since = np.searchsorted([at for at, _ in steps], time, side="right") - 1
     current = np.array([level for _, level in steps])[since]
     pwm = np.rint(current / FULL_CURRENTS[name[:5]] * 255.0).astype(np.int64)
-    return Run(time, pwm, {"motor": motor}, np.full(time.size, room))
+    run = Run(time, pwm, {"motor": motor}, np.full(time.size, room))
+    return _driven_by(run, f"current, 255 = {FULL_CURRENTS[name[:5]]:g} A")
 
 
 HOUSE_KILOWATTS = 6.0
@@ -267,13 +270,14 @@ def house(folder: Path) -> Iterator[Case]:
     halves = {}
     for name, rows in (("first half", table.t < HOUSE_CUT_H), ("second half", table.t >= HOUSE_CUT_H)):
         half = table[rows]
-        halves[name] = Run(
+        run = Run(
             time_s=np.rint((half.t - half.t.iloc[0]).to_numpy() * 3600.0),
             pwm=np.rint(half.Ph.to_numpy() / HOUSE_KILOWATTS * 255.0).astype(np.int64),
             temps={"inside": half.yTi.to_numpy(dtype=np.float64)},
             ambient=half.Ta.to_numpy(dtype=np.float64),
             extras={"sun_kW_m2": half.Ps.to_numpy(dtype=np.float64)},
         )
+        halves[name] = _driven_by(run, f"Ph, 255 = {HOUSE_KILOWATTS:g} kW")
     yield from _each_left_out("house", halves, ("inside",), str)
 
 
@@ -301,11 +305,16 @@ def incubator(folder: Path) -> Iterator[Case]:
     yield from _each_left_out("incubator", runs, ("box",), str)
 
 
+def _driven_by(run: Run, said: str) -> Run:
+    """A run that says what its input is, as `gen import --input COLUMN --full-scale X` writes it."""
+    return replace(run, comments={**run.comments, "input": said})
+
+
 def _between(run: Run, first: float, until: float) -> Run:
     rows = (run.time_s >= first) & (run.time_s < until)
     ambient = None if run.ambient is None else run.ambient[rows]
     temps = {name: values[rows] for name, values in run.temps.items()}
-    return Run(run.time_s[rows] - run.time_s[rows][0], run.pwm[rows], temps, ambient)
+    return Run(run.time_s[rows] - run.time_s[rows][0], run.pwm[rows], temps, ambient, comments=run.comments)
 
 
 def _read(paths: list[Path]) -> Iterator[tuple[Path, Run]]:

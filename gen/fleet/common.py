@@ -102,6 +102,7 @@ def structure_json(structure: Structure) -> dict[str, Any]:
         "fed": [list(one) for one in structure.fed],
         "bend": structure.bend,
         "apart": structure.apart,
+        "driven": structure.driven,
     }
 
 
@@ -116,6 +117,7 @@ def structure_of(said: dict[str, Any]) -> Structure:
         tuple((column, node) for column, node in said.get("fed", ())),
         said.get("bend", BEND),
         apart=said.get("apart", 0.0),
+        driven=said.get("driven", ""),
     )
 
 

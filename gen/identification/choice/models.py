@@ -119,19 +119,18 @@ def network_of(sources: Sequence[Source], options: Options, progress: Progress) 
     settings = options.settings
     data = make_network_data(sources, options.ambient, settings.full_scale, options.heat)
     result = identify_network(data, progress, options.max_hidden)
-    text, coefficients = network_text(result, settings)
-    refused = _refused(coefficients) if result.still is not None else ""
+    refused = _refused(result, settings) if result.still is not None else ""
     if refused:
         progress("last fit, without natural convection")
         result = without_convection(result, f"natural convection is left out, as no board could be built: {refused}")
-        text, coefficients = network_text(result, settings)
+    text, coefficients = network_text(result, settings)
     return NetworkModel(result, settings, text, coefficients)
 
 
-def _refused(coefficients: Coefficients) -> str:
+def _refused(result: NetworkFound, settings: Settings) -> str:
     """Why a network cannot be built; nothing where it can."""
     try:
-        lower_network(coefficients, "fixed")
+        lower_network(network_text(result, settings)[1], "fixed")
     except CheckFailed as error:
         return str(error)
     return ""

@@ -13,6 +13,7 @@ from gen.identification.data import FEWEST, MOVES_K, apart, components_of, sound
 from gen.identification.drive import common_drive
 from gen.identification.network.driving import Driving, driving_of, values_of
 from gen.identification.network.fitting.bins import Binned, FloatArray, binned, longest_bin
+from gen.identification.network.fitting.driven import KINDS
 from gen.identification.records import resolution
 from gen.identification.room_followers import followers
 from gen.identification.sources import Source
@@ -48,6 +49,8 @@ class NetworkData:
         Where nothing says the ambient: standard deviation of `ambient_fixed`, K; else 0.
     driving
         Columns that heat the motor beside its PWM.
+    driven
+        What the input is: ``power``, ``current``, or nothing (see `fitting.driven`).
     """
 
     sources: tuple[Source, ...]
@@ -60,6 +63,7 @@ class NetworkData:
     warnings: tuple[str, ...]
     ambient_unsure_K: float = 0.0
     driving: tuple[Driving, ...] = ()
+    driven: str = ""
 
     @property
     def highest_degC(self) -> float:
@@ -104,7 +108,7 @@ def make_network_data(
     InputError
         When nothing can be identified from them.
     """
-    common_drive((source.path, source.run) for source in sources)
+    drive = common_drive((source.path, source.run) for source in sources)
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     sources = [sound(source, warnings) for source in sources]
     warnings += apart(sources)
@@ -142,6 +146,7 @@ def make_network_data(
         full_scale=full_scale,
         warnings=tuple(dict.fromkeys(warnings)),
         driving=driving,
+        driven=KINDS.get(drive.unit, "") if drive is not None else "",
     )
 
 

@@ -176,7 +176,7 @@ def _best(
             one = bent(stiff[hidden], BEND, scale)
         else:
             apart = APART if inputs.warm.any() else 0.0
-            form = full(data.names, hidden, len(data.driving), BEND if stiff else STIFF, apart)
+            form = full(data.names, hidden, len(data.driving), BEND if stiff else STIFF, apart, data.driven)
             one = search(form, inputs, scale, tried[-1][0] if tried else None)
         progress(f"{kind}, {hidden} hidden node(s): left-out error")
         tried.append((one, left_out(one, by_nodes)))

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.driven import known
 from gen.identification.network.fitting.inputs import START_K, Inputs
 from gen.identification.network.fitting.rooms import places_of, share_level, unsure_K
 from gen.identification.network.fitting.scale import Scale
@@ -100,6 +101,8 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
     for at, block in blocks:
         level = np.diag(block) == 0.0
         precision[at, at] = block + np.diag(np.where(level, FACTOR**-2, 0.0))
+    for place, middle, apart in known(structure):
+        mean[place], precision[place, place] = middle, apart**-2
     _join_at_rest(structure, precision)
     for r in range(len(inputs.runs)):
         at = shared + r * own + nodes

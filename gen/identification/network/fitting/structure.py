@@ -49,6 +49,8 @@ class Structure:
     apart
         How far hidden nodes may start from a multiple of the rise at which they would rest (see `resting`), standard
         deviation as a share of what the parts differ by; 0 where every run begins cold, or they start near the parts.
+    driven
+        What the input is, where that tells of curves (see `driven`); nothing for a motor's PWM.
     """
 
     sensed: tuple[str, ...]
@@ -60,6 +62,7 @@ class Structure:
     bend: float = BEND
     natural: float = 0.0
     apart: float = 0.0
+    driven: str = ""
 
     @property
     def nodes(self) -> int:
@@ -288,10 +291,12 @@ def _slices(first: int, sizes: list[int]) -> tuple[slice, ...]:
     return tuple(slice(int(end) - size, int(end)) for end, size in zip(ends, sizes, strict=True))
 
 
-def full(sensed: tuple[str, ...], hidden: int, columns: int = 0, bend: float = BEND, apart: float = 0.0) -> Structure:
+def full(
+    sensed: tuple[str, ...], hidden: int, columns: int = 0, bend: float = BEND, apart: float = 0.0, driven: str = ""
+) -> Structure:
     """Give the network in which every node has a path to every other and to the ambient, and a heat of each kind."""
     count = len(sensed) + hidden
     inner = [(i, j) for i in range(count) for j in range(i + 1, count)]
     paths = (*inner, *((i, -1) for i in range(count)))
     fed = tuple((column, node) for column in range(columns) for node in range(count))
-    return Structure(sensed, hidden, paths, tuple(range(count)), fed=fed, bend=bend, apart=apart)
+    return Structure(sensed, hidden, paths, tuple(range(count)), fed=fed, bend=bend, apart=apart, driven=driven)
