@@ -144,7 +144,7 @@ def _derived(
     for number, (motor, model) in enumerate(models.items(), start=1):
         progress(f"thresholds: {number} of {len(models)}")
         try:
-            text = with_thresholds(model, rules, hours, [*healthy[motor], *others_of(healthy, motor)])
+            text = with_thresholds(model, rules, hours, [*healthy[motor], *_others(healthy, motor)])
             made = parse(text.encode())
         except (InputError, CheckFailed) as error:
             refused[motor] = str(error)
@@ -179,7 +179,7 @@ def with_thresholds(model: Model, rules: Path, hours: float, runs: Sequence[Heal
     return with_rules(model.text, wanted, alarms, bands, source="gen fleet thresholds")
 
 
-def others_of(healthy: Mapping[str, Sequence[HealthyRun]], motor: str) -> list[HealthyRun]:
+def _others(healthy: Mapping[str, Sequence[HealthyRun]], motor: str) -> list[HealthyRun]:
     """Runs of other motors, evenly over the sorted list: the same ones each time."""
     every = [run for other in sorted(healthy) if other != motor for run in healthy[other]]
     places = np.unique(np.linspace(0, len(every) - 1, min(OTHERS, len(every))).round().astype(np.int64))

@@ -23,7 +23,7 @@ COLD_K = 2.5
 """A motor whose parts all read the ambient to within this began cold: sensors may be off by as much."""
 STILL_K = 0.5
 """In a room that moves by more (standard deviation) parts lag behind it: then they are not as warm as the room."""
-APART = 0.5
+ALIKE = 0.5
 """Of what parts differ by at the start: how far a hidden node may be from them."""
 START_K = 0.2
 """Standard deviation of a start about what is said of it, K."""
@@ -246,7 +246,7 @@ def _begin(run: Binned) -> _Begin:
         return _Begin(np.full(known.size + 1, ambient), (within, within))
     level = float(np.mean(run.begin[known]))
     begin = np.append(np.where(known, run.begin, level), level)
-    loose = (2.0 * START_K if known.all() else WARM_K, START_K + APART * (spread + moves))
+    loose = (2.0 * START_K if known.all() else WARM_K, START_K + ALIKE * (spread + moves))
     return _Begin(begin, loose, spread + moves)
 
 

@@ -47,7 +47,7 @@ class Structure:
     natural
         The widest difference for which natural convection is described, K; 0 where nothing goes by it (see `natural`).
     apart
-        How far hidden nodes may start from a multiple of the rise at which they would rest (see `resting`), standard
+        How far hidden nodes may start from a multiple of the rise at which they would rest (see `at_start`), standard
         deviation as a share of what the parts differ by; 0 where every run begins cold, or they start near the parts.
     driven
         What the input is, where that tells of curves (see `driven`); nothing for a motor's PWM.
