@@ -57,7 +57,10 @@ def test_the_site_is_described_by_a_file_whose_hooks_and_style_are_there() -> No
 def test_the_version_stands_in_one_place() -> None:
     assert gen.__version__ == version(PROJECT["name"]) == PROJECT["version"]
     sources = [
-        path for folder in ("gen", "templates") for path in (ROOT / folder).rglob("*.*") if path.suffix != ".pyc"
+        path
+        for folder in ("gen", "templates")
+        for path in (ROOT / folder).rglob("*.*")
+        if path.parent.name != "__pycache__"
     ]
     literal = re.compile(rf"\b{re.escape(PROJECT['version'])}\b")
     assert not [path for path in sources if path.is_file() and literal.search(path.read_text(encoding="utf-8"))]

@@ -1,4 +1,4 @@
-"""Fit both kinds, and choose."""
+"""Fit a network; fit parts, too, where it is not good, and choose."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from gen.errors import CheckFailed, InputError
 from gen.identification.choice.compared import KINDS, Errors, Kind, comparison
-from gen.identification.choice.decision import Decision, Tried, decided, told_without_folds
+from gen.identification.choice.decision import Decision, Tried, decided, good_enough, told_without_folds
 from gen.identification.choice.folds import Fold, folds_of
 from gen.identification.choice.left_out import errors
 from gen.identification.choice.models import NetworkModel, Options, PartsModel, Progress, network_of, parts_of
@@ -35,9 +35,10 @@ class Chosen:
 
 
 def choose(sources: Sequence[Source], options: Options, progress: Progress) -> Chosen:
-    """Fit parts and network to all runs, and to each fold's; take one.
+    """Fit a network to all runs; unless it is good, fit parts, too, and both to each fold's; take one.
 
-    Each kind is fitted `MOST_FOLDS` + 1 times at most; once, where one of them refuses or leaves a part out.
+    Each kind is fitted `MOST_FOLDS` + 1 times at most; once, where one of them refuses or leaves a part out. Parts are
+    not fitted at all where a network has every temperature of the runs and is good (see `grades`) on what was left out.
 
     Parameters
     ----------
@@ -61,8 +62,11 @@ def choose(sources: Sequence[Source], options: Options, progress: Progress) -> C
     refusals: list[InputError | CheckFailed] = []
     for kind in KINDS:
         try:
-            models[kind] = fits[kind](sources, options, _told(progress, kind))
-            tried[kind] = Tried(models[kind].coefficients.model.component_names)
+            model = models[kind] = fits[kind](sources, options, _told(progress, kind))
+            if isinstance(model, NetworkModel) and model.good_to_K is not None:
+                decision = good_enough(model.good_to_K)
+                return Chosen(model.noted(decision.note), decision)
+            tried[kind] = Tried(model.coefficients.model.component_names)
         except (InputError, CheckFailed) as error:
             tried[kind] = Tried(refused=_said(error))
             refusals.append(error)

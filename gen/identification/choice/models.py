@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
 from gen.identification.coefficient_file import Settings, coefficient_text, usable
-from gen.identification.data import Data, make_data
+from gen.identification.data import Data, components_of, make_data
 from gen.identification.identify import Identified, identify
 from gen.identification.network.data import make_network_data
 from gen.identification.network.identify import NetworkFound, identify_network, without_convection
 from gen.identification.network.telling.document import network_text
+from gen.identification.network.telling.summary import Summary
 from gen.identification.sources import Source
 from gen.lowering.network.lower import lower_network
 
@@ -86,6 +87,13 @@ class NetworkModel:
     settings: Settings
     text: str
     coefficients: Coefficients
+
+    @property
+    def good_to_K(self) -> float | None:
+        """See `Summary`; None, too, where it leaves out a temperature that is in the runs."""
+        data = self.result.data
+        complete = set(data.names) == set(components_of(data.sources))
+        return Summary(self.result).good_to_K if complete else None
 
     def noted(self, note: str) -> NetworkModel:
         """Give the same with a sentence more in the file's provenance."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -55,6 +56,32 @@ def three_lags(count: int = 3) -> list[Source]:
     return runs
 
 
+@pytest.fixture
+def never_good(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No network is good on what was left out."""
+    monkeypatch.setattr(NetworkModel, "good_to_K", None)
+
+
+def test_a_network_that_is_good_is_taken_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    stubs = Stubs(monkeypatch, [])
+    made = choose(days(), QUICK, silent)
+    assert made.decision.kind == "network"
+    assert stubs.asked == {"network": 1, "parts": 0}
+    said = re.match(r"network, because data that took no part in its fit are predicted to (\S+) K", made.decision.why)
+    assert said is not None
+    assert 0.0 < float(said[1]) < 1.0
+    assert made.decision.why in str(made.model.coefficients.document.provenance)
+
+
+def test_a_network_without_a_temperature_of_the_runs_is_not_taken_at_once() -> None:
+    runs = days()
+    whole = network_of(runs, QUICK, silent)
+    assert whole.good_to_K is not None
+    still = [replace(s, run=replace(s.run, temps={**s.run.temps, "lamp": np.full(s.run.pwm.size, 25.0)})) for s in runs]
+    assert network_of(still, QUICK, silent).good_to_K is None
+
+
+@pytest.mark.usefixtures("never_good")
 def test_one_motor_of_two_bodies_is_a_network() -> None:
     made = choose(days(), QUICK, silent)
     assert made.decision.kind == "network"
@@ -79,6 +106,7 @@ def test_lags_that_no_bodies_show_are_parts_and_the_same_each_time() -> None:
     assert again.decision == made.decision
 
 
+@pytest.mark.usefixtures("never_good")
 def test_where_parts_refuse_the_network_is_taken_and_that_is_said() -> None:
     """A warm start, and nothing that says the room: parts ask, a network finds out."""
     rng = np.random.default_rng(3)
@@ -130,6 +158,7 @@ class Stub:
         self.coefficients = kind
 
 
+@pytest.mark.usefixtures("never_good")
 @pytest.mark.parametrize(
     ("ratios", "fits", "kind"),
     [

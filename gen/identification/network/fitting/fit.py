@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.physics import Shape
@@ -175,7 +175,7 @@ class Trust:
     @cached_property
     def _modes(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Eigenvalues, eigenvectors as columns, and the right-hand side along them."""
-        values, vectors = eigh(self._matrix, check_finite=False)
+        values, vectors = np.linalg.eigh(self._matrix)  # divide and conquer
         return np.maximum(values, 1e-9), vectors, vectors.T @ self._plain
 
     def _damped(self, damping: float) -> FloatArray:

@@ -49,24 +49,42 @@ class Natural:
 
     def excess(self, difference: FloatArray) -> FloatArray:
         """What drives heat beyond the difference itself, any shape, K."""
-        held, (a, b, c, d) = self._within(difference), self._factors
-        return np.asarray(difference * (((a * held + b) * held + c) * held + (d - 1.0)))
+        return np.asarray(excess_of(difference, self.factors, self.limit))
 
     def slope(self, difference: FloatArray) -> FloatArray:
         """Its derivative by the difference."""
-        held, (a, b, c, d) = self._within(difference), self._factors
-        inside = np.abs(difference) <= FARTHEST * self.widest
+        held, (a, b, c, d) = np.minimum(np.abs(difference), self.limit), self.factors
+        inside = np.abs(difference) <= self.limit
         by_held = (3.0 * a * held + 2.0 * b) * held + c
         return np.asarray(((a * held + b) * held + c) * held + (d - 1.0) + inside * held * by_held)
 
     @cached_property
-    def _factors(self) -> tuple[float, float, float, float]:
-        """Of the polynomial, highest power first."""
-        a, b, c, d = polynomial(self.widest).tolist()
-        return a, b, c, d
+    def factors(self) -> FloatArray:
+        """Of the polynomial, highest power first, shape (4,)."""
+        return polynomial(self.widest)
 
-    def _within(self, difference: FloatArray) -> FloatArray:
-        return np.minimum(np.abs(difference), FARTHEST * self.widest)
+    @property
+    def limit(self) -> float:
+        """What all beyond it counts as, K."""
+        return FARTHEST * self.widest
+
+
+def excess_of(difference: FloatArray, factors: FloatArray, limit: float) -> FloatArray:
+    """What drives heat beyond the difference itself, K: of an array or, compiled, of a number.
+
+    Parameters
+    ----------
+    difference
+        To the ambient, K.
+    factors
+        Of the polynomial over |d|, highest power first, shape (4,).
+    limit
+        What all beyond it counts as, K.
+    """
+    held = np.minimum(np.abs(difference), limit)
+    a, b, c, d = factors
+    excess: FloatArray = difference * (((a * held + b) * held + c) * held + (d - 1.0))
+    return excess
 
 
 def polynomial(widest: float) -> FloatArray:

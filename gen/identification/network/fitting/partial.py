@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.identification.network.fitting.compiled import compiled
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +44,29 @@ class Partial:
         """
         if self.by.size == 0:
             return
-        value = self.value.astype(unit.dtype)
-        each = np.take(unit, self.of, axis=-1)
-        each *= (value if level is None else value[level])[:, None, :]
-        # One parameter may act in several places; neighbours are added at once.
-        begins = np.flatnonzero(np.diff(self.by, prepend=-2) != 1).tolist()
-        for begin, end in pairwise([*begins, self.by.size]):
-            first = int(self.by[begin])
-            made[..., first : first + end - begin] += each[..., begin:end]
+        at = np.arange(len(made)) if level is None else level
+        _spread(self.of, self.by, self.value.astype(unit.dtype), at, unit, made)
+
+
+@compiled
+def _spread(
+    of: IntArray, by: IntArray, value: NDArray[Any], level: IntArray, unit: NDArray[Any], made: NDArray[Any]
+) -> None:
+    """Add what each parameter does: its derivatives times what a unit of each path or node does.
+
+    Parameters
+    ----------
+    of, by, value
+        See `Partial`.
+    level
+        Shape (N,).
+    unit
+        Shape (N, n, paths or nodes).
+    made
+        Shape (N, n, p).
+    """
+    for row in range(level.size):
+        at = level[row]
+        for i in range(unit.shape[1]):
+            for f in range(of.size):
+                made[row, i, by[f]] += value[at, f] * unit[row, i, of[f]]

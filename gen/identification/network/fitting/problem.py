@@ -14,9 +14,10 @@ from scipy.linalg.blas import dsyrk
 
 from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Inputs
+from gen.identification.network.fitting.marching import Slopes
 from gen.identification.network.fitting.physics import Begun, Shape
 from gen.identification.network.fitting.priors import Prior
-from gen.identification.network.fitting.simulation import Slopes, sensitivities, simulate, steps_of
+from gen.identification.network.fitting.simulation import sensitivities, simulate, steps_of
 
 
 @dataclass(frozen=True, eq=False)

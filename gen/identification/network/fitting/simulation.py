@@ -9,20 +9,14 @@ A path changes A by a matrix of rank one, so its derivative is a heat that flows
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Inputs, Levels
+from gen.identification.network.fitting.marching import Slopes, march, march_in_still_air, march_slopes, units
 from gen.identification.network.fitting.natural import Natural
 from gen.identification.network.fitting.physics import Physical, Shape
-
-Slopes = NDArray[np.float32]
-
-ROUNDS = 4
-"""Of what natural convection takes within a bin: each leaves a quarter of the error of the one before, or less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,19 +97,16 @@ def simulate(
     # The gain's rows times what comes from outside and from the heats, for each distinct input once.
     from_ambient = np.einsum("lij,lj->li", steps.gain, steps.outside)
     from_heat = np.einsum("lij,lj->li", steps.gain, found.heat)
-    driven = (from_ambient[level] * (inputs.ambient + room)[:, None] + from_heat[level])[:, :, None]
+    ambient = inputs.ambient + room
+    driven = from_ambient[level] * ambient[:, None] + from_heat[level]
     before, after = np.empty_like(driven), np.empty_like(driven)
-    matrix = steps.matrix[level]
-    further = _Further(steps, found.natural, level, inputs.ambient + room) if found.natural is not None else None
-    current = start[inputs.order][:, :, None]
-    for low, high in pairwise(inputs.first.tolist()):
-        current = current[: high - low]
-        before[low:high] = current
-        current = np.matmul(matrix[low:high], current, out=after[low:high])
-        current += driven[low:high]
-        if further is not None:
-            current = after[low:high] = further.added(before[low:high, :, 0], current[..., 0], low, high)[:, :, None]
-    return before[..., 0], after[..., 0]
+    fixed = (inputs.first, level, steps.matrix, driven, start[inputs.order])
+    if found.natural is None:
+        march(*fixed, before, after)
+    else:
+        warm = found.natural
+        march_in_still_air(*fixed, steps.gain, warm.conductance, ambient, warm.factors, warm.limit, before, after)
+    return before, after
 
 
 class _Further:
@@ -132,13 +123,6 @@ class _Further:
         """At each node, shape (rows, n), W."""
         difference = 0.5 * (before + after) - self._ambient[rows, None]
         return np.asarray(-self._conductance[rows] * self._natural.excess(difference))
-
-    def added(self, before: FloatArray, without: FloatArray, low: int, high: int) -> FloatArray:
-        """Temperatures at the end of bins from those without it, shape (rows, n), degC."""
-        rows, after = slice(low, high), without
-        for _ in range(ROUNDS):
-            after = without + np.einsum("rij,rj->ri", self._gain[rows], self.heat(before, after, rows))
-        return after
 
     def answered(
         self, structure: Shape, inputs: Inputs, path: tuple[FloatArray, FloatArray], matrix: Slopes, sources: Slopes
@@ -186,25 +170,16 @@ def sensitivities(
     sources = sources_of(structure, inputs, found, steps, path[0], room, more)
     nodes, sensors = structure.nodes, structure.sensors
     made = np.empty((inputs.level.size, sensors, sources.shape[-1]), dtype=np.float32)
-    current = np.zeros((len(inputs.runs), nodes, sources.shape[-1]), dtype=np.float32)
-    current[:, :, structure.size : structure.size + nodes] = np.eye(nodes)
-    matrix = steps.matrix.astype(np.float32)[inputs.level]
+    start = np.zeros((len(inputs.runs), nodes, sources.shape[-1]), dtype=np.float32)
+    start[:, :, structure.size : structure.size + nodes] = np.eye(nodes)
+    level, matrix = inputs.level, steps.matrix.astype(np.float32)
     if further is not None:
-        matrix, sources = further.answered(structure, inputs, path, matrix, sources)
-    lagging = list(structure.lagging)
-    changes = np.empty((inputs.level.size, len(lagging), sources.shape[-1]), dtype=np.float32)
-    late = inputs.share.astype(np.float32)[:, :, None]
-    early = np.float32(1.0) - late
-    for low, high in pairwise(inputs.first.tolist()):
-        shown = made[low:high]
-        earlier = current[: high - low]
-        np.multiply(early[low:high], earlier[:, :sensors], out=shown)
-        current = np.matmul(matrix[low:high], earlier)
-        current += sources[low:high]
-        shown += late[low:high] * current[:, :sensors]
-        if lagging:
-            changes[low:high] = current[:, lagging] - earlier[:, lagging]
-    if lagging:
+        matrix, sources = further.answered(structure, inputs, path, matrix[level], sources)
+        level = np.arange(level.size)
+    lagging = np.array(structure.lagging, dtype=np.int64)
+    changes = np.empty((level.size, lagging.size, sources.shape[-1]), dtype=np.float32)
+    march_slopes(inputs.first, level, matrix, sources, inputs.share.astype(np.float32), lagging, start, made, changes)
+    if lagging.size:
         changes /= inputs.width.astype(np.float32)[:, None, None]
     return made, changes
 
@@ -235,37 +210,45 @@ def sources_of(
     forced = (own @ (outside / root)[..., None])[..., 0]
     rate = steps.rates[level] * modal + forced
     single = np.float32
-    first, second = (part.astype(single)[level] for part in _divided(steps, inputs.levels.width))
-    by_path = ((structure.incidence / root) @ steps.vectors).astype(single)[level]
-    by_node = steps.vectors.astype(single)[level]
-    phi = steps.phi.astype(single)[level]
-    state, drive, change = (part.astype(single)[:, None, :] for part in (modal, forced, rate))
-    # A path takes heat where it is warmer: -v (D (v z) + D' (v q)), and from the ambient gives back v phi T_ambient.
-    inner = (by_path * state) @ first
-    inner += (by_path * drive) @ second
-    back = structure.outer.astype(single)[:, None] * (phi * ambient.astype(single)[:, None])[:, None, :]
-    flow = by_path * (back - inner)
-    stored = -by_node * ((by_node * change) @ first)
-    warmed = by_node * phi[:, None, :] / root.astype(single)[:, None]
-    size = structure.size
-    sources = np.zeros((level.size, nodes, size + nodes + inputs.room.shape[-1]), dtype=single)
-    to_nodes = np.swapaxes(turned, 1, 2).astype(single)[level] / root.astype(single)[:, None]
-
-    def temperatures(columns: Slopes | FloatArray) -> Slopes:
-        return np.asarray(to_nodes @ np.swapaxes(columns, 1, 2), dtype=single)
-
-    sources[..., :nodes] = temperatures(stored)
-    found.by_path.add_to(sources, temperatures(flow), level)
-    found.by_heat.add_to(sources, temperatures(warmed), level)
+    first, second = _divided(steps, inputs.levels.width)
+    size, bins = structure.size, level.size
+    sources = np.zeros((bins, nodes, size + nodes + inputs.room.shape[-1]), dtype=single)
+    flow = np.empty((bins, nodes, len(structure.incidence)), dtype=single)
+    stored, warmed = np.empty((bins, nodes, nodes), dtype=single), np.empty((bins, nodes, nodes), dtype=single)
+    warmth = np.empty((bins if found.by_growth is not None else 0, nodes, nodes), dtype=single)
+    units(
+        level,
+        steps.vectors.astype(single),
+        first.astype(single),
+        second.astype(single),
+        steps.phi.astype(single),
+        root.astype(single),
+        _ends(structure),
+        modal.astype(single),
+        forced.astype(single),
+        rate.astype(single),
+        ambient.astype(single),
+        stored,
+        flow,
+        warmed,
+        warmth,
+    )
+    sources[..., :nodes] = stored
+    found.by_path.add_to(sources, flow, level)
+    found.by_heat.add_to(sources, warmed, level)
     if found.by_growth is not None:
         # Heat by temperature is a path to 0 degC that gives instead of taking.
-        warmth = (by_node * state) @ first
-        warmth += (by_node * drive) @ second
-        found.by_growth.add_to(sources, temperatures(by_node / root.astype(single)[:, None] ** 2 * warmth), level)
+        found.by_growth.add_to(sources, warmth, level)
     if inputs.room.shape[-1]:
         reach = np.einsum("lij,lj->li", steps.gain, steps.outside)[level]
         sources[..., size + nodes :] = reach[..., None] * inputs.room[:, None, :]
     return sources
+
+
+def _ends(structure: Shape) -> IntArray:
+    """Both nodes of each path, -1 for the ambient, which stands second, shape (Q, 2)."""
+    own = structure.incidence
+    return np.column_stack([np.argmax(own, axis=1), np.where(structure.outer > 0.0, -1, np.argmin(own, axis=1))])
 
 
 def _divided(steps: Steps, width: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -11,11 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from gen.identification.network.fitting.bends import BEND, KNOTS, bend_precision, spline
 from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.compiled import compiled
 
 MOVED_POWER = 1.0
 """Of moved air. Along a wall it goes with w^0.5 (laminar) to w^0.8 (turbulent), but still and moved air combine as the
@@ -36,6 +39,21 @@ SLOPE = 0.5
 """Standard deviation of the change of a path's logarithm from rest to full speed, within the motor: most of them are
 metal, which does not know of speed; air gaps do."""
 SLOWEST = 1e-3
+
+
+class Basis(NamedTuple):
+    """What the curves of one kind are made of at L speeds.
+
+    Attributes
+    ----------
+    powers
+        Terms of the sum, shape (L, P).
+    factor
+        Terms of the smooth factor's logarithm, shape (L, F).
+    """
+
+    powers: FloatArray
+    factor: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,35 +111,64 @@ class Law:
         logarithm, derivatives
             Shapes (L,) and (L, k), or (L, m) and (L, m, k).
         """
+        return self.evaluated(self.basis(speed), own)
+
+    def basis(self, speed: FloatArray) -> Basis:
+        """Give what every curve of this kind is made of while it turns, at |PWM| over full scale, shape (L,)."""
         w = np.asarray(speed, dtype=np.float64)
-        return self._at(w, np.maximum(w, SLOWEST)[:, None] ** np.array(self.powers), own)
+        return Basis(np.maximum(w, SLOWEST)[:, None] ** np.array(self.powers), self._factor(w))
+
+    def evaluated(self, basis: Basis, own: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Give the logarithm, and its derivatives, as :meth:`turning` does."""
+        curves = np.ascontiguousarray(np.atleast_2d(own), dtype=np.float64)
+        logs = np.empty((len(basis.powers), len(curves)))
+        slopes = np.zeros((*logs.shape, self.size))
+        _evaluate(basis.powers, basis.factor, curves, self.level, logs, slopes)
+        return (logs, slopes) if own.ndim > 1 else (logs[:, 0], slopes[:, 0])
 
     def at_rest(self, own: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give the logarithm of a conductance at rest, and its derivatives: of one curve, or of m (see `turning`)."""
-        value, slopes = self._at(np.zeros(1), (np.array([self.powers]) == 0.0).astype(np.float64), own)
+        value, slopes = self.evaluated(self._resting, own)
         if self.level == 0:
             return value[0], slopes[0]
         slopes[0, ..., 0] = 1.0
         return np.asarray(value[0] + own[..., 0]), slopes[0]
 
-    def _at(self, w: FloatArray, powers: FloatArray, own: FloatArray) -> tuple[FloatArray, FloatArray]:
-        first = self.level + 1
-        last = first + len(self.powers) - 1
-        shares = np.ones((*own.shape[:-1], len(self.powers)))
-        shares[..., 1:] = np.exp(np.clip(own[..., first:last], -30.0, 30.0))
-        parts = powers.reshape(w.size, *[1] * (own.ndim - 1), -1) * shares
-        total, whole = parts.sum(axis=-1), shares.sum(axis=-1)
-        factor = self._factor(w)
-        slopes = np.zeros((w.size, *own.shape))
-        slopes[..., self.level] = 1.0
-        slopes[..., first:last] = parts[..., 1:] / total[..., None] - shares[..., 1:] / whole[..., None]
-        slopes[..., last:] = factor.reshape(w.size, *[1] * (own.ndim - 1), -1)
-        return np.log(total / whole) + own[..., self.level] + factor @ own[..., last:].T, slopes
+    @cached_property
+    def _resting(self) -> Basis:
+        return Basis((np.array([self.powers]) == 0.0).astype(np.float64), self._factor(np.zeros(1)))
 
     def _factor(self, w: FloatArray) -> FloatArray:
         if self.factor == "bends":
             return spline(w)
         return (w - 0.5)[:, None] if self.factor == "slope" else np.empty((w.size, 0))
+
+
+@compiled
+def _evaluate(
+    powers: FloatArray, factor: FloatArray, own: FloatArray, level: int, logs: FloatArray, slopes: FloatArray
+) -> None:
+    """Fill in logarithms, shape (L, m), and derivatives, shape (L, m, k); arguments as in `Basis`, and of `Law`."""
+    further = powers.shape[1] - 1
+    shares = np.empty(further)
+    for curve in range(own.shape[0]):
+        whole = 1.0
+        for p in range(further):
+            shares[p] = np.exp(min(max(own[curve, level + 1 + p], -30.0), 30.0))
+            whole += shares[p]
+        for at in range(powers.shape[0]):
+            total = powers[at, 0]
+            for p in range(further):
+                total += powers[at, 1 + p] * shares[p]
+            value = np.log(total / whole) + own[curve, level]
+            slopes[at, curve, level] = 1.0
+            for p in range(further):
+                slopes[at, curve, level + 1 + p] = powers[at, 1 + p] * shares[p] / total - shares[p] / whole
+            for f in range(factor.shape[1]):
+                place = level + 1 + further + f
+                value += factor[at, f] * own[curve, place]
+                slopes[at, curve, place] = factor[at, f]
+            logs[at, curve] = value
 
 
 def _law(

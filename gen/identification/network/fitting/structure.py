@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from gen.identification.network.fitting.natural import Natural
 from gen.identification.network.fitting.partial import Partial
 from gen.identification.network.fitting.physics import Begun, Physical, incidence_of, outer_of
 from gen.identification.network.fitting.plausible import off
-from gen.identification.network.fitting.speed_laws import CONSTANT, HEAT, OUTSIDE, WITHIN, Law
+from gen.identification.network.fitting.speed_laws import CONSTANT, HEAT, OUTSIDE, WITHIN, Basis, Law
 
 LARGEST = 60.0
 """Of a logarithm: what a search tries must not overflow."""
@@ -185,7 +185,7 @@ class Structure:
         conductance = np.empty((levels.count, len(self.paths)))
         by_term = np.empty((levels.count, self.path_of.size))
         for law, paths, places in self._alike:
-            logs, slopes = law.turning(levels.speed, vector[places])
+            logs, slopes = law.evaluated(_basis(law, levels), vector[places])
             log_at_rest, slopes_at_rest = law.at_rest(vector[places])
             moved = turn * np.exp(np.minimum(logs, LARGEST))
             still = rest * np.exp(np.minimum(log_at_rest, LARGEST))
@@ -195,7 +195,7 @@ class Structure:
         by_heat = np.empty((levels.count, len(self.heated), HEAT.size))
         fed, by_feed = self.fed_W(levels, vector), np.empty((levels.count, len(self.fed)))
         if self.heated:
-            logs, slopes = HEAT.turning(levels.speed, vector[self._heat_places])
+            logs, slopes = HEAT.evaluated(_basis(HEAT, levels), vector[self._heat_places])
             given = turn * np.exp(np.minimum(logs, LARGEST))
             heat[:, self.heated] = given
             by_heat[:] = given[..., None] * slopes
@@ -221,7 +221,7 @@ class Structure:
         """What goes by natural convection from each node with a path to the ambient."""
         outer = [q for q, law in enumerate(self.laws) if law is OUTSIDE]
         places = _places([self.conductances[q] for q in outer])
-        logs, slopes = OUTSIDE.turning(levels.speed, vector[places])
+        logs, slopes = OUTSIDE.evaluated(_basis(OUTSIDE, levels), vector[places])
         log_at_rest, slopes_at_rest = OUTSIDE.at_rest(vector[places])
         share = 1.0 / (1.0 + np.exp(-vector[self.still[0]]))
         turn, rest = 1.0 - levels.rest[:, None], levels.rest[:, None]
@@ -279,6 +279,12 @@ class Structure:
     def implausible(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         """How far hidden nodes are off what they may be (see `plausible`)."""
         return off(self, vector)
+
+
+@lru_cache(maxsize=64)
+def _basis(law: Law, levels: Levels) -> Basis:
+    """Give what curves are made of at all inputs, which stay the same throughout a search."""
+    return law.basis(levels.speed)
 
 
 def _places(slices: Sequence[slice]) -> IntArray:

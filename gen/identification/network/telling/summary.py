@@ -123,6 +123,11 @@ class Summary:
         return [Miss(*each) for each in of]
 
     @property
+    def good_to_K(self) -> float | None:
+        """Error of the worst part on data that took no part in the fit, K; None unless all parts are good there."""
+        return None if worse_than(Grade.GOOD, self.left_out) else max(miss.error_K for miss in self.left_out)
+
+    @property
     def verdict(self) -> str:
         """Whether the model is good to be built, in one line; the rule is `grades`'."""
         bad, fair = (worse_than(grade, self.left_out) for grade in (Grade.FAIR, Grade.GOOD))
