@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy.special import chdtrc, stdtrit
 
 from gen.identification.output_error import OutputErrorFit, OutputErrorProblem, Simulator
 from gen.identification.records import Record, quantiser_bias
@@ -112,7 +112,7 @@ class Uncertainty:
     @property
     def factor(self) -> float:
         """Half width of a 95 % interval in standard deviations."""
-        return float(stats.t.ppf(0.975, max(self.freedom, 1.0)))
+        return float(stdtrit(max(self.freedom, 1.0), 0.975))
 
 
 def uncertainty(problem: OutputErrorProblem, fit: OutputErrorFit) -> Uncertainty:
@@ -248,7 +248,7 @@ def residual_tests(record: Record, noise: Noise) -> ResidualTests:
     n = len(means)
     statistic = n * (n + 2.0) * float(np.sum(rho**2 / (n - np.arange(1, lags + 1)))) if n > lags + 1 else 0.0
     return ResidualTests(
-        whiteness_p=float(stats.chi2.sf(statistic, lags)),
+        whiteness_p=float(chdtrc(lags, statistic)),
         first_correlation=float(rho[0]) if rho.size else 0.0,
         independence=_independence(record, noise),
         rms_K=float(np.sqrt(np.mean(means**2))),

@@ -20,6 +20,7 @@ SLOW = {
     "fastapi",
     "jinja2",
     "matplotlib",
+    "numba",
     "pandas",
     "plotly",
     "scipy",

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from gen.identification.choice.left_out import Judged
 from gen.identification.structure import FloatArray
@@ -108,4 +108,4 @@ def comparison(errors: Mapping[Kind, Sequence[Errors | None]]) -> Comparison | N
 
 def _sure(count: int) -> float:
     """Student's t for so many numbers."""
-    return float(student.ppf(0.5 + SURE / 2.0, max(count - 1, 1)))
+    return float(stdtrit(max(count - 1, 1), 0.5 + SURE / 2.0))
