@@ -112,9 +112,9 @@ def identify_network(
     inputs = inputs_of(data.coarse)
     scale = scale_of(inputs)
     most_hidden = min(most_hidden, MOST_ALONE) if each_alone(inputs) else most_hidden
-    stiff = _best(data, inputs, scale, most_hidden, progress)
-    bending = _best(data, inputs, scale, most_hidden, progress, stiff.tried)
-    best = stiff if clearly_better(stiff.found, bending.found) else bending
+    stiff = _stiff(data, inputs, scale, most_hidden, progress)
+    bending = _bending(data, inputs, scale, stiff, progress)
+    best = _pruned(data, stiff if clearly_better(stiff.found, bending.found) else bending, scale, progress)
     still = None
     if data.ambient_measured:
         # Where nobody measured the room, it is not known what the difference to it is.
@@ -138,55 +138,89 @@ def without_convection(result: NetworkFound, why: str) -> NetworkFound:
 
 
 @dataclass(frozen=True, eq=False)
+class _Tried:
+    """Networks of one kind of curves over speed, with one more hidden node each.
+
+    Attributes
+    ----------
+    all
+        The networks.
+    scores
+        Root mean square error of each on what was left out, K.
+    chosen
+        Which of them is taken.
+    """
+
+    all: tuple[Found, ...]
+    scores: tuple[float, ...]
+    chosen: int
+
+    @property
+    def found(self) -> Found:
+        """What is taken."""
+        return self.all[self.chosen]
+
+    @property
+    def candidates(self) -> tuple[Candidate, ...]:
+        """All of them."""
+        each = zip(self.all, self.scores, strict=True)
+        return tuple(Candidate(one.structure.hidden, score, one.structure.size) for one, score in each)
+
+
+def _stiff(
+    data: NetworkData, inputs: Inputs, scale: Scale, most_hidden: int, progress: Callable[[str], None]
+) -> _Tried:
+    """Try hidden nodes with curves that hardly bend, until more of them are not worth it."""
+    by_nodes, slack = folds_for_nodes(inputs), SLACK * noise_of(data.coarse)
+    apart = APART if inputs.warm.any() else 0.0
+    tried: list[Found] = []
+    scores: list[float] = []
+    for hidden in range(max(0, min(most_hidden, MOST_NODES - len(data.names))) + 1):
+        progress(f"{hidden} hidden node(s): fit")
+        form = full(data.names, hidden, len(data.driving), STIFF, apart, data.driven)
+        tried.append(search(form, inputs, scale, tried[-1] if tried else None))
+        progress(f"{hidden} hidden node(s): left-out error")
+        scores.append(left_out(tried[-1], by_nodes).score_K)
+        if _enough(scores, slack):
+            break
+    return _Tried(tuple(tried), tuple(scores), _choice(scores, slack))
+
+
+def _bending(data: NetworkData, inputs: Inputs, scale: Scale, stiff: _Tried, progress: Callable[[str], None]) -> _Tried:
+    """Let curves bend: with as many hidden nodes as without, one fewer, and one more."""
+    by_nodes, slack = folds_for_nodes(inputs), SLACK * noise_of(data.coarse)
+    tried: list[Found] = []
+    scores: list[float] = []
+    for one in stiff.all[max(stiff.chosen - 1, 0) : stiff.chosen + 2]:
+        progress(f"{one.structure.hidden} hidden node(s), curves that bend")
+        tried.append(bent(one, BEND, scale))
+        scores.append(left_out(tried[-1], by_nodes).score_K)
+    return _Tried(tuple(tried), tuple(scores), _choice(scores, slack))
+
+
+@dataclass(frozen=True, eq=False)
 class _Best:
-    """The best network whose curves over speed bend so far.
+    """What was chosen.
 
     Attributes
     ----------
     found, judged
         The network, and its errors on what was left out.
-    tried
-        With no, one, .. hidden nodes, before paths were taken out.
     candidates
-        What they were worth.
+        What else was tried.
     """
 
     found: Found
     judged: LeftOut
-    tried: tuple[Found, ...]
     candidates: tuple[Candidate, ...]
 
 
-def _best(
-    data: NetworkData,
-    inputs: Inputs,
-    scale: Scale,
-    most_hidden: int,
-    progress: Callable[[str], None],
-    stiff: Sequence[Found] = (),
-) -> _Best:
-    """Choose hidden nodes and paths; with curves that hardly bend, or with such as bend, from what these had found."""
-    folds, by_nodes = folds_of(inputs), folds_for_nodes(inputs)
-    slack = SLACK * noise_of(data.coarse)
-    kind = "curves that bend" if stiff else "stiff curves"
-    tried: list[tuple[Found, LeftOut]] = []
-    for hidden in range(max(0, min(most_hidden, MOST_NODES - len(data.names))) + 1):
-        progress(f"{kind}, {hidden} hidden node(s): fit")
-        if hidden < len(stiff):
-            one = bent(stiff[hidden], BEND, scale)
-        else:
-            apart = APART if inputs.warm.any() else 0.0
-            form = full(data.names, hidden, len(data.driving), BEND if stiff else STIFF, apart, data.driven)
-            one = search(form, inputs, scale, tried[-1][0] if tried else None)
-        progress(f"{kind}, {hidden} hidden node(s): left-out error")
-        tried.append((one, left_out(one, by_nodes)))
-        if _enough([out.score_K for _, out in tried], slack):
-            break
-    candidates = tuple(Candidate(one.structure.hidden, out.score_K, one.structure.size) for one, out in tried)
-    found, _ = tried[_choice([out.score_K for _, out in tried], slack)]
-    progress(f"{kind}: paths")
-    found, judged = pruned(found, left_out(found, folds), folds, scale, slack)
-    return _Best(found, judged, tuple(one for one, _ in tried), candidates)
+def _pruned(data: NetworkData, tried: _Tried, scale: Scale, progress: Callable[[str], None]) -> _Best:
+    """Take out the paths and heats that the chosen network does not need."""
+    progress("paths")
+    folds, slack = folds_of(tried.found.problem.inputs), SLACK * noise_of(data.coarse)
+    found, judged = pruned(tried.found, left_out(tried.found, folds), folds, scale, slack)
+    return _Best(found, judged, tried.candidates)
 
 
 def noise_of(runs: Sequence[Binned]) -> float:
@@ -195,10 +229,10 @@ def noise_of(runs: Sequence[Binned]) -> float:
 
 
 def _enough(scores: list[float], slack: float) -> bool:
-    """Whether one more hidden node is not worth a trial: none could be chosen, or the last made it worse."""
+    """Whether one more hidden node is not worth a trial: none could be chosen, the last made it worse, or two did."""
     if scores[-1] <= slack:
         return True
-    return len(scores) > 2 and scores[-1] > scores[-2] * BETTER
+    return len(scores) > 2 and (scores[-1] > scores[-2] * BETTER or min(scores[-2:]) > min(scores[:-2]) * BETTER)
 
 
 def _choice(scores: list[float], slack: float) -> int:

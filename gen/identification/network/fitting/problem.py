@@ -157,9 +157,11 @@ class Problem(Generic[S_co]):
         evaluated, slopes = self.slopes(vector)
         root = np.sqrt(self.inputs.weight)
         count = self.structure.size + self.own
-        matrix, right = np.empty((self.runs, count, count)), np.empty((self.runs, count))
+        matrix, right = np.zeros((self.runs, count, count)), np.zeros((self.runs, count))
         weighed = root * evaluated.residual
         for r, row in enumerate(self.inputs.rows):
+            if not root[row].any():
+                continue  # left out
             lines = np.asarray(slopes[row] * root[row][:, :, None], dtype=np.float64).reshape(-1, count)
             matrix[r] = _square(lines)
             right[r] = lines.T @ weighed[row].ravel()
