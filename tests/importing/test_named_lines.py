@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -157,3 +158,22 @@ def test_lines_of_several_kinds_fill_their_own_columns_where_they_tell_their_tim
     known = np.isfinite(run.temps["winding"])
     np.testing.assert_allclose(run.temps["winding"][known], WARM)
     assert run.pwm[known].tolist() == [153] * 40 + [0] * 20
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        lambda s: f"[{1000 * s} ms]",
+        lambda s: f"({1000 * s}ms)",
+        lambda s: f"{1000 * s} ms:",
+        lambda s: f"[{s:12.6f}]",
+        lambda s: f"[00:{s // 60:02d}:{s % 60:02d}.000,250] <inf> bench:",
+    ],
+    ids=["milliseconds in brackets", "in parentheses", "before a colon", "of a kernel", "of Zephyr"],
+)
+def test_what_stands_before_a_line_is_its_time(head: Callable[[int], str], tmp_path: Path) -> None:
+    rows = [f"{head(2 * i)} PWM={204 if i < 40 else 0} winding={WARM[i]:.1f}C" for i in range(ROWS)]
+    run = taken(write(tmp_path, "\n".join(["Booting v1.2", *rows]) + "\n", name="serial.txt"), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 2.0 * np.arange(ROWS), atol=1e-9)
+    np.testing.assert_allclose(run.temps["winding"], WARM)
+    assert run.pwm.tolist() == [204] * 40 + [0] * 20

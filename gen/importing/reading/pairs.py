@@ -25,7 +25,14 @@ _HEADS = (
     ),
     ("epoch", re.compile(r"^\s*\((?P<stamp>\d{9,10}\.\d{3,9})\)(?=\s)")),
     ("millis", re.compile(r"^\s*(?:\x1b\[[0-9;]*m)?[EWIDV] \((?P<stamp>\d+)\) [\w.-]{1,40}:(?=\s)")),
-    ("clock", re.compile(rf"^\s*(?:[A-Z][a-z]{{2}} [ \d]\d )?[\[(]?(?P<stamp>{_CLOCK})[\])]?(?=[\s,;:|>-])")),
+    ("millis", re.compile(r"^\s*[\[(]?\s*(?P<stamp>\d+) ?ms[\])]?(?=[\s,;:|>-])")),
+    ("seconds", re.compile(r"^\s*\[\s*(?P<stamp>\d+\.\d{3,9})\](?=\s)")),
+    (
+        "clock",
+        re.compile(
+            rf"^\s*(?:[A-Z][a-z]{{2}} [ \d]\d )?[\[(]?(?P<stamp>{_CLOCK})(?:,\d{{3}}(?=\]))?[\])]?(?=[\s,;:|>-])"
+        ),
+    ),
 )
 """The time that a logger, a daemon, a terminal or a firmware puts before a line."""
 _COUNT = re.compile(r"^\s*(?P<key>[A-Za-z]+) (?P<value>\d+(?:\.\d+)?):\s")
