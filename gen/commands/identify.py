@@ -39,7 +39,8 @@ _FULL_PWM = 255
     type=click.Choice(["auto", "parts", "network"]),
     default="auto",
     show_default=True,
-    help="A transfer function for each part, one thermal network for all, or whichever errs less on runs left out.",
+    help="One thermal network for all parts, a transfer function for each, or (auto) a network that is good, else "
+    "whichever of both errs less on runs left out.",
 )
 @click.option(
     "--max-hidden",
