@@ -9,8 +9,8 @@ from itertools import product
 import numpy as np
 
 from benchmarks.network_identification.judge import Held, Judged
-from benchmarks.plants.cases import Case
-from benchmarks.plants.profiles import DataKind
+from benchmarks.plants.cases import Case, bench, profile_chance
+from benchmarks.plants.profiles import DataKind, fitted
 from benchmarks.plants.rooms import RoomKind
 
 GOOD = 1.3
@@ -126,12 +126,39 @@ def text(results: Sequence[Judged]) -> str:
             f"{_percent(row.good):>6} | {_percent(row.declared):>8} {_percent(row.true_rise):>6} "
             f"{_percent(row.read_rise):>6} {row.seconds:5.1f}"
         )
-    lines += ["", *more_data(results), *choices(results), *_without(results)]
+    lines += ["", *by_rest(results), *more_data(results), *choices(results), *_without(results)]
     return "\n".join(lines)
 
 
 def _percent(share: float) -> str:
     return f"{100.0 * share:.0f} %" if share == share else "-"
+
+
+def by_rest(results: Sequence[Judged]) -> list[str]:
+    """What models err by whose motors rested in the runs, and the others', in cells that have both."""
+    cells: dict[tuple[str, str, str], dict[bool, list[Judged]]] = {}
+    for result in results:
+        case = Case.parse(result.case)
+        cell = cells.setdefault((result.model, str(case.data), str(case.room)), {True: [], False: []})
+        cell[rested(case)].append(result)
+    return [
+        f"{', '.join(cell)}: median {_errors(of[False])} whose runs never rest; {_errors(of[True])} others"
+        for cell, of in cells.items()
+        if of[True] and of[False]
+    ]
+
+
+def rested(case: Case) -> bool:
+    """Whether a case's runs hold PWM 0."""
+    profiles = fitted(case.data, profile_chance(bench(case.seed)))
+    return any(pwm == 0 for profile in profiles for pwm, _ in profile.holds)
+
+
+def _errors(results: Sequence[Judged]) -> str:
+    floors = [result.floors for result in results if result.status == "ok"]
+    good = float(np.mean([result.whole and result.floors <= GOOD for result in results]))
+    of = f"{_percentile(floors, 50):.2f}, 90 % {_percentile(floors, 90):.2f}, within {GOOD} {_percent(good)}"
+    return f"{of} in {len(results)}"
 
 
 def more_data(results: Sequence[Judged]) -> list[str]:

@@ -14,7 +14,7 @@ import pytest
 import gen
 from benchmarks.network_identification import __main__ as command
 from benchmarks.network_identification.judge import Held, Judged, judge
-from benchmarks.network_identification.table import more_data, rows, text
+from benchmarks.network_identification.table import by_rest, more_data, rested, rows, text
 from benchmarks.plants.cases import Case, Written, fresh_runs, write_case
 from benchmarks.plants.profiles import DataKind
 from benchmarks.plants.rooms import RoomKind
@@ -174,6 +174,22 @@ def by_run(error: float) -> dict[str, float]:
 
 def made(case: str, floors: float, model: str = "parts", **more: Any) -> Judged:  # noqa: ANN401
     return Judged(case, model, floor_K=0.3, error_K=0.3 * floors, by_run=by_run(0.3 * floors), nodes=4, **more)
+
+
+@pytest.mark.parametrize(("seed", "rests"), [(1837, False), (1838, True)])
+def test_who_rested_is_told_by_what_the_runs_hold(seed: int, rests: bool, tmp_path: Path) -> None:
+    case = Case(seed, DataKind.MIXED, RoomKind.HELD)
+    runs = [pd.read_csv(path, comment="#") for path in write_case(case, tmp_path).fit]
+    assert any((run.pwm == 0).any() for run in runs) == rests == rested(case)
+
+
+def test_motors_that_never_rested_are_told_apart() -> None:
+    both = [made("1837:mixed:held", 3.4), made("1838:mixed:held", 0.9)]
+    assert by_rest(both) == [
+        "parts, mixed, held: median 3.40, 90 % 3.40, within 1.3 0 % in 1 whose runs never rest; "
+        "0.90, 90 % 0.90, within 1.3 100 % in 1 others"
+    ]
+    assert by_rest(both[:1]) == []
 
 
 def test_the_percentiles_are_those_of_the_models_and_good_counts_every_case() -> None:
