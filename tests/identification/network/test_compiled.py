@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gen.identification.network.fitting.compiled import compiled
-from gen.identification.network.fitting.natural import excess_of
+from gen.identification.network.fitting.marching import excess_of
 
 
 def test_without_a_place_for_machine_code_functions_are_compiled_all_the_same() -> None:

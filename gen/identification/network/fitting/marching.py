@@ -11,14 +11,43 @@ from numpy.typing import NDArray
 
 from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.compiled import compiled
-from gen.identification.network.fitting.natural import excess_of
 
 Slopes = NDArray[np.float32]
 
 ROUNDS = 4
 """Of what natural convection takes within a bin: each leaves a quarter of the error of the one before, or less."""
 
+
+def excess_of(difference: FloatArray, factors: FloatArray, limit: float) -> FloatArray:
+    """What drives heat beyond the difference itself, K: of an array or, compiled, of a number.
+
+    Parameters
+    ----------
+    difference
+        To the ambient, K.
+    factors
+        Of the polynomial over |d|, highest power first, shape (4,).
+    limit
+        What all beyond it counts as, K.
+    """
+    held = np.minimum(np.abs(difference), limit)
+    a, b, c, d = factors
+    excess: FloatArray = difference * (((a * held + b) * held + c) * held + (d - 1.0))
+    return excess
+
+
+# Here, and not with natural convection: what is kept of a function is made anew when its own file changes, not another.
 _excess_of = compiled(excess_of)
+
+
+@compiled
+def _step(matrix: FloatArray, added: FloatArray, state: FloatArray, made: FloatArray) -> None:
+    """Fill in ``matrix @ state + added``: matrices are small, so a loop does."""
+    for i in range(state.size):
+        total = added[i]
+        for j in range(state.size):
+            total += matrix[i, j] * state[j]
+        made[i] = total
 
 
 @compiled
@@ -46,18 +75,13 @@ def march(
     before, after
         Shape (N, n), degC.
     """
-    nodes = start.shape[1]
     current = start.copy()
     for step in range(first.size - 1):
         for row in range(first[step], first[step + 1]):
-            run, at = row - first[step], level[row]
-            for i in range(nodes):
-                before[row, i] = current[run, i]
-            for i in range(nodes):
-                total = driven[row, i]
-                for j in range(nodes):
-                    total += matrix[at, i, j] * before[row, j]
-                after[row, i] = current[run, i] = total
+            run = row - first[step]
+            before[row] = current[run]
+            _step(matrix[level[row]], driven[row], before[row], after[row])
+            current[run] = after[row]
 
 
 @compiled
@@ -95,24 +119,15 @@ def march_in_still_air(
     for step in range(first.size - 1):
         for row in range(first[step], first[step + 1]):
             run, at = row - first[step], level[row]
-            for i in range(nodes):
-                before[row, i] = current[run, i]
-            for i in range(nodes):
-                total = driven[row, i]
-                for j in range(nodes):
-                    total += matrix[at, i, j] * before[row, j]
-                after[row, i] = without[i] = total
+            before[row] = current[run]
+            _step(matrix[at], driven[row], before[row], without)
+            after[row] = without
             for _ in range(ROUNDS):
                 for i in range(nodes):
                     difference = 0.5 * (before[row, i] + after[row, i]) - ambient[row]
                     heat[i] = -conductance[at, i] * _excess_of(difference, factors, limit)
-                for i in range(nodes):
-                    total = without[i]
-                    for j in range(nodes):
-                        total += gain[at, i, j] * heat[j]
-                    after[row, i] = total
-            for i in range(nodes):
-                current[run, i] = after[row, i]
+                _step(gain[at], without, heat, after[row])
+            current[run] = after[row]
 
 
 @compiled

@@ -19,6 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.marching import excess_of
 from gen.identification.network.fitting.partial import Partial
 
 USUAL_K = 20.0
@@ -67,24 +68,6 @@ class Natural:
     def limit(self) -> float:
         """What all beyond it counts as, K."""
         return FARTHEST * self.widest
-
-
-def excess_of(difference: FloatArray, factors: FloatArray, limit: float) -> FloatArray:
-    """What drives heat beyond the difference itself, K: of an array or, compiled, of a number.
-
-    Parameters
-    ----------
-    difference
-        To the ambient, K.
-    factors
-        Of the polynomial over |d|, highest power first, shape (4,).
-    limit
-        What all beyond it counts as, K.
-    """
-    held = np.minimum(np.abs(difference), limit)
-    a, b, c, d = factors
-    excess: FloatArray = difference * (((a * held + b) * held + c) * held + (d - 1.0))
-    return excess
 
 
 def polynomial(widest: float) -> FloatArray:
