@@ -12,7 +12,8 @@ about the distance that limits keep from what a part can bear."""
 SHARE = 0.1
 """Of what a part moves by in the runs: a model that misses more of it is neither."""
 NOISES = 3.0
-"""Times its sensor's scatter: up to so much no reading shows that the model is off."""
+"""Times its sensor's scatter: up to so much a share says nothing of the model. Kelvins stay kelvins: what scatters may
+be the part itself, where the input switches between two rows, or a sensor that jumps."""
 
 
 class Grade(IntEnum):
@@ -47,9 +48,8 @@ class Miss:
     @property
     def grade(self) -> Grade:
         """What a user would say of it."""
-        if self.error_K <= NOISES * self.noise_K:
-            return Grade.GOOD
-        if self.error_K > min(FAIR_K, SHARE * self.moved_K):
+        shown = self.error_K > NOISES * self.noise_K
+        if self.error_K > FAIR_K or (shown and self.error_K > SHARE * self.moved_K):
             return Grade.BAD
         return Grade.FAIR if self.error_K > GOOD_K else Grade.GOOD
 

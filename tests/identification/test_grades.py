@@ -13,7 +13,10 @@ from gen.identification.grades import Grade, Miss, told, worse_than
         (0.3, 60.0, 0.08, Grade.GOOD),
         (1.0, 60.0, 0.08, Grade.GOOD),
         (2.4, 60.0, 0.08, Grade.FAIR),  # a 25th of the rise, and thirty times what the sensor scatters by
-        (2.4, 60.0, 0.8, Grade.GOOD),  # no reading of such a sensor shows it
+        (2.4, 60.0, 0.8, Grade.FAIR),  # 2.4 K are that many, however much its readings scatter
+        (9.2, 60.0, 12.0, Grade.BAD),  # an input that switches between rows looks like a sensor that scatters
+        (4.2, 60.0, 3.0, Grade.FAIR),  # so do readings that jump now and then
+        (2.4, 20.0, 0.8, Grade.FAIR),  # an eighth of the rise, which such a sensor does not show
         (2.4, 20.0, 0.08, Grade.BAD),  # an eighth of the rise
         (6.0, 300.0, 0.08, Grade.BAD),  # a share of 2 %, but more than limits keep
         (0.6, 3.0, 0.08, Grade.BAD),  # less than a kelvin, but a fifth of the rise

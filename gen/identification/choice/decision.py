@@ -85,7 +85,7 @@ class Decision:
 
 
 def good_enough(error_K: float) -> Decision:
-    """Take a network that predicts what was left out so well: parts could not be chosen but by kelvins."""
+    """Take a network that is good on what was left out, to so many kelvins, without anything to compare it with."""
     said = f"data that took no part in its fit are predicted to {error_K:.2g} K, which is good"
     return Decision(NETWORK, f"network, because {said}; parts were not tried")
 

@@ -78,3 +78,28 @@ def test_one_long_log_is_judged_on_what_was_cut_out_of_it() -> None:
     left_out = found.details()["left_out_K"]
     assert rmse(found.model, test) < 0.6
     assert rmse(found.model, test) < 4.0 * max(left_out, 0.1)
+
+
+def switched(duties: list[float], every_s: int, seed: int) -> pd.DataFrame:
+    """A light heater that is switched on and off every 47 s, with duties of 40 minutes each, as a logger reads it."""
+    rng = np.random.default_rng(seed)
+    second = np.arange(2400 * len(duties))
+    on = (second % 47) / 47.0 < np.repeat(duties, 2400)
+    true, temperature = np.empty(second.size), ROOM
+    for k, heated in enumerate(on):
+        true[k] = temperature
+        temperature += (100.0 * heated - 1.5 * (temperature - ROOM)) / 60.0
+    rows = second[::every_s]
+    read = np.round(true[rows] + rng.normal(0.0, 0.1, rows.size), 2)
+    columns = {"time_s": rows, "pwm": 255 * on[rows], "heater_degC": read, "ambient_degC": np.full(rows.size, ROOM)}
+    return pd.DataFrame(columns).set_index("time_s")
+
+
+@pytest.mark.parametrize("every_s", [10, 30])
+def test_a_log_that_is_coarser_than_its_input_gives_no_model_that_is_called_good(every_s: int) -> None:
+    """Its readings jump as those of a bad sensor do, and the sensor has 0.1 K."""
+    found = gen.identify([switched([0.0, 0.4, 0.8, 0.0, 0.6, 0.2, 0.0], every_s, 1)], model="network", max_hidden=1)
+    missed = rmse(found.model, switched([0.0, 0.7, 0.3, 0.9, 0.0], every_s, 2), "heater")
+    assert missed > 1.0
+    assert not found.verdict.startswith("Good")
+    assert "heater by" in found.verdict

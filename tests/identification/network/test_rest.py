@@ -46,10 +46,10 @@ def never_rested() -> NetworkFound:
 def test_a_laws_derivatives_are_those_of_its_values(law: Law) -> None:
     rng = np.random.default_rng(21)
     own, speed, step = rng.normal(0.0, 0.5, law.size), np.array([0.0, 0.07, 0.5, 1.0]), 1e-6
-    by_turning, by_rest = law.turning(speed, own)[1], law.at_rest(own)[1]
+    by_turning, by_rest = law.evaluated(law.basis(speed), own)[1], law.at_rest(own)[1]
     for k in range(law.size):
         up, down = (own + step * sign * np.eye(law.size)[k] for sign in (1.0, -1.0))
-        numeric = (law.turning(speed, up)[0] - law.turning(speed, down)[0]) / (2.0 * step)
+        numeric = (law.evaluated(law.basis(speed), up)[0] - law.evaluated(law.basis(speed), down)[0]) / (2.0 * step)
         assert by_turning[:, k] == pytest.approx(numeric, abs=1e-8)
         if law is not HEAT:
             assert by_rest[k] == pytest.approx((law.at_rest(up)[0] - law.at_rest(down)[0]) / (2.0 * step), abs=1e-8)
@@ -58,10 +58,10 @@ def test_a_laws_derivatives_are_those_of_its_values(law: Law) -> None:
 @pytest.mark.parametrize("law", [OUTSIDE, WITHIN, HEAT], ids=lambda law: law.name)
 def test_many_curves_of_a_law_are_each_as_one_alone(law: Law) -> None:
     own, speed = np.random.default_rng(22).normal(0.0, 1.0, (3, law.size)), np.array([0.0, 0.2, 0.9])
-    value, slopes = law.turning(speed, own)
+    value, slopes = law.evaluated(law.basis(speed), own)
     at_rest, slopes_at_rest = law.at_rest(own)
     for m in range(3):
-        one, by_one = law.turning(speed, own[m])
+        one, by_one = law.evaluated(law.basis(speed), own[m])
         assert value[:, m] == pytest.approx(one, abs=1e-12)
         assert slopes[:, m] == pytest.approx(by_one, abs=1e-12)
         assert at_rest[m] == pytest.approx(law.at_rest(own[m])[0], abs=1e-12)
@@ -97,10 +97,13 @@ def test_rest_follows_from_the_law_of_the_speeds(never_rested: NetworkFound) -> 
         np.exp(structure.laws[q].at_rest(never_rested.found.vector[structure.conductances[q]])[0]) for q in outside
     )
     speed = levels.speed.max()
-    full = sum(
-        np.exp(structure.laws[q].turning(np.array([speed]), never_rested.found.vector[structure.conductances[q]])[0][0])
-        for q in outside
-    )
+
+    def moved(q: int) -> float:
+        law = structure.laws[q]
+        return float(np.exp(law.evaluated(law.basis(np.array([speed])), vector[structure.conductances[q]])[0][0]))
+
+    vector = never_rested.found.vector
+    full = sum(moved(q) for q in outside)
     assert at_rest / full == pytest.approx(0.3 / (0.3 + 0.4 * speed), rel=0.25)
 
 

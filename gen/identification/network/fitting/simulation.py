@@ -119,10 +119,10 @@ class _Further:
         self._natural, self._ambient = natural, ambient
         self._gain, self._conductance = steps.gain[level], natural.conductance[level]
 
-    def heat(self, before: FloatArray, after: FloatArray, rows: slice) -> FloatArray:
-        """At each node, shape (rows, n), W."""
-        difference = 0.5 * (before + after) - self._ambient[rows, None]
-        return np.asarray(-self._conductance[rows] * self._natural.excess(difference))
+    def heat(self, before: FloatArray, after: FloatArray) -> FloatArray:
+        """At each node, shape (N, n), W."""
+        difference = 0.5 * (before + after) - self._ambient[:, None]
+        return np.asarray(-self._conductance * self._natural.excess(difference))
 
     def answered(
         self, structure: Shape, inputs: Inputs, path: tuple[FloatArray, FloatArray], matrix: Slopes, sources: Slopes
@@ -166,7 +166,7 @@ def sensitivities(
         The same of the changes in each bin of what lagging sensors read, shape (N, lagging, p), 1/s.
     """
     further = _Further(steps, found.natural, inputs.level, inputs.ambient + room) if found.natural is not None else None
-    more = None if further is None else further.heat(*path, slice(None))
+    more = None if further is None else further.heat(*path)
     sources = sources_of(structure, inputs, found, steps, path[0], room, more)
     nodes, sensors = structure.nodes, structure.sensors
     made = np.empty((inputs.level.size, sensors, sources.shape[-1]), dtype=np.float32)

@@ -96,13 +96,18 @@ class Law:
             made[-KNOTS.size :, -KNOTS.size :] *= (BEND / by) ** 2
         return made
 
-    def turning(self, speed: FloatArray, own: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def basis(self, speed: FloatArray) -> Basis:
+        """Give what every curve of this kind is made of while it turns, at |PWM| over full scale, shape (L,)."""
+        w = np.asarray(speed, dtype=np.float64)
+        return Basis(np.maximum(w, SLOWEST)[:, None] ** np.array(self.powers), self._factor(w))
+
+    def evaluated(self, basis: Basis, own: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give the logarithm while it turns, and its derivatives.
 
         Parameters
         ----------
-        speed
-            Shape (L,), |PWM| over full scale.
+        basis
+            At L speeds.
         own
             Numbers of one curve, shape (k,), or of m, shape (m, k).
 
@@ -111,15 +116,6 @@ class Law:
         logarithm, derivatives
             Shapes (L,) and (L, k), or (L, m) and (L, m, k).
         """
-        return self.evaluated(self.basis(speed), own)
-
-    def basis(self, speed: FloatArray) -> Basis:
-        """Give what every curve of this kind is made of while it turns, at |PWM| over full scale, shape (L,)."""
-        w = np.asarray(speed, dtype=np.float64)
-        return Basis(np.maximum(w, SLOWEST)[:, None] ** np.array(self.powers), self._factor(w))
-
-    def evaluated(self, basis: Basis, own: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Give the logarithm, and its derivatives, as :meth:`turning` does."""
         curves = np.ascontiguousarray(np.atleast_2d(own), dtype=np.float64)
         logs = np.empty((len(basis.powers), len(curves)))
         slopes = np.zeros((*logs.shape, self.size))
@@ -127,7 +123,7 @@ class Law:
         return (logs, slopes) if own.ndim > 1 else (logs[:, 0], slopes[:, 0])
 
     def at_rest(self, own: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Give the logarithm of a conductance at rest, and its derivatives: of one curve, or of m (see `turning`)."""
+        """Give the logarithm of a conductance at rest, and its derivatives: of one curve, or of m (see `evaluated`)."""
         value, slopes = self.evaluated(self._resting, own)
         if self.level == 0:
             return value[0], slopes[0]
