@@ -176,7 +176,8 @@ def _record(label: str, source: Source, name: str, ambient: FloatArray | float, 
         return None
     good = int(np.isfinite(run.temps[name]).sum())
     if good < FEWEST:
-        warnings.append(f"{source.path}: {name}_degC has {good} sample(s) only; the run is left out for {name}")
+        kept = " that can be believed" if any(said.startswith(f"{name}_degC:") for said in run.doubted) else ""
+        warnings.append(f"{source.path}: {name}_degC has {good} sample(s){kept} only; the run is left out for {name}")
         return None
     if good < 0.5 * len(run.time_s):
         warnings.append(f"{source.path}: {name}_degC is missing in {1.0 - good / len(run.time_s):.0%} of the rows")

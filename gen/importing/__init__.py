@@ -5,7 +5,8 @@ Reading knows nothing of meaning (:mod:`~gen.importing.reading` gives tables of 
 (:mod:`~gen.importing.convert` makes runs of a table and a mapping, and counts what is no sample).
 """
 
-from gen.importing.convert import Converted, Splitting
+from gen.importing.convert import Splitting
+from gen.importing.converted import Converted
 from gen.importing.guessing.decide import Decided, doubts
 from gen.importing.guessing.guesses import Choices, Guess
 from gen.importing.importing import Plan, Written, plan, write

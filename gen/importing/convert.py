@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from zoneinfo import ZoneInfo
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gen.errors import InputError
-from gen.importing import clock, sequence
+from gen.importing import sequence
+from gen.importing.converted import Converted, count_units_apart
 from gen.importing.guessing.evidence import Evidence, Facts
-from gen.importing.local import goes_ahead_an_hour, goes_back_an_hour, in_utc
+from gen.importing.local import goes_ahead_an_hour, goes_back_an_hour
 from gen.importing.mapping import DATED, Entry, Mapping
 from gen.importing.means import means
-from gen.importing.origins import days_since
 from gen.importing.overflow import overflows
 from gen.importing.suspicions import suspicions
 from gen.importing.table import Cells, Counted, FloatArray, IntArray, Table
+from gen.importing.timing import ticks_of, timed
 from gen.importing.units import unit_of
 from gen.runs import AMBIENT, Run
 
 _FULL = 255
+_HALF_A_COUNT = 0.5
 _MOST_REPEATED = 0.1
 _FEW_REPEATED = 5
 _MOST_UNTIMED = 0.5
@@ -31,12 +32,6 @@ _MOST_BACKWARD = 0.5
 _CELSIUS = (-273.15, 5000.0)
 _HIGHEST = 1e12
 _DIGITS = 9
-_DAY_S = 86_400.0
-_SINCE_1601_S = 11_644_473_600.0
-_WINDOWS_S = (1.16e10, 1.5e10)
-"""Of a first time since 1601, from 1968 to 2076."""
-_DAY_DIGITS = 4
-"""Of s: a double holds a day of today to 10 us at best."""
 _DATED_ONLY = " (which needs dates with the times)"
 
 
@@ -54,33 +49,6 @@ class Splitting:
 
     at_all: bool = False
     gap_s: float | None = None
-
-
-@dataclass
-class Converted:
-    """The runs of one table.
-
-    Parameters
-    ----------
-    table
-        Of which.
-    runs
-        With what to put behind the file's name; empty for one run.
-    counted
-        What was found.
-    warnings
-        What is suspicious, in a line each.
-    """
-
-    table: Table
-    runs: list[tuple[str, Run]] = field(default_factory=list)
-    counted: list[Counted] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-
-    def count(self, what: str, rows: IntArray, column: str = "") -> None:
-        """Note rows of the table, if there are any."""
-        if rows.size:
-            self.counted.append(Counted(what, int(rows.size), self.table.place(int(rows[0]), column)))
 
 
 def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitting) -> Converted:
@@ -104,7 +72,7 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
         evidence, index = _in_order(evidence, index, mapping), 0
     table = evidence.tables[index]
     made = Converted(table, counted=list(table.counted))
-    time, begun = _time(evidence, index, mapping, made)
+    time, begun = timed(evidence, index, mapping, made)
     drive = _drive(evidence, index, mapping, made)
     usable = np.isfinite(time) & _known_from_the_first(drive)
     _left_out(usable, time, drive, mapping, made)
@@ -115,7 +83,7 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
     }
     rows = np.flatnonzero(usable)
     labels = evidence.facts[mapping.runs].columns[index].cells if mapping.runs else None
-    ticks = _ticks(evidence, index, mapping)
+    ticks = ticks_of(evidence, index, mapping)
     for label, stretch in _labelled(rows, labels):
         # rows that are counted and not timed are counted anew in each run
         begin = time[stretch[0]] if mapping.time.interval_s is not None and labels is not None else 0.0
@@ -138,7 +106,7 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
 def _in_order(evidence: Evidence, index: int, mapping: Mapping) -> Evidence:
     """One table with its rows in the order of their times; those without a time behind all others."""
     table = evidence.tables[index]
-    time, _ = _time(evidence, index, mapping, Converted(table))
+    time, _ = timed(evidence, index, mapping, Converted(table))
     rows = np.argsort(time, kind="stable")
     moved = int((np.diff(rows) < 0).sum())
     if not moved:
@@ -152,84 +120,13 @@ def _in_order(evidence: Evidence, index: int, mapping: Mapping) -> Evidence:
     return Evidence([replace(table, columns=columns, places=table.places[rows], counted=counted)])
 
 
-def _time(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> tuple[FloatArray, str]:
-    """Time of every row in s, NaN where it has none; and the instant at which it is 0."""
-    form, table = mapping.time, made.table
-    if form.interval_s is not None:
-        return np.arange(table.rows, dtype=np.float64) * form.interval_s, ""
-    facts = [evidence.facts[name] for name in form.columns]
-    first = facts[0]
-    unit = unit_of(form.unit)
-    if unit is not None and unit.quantity == "time":
-        parsed = first.parsed[index]
-        made.count("row without a time", np.flatnonzero(~np.isfinite(parsed.values)), first.name)
-        return _numbered(parsed.values, unit.scale)
-    ns = _instants(facts, index, form.unit, form.order, made)
-    if form.zone:
-        if _zoned(first.columns[index].cells):
-            raise InputError(
-                "times say how far they are from UTC; expected no --zone", place=made.table.place(0, first.name)
-            )
-        ns = in_utc(ns, ZoneInfo(form.zone))
-    made.count("row without a time", np.flatnonzero(ns == np.iinfo(np.int64).min), first.name)
-    if form.unit in ("time of day", "mm:ss"):
-        return clock.in_seconds(ns), ""
-    time, begin = clock.seconds(ns)
-    return time, "" if begin is None else _iso(begin)
-
-
-def _numbered(values: FloatArray, scale: float) -> tuple[FloatArray, str]:
-    """Numbers in a unit of time; those since 1970, or days since long before, count from the first."""
-    finite = values[np.isfinite(values)]
-    if finite.size and 1e9 < finite[0] * scale < 2.5e9:
-        return _scaled(values - finite[0], scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e9))
-    if finite.size and _WINDOWS_S[0] < finite[0] * scale < _WINDOWS_S[1]:
-        return _scaled(values - finite[0], scale), _iso(round((float(finite[0]) * scale - _SINCE_1601_S) * 1e3) * 10**6)
-    since = days_since(float(finite[0])) if finite.size and scale == _DAY_S else None
-    if since is not None:
-        begin = round((float(finite[0]) + since[0]) * _DAY_S * 1e3) * 10**6
-        return np.round((values - finite[0]) * _DAY_S, _DAY_DIGITS), _iso(begin)
-    return _scaled(values, scale), ""
-
-
-def _scaled(values: FloatArray, scale: float) -> FloatArray:
-    """In s; a division by 1000 is rounded correctly, a product with 0.001 is not."""
-    parts = round(1.0 / scale) if scale < 1.0 else 0
-    exact = parts > 0 and abs(parts * scale - 1.0) < 1e-12
-    return np.asarray(values / parts if exact else values * scale, dtype=np.float64)
-
-
-def _iso(ns: int) -> str:
-    return str(np.datetime64(ns // 10**6, "ms"))
-
-
-def _instants(facts: list[Facts], index: int, unit: str, order: str, made: Converted) -> IntArray:
-    cells = facts[0].columns[index].cells
-    if not isinstance(cells, list):
-        if cells.dtype.kind != "M":
-            raise InputError(f"holds numbers, expected a {unit}", place=f"column {facts[0].name}")
-        return clock.of_instants(cells)  # type: ignore[arg-type]
-    if unit == "mm:ss":
-        return clock.minutes(cells)
-    if unit == "timestamp":
-        return clock.instants(cells, order)
-    if unit == "date and time":
-        times = facts[1].columns[index].cells
-        if not isinstance(times, list):
-            raise InputError("holds numbers, expected times of day", place=f"column {facts[1].name}")
-        return clock.together(clock.instants(cells, order), clock.of_day(times))
-    ns, nights = clock.over_midnight(clock.of_day(cells))
-    if nights:
-        made.counted.append(Counted("midnight passed", nights, f"column {facts[0].name}"))
-    return ns
-
-
 def _drive(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> FloatArray:
     """The input in counts, not rounded, NaN where it is missing."""
     form, table = mapping.input, made.table
     if form.counts is not None:
         return np.full(table.rows, float(form.counts))
     parsed = evidence.facts[form.column].parsed[index]
+    count_units_apart(evidence.facts[form.column], index, made)
     made.count("text in a number's field", np.flatnonzero(parsed.text), form.column)
     made.count('word for "no number"', np.flatnonzero(parsed.words), form.column)
     values = parsed.values / form.full_scale * _FULL
@@ -243,6 +140,12 @@ def _drive(evidence: Evidence, index: int, mapping: Mapping, made: Converted) ->
             f"found {found:g}, more than the full scale of {form.full_scale:g} {form.unit}; expected --full-scale of "
             f"at least {np.nanmax(np.abs(parsed.values)):g}, or --unit",
             place=table.place(int(beyond[0]), form.column),
+        )
+    reached = float(np.nanmax(np.abs(parsed.values))) if np.isfinite(parsed.values).any() else 0.0
+    if 0.0 < reached < _HALF_A_COUNT * form.full_scale / _FULL:
+        made.warnings.append(
+            f"{table.label}: {form.column}: reaches {reached:g} {form.unit}, which is no count of {_FULL} at a full "
+            f"scale of {form.full_scale:g} {form.unit}: --full-scale, or --unit?"
         )
     return np.asarray(values)
 
@@ -272,6 +175,7 @@ def _left_out(
 def _channel(facts: Facts, index: int, entry: Entry, mapping: Mapping, made: Converted) -> FloatArray:
     parsed = facts.parsed[index]
     values = parsed.values.copy()
+    count_units_apart(facts, index, made)
     made.count("text in a number's field, left empty", np.flatnonzero(parsed.text), facts.name)
     made.count('word for "no number", left empty', np.flatnonzero(parsed.words), facts.name)
     temperature = entry.to.endswith("_degC")
@@ -329,25 +233,6 @@ def _report(order: sequence.Order, stretch: IntArray, mapping: Mapping, made: Co
     made.count("time far ahead in one row, left out", order.jumped, column)
     for row, name in order.wraps:
         made.count(f"{name} ran over, counted on", np.array([row]), column)
-
-
-def _ticks(evidence: Evidence, index: int, mapping: Mapping) -> sequence.Ticks:
-    """What kind of clock the times are of."""
-    form = mapping.time
-    if not form.columns:
-        return sequence.Ticks()
-    facts = evidence.facts[form.columns[0]]
-    unit = unit_of(form.unit)
-    if unit is not None and unit.quantity == "time":
-        values = facts.parsed[index].values
-        whole = bool(np.all(values[np.isfinite(values)] % 1.0 == 0.0))
-        return sequence.Ticks(count_s=unit.scale if whole else 0.0)
-    cells = facts.columns[index].cells
-    return sequence.Ticks(local=not form.zone and form.unit != "mm:ss" and not _zoned(cells))
-
-
-def _zoned(cells: Cells) -> bool:
-    return isinstance(cells, list) and clock.zoned(cells)
 
 
 def _spring(order: sequence.Order, ticks: sequence.Ticks, mapping: Mapping, made: Converted) -> None:

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from gen.errors import InputError
 from gen.files import check_writable, write_text
-from gen.importing.convert import Converted, Splitting, convert, with_comments
+from gen.importing.convert import Splitting, convert, with_comments
+from gen.importing.converted import Converted
 from gen.importing.guessing.decide import NO_PART, Decided, decide, doubts
 from gen.importing.guessing.guess_input import NO_INPUT
 from gen.importing.guessing.guesses import Choices

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.importing.table import FloatArray
+from gen.importing.table import FloatArray, IntArray
 from gen.importing.units import unit_of
 
 NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 NAN_WORDS = frozenset(
     ["nan", "na", "n/a", "#n/a", "#na", "null", "none", "nil", "missing", "-", "--", "---", "?", "inf", "+inf", "-inf"]
 )
+_MINUS = str.maketrans(dict.fromkeys("\u2212\u2012\u2013\u2014\ufe63\uff0d", "-"))
+"""Typeset minuses and dashes: of German and Norwegian settings, of what was copied out of a document."""
 _PLAIN = str.maketrans("", "", "0123456789+-.eE \n")
 _GROUPED = re.compile(r"(?<=\d)[ \u00a0\u202f'’](?=\d{3}(?!\d))")
 _SIGN_APART = re.compile(r"^([+-])\s+(?=[\d.,])")
@@ -34,15 +35,20 @@ class Parsed:
         NaN where there is no number, shape (N,).
     empty, words, text
         Rows with nothing, with a word for "no number", with other text, shape (N,).
-    unit
-        What stands behind every number; empty without one.
+    units, unit_at
+        What stands behind numbers, and which of them behind each, -1 where nothing does, shape (N,); None where nothing
+        stands behind any.
+    converted
+        Rows whose unit was another than their column's, shape (N,); None where there is none.
     """
 
     values: FloatArray
     empty: NDArray[np.bool_]
     words: NDArray[np.bool_]
     text: NDArray[np.bool_]
-    unit: str = ""
+    units: tuple[str, ...] = ()
+    unit_at: IntArray | None = None
+    converted: NDArray[np.bool_] | None = None
 
     @property
     def numeric(self) -> float:
@@ -67,9 +73,10 @@ def parse(cells: Sequence[str], decimal: str = ".") -> Parsed:
         return Parsed(quick, np.isnan(quick), none, none.copy())
     values = np.full(len(cells), np.nan)
     empty, words, text = none, none.copy(), none.copy()
-    units: Counter[str] = Counter()
+    units: dict[str, int] = {}
+    unit_at = np.full(len(cells), -1, dtype=np.int64)
     for i, cell in enumerate(cells):
-        stripped = cell.strip()
+        stripped = cell.strip().translate(_MINUS)
         if not stripped:
             empty[i] = True
         elif stripped.casefold() in NAN_WORDS:
@@ -80,9 +87,9 @@ def parse(cells: Sequence[str], decimal: str = ".") -> Parsed:
                 text[i] = True
             else:
                 values[i] = number
-                units[unit] += 1
-    common = units.most_common(1)[0][0] if units else ""
-    return Parsed(values, empty, words, text, common)
+                if unit:
+                    unit_at[i] = units.setdefault(unit, len(units))
+    return Parsed(values, empty, words, text, tuple(units), unit_at if units else None)
 
 
 def _parse_fast(cells: Sequence[str], decimal: str) -> FloatArray | None:
@@ -147,7 +154,7 @@ def decimal_mark(cells: Iterable[str]) -> tuple[str, float, str]:
     """
     seen: dict[str, list[str]] = {}
     for cell in cells:
-        text = _GROUPED.sub("", _SIGN_APART.sub(r"\1", cell.strip()))
+        text = _GROUPED.sub("", _SIGN_APART.sub(r"\1", cell.strip().translate(_MINUS)))
         for kind, pattern in _MARKS.items():
             if re.fullmatch(pattern, text, re.ASCII):
                 seen.setdefault(kind, []).append(text)

@@ -22,6 +22,12 @@ _OF_TEMPERATURES: dict[float, str] = {
     9999.9: "an error's number",
 }
 """Told as they are, in whatever unit the others stand."""
+_WITHIN_A_RANGE: dict[float, str] = {
+    1023.0: "10 bits at their end",
+    1024.0: "MAX6675 at its end, rounded",
+    4095.0: "12 bits at their end",
+}
+"""What an oven may have, too: told where nothing beside it is near, and not where values stay there."""
 _OF_ALL: dict[float, str] = {
     65535.0: "0xFFFF",
     32767.0: "0x7FFF",
@@ -63,10 +69,10 @@ def overflows(values: FloatArray, *, temperature: str) -> list[tuple[NDArray[np.
     list
         Of rows, the value, and what gives it.
     """
-    ends, power_on = _known(temperature)
-    measured = np.isfinite(values) & ~np.isin(values, [*ends, *power_on])
+    ends, possible = _known(temperature)
+    measured = np.isfinite(values) & ~np.isin(values, [*ends, *possible])
     found = []
-    for value, words in (ends | power_on).items():
+    for value, words in (ends | possible).items():
         rows = np.flatnonzero(values == value)
         if not rows.size:
             continue
@@ -79,12 +85,12 @@ def overflows(values: FloatArray, *, temperature: str) -> list[tuple[NDArray[np.
 
 
 def _known(temperature: str) -> tuple[dict[float, str], dict[float, str]]:
-    """Values of a range's end and of errors, and those of a sensor that has not measured yet, in a unit."""
+    """Values of a range's end and of errors, and those that may be measured as well, in a unit."""
     if not temperature:
         return _OF_ALL, {}
     unit = next((unit for unit in ("degC", "degF") if temperature.endswith(unit)), "")
     own = {"degC": _OF_CELSIUS, "degF": _OF_FAHRENHEIT}.get(unit, {})
-    return own | _OF_TEMPERATURES | _OF_ALL, _POWER_ON.get(unit, {})
+    return own | _OF_TEMPERATURES | _OF_ALL, _POWER_ON.get(unit, {}) | _WITHIN_A_RANGE
 
 
 def _leaps(values: FloatArray, rows: NDArray[np.int64], measured: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:

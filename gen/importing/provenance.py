@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gen.importing.convert import Converted
+from gen.importing.converted import Converted
 from gen.importing.guessing.decide import Decided
 from gen.importing.mapping import Mapping, mapping_text
 from gen.runs.drive import COMMENT, Drive

@@ -79,6 +79,10 @@ _SPELT: dict[Unit, str] = {
 }
 _KNOWN = {spelling: unit for unit, text in _SPELT.items() for spelling in text.split()}
 _FACTOR = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)\s*\*?\s*(.+)", re.ASCII)
+_SHARE = re.compile(r"(?:(?P<over>1\s*/\s*\d+)\s*(?P<of>\D.*)|(?P<whole>\D.*?)\s*/\s*(?P<by>10{1,3}))", re.ASCII)
+"""Tenths of a unit: `1/10 °C`, `°C/10`."""
+_PREFIXED = re.compile(r"(?P<prefix>[Mm]illi|[Cc]enti|[Dd]eci|[mcd])[ -]?(?P<unit>(?i:deg ?c|°c|celsius|kelvin)|K)")
+_PREFIXES = {"m": "0.001", "c": "0.01", "d": "0.1"}
 _BRACKETED = re.compile(r"^(?P<base>.*?)\s*[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]\s*(?P<rest>.*)$")
 _BRACKETED_FROM = re.compile(r"[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]")
 _SPOKEN = re.compile(r"^(?P<base>.*\S)\s*(?:\s(?:in|/)\s|,\s+|\s*/\s*)(?P<unit>\S+)$", re.IGNORECASE)
@@ -99,12 +103,24 @@ def unit_of(text: str) -> Unit | None:
     spelt = re.sub(r"\s+", "", text.strip().strip("[]()<>{}")).replace("deg.", "deg").casefold()
     if spelt in _KNOWN:
         return _KNOWN[spelt]
-    scaled = _FACTOR.fullmatch(text.strip())
+    scaled = _FACTOR.fullmatch(_with_factor(text.strip().strip("[]()<>{}")))
     if scaled and (unit := unit_of(scaled[2])) and _FACTOR.fullmatch(scaled[2]) is None:
         factor = float(scaled[1])
         if factor:
             return Unit(unit.quantity, f"{scaled[1]}{unit.name}", unit.target, unit.scale * factor, unit.offset)
     return None
+
+
+def _with_factor(text: str) -> str:
+    """A factor before its unit, however a part of one was written: `1/10 °C`, `°C/10`, `0,1 °C`, `m°C`."""
+    share = _SHARE.fullmatch(text)
+    if share:
+        digits = re.sub(r"\D", "", share["over"][1:]) if share["over"] else share["by"]
+        return f"{1.0 / float(digits):g} {share['of'] or share['whole']}" if float(digits) else text
+    prefixed = _PREFIXED.fullmatch(text)
+    if prefixed:
+        return f"{_PREFIXES[prefixed['prefix'][0].lower()]} {prefixed['unit']}"
+    return re.sub(r"^(\d+),(\d+)(?=\D)", r"\1.\2", text)
 
 
 def _last_unit(text: str) -> re.Match[str] | None:

@@ -257,3 +257,37 @@ def test_what_one_of_each_unit_is() -> None:
         assert unit is not None
         assert freezing * unit.scale + unit.offset == pytest.approx(0.0, abs=1e-9)
         assert boiling * unit.scale + unit.offset == pytest.approx(100.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("unit", "parts"),
+    [("0.1 °C", 10), ("0,1 °C", 10), ("1/10 °C", 10), ("°C/10", 10), ("m°C", 1000), ("mdegC", 1000), ("1/100 °C", 100)],
+)
+def test_parts_of_a_degree_in_a_header(unit: str, parts: int, tmp_path: Path) -> None:
+    frame = TRUE.assign(winding_degC=np.round(TRUE.winding_degC * parts).astype(int))
+    text = csv(frame.rename(columns={"winding_degC": f"Winding [{unit}]"}), sep=";")
+    run = taken(write(tmp_path, text), tmp_path / "runs")
+    np.testing.assert_allclose(run.temps["winding"], TRUE.winding_degC, atol=1e-9)
+
+
+def test_tenths_of_a_degree_without_a_unit_are_asked_for(tmp_path: Path) -> None:
+    frame = TRUE.assign(winding_degC=np.round(TRUE.winding_degC * 10).astype(int))
+    path = write(tmp_path, csv(frame.rename(columns={"winding_degC": "T_winding"})))
+    with pytest.raises(InputError, match=r"settle it by --unit T_winding=degC or =degF or =K or =0\.1degC"):
+        take(path, tmp_path / "runs")
+    run = taken(path, tmp_path / "runs", units={"T_winding": "0.1degC"})
+    np.testing.assert_allclose(run.temps["winding"], TRUE.winding_degC, atol=1e-9)
+
+
+@pytest.mark.parametrize("value", [1023, 1024, 4095])
+def test_a_converters_end_among_temperatures_is_none(value: float, tmp_path: Path) -> None:
+    frame = TRUE.astype({"winding_degC": float})
+    frame.loc[[20, 21, 22, 50], "winding_degC"] = value
+    run = taken(write(tmp_path, csv(frame)), tmp_path / "runs")
+    assert np.flatnonzero(~np.isfinite(run.temps["winding"])).tolist() == [20, 21, 22, 50]
+
+
+def test_an_oven_that_passes_1023_degrees_and_stays_there_is_believed(tmp_path: Path) -> None:
+    kiln = np.minimum(np.round(20.0 + 12.0 * np.arange(len(TRUE))), 1023.0)
+    run = taken(write(tmp_path, csv(TRUE.assign(winding_degC=kiln))), tmp_path / "runs")
+    np.testing.assert_array_equal(run.temps["winding"], kiln)

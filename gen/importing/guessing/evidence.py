@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from gen.importing.behind import brought, commonest
 from gen.importing.clock import kind_of
 from gen.importing.numbers import Parsed, parse
 from gen.importing.table import Column, FloatArray, Table
@@ -54,8 +55,27 @@ class Facts:
 
     @cached_property
     def parsed(self) -> list[Parsed]:
-        """The numbers of each table."""
+        """The numbers of each table, all in one unit where units stand behind them."""
+        return [brought(entry, self.own) for entry in self._written]
+
+    @cached_property
+    def _written(self) -> list[Parsed]:
         return [_parsed(column, mark) for column, mark in zip(self.columns, self.decimals, strict=True)]
+
+    @cached_property
+    def _headed(self) -> tuple[str, Unit | None, str]:
+        """Name without unit, and the unit that the header or a row below it says."""
+        base, unit, _ = split_name(self.name)
+        if unit is not None:
+            return base, unit, "name"
+        row = unit_of(self.columns[0].unit) if self.columns[0].unit else None
+        return (base, row, "row of units") if row is not None else (base, None, "")
+
+    @cached_property
+    def own(self) -> Unit | None:
+        """The unit of its numbers: the header's, or that behind most of them where it is of another quantity."""
+        headed, behind = self._headed[1], commonest(self._written)
+        return headed if headed is not None and (behind is None or behind.target == headed.target) else behind
 
     @cached_property
     def values(self) -> FloatArray:
@@ -77,18 +97,12 @@ class Facts:
     @cached_property
     def named(self) -> tuple[str, Unit | None, str]:
         """Name without unit, the unit, and where that was found: "name", "row of units", "values" or nothing."""
-        base, unit, _ = split_name(self.name)
-        if unit is not None:
-            return base, unit, "name"
-        row = unit_of(self.columns[0].unit) if self.columns[0].unit else None
-        if row is not None:
-            return base, row, "row of units"
+        base, unit, where = self._headed
+        if self.own is not None:
+            return (base, unit, where) if self.own is unit else (base, self.own, "values")
         minutes = _COUNTED_TIME.fullmatch(base)
         if minutes and self.kind == "number" and self.steps.size and (self.steps > 0).all():
             return minutes["base"], unit_of(minutes["unit"]), "name"
-        behind = self.parsed[0].unit if isinstance(self.columns[0].cells, list) else ""
-        if behind and (unit := unit_of(behind)):
-            return base, unit, "values"
         return base, None, ""
 
     @property

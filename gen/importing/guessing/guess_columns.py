@@ -279,7 +279,7 @@ def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool, dou
         if new:
             to = new if new.endswith("_degC") else f"{new}_degC"
         shown = quoted(f"{facts.name}=degC")
-        settle = f"--unit {shown} or =degF or =K"
+        settle = f"--unit {shown} or =degF or =K{' or =0.1degC' if _in_tenths(facts) else ''}"
         if ambient and doubtful:
             confidence, why = _UNSAID, f"{why}; the ambient, or of a part"
             settle = f"--column {quoted(f'{facts.name}={AMBIENT}')} or {quoted(f'{facts.name}=NAME_degC')}"
@@ -292,6 +292,12 @@ def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool, dou
     taken_for = to if not name or to.endswith(f"_{name}") else f"{to}, from {name}"
     entry = Entry.model_validate({"from": facts.name, "to": to, "unit": name})
     return entry, Guess(facts.name, taken_for, confidence, why, settle)
+
+
+def _in_tenths(facts: Facts) -> bool:
+    """Whether whole numbers may be tenths of degC: a converter's, or a PLC's."""
+    begin = float(np.median(facts.starts)) if facts.starts.size else 0.0
+    return facts.whole and _WARM_C < begin <= 10.0 * _COLD_C[1]
 
 
 def _channel(found: _Sorted, base: str, taken: set[str]) -> tuple[str, str, float]:

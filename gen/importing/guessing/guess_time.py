@@ -20,6 +20,7 @@ from gen.importing.origins import days_since
 from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import unit_of
 
+_FORMS = "times such as 2026-04-03T23:30:00, 3.4.2026 23:30, 3 Apr 2026 23:30:00, 23:30:00, 1h30m00s, or numbers"
 _KINDS = {"instant": "timestamp", "clock": "time of day", "minutes": "mm:ss"}
 _EPOCHS = (
     (1e9, 2.5e9, "s"),
@@ -125,6 +126,12 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
         since = [entry for entry in unnamed if _epoch(entry)]
         best = (since or unnamed)[0]
         return [best.name], choices, 0.7, "" if since else "the first column that rises all the way"
+    words = next((entry for entry in facts if entry.kind == "text" and _called_so(entry)), None)
+    if words is not None:
+        raise InputError(
+            f'found "{_example(words)}", expected {_FORMS}; or --time SECONDS for the interval of the rows',
+            place=_first(evidence, words),
+        )
     raise InputError(
         f"no column is a time among {listed(evidence.facts)}; expected --time COLUMN, or --time SECONDS for the "
         "interval of its rows",
@@ -192,7 +199,8 @@ def _form(
         ]
     entry = chosen[0]
     if entry.kind != "number":
-        raise InputError(f"holds {entry.kind}, expected times", place=f"column {entry.name}")
+        shown = f' such as "{_example(entry)}"' if entry.kind == "text" else ""
+        raise InputError(f"holds {entry.kind}{shown}, expected {_FORMS}", place=_first(evidence, entry))
     name, sure, reason = _unit(entry, choices)
     form = TimeForm(columns=names, unit=name)
     settle = f"--unit {quoted(f'{entry.name}=s')}, =ms, =min, =h or =d"
@@ -309,6 +317,17 @@ def _timed(entry: Facts) -> bool:
         bool(TIME.fullmatch(base.casefold()) or base.casefold() in ("t", ""))
         and (unit is None or unit.quantity == TIME_QUANTITY)
     ) or (alone is not None and alone.quantity == TIME_QUANTITY)
+
+
+def _called_so(entry: Facts) -> bool:
+    return bool(TIME.fullmatch(entry.named[0].casefold()))
+
+
+def _first(evidence: Evidence, entry: Facts) -> str:
+    """Where a column holds something first."""
+    cells = entry.columns[0].cells
+    row = next((k for k, cell in enumerate(cells) if cell), 0) if isinstance(cells, list) else 0
+    return evidence.tables[0].place(row, entry.name)
 
 
 def _named_so(entry: Facts) -> bool:

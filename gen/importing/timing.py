@@ -1,0 +1,142 @@
+"""The time of every row of a table, in s."""
+
+from __future__ import annotations
+
+from zoneinfo import ZoneInfo
+
+import numpy as np
+
+from gen.errors import InputError
+from gen.importing import clock, sequence
+from gen.importing.converted import Converted, count_units_apart
+from gen.importing.guessing.evidence import Evidence, Facts
+from gen.importing.local import in_utc
+from gen.importing.mapping import Mapping
+from gen.importing.origins import days_since
+from gen.importing.table import Cells, Counted, FloatArray, IntArray
+from gen.importing.units import unit_of
+
+_DAY_S = 86_400.0
+_SINCE_1601_S = 11_644_473_600.0
+_LONGEST_S = 1e9
+_LATEST_S = 1e12
+"""Run files hold no larger number."""
+_FEW = 0.01
+"""Of the rows."""
+_WINDOWS_S = (1.16e10, 1.5e10)
+"""Of a first time since 1601, from 1968 to 2076."""
+_DAY_DIGITS = 4
+"""Of s: a double holds a day of today to 10 us at best."""
+
+
+def timed(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> tuple[FloatArray, str]:
+    """Time of every row in s, NaN where it has none; and the instant at which it is 0."""
+    form, table = mapping.time, made.table
+    if form.interval_s is not None:
+        return np.arange(table.rows, dtype=np.float64) * form.interval_s, ""
+    facts = [evidence.facts[name] for name in form.columns]
+    first = facts[0]
+    unit = unit_of(form.unit)
+    if unit is not None and unit.quantity == "time":
+        parsed = first.parsed[index]
+        made.count("row without a time", np.flatnonzero(~np.isfinite(parsed.values)), first.name)
+        count_units_apart(first, index, made)
+        time, begun = _numbered(parsed.values, unit.scale)
+        return _within(time, first.name, made), begun
+    ns = _instants(facts, index, form.unit, form.order, made)
+    if form.zone:
+        if zoned(first.columns[index].cells):
+            raise InputError(
+                "times say how far they are from UTC; expected no --zone", place=made.table.place(0, first.name)
+            )
+        ns = in_utc(ns, ZoneInfo(form.zone))
+    made.count("row without a time", np.flatnonzero(ns == np.iinfo(np.int64).min), first.name)
+    if form.unit in ("time of day", "mm:ss"):
+        return clock.in_seconds(ns), ""
+    time, begin = clock.seconds(ns)
+    return time, "" if begin is None else _iso(begin)
+
+
+def _within(time: FloatArray, column: str, made: Converted) -> FloatArray:
+    """Leave out a few times that no log reaches; refuse where they are many, as where s become ms on the way."""
+    finite = time[np.isfinite(time)]
+    if not finite.size:
+        return time
+    middle = float(np.median(finite))
+    if abs(middle) > _LATEST_S:
+        raise InputError(f"found times of about {middle:g} s, expected less than 30 years", place=f"column {column}")
+    rows = np.flatnonzero(np.abs(time - middle) > _LONGEST_S)
+    if rows.size > _FEW * time.size:
+        raise InputError(
+            f"found a time of {time[rows[0]]:g} s where most are about {middle:g} s; expected one unit of time in all "
+            "rows (s became ms?), and less than 30 years",
+            place=made.table.place(int(rows[0]), column),
+        )
+    made.count("time more than 30 years from the others, left out", rows, column)
+    return np.where(np.abs(time - middle) > _LONGEST_S, np.nan, time)
+
+
+def _numbered(values: FloatArray, scale: float) -> tuple[FloatArray, str]:
+    """Numbers in a unit of time; those since 1970, or days since long before, count from the first."""
+    finite = values[np.isfinite(values)]
+    if finite.size and 1e9 < finite[0] * scale < 2.5e9:
+        return _scaled(values - finite[0], scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e9))
+    if finite.size and _WINDOWS_S[0] < finite[0] * scale < _WINDOWS_S[1]:
+        return _scaled(values - finite[0], scale), _iso(round((float(finite[0]) * scale - _SINCE_1601_S) * 1e3) * 10**6)
+    since = days_since(float(finite[0])) if finite.size and scale == _DAY_S else None
+    if since is not None:
+        begin = round((float(finite[0]) + since[0]) * _DAY_S * 1e3) * 10**6
+        return np.round((values - finite[0]) * _DAY_S, _DAY_DIGITS), _iso(begin)
+    return _scaled(values, scale), ""
+
+
+def _scaled(values: FloatArray, scale: float) -> FloatArray:
+    """In s; a division by 1000 is rounded correctly, a product with 0.001 is not."""
+    parts = round(1.0 / scale) if scale < 1.0 else 0
+    exact = parts > 0 and abs(parts * scale - 1.0) < 1e-12
+    return np.asarray(values / parts if exact else values * scale, dtype=np.float64)
+
+
+def _iso(ns: int) -> str:
+    return str(np.datetime64(ns // 10**6, "ms"))
+
+
+def _instants(facts: list[Facts], index: int, unit: str, order: str, made: Converted) -> IntArray:
+    cells = facts[0].columns[index].cells
+    if not isinstance(cells, list):
+        if cells.dtype.kind != "M":
+            raise InputError(f"holds numbers, expected a {unit}", place=f"column {facts[0].name}")
+        return clock.of_instants(cells)  # type: ignore[arg-type]
+    if unit == "mm:ss":
+        return clock.minutes(cells)
+    if unit == "timestamp":
+        return clock.instants(cells, order)
+    if unit == "date and time":
+        times = facts[1].columns[index].cells
+        if not isinstance(times, list):
+            raise InputError("holds numbers, expected times of day", place=f"column {facts[1].name}")
+        return clock.together(clock.instants(cells, order), clock.of_day(times))
+    ns, nights = clock.over_midnight(clock.of_day(cells))
+    if nights:
+        made.counted.append(Counted("midnight passed", nights, f"column {facts[0].name}"))
+    return ns
+
+
+def ticks_of(evidence: Evidence, index: int, mapping: Mapping) -> sequence.Ticks:
+    """What kind of clock the times are of."""
+    form = mapping.time
+    if not form.columns:
+        return sequence.Ticks()
+    facts = evidence.facts[form.columns[0]]
+    unit = unit_of(form.unit)
+    if unit is not None and unit.quantity == "time":
+        values = facts.parsed[index].values
+        whole = bool(np.all(values[np.isfinite(values)] % 1.0 == 0.0))
+        return sequence.Ticks(count_s=unit.scale if whole else 0.0)
+    cells = facts.columns[index].cells
+    return sequence.Ticks(local=not form.zone and form.unit != "mm:ss" and not zoned(cells))
+
+
+def zoned(cells: Cells) -> bool:
+    """Whether times say how far they are from UTC."""
+    return isinstance(cells, list) and clock.zoned(cells)

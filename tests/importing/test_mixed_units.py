@@ -1,0 +1,110 @@
+"""Units behind numbers: meters that choose their range, columns of two scales, minuses of documents."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from gen.interface import Import, import_runs
+from gen.runs import read_run
+from tests.importing.logs import TRUE, csv, same, take, taken, write
+
+HALF = np.arange(len(TRUE)) % 2 == 0
+
+
+def written(values: pd.Series, form: Callable[[float], str], other: Callable[[float], str]) -> list[str]:
+    """Every second number in another form."""
+    return [form(value) if first else other(value) for value, first in zip(values, HALF, strict=True)]
+
+
+def counted(found: Import) -> list[str]:
+    frame = found.counted().reset_index()
+    return [
+        f"{count} x {what} ({first})"
+        for count, what, first in zip(frame["count"], frame["what"], frame["first"], strict=True)
+    ]
+
+
+def as_celsius(value: float) -> str:
+    return f"{value:.1f} °C"
+
+
+def as_fahrenheit(value: float) -> str:
+    return f"{value * 1.8 + 32:.2f} °F"
+
+
+@pytest.mark.parametrize("name", ["winding", "winding temp [°C]", "winding temp (°F)", "winding_degC"])
+def test_cells_of_both_scales_are_each_read_in_their_own(name: str, tmp_path: Path) -> None:
+    frame = TRUE.assign(winding_degC=written(TRUE.winding_degC, as_celsius, as_fahrenheit))
+    found = take(write(tmp_path, csv(frame.rename(columns={"winding_degC": name}))), tmp_path / "runs")
+    np.testing.assert_allclose(read_run(found.runs[0]).temps["winding"], TRUE.winding_degC, atol=1e-9)
+    assert any("60 x number in another unit" in said for said in counted(found))
+
+
+def test_a_meter_that_chooses_its_range_is_read_in_each(tmp_path: Path) -> None:
+    current = pd.Series(np.linspace(0.2, 2.6, len(TRUE)).round(3))
+    cells = [f"{value * 1000:.0f} mA" if value < 1.0 else f"{value:.3f} A" for value in current]
+    run = taken(write(tmp_path, csv(TRUE.assign(current=cells))), tmp_path / "runs")
+    np.testing.assert_allclose(run.extras["current_A"], current, atol=1e-9)
+
+
+def test_a_power_in_two_ranges_drives_the_motor(tmp_path: Path) -> None:
+    power = np.where(TRUE.pwm > 0, 1620.0, 540.0)
+    cells = [f"{value / 1000:.2f} kW" if value > 1000 else f"{value:.0f} W" for value in power]
+    frame = TRUE.drop(columns="pwm").assign(power=cells)
+    found = take(write(tmp_path, csv(frame)), tmp_path / "runs", input="power", full_scale=2000.0)
+    run = read_run(found.runs[0])
+    np.testing.assert_array_equal(run.pwm, np.floor(power / 2000.0 * 255 + 0.5))
+
+
+def test_files_of_one_header_may_have_other_units(tmp_path: Path) -> None:
+    paths = []
+    for k, (scale, unit) in enumerate([(1.0, "A"), (1000.0, "mA")]):
+        cells = [f"{1.5 * scale:.1f} {unit}"] * len(TRUE)
+        paths.append(write(tmp_path, csv(TRUE.assign(current=cells)), name=f"log{k}.csv"))
+    for path in import_runs(paths, tmp_path / "runs").runs:
+        np.testing.assert_allclose(read_run(path).extras["current_A"], 1.5, atol=1e-9)
+
+
+def test_times_in_two_units_go_on(tmp_path: Path) -> None:
+    cells = [f"{value:g} s" if value < 20 else f"{value / 60:.9f} min" for value in TRUE.time_s]
+    run = taken(write(tmp_path, csv(TRUE.assign(time_s=cells).rename(columns={"time_s": "time"}))), tmp_path / "runs")
+    np.testing.assert_allclose(run.time_s, TRUE.time_s, atol=1e-6)
+
+
+def test_a_row_of_units_is_overruled_by_a_unit_behind_the_number(tmp_path: Path) -> None:
+    frame = TRUE.assign(time_s=[f"{value * 1000:.0f} ms" for value in TRUE.time_s]).astype(str)
+    header, *rows = csv(frame).splitlines()
+    text = "\n".join([header.replace("time_s", "time").replace("_degC", ""), "s,,degC,degC,degC", *rows]) + "\n"
+    same(taken(write(tmp_path, text), tmp_path / "runs"), TRUE)
+
+
+def test_a_unit_of_something_else_is_no_number(tmp_path: Path) -> None:
+    cells = [f"{value:.1f} °C" for value in TRUE.winding_degC]
+    cells[30] = "11.9 V"
+    found = take(write(tmp_path, csv(TRUE.assign(winding_degC=cells))), tmp_path / "runs")
+    assert np.isnan(read_run(found.runs[0]).temps["winding"][30])
+    assert any("text in a number's field" in said and "line 32" in said for said in counted(found))
+
+
+def test_a_number_without_a_unit_among_others_is_told(tmp_path: Path) -> None:
+    cells = [f"{value:.1f} °C" for value in TRUE.winding_degC]
+    cells[30] = cells[30].removesuffix(" °C")
+    found = take(
+        write(tmp_path, csv(TRUE.rename(columns={"winding_degC": "winding"}).assign(winding=cells))), tmp_path / "runs"
+    )
+    same(read_run(found.runs[0]), TRUE)
+    assert any("1 x number without a unit, taken for degC (line 32" in said for said in counted(found))
+
+
+@pytest.mark.parametrize("minus", ["\u2212", "\u2013", "\uff0d"])
+def test_a_typeset_minus_is_one(minus: str, tmp_path: Path) -> None:
+    cold = TRUE.assign(ambient_degC=TRUE.ambient_degC - 30, winding_degC=TRUE.winding_degC - 30)
+    text = csv(cold).replace(",-", f",{minus}")
+    same(taken(write(tmp_path, text), tmp_path / "runs"), cold)
+    comma = csv(cold, sep=";", decimal=",").replace(";-", f";{minus}")
+    same(taken(write(tmp_path, comma, name="comma.csv"), tmp_path / "comma"), cold)
