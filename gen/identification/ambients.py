@@ -21,6 +21,8 @@ UNKNOWN_K = 5.0
 """Standard deviation of a room that nothing says about where the coldest run begins, K."""
 WARMEST_ROOM = 40.0
 """degC: what begins warmer and cools from there did not begin in its room."""
+HOTTEST_ROOM = 70.0
+"""degC: what begins warmer did not either, wherever it goes. (Who tries a motor in an oven gives --ambient.)"""
 ROOM, ROOM_UNSURE_K = 22.0, 8.0
 """A room of which no more is known than that people work in it, degC, and its standard deviation, K."""
 
@@ -31,7 +33,8 @@ def ambients_of(
     """Give the ambient of each run, and what all of them may be off by together.
 
     Where nothing says it a run that begins like the coldest ones begins in its room; others are taken to stand in the
-    room of those. Where all begin warmer than rooms are, and cool from there, it is a usual room.
+    room of those. Where all begin warmer than rooms are, and cool from there, or hotter than any room, it is a usual
+    room.
 
     Parameters
     ----------
@@ -67,7 +70,8 @@ def ambients_of(
     known = [min(firsts) for firsts, level in zip(starts, said, strict=True) if firsts and (level is None or levels)]
     usual = float(np.median(levels)) if levels else min(known)
     unsure, others = (0.0 if levels else UNKNOWN_K), "in the others"
-    if not levels and usual > WARMEST_ROOM and _lowest([source.run for source in sources]) < usual - SAME_ROOM_K:
+    cools = usual > WARMEST_ROOM and _lowest([source.run for source in sources]) < usual - SAME_ROOM_K
+    if not levels and (cools or usual > HOTTEST_ROOM):
         usual, unsure, others = ROOM, ROOM_UNSURE_K, "rooms usually are"
     found: list[FloatArray | float] = []
     for source, level, firsts in zip(sources, said, starts, strict=True):

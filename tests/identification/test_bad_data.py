@@ -156,7 +156,7 @@ def test_without_ambient_a_cold_start_says_it_and_a_warm_one_asks() -> None:
 
 
 def test_what_begins_warmer_than_rooms_are_and_cools_did_not_begin_in_its_room() -> None:
-    """As a furnace does that was hot when the log began; one that only gets warmer from there says nothing else."""
+    """As a furnace does that was hot when the log began; what only gets warmer from 70 degC on did not either."""
     time, rng = 10.0 * np.arange(400.0), np.random.default_rng(3)
     power = np.where(time < 2000.0, 0, 150)
     plate = 24.0 + 106.0 * np.exp(-np.minimum(time, 2000.0) / 900.0) + 0.02 * np.maximum(time - 2000.0, 0.0)
@@ -165,8 +165,9 @@ def test_what_begins_warmer_than_rooms_are_and_cools_did_not_begin_in_its_room()
     assert data.ambient_fixed == 22.0
     assert data.fine[0].room_K == 8.0
     assert any("hot.csv: no ambient_degC, and a warm start; 22 degC" in warning for warning in data.warnings)
-    warming = replace(run, temps={"plate": 130.0 + 0.02 * time})
-    assert make_network_data([Source("hot.csv", warming)], None).ambient_fixed == pytest.approx(130.0)
+    for begin, room in ((130.0, 22.0), (55.0, 55.0)):
+        warming = replace(run, temps={"plate": begin + 0.02 * time})
+        assert make_network_data([Source("hot.csv", warming)], None).ambient_fixed == pytest.approx(room)
     beside = replace(run, temps={"plate": run.temps["plate"] - 95.0})  # begins at 35: it may be a hot day
     assert make_network_data([Source("warm.csv", beside)], None).ambient_fixed == pytest.approx(35.0, abs=0.5)
 
