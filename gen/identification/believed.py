@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
+from gen.identification.alone import standing_alone
 from gen.runs import Run
 from gen.runs.run import FloatArray
 
@@ -65,6 +66,13 @@ def believed_run(run: Run, rates: Mapping[str, float] = MappingProxyType({})) ->
         lost = int(np.count_nonzero(np.isfinite(values) & ~kept))
         temps[name] = np.where(kept, values, np.nan) if lost else values
         known = int(np.count_nonzero(np.isfinite(values)))
+        alone = standing_alone(temps[name], run.pwm)
+        if alone.any():
+            temps[name] = np.where(alone, np.nan, temps[name])
+            said.append(
+                f"{name}_degC: {np.count_nonzero(alone)} of {known} readings stand alone while PWM was held, and are "
+                f"not believed{_off(run.time_s, values, np.isfinite(temps[name]))}"
+            )
         scatter = scatter_K(values[np.isfinite(values)])
         if lost == known and scatter > MOST_SCATTER_K:
             said.append(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 import gen
 from gen.coefficients.wiring import Thermocouple
 from gen.identification import believed as module
+from gen.identification.alone import standing_alone
 from gen.identification.believed import NOISE_K, RATE_K_PER_S, believed, believed_run, scatter_K
 from gen.lowering.sensors import COUNT_K, NOISE_COUNTS
 from gen.runs import Run
@@ -168,3 +169,41 @@ def test_a_part_that_warms_by_kelvins_from_row_to_row_scatters_no_more_for_it() 
     ramp = 20.0 + 3.0 * at + np.random.default_rng(4).normal(0.0, 0.3, at.size)
     assert 0.1 < scatter_K(ramp) < 1.0
     assert believed(at, ramp).all()
+
+
+def slow_log(rng: np.random.Generator) -> tuple[NDArray[np.int64], FloatArray]:
+    """A row each 30 s, of a heater that is held for 20 minutes at a time: counts, and degC."""
+    pwm = np.repeat(np.array([0, 180, 90, 230, 0, 140]), 40)
+    level, true = 0.0, np.empty(pwm.size)
+    for k, counts in enumerate(pwm):
+        true[k] = 22.0 + level
+        level += 30.0 * (0.04 * counts / 255.0 - level / 1500.0)
+    read: FloatArray = true + rng.normal(0.0, 0.1, pwm.size)
+    return pwm, read
+
+
+@pytest.mark.parametrize("off_K", [35.0, -20.0, 6.0])
+@pytest.mark.parametrize("seed", range(4))
+def test_readings_that_stand_alone_in_a_slow_log_are_found_and_nothing_else_is(seed: int, off_K: float) -> None:
+    """At 30 s from row to row a part may change by 150 K, for all that the check of jumps knows."""
+    rng = np.random.default_rng(seed)
+    pwm, read = slow_log(rng)
+    spikes = 2 + 7 * rng.choice(pwm.size // 7 - 1, 8, replace=False)
+    spikes = spikes[(pwm[spikes - 1] == pwm[spikes]) & (pwm[spikes] == pwm[spikes + 1])]
+    read[spikes] += off_K
+    run = Run(30.0 * np.arange(pwm.size), pwm, {"heater": read})
+    found = believed_run(run)
+    assert np.flatnonzero(~np.isfinite(found.temps["heater"])).tolist() == sorted(spikes.tolist())
+    assert f"{spikes.size} of {pwm.size} readings stand alone while PWM was held" in found.doubted[0]
+    assert f"up to {abs(off_K):.0f} K off" in found.doubted[0]
+
+
+@pytest.mark.parametrize("spread_K", [0.0, 0.3, 2.0])
+def test_nothing_stands_alone_in_a_sound_log_nor_where_the_input_switches(spread_K: float) -> None:
+    """A light part that is warmed in one row and not in the next may go up and down again."""
+    rng = np.random.default_rng(5)
+    pwm, read = slow_log(rng)
+    assert not standing_alone(np.round(read + rng.normal(0.0, spread_K, read.size), 1), pwm).any()
+    switched = np.where(rng.random(pwm.size) < 0.1, 200, 0)
+    light = 22.0 + 30.0 * (np.roll(switched, 1) > 0) + rng.normal(0.0, 0.1, pwm.size)
+    assert not standing_alone(light, switched).any()

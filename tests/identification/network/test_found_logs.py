@@ -103,3 +103,4 @@ def test_a_log_that_is_coarser_than_its_input_gives_no_model_that_is_called_good
     assert missed > 1.0
     assert not found.verdict.startswith("Good")
     assert "heater by" in found.verdict
+    assert any("switches between rows as well" in warning for warning in found.warnings)

@@ -15,6 +15,7 @@ from gen.identification.network.fitting.inputs import held
 from gen.identification.network.fitting.natural import USUAL_K
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.left_out import each_alone
+from gen.identification.network.telling.coarse import coarse
 from gen.identification.network.telling.document import measured_range, rest_was_measured, turned_range
 from gen.identification.network.telling.forecast import bands
 from gen.identification.network.telling.resting import REST_S, rested
@@ -163,6 +164,8 @@ class Summary:
             f"{miss.name}: the network misses data that took no part in the fit by {miss.sized}, root mean square"
             for miss in worse_than(Grade.GOOD, self.left_out)
         ]
+        if worse_than(Grade.GOOD, self.left_out):
+            said += coarse(result.data.sources)
         longest, slowest = self.span_s
         if longest < SETTLED * slowest:
             said.append(
