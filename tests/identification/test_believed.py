@@ -178,8 +178,7 @@ def slow_log(rng: np.random.Generator) -> tuple[NDArray[np.int64], FloatArray]:
     for k, counts in enumerate(pwm):
         true[k] = 22.0 + level
         level += 30.0 * (0.04 * counts / 255.0 - level / 1500.0)
-    read: FloatArray = true + rng.normal(0.0, 0.1, pwm.size)
-    return pwm, read
+    return pwm, true + rng.normal(0.0, 0.1, pwm.size)
 
 
 @pytest.mark.parametrize("off_K", [35.0, -20.0, 6.0])
@@ -191,7 +190,7 @@ def test_readings_that_stand_alone_in_a_slow_log_are_found_and_nothing_else_is(s
     spikes = 2 + 7 * rng.choice(pwm.size // 7 - 1, 8, replace=False)
     spikes = spikes[(pwm[spikes - 1] == pwm[spikes]) & (pwm[spikes] == pwm[spikes + 1])]
     read[spikes] += off_K
-    run = Run(30.0 * np.arange(pwm.size), pwm, {"heater": read})
+    run = Run(np.arange(0.0, 30.0 * pwm.size, 30.0), pwm, {"heater": read})
     found = believed_run(run)
     assert np.flatnonzero(~np.isfinite(found.temps["heater"])).tolist() == sorted(spikes.tolist())
     assert f"{spikes.size} of {pwm.size} readings stand alone while PWM was held" in found.doubted[0]
