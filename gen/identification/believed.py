@@ -67,12 +67,12 @@ def believed_run(run: Run, rates: Mapping[str, float] = MappingProxyType({})) ->
         temps[name] = np.where(kept, values, np.nan) if lost else values
         known = int(np.count_nonzero(np.isfinite(values)))
         alone = standing_alone(temps[name], run.pwm)
-        if alone.any() and rate <= RATE_K_PER_S:  # a file that says that a part is quicker means it
-            temps[name] = np.where(alone, np.nan, temps[name])
+        if rate <= RATE_K_PER_S and alone.any():  # a file that says that a part is quicker means it
             said.append(
                 f"{name}_degC: {np.count_nonzero(alone)} of {known} readings stand alone while PWM was held, and are "
-                f"not believed{_off(run.time_s, values, np.isfinite(temps[name]))}"
+                f"not believed{_off(run.time_s, temps[name], kept & ~alone)}"
             )
+            temps[name] = np.where(alone, np.nan, temps[name])
         scatter = scatter_K(values[np.isfinite(values)])
         if lost == known and scatter > MOST_SCATTER_K:
             said.append(

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from gen.importing.numbers import Parsed
+from gen.importing.table import IntArray
 from gen.importing.units import Unit, unit_of
 
 _DIGITS = 12
@@ -22,8 +23,7 @@ def commonest(columns: Sequence[Parsed]) -> Unit | None:
         if parsed.unit_at is None:
             found[None] += int(np.isfinite(parsed.values).sum())
             continue
-        alone = np.isfinite(parsed.values) & (parsed.unit_at < 0)
-        found[None] += int(alone.sum())
+        found[None] += alone(parsed).size
         for k, written in enumerate(parsed.units):
             found[unit_of(written)] += int((parsed.unit_at == k).sum())
     most = found.most_common(1)[0][0] if found.total() else None
@@ -57,7 +57,7 @@ def brought(parsed: Parsed, own: Unit | None) -> Parsed:
     return replace(parsed, values=values, text=text, converted=converted)
 
 
-def alone(parsed: Parsed) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+def alone(parsed: Parsed) -> IntArray:
     """Rows whose number has no unit behind it, where others have one."""
     if parsed.unit_at is None:
         return np.zeros(0, dtype=np.int64)

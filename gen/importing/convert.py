@@ -19,7 +19,7 @@ from gen.importing.overflow import overflows
 from gen.importing.suspicions import suspicions
 from gen.importing.table import Cells, Counted, FloatArray, IntArray, Table
 from gen.importing.timing import ticks_of, timed
-from gen.importing.units import unit_of
+from gen.importing.units import split_name, unit_of
 from gen.runs import AMBIENT, Run
 
 _FULL = 255
@@ -125,8 +125,9 @@ def _drive(evidence: Evidence, index: int, mapping: Mapping, made: Converted) ->
     form, table = mapping.input, made.table
     if form.counts is not None:
         return np.full(table.rows, float(form.counts))
-    parsed = evidence.facts[form.column].parsed[index]
-    count_units_apart(evidence.facts[form.column], index, made)
+    facts = evidence.facts[form.column]
+    parsed = facts.parsed_in(index, unit_of(form.unit))
+    count_units_apart(facts, parsed, form.unit, made)
     made.count("text in a number's field", np.flatnonzero(parsed.text), form.column)
     made.count('word for "no number"', np.flatnonzero(parsed.words), form.column)
     values = parsed.values / form.full_scale * _FULL
@@ -173,14 +174,16 @@ def _left_out(
 
 
 def _channel(facts: Facts, index: int, entry: Entry, mapping: Mapping, made: Converted) -> FloatArray:
-    parsed = facts.parsed[index]
+    unit = unit_of(entry.unit) if entry.unit else None
+    told = unit or split_name(entry.to)[1]  # what is kept as it is has its unit in its name
+    parsed = facts.parsed_in(index, told)
     values = parsed.values.copy()
-    count_units_apart(facts, index, made)
+    if told is not None:
+        count_units_apart(facts, parsed, told.name, made)
     made.count("text in a number's field, left empty", np.flatnonzero(parsed.text), facts.name)
     made.count('word for "no number", left empty', np.flatnonzero(parsed.words), facts.name)
     temperature = entry.to.endswith("_degC")
     kept = mapping.overflow == "keep"
-    unit = unit_of(entry.unit) if entry.unit else None
     own = (unit.name if unit is not None else "degC") if temperature else ""
     for rows, value, words in overflows(values, temperature=own):
         made.count(f"{value:g} ({words}), {'kept' if kept else 'left empty'}", rows, facts.name)

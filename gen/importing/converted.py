@@ -8,6 +8,7 @@ import numpy as np
 
 from gen.importing.behind import alone
 from gen.importing.guessing.evidence import Facts
+from gen.importing.numbers import Parsed
 from gen.importing.table import Counted, IntArray, Table
 from gen.runs import Run
 
@@ -39,10 +40,9 @@ class Converted:
             self.counted.append(Counted(what, int(rows.size), self.table.place(int(rows[0]), column)))
 
 
-def count_units_apart(facts: Facts, index: int, made: Converted) -> None:
+def count_units_apart(facts: Facts, parsed: Parsed, unit: str, made: Converted) -> None:
     """Count numbers whose unit is another than their column's, and those without one among others."""
-    parsed, (_, unit, where) = facts.parsed[index], facts.named
-    if parsed.converted is not None and unit is not None:
-        made.count(f"number in another unit, made {unit.name}", np.flatnonzero(parsed.converted), facts.name)
-    if where == "values" and unit is not None:
-        made.count(f"number without a unit, taken for {unit.name}", alone(parsed), facts.name)
+    if parsed.converted is not None:
+        made.count(f"number in another unit, made {unit}", np.flatnonzero(parsed.converted), facts.name)
+    if facts.named[2] == "values":
+        made.count(f"number without a unit, taken for {unit}", alone(parsed), facts.name)

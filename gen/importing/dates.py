@@ -155,7 +155,7 @@ def instant(match: re.Match[str], order: str) -> int | None:
         "dmy" or "mdy" for dates with the year last.
     """
     day = _day(match, order)
-    ns = _of_day(match) if has_time(match) else 0
+    ns = duration(match) if has_time(match) else 0
     return None if day is None or ns is None else day * DAY_NS + ns - _offset(zone_of(match))
 
 
@@ -176,7 +176,17 @@ def says_seconds(match: re.Match[str]) -> bool:
 
 def duration(match: re.Match[str]) -> int | None:
     """A time of day, or a time since a beginning, in ns; None where its minutes or seconds are none."""
-    return _of_day(match)
+    parts = match.groupdict()
+    days, hour, minute, second = (int(parts.get(key) or 0) for key in ("days", "h", "min", "s"))
+    half = parts.get("half") or ""
+    if half and half != "Uhr":
+        if not 1 <= hour <= 12:
+            return None
+        hour = hour % 12 + (12 if half[0] in "Pp" else 0)
+    counted = match.re is _SPELT  # 90m00s is an hour and a half
+    if not counted and (minute > 59 or second > 60):
+        return None
+    return days * DAY_NS + (hour * 3600 + minute * 60 + second) * _SECOND_NS + fraction(parts.get("frac"))
 
 
 def fraction(digits: str | None) -> int:
@@ -199,20 +209,6 @@ def _day(match: re.Match[str], order: str) -> int | None:
         return date(year, month, day).toordinal() - _EPOCH
     except ValueError:
         return None
-
-
-def _of_day(match: re.Match[str]) -> int | None:
-    parts = match.groupdict()
-    days, hour, minute, second = (int(parts.get(key) or 0) for key in ("days", "h", "min", "s"))
-    half = parts.get("half") or ""
-    if half and half != "Uhr":
-        if not 1 <= hour <= 12:
-            return None
-        hour = hour % 12 + (12 if half[0] in "Pp" else 0)
-    counted = match.re is _SPELT  # 90m00s is an hour and a half
-    if not counted and (minute > 59 or second > 60):
-        return None
-    return days * DAY_NS + (hour * 3600 + minute * 60 + second) * _SECOND_NS + fraction(parts.get("frac"))
 
 
 def _offset(zone: str) -> int:

@@ -76,13 +76,13 @@ def parse(cells: Sequence[str], decimal: str = ".") -> Parsed:
     units: dict[str, int] = {}
     unit_at = np.full(len(cells), -1, dtype=np.int64)
     for i, cell in enumerate(cells):
-        stripped = cell.strip().translate(_MINUS)
+        stripped = _signed(cell)
         if not stripped:
             empty[i] = True
         elif stripped.casefold() in NAN_WORDS:
             words[i] = True
         else:
-            number, unit = _number(_SIGN_APART.sub(r"\1", stripped), decimal)
+            number, unit = _number(stripped, decimal)
             if number is None:
                 text[i] = True
             else:
@@ -90,6 +90,11 @@ def parse(cells: Sequence[str], decimal: str = ".") -> Parsed:
                 if unit:
                     unit_at[i] = units.setdefault(unit, len(units))
     return Parsed(values, empty, words, text, tuple(units), unit_at if units else None)
+
+
+def _signed(cell: str) -> str:
+    """A cell without what stands around it, with a plain sign next to its number."""
+    return _SIGN_APART.sub(r"\1", cell.strip().translate(_MINUS))
 
 
 def _parse_fast(cells: Sequence[str], decimal: str) -> FloatArray | None:
@@ -124,7 +129,7 @@ def _number(text: str, decimal: str) -> tuple[float | None, str]:
 
 def plain_number(text: str, decimal: str = ".") -> float | None:
     """The number that a text is, or None; infinity is none."""
-    plain = _GROUPED.sub("", _SIGN_APART.sub(r"\1", text))
+    plain = _GROUPED.sub("", _signed(text))
     if decimal == ",":
         plain = re.sub(r"(?<=\d)\.(?=\d{3}(?:\D|$))", "", plain).replace(",", ".")
     else:
@@ -154,7 +159,7 @@ def decimal_mark(cells: Iterable[str]) -> tuple[str, float, str]:
     """
     seen: dict[str, list[str]] = {}
     for cell in cells:
-        text = _GROUPED.sub("", _SIGN_APART.sub(r"\1", cell.strip().translate(_MINUS)))
+        text = _GROUPED.sub("", _signed(cell))
         for kind, pattern in _MARKS.items():
             if re.fullmatch(pattern, text, re.ASCII):
                 seen.setdefault(kind, []).append(text)

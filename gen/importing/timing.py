@@ -21,8 +21,8 @@ _SINCE_1601_S = 11_644_473_600.0
 _LONGEST_S = 1e9
 _LATEST_S = 1e12
 """Run files hold no larger number."""
-_FEW = 0.01
-"""Of the rows."""
+_MOST_ASTRAY = 0.1
+"""Of the rows: a clock that is set after a while, or garbage."""
 _WINDOWS_S = (1.16e10, 1.5e10)
 """Of a first time since 1601, from 1968 to 2076."""
 _DAY_DIGITS = 4
@@ -38,9 +38,9 @@ def timed(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> 
     first = facts[0]
     unit = unit_of(form.unit)
     if unit is not None and unit.quantity == "time":
-        parsed = first.parsed[index]
+        parsed = first.parsed_in(index, unit)
         made.count("row without a time", np.flatnonzero(~np.isfinite(parsed.values)), first.name)
-        count_units_apart(first, index, made)
+        count_units_apart(first, parsed, unit.name, made)
         time, begun = _numbered(parsed.values, unit.scale)
         return _within(time, first.name, made), begun
     ns = _instants(facts, index, form.unit, form.order, made)
@@ -65,15 +65,16 @@ def _within(time: FloatArray, column: str, made: Converted) -> FloatArray:
     middle = float(np.median(finite))
     if abs(middle) > _LATEST_S:
         raise InputError(f"found times of about {middle:g} s, expected less than 30 years", place=f"column {column}")
-    rows = np.flatnonzero(np.abs(time - middle) > _LONGEST_S)
-    if rows.size > _FEW * time.size:
+    astray = np.abs(time - middle) > _LONGEST_S
+    rows = np.flatnonzero(astray)
+    if rows.size > _MOST_ASTRAY * time.size:
         raise InputError(
             f"found a time of {time[rows[0]]:g} s where most are about {middle:g} s; expected one unit of time in all "
-            "rows (s became ms?), and less than 30 years",
+            "rows (s became ms, or a clock was set?), and less than 30 years",
             place=made.table.place(int(rows[0]), column),
         )
     made.count("time more than 30 years from the others, left out", rows, column)
-    return np.where(np.abs(time - middle) > _LONGEST_S, np.nan, time)
+    return np.where(astray, np.nan, time)
 
 
 def _numbered(values: FloatArray, scale: float) -> tuple[FloatArray, str]:
@@ -130,7 +131,7 @@ def ticks_of(evidence: Evidence, index: int, mapping: Mapping) -> sequence.Ticks
     facts = evidence.facts[form.columns[0]]
     unit = unit_of(form.unit)
     if unit is not None and unit.quantity == "time":
-        values = facts.parsed[index].values
+        values = facts.parsed_in(index, unit).values
         whole = bool(np.all(values[np.isfinite(values)] % 1.0 == 0.0))
         return sequence.Ticks(count_s=unit.scale if whole else 0.0)
     cells = facts.columns[index].cells

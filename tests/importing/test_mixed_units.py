@@ -108,3 +108,47 @@ def test_a_typeset_minus_is_one(minus: str, tmp_path: Path) -> None:
     same(taken(write(tmp_path, text), tmp_path / "runs"), cold)
     comma = csv(cold, sep=";", decimal=",").replace(";-", f";{minus}")
     same(taken(write(tmp_path, comma, name="comma.csv"), tmp_path / "comma"), cold)
+
+
+def in_mA(value: float) -> str:
+    return f"{value * 1000:.0f} mA"
+
+
+def in_A(value: float) -> str:
+    return f"{value:.3f} A"
+
+
+def in_either(value: float) -> str:
+    return in_A(value) if value > 1.0 else in_mA(value)
+
+
+def test_a_mapping_means_the_same_of_a_file_whose_numbers_have_other_units(tmp_path: Path) -> None:
+    """Written of a log in mA, kept for one in A and one of both."""
+    current = np.linspace(0.2, 2.6, len(TRUE)).round(3)
+    mapping = tmp_path / "map.toml"
+    for k, form in enumerate((in_mA, in_A, in_either)):
+        frame = TRUE.assign(current=[form(value) for value in current], battery=[form(value) for value in current])
+        path = write(tmp_path, csv(frame), name=f"log{k}.csv")
+        run = taken(path, tmp_path / f"runs{k}", mapping=mapping)
+        np.testing.assert_allclose(run.extras["current_A"], current, atol=1e-9)
+        np.testing.assert_allclose(run.extras["battery_mA"], 1000.0 * current, atol=1e-6)
+
+
+def test_what_a_unit_is_said_of_is_numbers_without_one(tmp_path: Path) -> None:
+    cells = [f"{value:.1f}" if k % 3 else f"{value * 1.8 + 32:.2f} °F" for k, value in enumerate(TRUE.winding_degC)]
+    path = write(tmp_path, csv(TRUE.rename(columns={"winding_degC": "winding"}).assign(winding=cells)))
+    same(taken(path, tmp_path / "runs", units={"winding": "degC"}), TRUE)
+
+
+def test_a_first_row_of_typeset_minuses_is_no_header(tmp_path: Path) -> None:
+    rows = "\n".join(f"\u2212{5 + k % 3},0;\u2212{4 + k % 2},5" for k in range(60))
+    found = take(
+        write(tmp_path, rows + "\n"),
+        tmp_path / "runs",
+        time="1",
+        input="100",
+        columns={"column_1": "winding_degC", "column_2": "ambient_degC"},
+    )
+    run = read_run(found.runs[0])
+    assert run.temps["winding"][:3].tolist() == [-5.0, -6.0, -7.0]
+    assert run.time_s.size == 60

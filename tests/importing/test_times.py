@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -34,107 +33,6 @@ def test_timestamps(form: str, tmp_path: Path) -> None:
     )
     same(run, TRUE)
     assert run.comments["started"] == "2024-03-27T23:59:30.000"
-
-
-GERMAN = ["Jan.", "Feb.", "März", "Apr.", "Mai", "Juni", "Juli", "Aug.", "Sept.", "Okt.", "Nov.", "Dez."]
-FRENCH = ["janv.", "févr.", "mars", "avr.", "mai", "juin", "juil.", "août", "sept.", "oct.", "nov.", "déc."]
-
-
-@pytest.mark.parametrize(
-    "form",
-    [
-        lambda t: t.strftime("%Y%m%dT%H%M%S.%f"),
-        lambda t: t.strftime("%Y%m%d-%H%M%S%f")[:-3],
-        lambda t: t.strftime("%Y-%m-%d_%H:%M:%S.%f"),
-        lambda t: f"{t.year}/{t.month}/{t.day} {t.hour}:{t:%M:%S.%f}",
-        lambda t: f"{t.year}年{t.month}月{t.day}日 {t:%H:%M:%S.%f}",
-        lambda t: f"{t:%d}. {GERMAN[t.month - 1]} {t:%Y %H:%M:%S,%f}",
-        lambda t: f"{t.day} {FRENCH[t.month - 1]} {t:%Y à %H:%M:%S.%f}",
-        lambda t: t.strftime("%d/%b/%Y:%H:%M:%S.%f"),
-        lambda t: t.strftime("%b %d, %Y, %I:%M:%S.%f\u202f%p"),
-        lambda t: t.strftime("%a, %d %b %Y %H:%M:%S.%f"),
-        lambda t: t.strftime("%a %b %d %H:%M:%S.%f %Y"),
-        lambda t: t.strftime("%H:%M:%S.%f %d.%m.%Y"),
-        lambda t: t.strftime("%Y-%b-%d %H:%M:%S.%f"),
-        lambda t: t.strftime("%d.%m.%Y %H:%M:%S.%f Uhr"),
-    ],
-)
-def test_timestamps_of_other_programs(form: Callable[[pd.Timestamp], str], tmp_path: Path) -> None:
-    begin = pd.Timestamp("2024-10-27 23:59:30")
-    stamps = [form(begin + pd.Timedelta(seconds=s)) for s in TRUE.time_s]
-    text = csv(TRUE.assign(time_s=stamps).rename(columns={"time_s": "Timestamp"}), sep=";")
-    run = taken(write(tmp_path, text), tmp_path / "r")
-    same(run, TRUE)
-    assert run.comments["started"] == "2024-10-27T23:59:30.000"
-
-
-@pytest.mark.parametrize(
-    ("zoned", "utc"),
-    [
-        ("2025-04-03 23:30:00+02", "2025-04-03T21:30:00.000"),
-        ("2025-04-03 23:30:00 CEST", "2025-04-03T21:30:00.000"),
-        ("20250403T233000Z", "2025-04-03T23:30:00.000"),
-        ("Thu Apr 03 2025 23:30:00 GMT+0200 (CEST)", "2025-04-03T21:30:00.000"),
-        ("2025-04-03T23:30:00+05:30[Asia/Kolkata]", "2025-04-03T18:00:00.000"),
-        ("Thu, 03 Apr 2025 23:30:00 -0700", "2025-04-04T06:30:00.000"),
-        ("Thu Apr  3 23:30:00 PDT 2025", "2025-04-04T06:30:00.000"),
-    ],
-)
-def test_instants_with_a_zone_begin_in_utc(zoned: str, utc: str, tmp_path: Path) -> None:
-    times = [zoned.replace("30:00", f"30:{k:02d}").replace("233000", f"2330{k:02d}") for k in range(60)]
-    assert len(set(times)) == 60
-    text = csv(TRUE[:60].assign(time_s=times).rename(columns={"time_s": "Timestamp"}), sep=";")
-    run = taken(write(tmp_path, text), tmp_path / "r")
-    assert run.comments["started"] == utc
-    np.testing.assert_allclose(run.time_s, np.arange(60.0), atol=1e-9)
-
-
-def test_the_end_of_summer_time_in_letters(tmp_path: Path) -> None:
-    begin = pd.Timestamp("2025-10-26T00:59:30Z")
-    local = [(begin + pd.Timedelta(seconds=s)).tz_convert("Europe/Berlin") for s in TRUE.time_s]
-    stamps = [t.strftime("%Y-%m-%d %H:%M:%S.%f ") + str(t.tzname()) for t in local]
-    assert {stamp[-4:].strip() for stamp in stamps} == {"CEST", "CET"}
-    same(taken(write(tmp_path, csv(TRUE.assign(time_s=stamps).rename(columns={"time_s": "ts"}))), tmp_path / "r"), TRUE)
-
-
-def _hms(seconds: float) -> tuple[int, int, float]:
-    return int(seconds // 3600), int(seconds // 60 % 60), seconds % 60
-
-
-@pytest.mark.parametrize(
-    "form",
-    [
-        lambda t: str(pd.Timedelta(seconds=t)),
-        lambda t: "{}h{:02d}m{:04.1f}s".format(*_hms(t)),
-        lambda t: "{} h {} min {:.1f} s".format(*_hms(t)),
-        lambda t: "PT{}H{}M{:.1f}S".format(*_hms(t)),
-        lambda t: "1.{:02d}:{:02d}:{:010.7f}".format(*_hms(t)),
-        lambda t: f"{int(t // 60)}m{t % 60:.1f}s" if t >= 60 else f"{t:.1f}s",
-    ],
-)
-def test_times_since_a_beginning(form: Callable[[float], str], tmp_path: Path) -> None:
-    long = truth(rows=400, step=0.5)
-    stamps = [form(float(s) + 3570.0) for s in long.time_s]
-    run = taken(write(tmp_path, csv(long.assign(time_s=stamps).rename(columns={"time_s": "elapsed"}))), tmp_path / "r")
-    np.testing.assert_allclose(run.time_s - run.time_s[0], long.time_s, atol=1e-9)
-
-
-@pytest.mark.parametrize("options", [{}, {"time": "Time"}])
-def test_a_time_that_is_none_is_shown_with_its_line_and_what_is_read(options: dict[str, str], tmp_path: Path) -> None:
-    text = csv(TRUE.assign(time_s=[f"tick {k} of many" for k in range(len(TRUE))]).rename(columns={"time_s": "Time"}))
-    with pytest.raises(
-        InputError, match=r'line 2, column Time: .*"tick 0 of many", expected times such as 2026-04-03T'
-    ):
-        take(write(tmp_path, text), tmp_path / "runs", **options)
-
-
-@pytest.mark.parametrize("factor", [1e3, 1e290])
-def test_times_that_no_log_reaches_are_refused(factor: float, tmp_path: Path) -> None:
-    """Seconds since 1970 that become milliseconds on the way, and numbers that are no times at all."""
-    second = TRUE.time_s + 1.7e9
-    ticks = np.where(np.arange(len(TRUE)) < 40, second, second * factor)
-    with pytest.raises(InputError, match=r"column time: found (a time|times) of .* expected"):
-        take(write(tmp_path, csv(TRUE.assign(time_s=ticks).rename(columns={"time_s": "time"}))), tmp_path / "runs")
 
 
 def test_timestamps_with_a_zone_that_changes_with_summer_time(tmp_path: Path) -> None:

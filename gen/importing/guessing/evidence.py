@@ -58,6 +58,21 @@ class Facts:
         """The numbers of each table, all in one unit where units stand behind them."""
         return [brought(entry, self.own) for entry in self._written]
 
+    def parsed_in(self, index: int, unit: Unit | None) -> Parsed:
+        """The numbers of one table in a unit of their quantity: what stands behind them counts, whatever was said.
+
+        Parameters
+        ----------
+        index
+            The table.
+        unit
+            What numbers without one are in; None, or one of another quantity than the column's, leaves them as in
+            `parsed`.
+        """
+        if unit is None or (self.own is not None and self.own.target != unit.target):
+            return self.parsed[index]
+        return brought(self._written[index], unit)
+
     @cached_property
     def _written(self) -> list[Parsed]:
         return [_parsed(column, mark) for column, mark in zip(self.columns, self.decimals, strict=True)]

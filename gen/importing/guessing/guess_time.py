@@ -333,9 +333,7 @@ def _first(evidence: Evidence, entry: Facts) -> str:
 def _named_so(entry: Facts) -> bool:
     """Whether a name says time: of `T` only where its steps are even, for temperatures are called so, too."""
     base = entry.named[0]
-    if CHARGED.search(base):
-        return False
-    return bool(TIME.fullmatch(base.casefold())) and (base != "T" or _is_even(entry))
+    return _called_so(entry) and not CHARGED.search(base) and (base != "T" or _is_even(entry))
 
 
 def _is_even(entry: Facts) -> bool:

@@ -17,7 +17,7 @@ def _words(text: str) -> re.Pattern[str]:
 
 
 TIME = re.compile(
-    rf"t|ts|us|µs|ns|sek|x_value|{languages.TIME}|"
+    rf"t|ts|[uµμ]s|ns|sek|x_value|{languages.TIME}|"
     r"(?:.*[^a-z])?(?:time|times|zeit|uhrzeit|timestamp|zeitstempel|datum|date|datetime|elapsed|epoch|unix|clock|"
     r"millis|micros|seconds?|secs?|ms|minutes?|minuten|hours?|stunden|sekunden)(?:[^a-z].*)?|.*time|.*zeit",
 )
