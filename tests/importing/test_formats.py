@@ -86,13 +86,18 @@ def test_a_labview_measurement(tmp_path: Path) -> None:
     same(taken(write(tmp_path, _LVM + rows, name="log.lvm"), tmp_path / "runs"), TRUE)
 
 
-def test_json_lines(tmp_path: Path) -> None:
-    records = TRUE.to_dict("records")
-    nested = [{"time_s": r.pop("time_s"), "pwm": r.pop("pwm"), "temps": r} for r in records]
-    path = write(tmp_path, "\n".join(map(json.dumps, nested)) + '\n{"torn', name="log.jsonl")
+@pytest.mark.parametrize("within", [(), ("data",), ("Payload", "fields")])
+def test_json_lines(tmp_path: Path, within: tuple[str, ...]) -> None:
+    """What a message wraps its numbers in says nothing of them."""
+    lines = []
+    for record in TRUE.to_dict("records"):
+        message = {"time_s": record.pop("time_s"), "pwm": record.pop("pwm"), "temps": record}
+        for name in within:
+            message = {name: message}
+        lines.append(json.dumps(message))
+    path = write(tmp_path, "\n".join(lines) + '\n{"torn', name="log.jsonl")
     found = take(path, tmp_path / "runs")
-    names = {"winding_degC": "temps_winding_degC", "casing_degC": "temps_casing_degC"}
-    same(read_run(found.runs[0]), TRUE, names)
+    same(read_run(found.runs[0]), TRUE)
     assert found.counted().loc["line that is no JSON object", "first"] == "line 121"
 
 

@@ -53,7 +53,7 @@ def test_another_quantity_of_a_part_is_no_temperature(tmp_path: Path, head: str)
         ("Current Temperature", "current"),
         ("present_temperature", "present"),
         ("bearing DE", "bearing_de"),
-        ("Core Temperatures (avg) [°C]", "core_temperatures_avg"),
+        ("Core Temperatures (avg) [°C]", "core_avg"),
         ("TC3", "TC3"),
     ],
 )

@@ -48,7 +48,7 @@ def test_each_name_becomes_a_column(tmp_path: Path) -> None:
     np.testing.assert_allclose(run.pwm, POWER / 2000.0 * 255.0)
     expected = TEMPERATURE.copy()
     expected[19] = np.nan
-    np.testing.assert_allclose(run.temps["sensor_boiler"], expected)
+    np.testing.assert_allclose(run.temps["boiler"], expected)
     again = take(log, tmp_path / "again", mapping=mapping)
     assert again.runs[0].read_bytes() == found.runs[0].read_bytes()
 
@@ -59,7 +59,7 @@ def test_sensors_that_are_read_at_other_times_share_the_rows(tmp_path: Path) -> 
     run = read_run(found.runs[0])
     assert run.time_s.size == 2 * ROWS
     np.testing.assert_allclose(run.pwm[1::2], run.pwm[::2])  # held from the row before
-    known = run.temps["sensor_boiler"]
+    known = run.temps["boiler"]
     assert np.isnan(known[::2]).all()
     assert np.isfinite(known[1::2]).sum() == ROWS - 1
 
@@ -85,7 +85,7 @@ def test_a_second_reading_of_one_name_and_time_is_counted(tmp_path: Path) -> Non
     log = write(tmp_path, text)
     found = take(log, tmp_path / "out", series="entity_id", input="sensor.heater_power", full_scale=2000.0)
     assert found.counted()["count"]["second reading of one name and time, left out"] == 1
-    assert read_run(found.runs[0]).temps["sensor_boiler"][5] == TEMPERATURE[5]
+    assert read_run(found.runs[0]).temps["boiler"][5] == TEMPERATURE[5]
 
 
 DUTY = np.where(np.arange(ROWS) < 40, 60, 0)

@@ -150,6 +150,25 @@ def apart(text: str) -> str:
     return re.sub(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])|(?<=[A-Z])(?=[A-Z][a-zäöü])", " ", text)
 
 
+_CARRIER = re.compile(
+    r"(?:(?:_source|attributes|body|data|event|fields?|log|measurements?|message|msg|object|params|payload|properties|"
+    r"readings?|record|result|samples?|sensors?|signals|state|status|telemetry|values?)\.)+(?=[A-Za-z_])",
+    re.IGNORECASE,
+)
+
+
+def carried(name: str) -> str:
+    """A name without the objects of a message that it came in, which say nothing of it: `data.temps.winding`.
+
+    Parameters
+    ----------
+    name
+        A column's name, inner objects behind dots.
+    """
+    carrier = _CARRIER.match(name)
+    return name[carrier.end() :] if carrier else name
+
+
 def slug(text: str) -> str:
     """A name of ASCII letters, digits and underscores; empty where nothing is left.
 
@@ -173,7 +192,7 @@ def component_name(base: str, taken: Collection[str]) -> str:
         Names that are.
     """
     name = slug(base)
-    short = re.sub(r"(?i)(?:^|_)(?:temperature|temperatur|temp)(?=_|$)", "_", name).strip("_")
+    short = re.sub(r"(?i)(?:^|_)(?:temperatures?|temperatur|temps?)(?=_|$)", "_", name).strip("_")
     short = re.sub(r"^[Tt]_(?=[A-Za-z])", "", short)
     if short and short[0].isalpha():
         name = short
