@@ -11,7 +11,7 @@ from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import Data, make_data
 from gen.refinement.network.effects.walls import Walls
 from gen.refinement.network.fit import Bench
-from gen.refinement.network.judged import judged, p_better
+from gen.refinement.network.judged import Judged, judged, p_better
 from gen.refinement.network.trace import Traced
 from gen.runs import AMBIENT, Run
 
@@ -45,8 +45,9 @@ def moving_ambient(
     """Compare the file's fixed ambient with the measured one.
 
     The file's numbers are fitted with either: a motor that was identified in a room that stood still shows nothing of
-    how it follows one that moves, and its file may predict that badly. Where walls were found that lag behind the air,
-    they and the air together are compared with a fixed ambient, all else that was found on both sides.
+    how it follows one that moves, and its file may predict that badly. Where that says nothing, the same is asked with
+    the effects that were found on both sides. Where walls were found that lag behind the air, they and the air together
+    are compared with a fixed ambient, all else that was found on both sides.
 
     Parameters
     ----------
@@ -71,13 +72,18 @@ def moving_ambient(
     found = traced.final.fitted.shape.effects
     others = [effect for effect in found if not isinstance(effect, Walls)]
     through_walls = len(others) < len(found)
-    measured = traced.final if through_walls else traced.null
-    if through_walls and others:
-        base = bench.fit(shape.with_effects(*others), base)
-    without = judged(fixed, base, bench.left_out(base))
+    as_it_is = not through_walls and traced.file.score_K < judged(fixed, base, bench.as_it_is(shape)).score_K
+    if not through_walls:
+        told = _told(fixed, judged(fixed, base, bench.left_out(base)), traced.null, as_it_is=as_it_is)
+        if told is not None or not others:
+            return told
+    # What else is wrong may hide how far the room has moved.
+    beside = bench.fit(shape.with_effects(*others), base) if others else base
+    return _told(fixed, judged(fixed, beside, bench.left_out(beside)), traced.final, as_it_is=as_it_is)
+
+
+def _told(data: Data, without: Judged, measured: Judged, *, as_it_is: bool) -> MovingAmbient | None:
     p = p_better(data, without, measured)
     if p > LEVEL or measured.score_K > (1.0 - LEAST_GAIN) * without.score_K:
         return None
-    as_it_is = judged(fixed, base, bench.as_it_is(shape))
-    better = not through_walls and traced.file.score_K < as_it_is.score_K
-    return MovingAmbient(AMBIENT, without.score_K, measured.score_K, p, better)
+    return MovingAmbient(AMBIENT, without.score_K, measured.score_K, p, as_it_is)

@@ -140,6 +140,23 @@ def test_a_room_that_moves_is_read_from_its_column(tmp_path: Path) -> None:
     assert found.model.coefficients.model.ambient_channel == "ambient_degC"
 
 
+def test_a_room_that_moves_is_told_although_something_else_errs_by_more(tmp_path: Path) -> None:
+    """A narrow error of the schedule moves the motor by ten times what the room does."""
+    motor = tree()
+    pwm = np.arange(0, 256, 5)
+    factor = 1.0 + 1.5 * np.exp(-(((pwm - 150) / 40.0) ** 2))
+    for heat in motor["network"]["heats"]:
+        watts = factor * np.polyval(heat["power_W"]["poly"], pwm)
+        heat["power_W"] = {"table": {"pwm": pwm.tolist(), "value": watts.tolist(), "interpolation": "pchip"}}
+    runs = files(motor, tmp_path)
+    fixed = tree()
+    fixed["ambient"] = {"fixed_degC": 24}
+    (tmp_path / "small.json").write_text(json.dumps(fixed), encoding="utf-8")
+    found = gen.refine(gen.load(tmp_path / "small.json"), fit=runs[:2], test=runs[2:])
+    assert set(found.effects()["effect"]) == {"ambient", "schedule_error"}
+    assert found.model.coefficients.model.ambient_channel == "ambient_degC"
+
+
 def test_a_sensor_that_drifts_is_named_and_explains_nothing_of_what_the_file_predicts(tmp_path: Path) -> None:
     (tmp_path / "small.json").write_text(json.dumps(tree()), encoding="utf-8")
     given = []
