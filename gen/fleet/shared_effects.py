@@ -122,4 +122,5 @@ def together(each: Sequence[Offered]) -> Offered:
         backwards=any(one.backwards for one in each),
         rests=any(one.rests for one in each),
         room_moves=all(one.room_moves for one in each),
+        turned_s=tuple(map(sum, zip(*(one.turned_s for one in each), strict=True))),
     )

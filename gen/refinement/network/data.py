@@ -103,7 +103,9 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
         carried = excess.excesses(coefficients, run, inputs)
         further = columns.of_run(run.pwm.astype(np.float64), told, carried, later=False)
         made.append(binned(name, run, names, ambient, full_scale, 2.0 * BIN_S, further))
-    return Data(inputs_of(made), len(runs), columns, _offered(runs, driven, columns), declared_density(coefficients))
+    return Data(
+        inputs_of(made), len(runs), columns, _offered(runs, driven, columns, full_scale), declared_density(coefficients)
+    )
 
 
 def _channels(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], own: Sequence[str]) -> tuple[str, ...]:
@@ -135,12 +137,16 @@ def _slow(run: Run, values: FloatArray) -> FloatArray:
     return np.asarray(uniform_filter1d(values, min(rows, values.size), mode="nearest"), dtype=np.float64)
 
 
-def _offered(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], columns: Columns) -> Offered:
+def _offered(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], columns: Columns, full_scale: int) -> Offered:
     backwards = rests = 0.0
+    turned = np.zeros(101)
     for _, run in runs:
         step = np.diff(run.time_s)
         backwards += float(step[run.pwm[:-1] < 0].sum())
         rests += float(step[run.pwm[:-1] == 0].sum())
+        turning = run.pwm[:-1] != 0
+        percent = np.rint(np.minimum(np.abs(run.pwm[:-1]) / full_scale, 1.0) * 100.0).astype(int)
+        turned += np.bincount(percent[turning], step[turning], turned.size)
     every = {name: np.concatenate([inputs.channels[name] for inputs in driven]) for name in columns.channels}
     return Offered(
         ranges={name: (float(values.min()), float(values.max())) for name, values in every.items()},
@@ -148,6 +154,7 @@ def _offered(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], columns:
         backwards=backwards > BACKWARDS_S,
         rests=rests > RESTS_S,
         room_moves=_room_moves(runs),
+        turned_s=tuple(turned.tolist()),
     )
 
 

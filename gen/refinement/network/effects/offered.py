@@ -4,8 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from gen.identification.network.fitting.bins import FloatArray
+
 AMPERE, VOLT = ("_A", "_mA"), ("_V", "_mV")
 ELSE = ("_degC", "_degF", "_K", "_pct_RH")
+
+LONG_S = 120.0
+"""A speed that was held for less has warmed nothing."""
 
 
 @dataclass(frozen=True)
@@ -22,6 +30,8 @@ class Offered:
         Whether it turned backwards, and stood still, for long enough.
     room_moves
         Whether the ambient was measured and moves.
+    turned_s
+        For how long it turned at 0, 1 .. 100 % of full speed, s.
     """
 
     ranges: dict[str, tuple[float, float]]
@@ -29,6 +39,7 @@ class Offered:
     backwards: bool
     rests: bool
     room_moves: bool
+    turned_s: tuple[float, ...]
 
     @property
     def currents(self) -> list[str]:
@@ -44,3 +55,9 @@ class Offered:
     def flows(self) -> list[str]:
         """Channels that may be a flow of air: all in other units, but no temperatures."""
         return [name for name in self.ranges if not name.endswith((*AMPERE, *VOLT, *ELSE))]
+
+    def was_run(self, speeds: FloatArray, within: float) -> NDArray[np.bool_]:
+        """Say which speeds, shape (K,), it turned at for long enough, or at some within a share of full speed."""
+        percent = np.linspace(0.0, 1.0, len(self.turned_s))
+        near = np.abs(speeds[:, None] - percent) < within + 1e-9
+        return np.asarray(near @ np.array(self.turned_s) > LONG_S)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.identification.network.fitting.bends import BEND, KNOTS, WIDE, Bend
 from gen.identification.network.fitting.bins import FloatArray
@@ -19,21 +20,46 @@ MOST_FACTOR = 3.0
 
 NARROW = Bend(np.linspace(0.0, 1.0, 11), 0.12)
 """A resonance or a step within a tenth of full speed."""
+NEAR = 0.05
+"""What a narrow bend is at a speed further off than this share of full speed no run says."""
+AS_THE_FILE = 0.1
+"""Standard deviation of the logarithm of a narrow bend's factor where no run says it: the file was measured there."""
 
 
 class ScheduleError(NetworkEffect):
-    """The heat of a node, or of all nodes, times a smooth factor over speed; or a heat where the model has none."""
+    """The heat of a node, or of all nodes, times a smooth factor over speed; or a heat where the model has none.
+
+    Parameters
+    ----------
+    motor
+        What it is put on.
+    nodes, component
+        Whose heat, and what they are called together.
+    bend
+        How narrowly the factor bends.
+    unknown
+        Knots of it that no run comes near, shape (knots,): there it stays what the file says.
+    """
 
     name = "schedule_error"
     bends_the_file = True
 
-    def __init__(self, motor: Motor, nodes: Sequence[int], component: str, bend: Bend = WIDE) -> None:
+    def __init__(
+        self,
+        motor: Motor,
+        nodes: Sequence[int],
+        component: str,
+        bend: Bend = WIDE,
+        unknown: NDArray[np.bool_] | None = None,
+    ) -> None:
         self.component = component
         self._nodes, self._columns, self._bend = tuple(nodes), motor.columns, bend
         self._names = [motor.names[node] for node in nodes]
         self.replaces = all(node in motor.heated for node in nodes)
         if self.replaces:
             self.precision = bend.precision()
+            if unknown is not None:
+                self.precision = self.precision + np.diag(unknown / AS_THE_FILE**2)
             self.numbers = tuple(
                 Number(f"factor_at_{knot:.0%}_of_full_speed".replace("%", "pct"), 1.0, 0.0, BEND, 0.02, 50.0, log=True)
                 for knot in bend.knots
@@ -80,10 +106,11 @@ class ScheduleError(NetworkEffect):
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
     """At every node, and at all that are heated."""
+    unknown = ~data.was_run(NARROW.knots, NEAR)
     for node in range(len(motor.names)):
         yield ScheduleError(motor, [node], motor.names[node])
         if node in motor.heated:
-            yield ScheduleError(motor, [node], motor.names[node], NARROW)
+            yield ScheduleError(motor, [node], motor.names[node], NARROW, unknown)
     if len(motor.heated) > 1:
         yield ScheduleError(motor, motor.heated, WHOLE)
-        yield ScheduleError(motor, motor.heated, WHOLE, NARROW)
+        yield ScheduleError(motor, motor.heated, WHOLE, NARROW, unknown)
