@@ -27,7 +27,7 @@ from gen.refinement.network.data import Data, make_data
 from gen.refinement.network.effects import NetworkEffect, Offered, candidates
 from gen.refinement.network.fit import AT_EACH, GOOD, Bench, Fitted
 from gen.refinement.network.judged import Judged, judged
-from gen.refinement.network.trace import PRICE, leaves_some
+from gen.refinement.network.search import PRICE, leaves_some
 
 HELD = 1e-6
 """Standard deviation of what a file says, while an effect on top of it is measured."""

@@ -30,7 +30,8 @@ from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
 from gen.refinement.judgement import LEAST_GAIN, LEVEL, p_of_gains
 from gen.refinement.network.effects import Offered
-from gen.refinement.network.trace import LEAST_GAIN_BESIDE, MOST_EFFECTS
+from gen.refinement.network.paths import MOST_EFFECTS
+from gen.refinement.network.search import LEAST_GAIN_BESIDE
 
 FEWEST = 6
 """Motors that are needed to tell what is in common: fewer say no p-value that is small enough."""

@@ -16,7 +16,8 @@ from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.fit import AT_EACH, GOOD, Bench, Fitted
 from gen.refinement.network.judged import doubts, p_better
 from gen.refinement.network.planned import NONE
-from gen.refinement.network.trace import IN_DOUBT, Considered, Step, Traced
+from gen.refinement.network.search import IN_DOUBT, Considered, Step
+from gen.refinement.network.trace import Traced
 
 MOST = 5
 """Hypotheses that a run is planned for."""

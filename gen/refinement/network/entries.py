@@ -14,7 +14,8 @@ from gen.refinement.network.effects.warm_start import NAME as INITIAL_STATE
 from gen.refinement.network.effects.warm_start import WarmStart
 from gen.refinement.network.fit import Fitted
 from gen.refinement.network.folds import described
-from gen.refinement.network.trace import Considered, Step, Traced
+from gen.refinement.network.search import Considered, Step
+from gen.refinement.network.trace import Traced
 
 INTERVAL = 1.96
 AMBIENT = "ambient"

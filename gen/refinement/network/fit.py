@@ -72,6 +72,10 @@ class Bench:
         later = self.data.is_later[:, None]
         self._weight = self.data.inputs.covered / np.where(later, of, self.data.declared)
 
+    def weigh_as(self, fitted: Fitted) -> None:
+        """Weigh the later runs as they were in a fit."""
+        self._weight = fitted.problem.inputs.weight
+
     def problem(self, shape: Anchored) -> Problem[Anchored]:
         """Give the problem of a hypothesis, with the present weights."""
         inputs = self.data.inputs

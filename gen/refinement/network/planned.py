@@ -15,7 +15,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gen.refinement.network.judged import Judged
-from gen.refinement.network.trace import Considered, Step, Traced
+from gen.refinement.network.search import Considered, Step
+from gen.refinement.network.trace import Traced
 from gen.runs import EXPECTS, Run
 
 NONE = "none"

@@ -1,99 +1,18 @@
-"""From the error of a network to effects: each is fitted together with all that the network may be off by.
-
-A linear step says what each candidate promises; the best of each name are fitted; the best of these are judged on what
-is left out, in turn. What predicts it best is added, if it does so by more than chance and by more than a little; then
-the same again beside it.
-"""
+"""From the error of a network to effects: which of them, one after the other, and which of these are needed."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
-from gen.refinement.judgement import LEAST_GAIN, LEVEL, TOO_LITTLE
+from gen.refinement.judgement import LEVEL
 from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.changed import looks_like_a_change
 from gen.refinement.network.data import Data
-from gen.refinement.network.effects import NetworkEffect, candidates
-from gen.refinement.network.fit import Bench, Fitted
-from gen.refinement.network.judged import Judged, doubts, judged, p_better
-
-MOST_EFFECTS = 3
-PLAIN, PLAIN_LEVEL, LEAST_DECREASE = 0.75, 0.2, 25.0
-"""Left-out error over that without it, p-value, and decrease of the weighed squares, of what is plain."""
-AS_GOOD = 1.1
-"""Left-out error over the least up to which the weighed squares of all runs decide, and the price of the numbers."""
-IN_DOUBT = 1.25
-"""The same up to which it may be a fault, where the weighed squares of all runs differ by no more than `RELIEF`."""
-LEAST_GAIN_BESIDE = 0.15
-"""Share of the left-out error that a further effect has to take away: one that takes less mends the form of those that
-were found, and is a wrong name."""
-NEAREST = 1.5
-"""Left-out error over that of the best of all, accepted or not, up to which an effect may be named."""
-ENOUGH, ENOUGH_BESIDE, BENT = 1.1, 1.25, 25.0
-"""Noise floors below which no effect is sought, and none beside one that was found; but one is where the file had to be
-bent by more than this (weighed squares)."""
-PRICE = 15.0
-"""Decrease of the weighed squares that each number of an effect must bring for itself."""
-NOT_BY_THE_CHANNEL = "predicts no better than with its channel held at its median"
-TOO_LITTLE_BESIDE = f"lowers the error on left-out runs by less than {LEAST_GAIN_BESIDE:.0%} beside what was found"
-RELIEF, AS_BEFORE, EVEN = 80.0, 1.02, 0.5
-"""The first effect may also count because the file need not be bent: by this decrease beside what its numbers cost,
-where the left-out error is no more than this factor above that without it, and the blocks do not speak against it."""
-FITTED_OF_EACH = 2
-"""Candidates of one name that are fitted."""
-LEFT_OUT = 7
-"""Names that are judged on what was left out."""
-
-
-@dataclass(frozen=True, eq=False)
-class Considered:
-    """A candidate that was judged.
-
-    Attributes
-    ----------
-    effect
-        What was tried beside those that were found before.
-    judged
-        Its errors.
-    p_value
-        That it predicts what was left out better than without it, by chance.
-    reasons
-        Why it is not accepted; empty if it may be.
-    """
-
-    effect: NetworkEffect
-    judged: Judged
-    p_value: float
-    reasons: tuple[str, ...]
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """The effect's numbers."""
-        fitted = self.judged.fitted
-        return fitted.shape.values(fitted.vector)[-1]
-
-
-@dataclass(frozen=True, eq=False)
-class Step:
-    """One search for one more effect.
-
-    Attributes
-    ----------
-    without
-        The network before it.
-    considered
-        The best of each name, the best first.
-    added
-        What was accepted; None for nothing.
-    lookalikes
-        Others that predict what was left out as well, by name.
-    """
-
-    without: Judged
-    considered: tuple[Considered, ...]
-    added: Considered | None
-    lookalikes: tuple[Considered, ...]
+from gen.refinement.network.effects import candidates
+from gen.refinement.network.fit import Bench
+from gen.refinement.network.judged import Judged, judged, p_better
+from gen.refinement.network.paths import exchanged, followed, from_another_beginning
+from gen.refinement.network.search import LEAST_GAIN_BESIDE, PRICE, RELIEF, Considered, Step
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,31 +53,14 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
     bench = Bench(data)
     progress("the network without any effect")
     base = bench.first(shape)
-    now = null = judged(data, base, bench.left_out(base))
-    steps: list[Step] = []
+    null = judged(data, base, bench.left_out(base))
     every = candidates(shape.motor(), data.offered)
-    while len(steps) < MOST_EFFECTS:
-        step = one_more(bench, now, every if leaves_some(bench, now) else [], progress)
-        steps.append(step)
-        if step.added is None:
-            break
-        # What is explained no longer hides what is not: the runs count for more.
-        found = step.added.judged.fitted
-        again = bench.tightened(found.shape, found.vector)
-        now = judged(data, again, bench.left_out(again))
-        if looks_like_a_change(step.added.effect, again.shape.values(again.vector)[-1], data):
-            # What is left beside a fault is the fault's, too.
-            break
-    left, now = needed(bench, steps, now, progress)
-    dropped = tuple(step.added for step in steps if step.added is not None and step not in left)
+    path = followed(bench, (), null, every, progress)
+    path = from_another_beginning(bench, path, every, progress)
+    path = exchanged(bench, path, every, progress)
+    left, now = needed(bench, list(path.steps), path.now, progress)
+    dropped = tuple(step.added for step in path.steps if step.added is not None and step not in left)
     return Traced(data, judged(data, base, bench.as_it_is(shape)), null, tuple(left), now, dropped)
-
-
-def leaves_some(bench: Bench, now: Judged) -> bool:
-    """Whether so much is left that one more effect is worth a search."""
-    if now.names:
-        return now.floors > ENOUGH_BESIDE
-    return now.floors > ENOUGH or bench.bent(now.fitted) > BENT
 
 
 def needed(
@@ -188,107 +90,11 @@ def needed(
             continue
         progress(f"without {step.added.effect.name}")
         others = tuple(effect for effect in effects if effect is not step.added.effect)
-        fitted = bench.fit(final.fitted.shape.with_effects(*others), final.fitted)
+        fitted = bench.finished(bench.fit(final.fitted.shape.with_effects(*others), final.fitted))
         without = judged(bench.data, fitted, bench.left_out(fitted))
+        relief = fitted.fit.cost - final.fitted.fit.cost
+        if relief > RELIEF + PRICE * step.added.effect.freedom and p_better(bench.data, without, final) < LEVEL:
+            continue  # near the noise 15 % of the error is more than all that an effect can bring
         if final.score_K > (1.0 - LEAST_GAIN_BESIDE) * without.score_K:
             steps, final = [one for one in steps if one is not step], without
     return steps, final
-
-
-def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress: Callable[[str], None]) -> Step:
-    """Search one more effect beside those that were found, among candidates."""
-    data, base = bench.data, now.fitted
-    found = base.shape.effects
-    taken = {(effect.name, effect.component) for effect in found}
-    promised: dict[str, list[tuple[float, NetworkEffect]]] = {}
-    progress(f"{len(every)} candidates beside {', '.join(now.names) or 'nothing'}")
-    for effect in every:
-        if (effect.name, effect.component) not in taken:
-            gain = bench.promise(base.shape.with_effects(*found, effect), base) - PRICE * effect.freedom
-            promised.setdefault(effect.name, []).append((gain, effect))
-    fits: list[Fitted] = []
-    for name, offers in promised.items():
-        progress(f"{name} beside {', '.join(now.names) or 'nothing'}")
-        best = sorted(offers, key=lambda offer: -offer[0])[:FITTED_OF_EACH]
-        own = [bench.fit(base.shape.with_effects(*found, effect), base) for _, effect in best]
-        fits.append(min(own, key=_priced))
-    fits.sort(key=_priced)
-    considered = []
-    for fitted in fits[:LEFT_OUT]:
-        progress(f"{fitted.shape.effects[-1].name}: left-out error")
-        fitted = bench.finished(fitted)
-        one = judged(data, fitted, bench.left_out(fitted))
-        considered.append(_considered(data, now, one, len(promised), bench.bent(base)))
-    considered = [_moved(bench, now, one) for one in considered]
-    considered.sort(key=lambda one: one.judged.score_K)
-    # What is much worse than something that cannot be the reason is not the reason either.
-    accepted = [
-        one for one in considered if not one.reasons and one.judged.score_K <= NEAREST * considered[0].judged.score_K
-    ]
-    if not accepted:
-        return Step(now, tuple(considered), None, ())
-    near = [one for one in accepted if one.judged.score_K <= AS_GOOD * accepted[0].judged.score_K]
-    likeliest = min(near, key=lambda one: _priced(one.judged.fitted))
-    added = next((one for one in accepted if may_be_a_fault(data, accepted[0], one)), likeliest)
-    alike = [one for one in accepted if one is not added and p_better(data, one.judged, added.judged) > LEVEL]
-    return Step(now, tuple(considered), added, tuple(alike))
-
-
-def may_be_a_fault(data: Data, best: Considered, one: Considered) -> bool:
-    """Whether one has a fault's pattern and predicts about as well as the best: a fault must not be learnt."""
-    if not looks_like_a_change(one.effect, one.values, data):
-        return False
-    near = one.judged.score_K <= IN_DOUBT * best.judged.score_K
-    near = near and _priced(one.judged.fitted) <= _priced(best.judged.fitted) + RELIEF
-    return one is best or (near and p_better(data, one.judged, best.judged) > LEVEL)
-
-
-def _priced(fitted: Fitted) -> float:
-    """The cost of a fit, and of the last effect's numbers."""
-    return fitted.fit.cost + PRICE * fitted.shape.effects[-1].freedom
-
-
-def _considered(data: Data, without: Judged, one: Judged, tried: int, bent: float) -> Considered:
-    p = p_better(data, without, one)
-    reasons = doubts(one.fitted)
-    relief = without.fitted.fit.cost - one.fitted.fit.cost
-    asked = RELIEF + PRICE * one.fitted.shape.effects[-1].freedom
-    if without.names:
-        if one.score_K > (1.0 - LEAST_GAIN_BESIDE) * without.score_K:
-            reasons.append(TOO_LITTLE_BESIDE)
-    elif (
-        bent > BENT
-        and not one.fitted.shape.effects[-1].bends_the_file
-        and relief > asked
-        and one.score_K < AS_BEFORE * without.score_K
-        and p < EVEN
-    ):
-        return Considered(one.fitted.shape.effects[-1], one, p, tuple(reasons))
-    elif one.score_K > (1.0 - LEAST_GAIN) * without.score_K:
-        reasons.append(TOO_LITTLE)
-    if p > LEVEL / tried and not _plain(without, one, p):
-        reasons.append("not more than chance")
-    return Considered(one.fitted.shape.effects[-1], one, p, tuple(reasons))
-
-
-def _moved(bench: Bench, now: Judged, one: Considered) -> Considered:
-    """Doubt what a channel does that hardly moves: held at its median, it is only a change of the whole motor."""
-    held = one.effect.unmoved()
-    if one.reasons or held is None:
-        return one
-    base = now.fitted
-    fitted = bench.fit(base.shape.with_effects(*base.shape.effects, held), base)
-    still = judged(bench.data, fitted, bench.left_out(fitted))
-    p = p_better(bench.data, still, one.judged)
-    if p <= LEVEL or _plain(still, one.judged, p):
-        return one
-    return replace(one, reasons=(NOT_BY_THE_CHANNEL,))
-
-
-def _plain(without: Judged, one: Judged, p_value: float) -> bool:
-    """Whether it explains too much of the error to need a test by blocks.
-
-    What acts for minutes in hours (a stop, a gust) shows in few blocks, however plainly.
-    """
-    gain = without.fitted.fit.cost - one.fitted.fit.cost
-    return one.score_K < PLAIN * without.score_K and p_value < PLAIN_LEVEL and gain > LEAST_DECREASE

@@ -14,7 +14,8 @@ from gen.refinement.network.effects.schedule_error import ScheduleError
 from gen.refinement.network.effects.sensors import SensorOffset
 from gen.refinement.network.fit import Bench, Fitted
 from gen.refinement.network.judged import Judged, judged
-from gen.refinement.network.trace import PRICE, Considered, Step, may_be_a_fault, needed
+from gen.refinement.network.search import PRICE, Considered, Step, may_be_a_fault
+from gen.refinement.network.trace import needed
 from tests.refinement.network.motor import read, run, tree, wave
 
 

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import make_data
-from gen.refinement.network.trace import NOT_BY_THE_CHANNEL, Traced, trace
+from gen.refinement.network.search import NOT_BY_THE_CHANNEL
+from gen.refinement.network.trace import Traced, trace
 from tests.refinement.network.motor import HOURS, ROW_S, Tree, read, run, tree
 
 ROWS = int(HOURS * 3600.0 / ROW_S)

@@ -14,7 +14,8 @@ from gen.refinement.network.data import make_data
 from gen.refinement.network.effects.schedule_error import ScheduleError
 from gen.refinement.network.fit import Bench
 from gen.refinement.network.judged import judged
-from gen.refinement.network.trace import Considered, Step, Traced
+from gen.refinement.network.search import Considered, Step
+from gen.refinement.network.trace import Traced
 from gen.refinement.network.written import offered_anew, written
 from tests.refinement.network.motor import read, run, tree
 

@@ -17,7 +17,7 @@ from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import Data
 from gen.refinement.network.fit import Fitted
 from gen.refinement.network.judged import Judged, judged, p_better
-from gen.refinement.network.trace import PLAIN, PLAIN_LEVEL
+from gen.refinement.network.search import PLAIN, PLAIN_LEVEL
 
 NAME = "initial_state"
 """In the library of effects."""

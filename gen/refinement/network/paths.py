@@ -1,0 +1,220 @@
+"""Effects one after the other: the best first, unless a pair that begins otherwise is plainly better.
+
+What is added for itself is what explains most alone. Of two effects at once that may be neither: an airflow and a path
+together look like a sensor's gain. So where much is left, searches begin anew with each other that could have come
+first; and what came first is asked for anew beside what came after (a floating search: Pudil, Novovicova and Kittler,
+Floating search methods in feature selection, Pattern Recognition Letters 15, 1994).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from gen.refinement.network.changed import looks_like_a_change
+from gen.refinement.network.effects import NetworkEffect
+from gen.refinement.network.fit import Bench
+from gen.refinement.network.judged import Judged, judged, p_better
+from gen.refinement.network.search import (
+    ENOUGH_BESIDE,
+    LEAST_GAIN_BESIDE,
+    PRICE,
+    Considered,
+    Step,
+    leaves_some,
+    one_more,
+)
+
+MOST_EFFECTS = 3
+PROMISING = 0.75
+"""Priced cost that a linear step promises of a pair, over that of all that was found, below which it is tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Searches one after the other.
+
+    Attributes
+    ----------
+    steps
+        The last one may have added nothing.
+    now
+        With all that they added.
+    """
+
+    steps: tuple[Step, ...]
+    now: Judged
+
+    @property
+    def added(self) -> list[Considered]:
+        """What was accepted, in order."""
+        return [step.added for step in self.steps if step.added is not None]
+
+
+def followed(
+    bench: Bench,
+    steps: tuple[Step, ...],
+    now: Judged,
+    every: Sequence[NetworkEffect],
+    progress: Callable[[str], None],
+) -> Path:
+    """Search further effects among candidates until nothing more is needed, or found.
+
+    Parameters
+    ----------
+    bench
+        The runs.
+    steps, now
+        What was searched before, and what it came to.
+    every
+        The candidates.
+    progress
+        Called with what is being done.
+    """
+    while len(steps) < MOST_EFFECTS:
+        step = one_more(bench, now, every if leaves_some(bench, now) else [], progress)
+        steps = (*steps, step)
+        if step.added is None:
+            break
+        now = _with(bench, step.added)
+        if _ends_in_a_change(bench, now):
+            # What is left beside a fault is the fault's, too.
+            break
+    return Path(steps, now)
+
+
+def from_another_beginning(
+    bench: Bench, path: Path, every: Sequence[NetworkEffect], progress: Callable[[str], None]
+) -> Path:
+    """Begin with something else where much is left; taken is a pair that predicts plainly better than all of the path.
+
+    Parameters
+    ----------
+    bench
+        The runs.
+    path
+        What was found.
+    every
+        The candidates.
+    progress
+        Called with what is being done.
+    """
+    if not path.added or path.now.floors <= ENOUGH_BESIDE or _ends_in_a_change(bench, path.now):
+        return path
+    other = _most_promising(bench, path, every, progress)
+    second = None
+    if other is not None:
+        alone = _with(bench, other)
+        if not _ends_in_a_change(bench, alone):
+            second = one_more(bench, alone, every, progress)
+    if other is not None and second is not None and second.added is not None:
+        pair = _with(bench, second.added)
+        better = pair.score_K < (1.0 - LEAST_GAIN_BESIDE) * path.now.score_K
+        if better and not _ends_in_a_change(bench, pair):
+            first = replace(path.steps[0], added=other, lookalikes=())
+            return followed(bench, (first, second), pair, every, progress)
+    bench.weigh_as(path.now.fitted)
+    return path
+
+
+def _most_promising(
+    bench: Bench, path: Path, every: Sequence[NetworkEffect], progress: Callable[[str], None]
+) -> Considered | None:
+    """Of what else may have come first, what is best with the best second beside it, by linear steps; None if no pair
+    promises plainly more than all that was found."""
+    # An effect with paths of its own takes a short search. With another beside it, it is found from that one.
+    linear = [effect for effect in every if not effect.paths]
+    first = path.steps[0]
+    bench.weigh_as(first.without.fitted)
+    found = bench.finished(bench.fit(path.now.fitted.shape, path.now.fitted))
+    least = PROMISING * (found.fit.cost + PRICE * sum(effect.freedom for effect in found.shape.effects))
+    best = None
+    for one in first.considered:
+        if one is first.added or one.reasons:
+            continue
+        progress(f"what {one.effect.name} promises with a second one")
+        fitted = one.judged.fitted
+        beside = [effect for effect in linear if effect.name != one.effect.name]
+        promised = [
+            bench.promise(fitted.shape.with_effects(one.effect, it), fitted) - PRICE * it.freedom for it in beside
+        ]
+        cost = fitted.fit.cost + PRICE * one.effect.freedom - max(promised, default=0.0)
+        if cost < least:
+            least, best = cost, one
+    return best
+
+
+def exchanged(bench: Bench, path: Path, every: Sequence[NetworkEffect], progress: Callable[[str], None]) -> Path:
+    """Search anew what stands beside what was found last: what was found before may have stood for both.
+
+    Where that is something else, the search goes on from it, and that is taken if it predicts better; where it is not,
+    what could as well be is what could beside all that was found.
+
+    Parameters
+    ----------
+    bench
+        The runs, weighed as in the last search.
+    path
+        What was found.
+    every
+        The candidates.
+    progress
+        Called with what is being done.
+    """
+    found = path.added
+    if len(found) < 2 or _ends_in_a_change(bench, path.now):
+        return path
+    steps = list(path.steps)
+    for place, old in enumerate(found[:-1]):
+        bench.weigh_as(path.now.fitted)
+        others = tuple(one.effect for one in found if one is not old)
+        fitted = bench.fit(path.now.fitted.shape.with_effects(*others), path.now.fitted)
+        again = one_more(bench, judged(bench.data, fitted, bench.left_out(fitted)), every, progress)
+        if again.added is None:
+            continue
+        if again.added.effect.name == old.effect.name:
+            steps[place] = replace(steps[place], lookalikes=again.lookalikes)
+            continue
+        other = _gone_on(bench, path.steps[: place + 1], again.added.effect, every, progress)
+        if other is not None and other.now.score_K < path.now.score_K:
+            return other
+    return Path(tuple(steps), path.now)
+
+
+def _gone_on(
+    bench: Bench,
+    steps: tuple[Step, ...],
+    effect: NetworkEffect,
+    every: Sequence[NetworkEffect],
+    progress: Callable[[str], None],
+) -> Path | None:
+    """Go on from an effect that the last search might have added; None if that is another motor."""
+    *before, last = steps
+    base = last.without.fitted
+    bench.weigh_as(base)
+    fitted = bench.finished(bench.fit(base.shape.with_effects(*base.shape.effects, effect), base))
+    alone = judged(bench.data, fitted, bench.left_out(fitted))
+    one = Considered(effect, alone, p_better(bench.data, last.without, alone), ())
+    now = _with(bench, one)
+    if _ends_in_a_change(bench, now):
+        return None
+    considered = (one, *(other for other in last.considered if other.effect.name != effect.name))
+    return followed(
+        bench, (*before, replace(last, considered=considered, added=one, lookalikes=())), now, every, progress
+    )
+
+
+def _with(bench: Bench, added: Considered) -> Judged:
+    """What is explained no longer hides what is not: the runs count for more."""
+    found = added.judged.fitted
+    again = bench.tightened(found.shape, found.vector)
+    return judged(bench.data, again, bench.left_out(again))
+
+
+def _ends_in_a_change(bench: Bench, now: Judged) -> bool:
+    """Whether what was added last looks like another motor."""
+    fitted = now.fitted
+    if not fitted.shape.effects:
+        return False
+    values = fitted.shape.values(fitted.vector)[-1]
+    return bool(looks_like_a_change(fitted.shape.effects[-1], values, bench.data))

@@ -1,0 +1,109 @@
+"""Two effects at once: what was found first may be neither of them, and what was found last tells."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.data import make_data
+from gen.refinement.network.effects import NetworkEffect, candidates
+from gen.refinement.network.fit import Bench
+from gen.refinement.network.judged import Judged, judged
+from gen.refinement.network.paths import Path, exchanged, from_another_beginning
+from gen.refinement.network.search import Considered, Step
+from tests.refinement.network.motor import read, run, tree, wave
+
+BOTH = {"airflow", "sensor_offset"}
+
+
+class Later:
+    """Two runs of a motor with a fan that the file does not know, whose winding's sensor reads 2 K too much."""
+
+    def __init__(self) -> None:
+        motor = tree()
+        motor["network"]["channels"] = [{"column": "fan_mps", "range": [0, 10], "neutral": 0}]
+        motor["network"]["paths"][1]["factors"] = [{"channel": "fan_mps", "poly": [0.15, 1.0]}]
+        runs = [(f"run {seed}", run(read(motor), seed, {"fan_mps": wave(10 * seed, 0.0, 6.0)})) for seed in (1, 2)]
+        for _, each in runs:
+            each.temps["winding"] = each.temps["winding"] + 2.0
+        self.bench = Bench(make_data(read(tree()), runs))
+        network = read(tree()).model.network
+        assert network is not None
+        self.base = self.bench.first(Anchored(network, 255, self.bench.data.columns))
+        self.null = self.judged(())
+        self.every = candidates(self.base.shape.motor(), self.bench.data.offered)
+
+    def judged(self, effects: Sequence[NetworkEffect]) -> Judged:
+        """Some effects together."""
+        fitted = self.bench.fit(self.base.shape.with_effects(*effects), self.base)
+        return judged(self.bench.data, fitted, self.bench.left_out(fitted))
+
+    def considered(self, name: str, *before: NetworkEffect) -> Considered:
+        """The first candidate of a name on the winding or the whole motor, beside others."""
+        places = ("winding", "motor", "casing")
+        effect = min((e for e in self.every if e.name == name), key=lambda e: places.index(e.component))
+        return Considered(effect, self.judged([*before, effect]), 0.0, ())
+
+
+@pytest.fixture(scope="module")
+def later() -> Later:
+    return Later()
+
+
+def names(path: Path) -> set[str]:
+    return {one.effect.name for one in path.added}
+
+
+def test_where_the_first_leaves_much_a_pair_begins_with_something_else(later: Later) -> None:
+    wrong, right = later.considered("temperature_dependent_loss"), later.considered("airflow")
+    first = Step(later.null, (wrong, right), wrong, ())
+    path = from_another_beginning(later.bench, Path((first,), wrong.judged), later.every, lambda _: None)
+    assert names(path) == BOTH
+    assert path.now.floors < 1.1
+    assert [one.effect.name for one in path.added] == list(path.now.names)
+
+
+def test_what_cannot_be_the_reason_begins_no_pair(later: Later) -> None:
+    wrong, right = later.considered("temperature_dependent_loss"), later.considered("airflow")
+    right = Considered(right.effect, right.judged, right.p_value, ("its number is at its limit",))
+    path = Path((Step(later.null, (wrong, right), wrong, ()),), wrong.judged)
+    assert from_another_beginning(later.bench, path, later.every, lambda _: None) is path
+
+
+def test_what_explains_nearly_all_is_not_searched_again(later: Later) -> None:
+    first = later.considered("airflow")
+    both = later.considered("sensor_offset", first.effect)
+    steps = (Step(later.null, (first,), first, ()), Step(first.judged, (both,), both, ()))
+    path = Path((*steps, Step(both.judged, (), None, ())), both.judged)
+    assert from_another_beginning(later.bench, path, [], lambda _: None) is path
+
+
+def test_what_was_found_first_is_asked_for_anew_beside_the_last(later: Later) -> None:
+    wrong = later.considered("temperature_dependent_loss")
+    last = later.considered("sensor_offset", wrong.effect)
+    steps = (Step(later.null, (wrong,), wrong, ()), Step(wrong.judged, (last,), last, ()))
+    path = exchanged(later.bench, Path(steps, last.judged), later.every, lambda _: None)
+    assert names(path) == BOTH
+    assert path.now.score_K < last.judged.score_K
+    assert [one.effect.name for one in path.added] == list(path.now.names)
+    fitted = path.now.fitted
+    values = dict(zip(path.now.names, fitted.shape.values(fitted.vector), strict=True))
+    assert np.isclose(values["sensor_offset"][0], 2.0, atol=0.3)
+
+
+def test_a_right_first_effect_is_not_exchanged(later: Later) -> None:
+    first = later.considered("airflow")
+    both = later.considered("sensor_offset", first.effect)
+    path = Path((Step(later.null, (first,), first, ()), Step(first.judged, (both,), both, ())), both.judged)
+    kept = exchanged(later.bench, path, later.every, lambda _: None)
+    assert kept.now is path.now
+    assert [one.effect for one in kept.added] == [first.effect, both.effect]
+
+
+def test_one_effect_alone_is_not_exchanged(later: Later) -> None:
+    first = later.considered("airflow")
+    path = Path((Step(later.null, (first,), first, ()),), first.judged)
+    assert exchanged(later.bench, path, [], lambda _: None) is path
