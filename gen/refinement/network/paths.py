@@ -120,8 +120,10 @@ def from_another_beginning(
 def _most_promising(
     bench: Bench, path: Path, every: Sequence[NetworkEffect], progress: Callable[[str], None]
 ) -> Considered | None:
-    """Of what else may have come first, what is best with the best second beside it, by linear steps; None if no pair
-    promises plainly more than all that was found."""
+    """Of what else may have come first, what promises most with the best second beside it, by linear steps.
+
+    None if no pair promises plainly more than all that was found.
+    """
     # An effect with paths of its own takes a short search. With another beside it, it is found from that one.
     linear = [effect for effect in every if not effect.paths]
     first = path.steps[0]
@@ -176,9 +178,16 @@ def exchanged(bench: Bench, path: Path, every: Sequence[NetworkEffect], progress
             steps[place] = replace(steps[place], lookalikes=again.lookalikes)
             continue
         other = _gone_on(bench, path.steps[: place + 1], again.added.effect, every, progress)
-        if other is not None and other.now.score_K < path.now.score_K:
+        if other is not None and _predicts_better(other, path):
             return other
+    bench.weigh_as(path.now.fitted)
     return Path(tuple(steps), path.now)
+
+
+def _predicts_better(other: Path, path: Path) -> bool:
+    """Whether it predicts better what was left out; with more effects, plainly."""
+    more = len(other.added) > len(path.added)
+    return other.now.score_K < (1.0 - LEAST_GAIN_BESIDE if more else 1.0) * path.now.score_K
 
 
 def _gone_on(

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from gen.refinement.judgement import LEVEL
 from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import Data
 from gen.refinement.network.effects import candidates
 from gen.refinement.network.fit import Bench
-from gen.refinement.network.judged import Judged, judged, p_better
+from gen.refinement.network.judged import Judged, judged
 from gen.refinement.network.paths import exchanged, followed, from_another_beginning
-from gen.refinement.network.search import LEAST_GAIN_BESIDE, PRICE, RELIEF, Considered, Step
+from gen.refinement.network.search import LEAST_GAIN_BESIDE, Considered, Step
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +89,8 @@ def needed(
             continue
         progress(f"without {step.added.effect.name}")
         others = tuple(effect for effect in effects if effect is not step.added.effect)
-        fitted = bench.finished(bench.fit(final.fitted.shape.with_effects(*others), final.fitted))
+        fitted = bench.fit(final.fitted.shape.with_effects(*others), final.fitted)
         without = judged(bench.data, fitted, bench.left_out(fitted))
-        relief = fitted.fit.cost - final.fitted.fit.cost
-        if relief > RELIEF + PRICE * step.added.effect.freedom and p_better(bench.data, without, final) < LEVEL:
-            continue  # near the noise 15 % of the error is more than all that an effect can bring
         if final.score_K > (1.0 - LEAST_GAIN_BESIDE) * without.score_K:
             steps, final = [one for one in steps if one is not step], without
     return steps, final
