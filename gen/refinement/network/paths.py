@@ -1,9 +1,9 @@
 """Effects one after the other: the best first, unless a pair that begins otherwise is plainly better.
 
 What is added for itself is what explains most alone. Of two effects at once that may be neither: an airflow and a path
-together look like a sensor's gain. So where much is left, searches begin anew with each other that could have come
-first; and what came first is asked for anew beside what came after (a floating search: Pudil, Novovicova and Kittler,
-Floating search methods in feature selection, Pattern Recognition Letters 15, 1994).
+together look like a sensor's gain. So where much is left, the search begins anew with what else could have come first;
+and what came first is asked for anew beside what came after (a floating search: Pudil, Novovicova and Kittler, Floating
+search methods in feature selection, Pattern Recognition Letters 15, 1994).
 """
 
 from __future__ import annotations
@@ -102,19 +102,27 @@ def from_another_beginning(
     if not path.added or path.now.floors <= ENOUGH_BESIDE or _ends_in_a_change(bench, path.now):
         return path
     other = _most_promising(bench, path, every, progress)
-    second = None
-    if other is not None:
-        alone = _with(bench, other)
-        if not _ends_in_a_change(bench, alone):
-            second = one_more(bench, alone, every, progress)
-    if other is not None and second is not None and second.added is not None:
-        pair = _with(bench, second.added)
-        better = pair.score_K < (1.0 - LEAST_GAIN_BESIDE) * path.now.score_K
-        if better and not _ends_in_a_change(bench, pair):
-            first = replace(path.steps[0], added=other, lookalikes=())
-            return followed(bench, (first, second), pair, every, progress)
+    begun = None if other is None else _begun(bench, path, other, every, progress)
+    if begun is not None:
+        return followed(bench, begun.steps, begun.now, every, progress)
     bench.weigh_as(path.now.fitted)
     return path
+
+
+def _begun(
+    bench: Bench, path: Path, first: Considered, every: Sequence[NetworkEffect], progress: Callable[[str], None]
+) -> Path | None:
+    """Give the best pair that begins with an effect; None if it is not plainly better than all that was found."""
+    alone = _with(bench, first)
+    if _ends_in_a_change(bench, alone):
+        return None
+    second = one_more(bench, alone, every, progress)
+    if second.added is None:
+        return None
+    pair = _with(bench, second.added)
+    if pair.score_K >= (1.0 - LEAST_GAIN_BESIDE) * path.now.score_K or _ends_in_a_change(bench, pair):
+        return None
+    return Path((replace(path.steps[0], added=first, lookalikes=()), second), pair)
 
 
 def _most_promising(
