@@ -101,6 +101,24 @@ def test_json_lines(tmp_path: Path, within: tuple[str, ...]) -> None:
     assert found.counted().loc["line that is no JSON object", "first"] == "line 121"
 
 
+@pytest.mark.parametrize("named", ["name", "id"])
+def test_json_lists_of_named_sensors(tmp_path: Path, named: str) -> None:
+    """Each by its own name, in whatever order; not by its place in the list."""
+    lines = []
+    for number, record in enumerate(TRUE.to_dict("records")):
+        message = {"time_s": record.pop("time_s"), "pwm": record.pop("pwm")}
+        sensors = [{named: str(name).removesuffix("_degC"), "value": value} for name, value in record.items()]
+        lines.append(json.dumps({**message, "sensors": sensors[:: -1 if number % 2 else 1]}))
+    found = take(write(tmp_path, "\n".join(lines), name="log.jsonl"), tmp_path / "runs")
+    same(read_run(found.runs[0]), TRUE)
+
+
+def test_json_lists_whose_names_say_nothing_go_by_place(tmp_path: Path) -> None:
+    records = [{"time_s": 2.0 * k, "pwm": 100, "T": [20.0 + 0.1 * k, 21.0 + 0.05 * k]} for k in range(60)]
+    found = take(write(tmp_path, "\n".join(map(json.dumps, records)), name="log.jsonl"), tmp_path / "runs")
+    assert len(read_run(found.runs[0]).temps) == 2
+
+
 def test_a_json_array(tmp_path: Path) -> None:
     same(taken(write(tmp_path, str(TRUE.to_json(orient="records")), name="log.json"), tmp_path / "runs"), TRUE)
 

@@ -158,7 +158,7 @@ _CARRIER = re.compile(
 
 
 def carried(name: str) -> str:
-    """A name without the objects of a message that it came in, which say nothing of it: `data.temps.winding`.
+    """A name without the objects of a message that it came in, which say nothing of it: `data.winding.value`, `T.1`.
 
     Parameters
     ----------
@@ -166,7 +166,9 @@ def carried(name: str) -> str:
         A column's name, inner objects behind dots.
     """
     carrier = _CARRIER.match(name)
-    return name[carrier.end() :] if carrier else name
+    rest = name[carrier.end() :] if carrier else name
+    plain = re.sub(r"(?i)(?<=[^.])\.(?:value|val|reading)$", "", rest)
+    return re.sub(r"(?<=[A-Za-z])\.(?=\d+$)", "", plain)
 
 
 def slug(text: str) -> str:

@@ -16,6 +16,7 @@ from gen.importing.reading.pairs import LONGEST, SAMPLE, kinds_of, names_in, rec
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
 _ROWS = ("values", "data", "rows")
+_LABELS = ("name", "label", "sensor", "channel", "id")
 _SHOWN = 8
 """Names that a message says."""
 
@@ -140,12 +141,23 @@ def _flat(record: Mapping[str, object], before: str = "") -> dict[str, str]:
         if isinstance(value, dict):
             made |= _flat(value, f"{before}{key}.")
         elif isinstance(value, list):
-            made |= _flat({str(i): entry for i, entry in enumerate(value, start=1)}, f"{before}{key}.")
+            made |= _flat(dict(zip(_labels(value), value, strict=True)), f"{before}{key}.")
         elif isinstance(value, bool):
             made[before + key] = str(int(value))
         else:
             made[before + key] = "" if value is None else repr(value) if isinstance(value, float) else str(value)
     return made
+
+
+def _labels(entries: Sequence[object]) -> list[str]:
+    """What entries of a list are called: as they say themselves, each by another name, or by their place."""
+    objects = [entry for entry in entries if isinstance(entry, dict)]
+    for key in _LABELS if len(objects) == len(entries) else ():
+        said = [entry.get(key) for entry in objects]
+        names = [name for name in said if isinstance(name, str) and name]
+        if len(set(names)) == len(said):
+            return names
+    return [str(place) for place in range(1, len(entries) + 1)]
 
 
 def _table(
