@@ -122,7 +122,7 @@ def _begun(
     pair = _with(bench, second.added)
     if pair.score_K >= (1.0 - LEAST_GAIN_BESIDE) * path.now.score_K or _ends_in_a_change(bench, pair):
         return None
-    return Path((replace(path.steps[0], added=first, lookalikes=()), second), pair)
+    return Path((_instead(path.steps[0], first), second), pair)
 
 
 def _most_promising(
@@ -215,10 +215,18 @@ def _gone_on(
     now = _with(bench, one)
     if _ends_in_a_change(bench, now):
         return None
-    considered = (one, *(other for other in last.considered if other.effect.name != effect.name))
-    return followed(
-        bench, (*before, replace(last, considered=considered, added=one, lookalikes=())), now, every, progress
+    others = tuple(other for other in last.considered if other.effect.name != effect.name)
+    step = _instead(replace(last, considered=(one, *others)), one)
+    return followed(bench, (*before, step), now, every, progress)
+
+
+def _instead(step: Step, one: Considered) -> Step:
+    """Give the search as if it had added another effect, and say why it did not add its own."""
+    why = f"with a second effect less is left where {one.effect.name} comes first"
+    considered = tuple(
+        replace(each, reasons=(*each.reasons, why)) if each is step.added else each for each in step.considered
     )
+    return replace(step, considered=considered, added=one, lookalikes=())
 
 
 def _with(bench: Bench, added: Considered) -> Judged:

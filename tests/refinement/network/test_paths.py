@@ -63,6 +63,7 @@ def test_where_the_first_leaves_much_a_pair_begins_with_something_else(later: La
     path = from_another_beginning(later.bench, Path((first,), wrong.judged), later.every, lambda _: None)
     assert names(path) == BOTH
     assert path.now.floors < 1.1
+    assert [one.effect.name for one in path.steps[0].considered if one.reasons] == ["temperature_dependent_loss"]
     assert [one.effect.name for one in path.added] == list(path.now.names)
 
 
