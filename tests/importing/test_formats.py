@@ -113,7 +113,30 @@ def test_json_lists_of_named_sensors(tmp_path: Path, named: str) -> None:
     same(read_run(found.runs[0]), TRUE)
 
 
-def test_json_lists_whose_names_say_nothing_go_by_place(tmp_path: Path) -> None:
+def test_json_lists_whose_ids_are_of_messages_go_by_place(tmp_path: Path) -> None:
+    lines = [
+        json.dumps({"time_s": row.pop("time_s"), "pwm": row.pop("pwm"), "log": [{"id": f"m{k * 7919:08d}", **row}]})
+        for k, row in enumerate(TRUE.to_dict("records"))
+    ]
+    found = take(write(tmp_path, "\n".join(lines), name="log.jsonl"), tmp_path / "runs")
+    assert len(read_run(found.runs[0]).temps) == 2
+
+
+def test_json_lists_that_hold_one_sensor_at_a_time_part_them(tmp_path: Path) -> None:
+    lines = [
+        json.dumps(
+            {"time_s": k, "pwm": 100, "sensors": [{"name": ("winding", "casing")[k % 2], "temp": 21.25 + k % 2}]}
+        )
+        for k in range(60)
+    ]
+    run = read_run(take(write(tmp_path, "\n".join(lines), name="log.jsonl"), tmp_path / "runs").runs[0])
+    assert {name: set(values[np.isfinite(values)]) for name, values in run.temps.items()} == {
+        "winding": {21.25},
+        "casing": {22.25},
+    }
+
+
+def test_json_lists_without_names_go_by_place(tmp_path: Path) -> None:
     records = [{"time_s": 2.0 * k, "pwm": 100, "T": [20.0 + 0.1 * k, 21.0 + 0.05 * k]} for k in range(60)]
     found = take(write(tmp_path, "\n".join(map(json.dumps, records)), name="log.jsonl"), tmp_path / "runs")
     assert len(read_run(found.runs[0]).temps) == 2

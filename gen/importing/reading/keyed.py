@@ -17,6 +17,10 @@ from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
 _ROWS = ("values", "data", "rows")
 _LABELS = ("name", "label", "sensor", "channel", "id")
+LONGEST_LABEL = 40
+"""Characters: what is longer is a text, and no name."""
+RECURRING = 0.25
+"""Columns for each record, beside those of one, from which on names in lists are numbers of messages, and none."""
 _SHOWN = 8
 """Names that a message says."""
 
@@ -35,7 +39,7 @@ def json_table(file: Path, lines: Lines, reading: Reading) -> Table:
     InputError
         Without a file name: no line is an object.
     """
-    records, numbers, bad = [], [], []
+    records, named, numbers, bad = [], [], [], []
     for text, number in zip(lines.texts, lines.numbers, strict=True):
         try:
             record = json.loads(text.strip().rstrip(","))
@@ -43,13 +47,14 @@ def json_table(file: Path, lines: Lines, reading: Reading) -> Table:
         except (ValueError, RecursionError):
             flat = {}
         if flat:
-            records.append(flat)
+            records.append(record)
+            named.append(flat)
             numbers.append(number)
         else:
             bad.append(number)
     if not records:
         raise InputError("no line is a JSON object", place=f"line {bad[0] if bad else 1}")
-    return _table(file, records, numbers, bad, lines, reading, "line that is no JSON object")
+    return _table(file, _recurring(named, records), numbers, bad, lines, reading, "line that is no JSON object")
 
 
 def array_table(file: Path, text: str, reading: Reading) -> Table | None:
@@ -78,7 +83,16 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
             return None
         tree = next(iter(within.values()))
     numbers = list(range(1, len(tree) + 1))
-    return _table(file, [_flat(record) for record in tree], numbers, [], Lines([], [], []), reading, "", "element")
+    return _table(
+        file,
+        _recurring([_flat(record) for record in tree], tree),
+        numbers,
+        [],
+        Lines([], [], []),
+        reading,
+        "",
+        "element",
+    )
 
 
 def _within(tree: object, path: str = "$") -> Iterator[tuple[str, list[dict[str, object]]]]:
@@ -135,13 +149,21 @@ def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading
     return _table(file, records, numbers, bad, lines, reading, f"line without {shown}")
 
 
-def _flat(record: Mapping[str, object], before: str = "") -> dict[str, str]:
+def _recurring(named: list[dict[str, str]], records: Sequence[Mapping[str, object]]) -> list[dict[str, str]]:
+    """Flat records with entries of lists by what they are called; by their place if each record calls them anew."""
+    names = {name for record in named for name in record}
+    recur = len(names) <= max(map(len, named)) + RECURRING * len(named)
+    return named if recur else [_flat(record, named=False) for record in records]
+
+
+def _flat(record: Mapping[str, object], before: str = "", *, named: bool = True) -> dict[str, str]:
     made: dict[str, str] = {}
     for key, value in record.items():
         if isinstance(value, dict):
-            made |= _flat(value, f"{before}{key}.")
+            made |= _flat(value, f"{before}{key}.", named=named)
         elif isinstance(value, list):
-            made |= _flat(dict(zip(_labels(value), value, strict=True)), f"{before}{key}.")
+            labels = _labels(value) if named else _places(value)
+            made |= _flat(dict(zip(labels, value, strict=True)), f"{before}{key}.", named=named)
         elif isinstance(value, bool):
             made[before + key] = str(int(value))
         else:
@@ -154,9 +176,13 @@ def _labels(entries: Sequence[object]) -> list[str]:
     objects = [entry for entry in entries if isinstance(entry, dict)]
     for key in _LABELS if len(objects) == len(entries) else ():
         said = [entry.get(key) for entry in objects]
-        names = [name for name in said if isinstance(name, str) and name]
+        names = [name for name in said if isinstance(name, str) and 0 < len(name) <= LONGEST_LABEL]
         if len(set(names)) == len(said):
             return names
+    return _places(entries)
+
+
+def _places(entries: Sequence[object]) -> list[str]:
     return [str(place) for place in range(1, len(entries) + 1)]
 
 
