@@ -110,6 +110,8 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
         if said:
             return _Sorted(facts, "", unit, 0.8, said)
         return _by_unit(facts, unit, where, _thermal(facts, base))
+    if unit is None and (told_unit := _told_for_all(evidence)) and _thermal(facts, base):
+        return _by_unit(facts, told_unit[1], f"column {told_unit[0]}", True)
     if unit is None and target:
         return _by_range(facts, True) if target.endswith("_degC") or _thermal(facts, base) else _by_name(facts, base)
     if unit is None and _thermal(facts, base):
@@ -119,6 +121,18 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     if unit is not None:
         return _Sorted(facts, unit.quantity, unit, 0.9, f"in {unit.name} by its {where}")
     return _by_name(facts, base)
+
+
+def _told_for_all(evidence: Evidence) -> tuple[str, Unit] | None:
+    """The column that says one unit of temperature in all rows, for all that has none, and the unit: `temp_unit`."""
+    for facts in evidence.facts.values():
+        if not names.TELLS_UNIT.fullmatch(names.carried(facts.name)):
+            continue
+        said = {text.strip() for text in facts.texts} - {""}
+        unit = unit_of(next(iter(said))) if len(said) == 1 else None
+        if unit is not None and unit.quantity == TEMPERATURE:
+            return facts.name, unit
+    return None
 
 
 def _no_temperature(base: str) -> str:

@@ -109,6 +109,12 @@ THERMAL = re.compile(
     r".*(?:temp|th?ermo|°).*|tc\d*|t\d+|t_.*|ntc\d*.*|pt\d{3,4}.*|ds18.*|max6675.*|max31855.*|.*[^a-z]t\d*",
     re.IGNORECASE,
 )
+TELLS_UNIT = re.compile(
+    r"(?:(?:temp|temps|temperatures?|temperatur|temp[ée]rature|temperatura|deg)[ _.-]?)?"
+    r"(?:units?|uom|scale|einheit|unit[ée]|unit[àa]|unidad|eenheid)(?:[ _-]?\d+)?",
+    re.IGNORECASE,
+)
+"""What says a unit in all rows: `temperature_unit`."""
 PARTS = _words(
     r"winding|windings|wicklung|stator|rotor|bearing|lager|casing|case|housing|geh(?:ä|ae)use|coil|spule|brush|brushes|"
     r"b(?:ü|ue)rste|b(?:ü|ue)rsten|magnet|magnets|kohle|kohlen|shaft|welle|core|yoke|tooth|motor|surface|coolant|pm|endbell|"

@@ -13,6 +13,7 @@ from gen.errors import InputError
 from gen.importing.listing import listed
 from gen.importing.reading.delimited import MOST_COLUMNS, Lines, keyed_comments
 from gen.importing.reading.pairs import LONGEST, SAMPLE, kinds_of, names_in, record_of
+from gen.importing.reading.told_units import units_within, with_told_units
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
 _ROWS = ("values", "data", "rows")
@@ -71,6 +72,8 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
         tree = json.loads(text)
     except (ValueError, RecursionError):
         return None
+    tree = _joined(tree)
+    units = units_within(tree)
     if isinstance(tree, dict) and len(tree) > 1 and all(isinstance(v, list) and len(v) > 1 for v in tree.values()):
         lengths = {len(values) for values in tree.values()}
         if len(lengths) == 1:
@@ -83,9 +86,10 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
             return None
         tree = next(iter(within.values()))
     numbers = list(range(1, len(tree) + 1))
+    flat = _recurring([_flat(record) for record in tree], tree)
     return _table(
         file,
-        _recurring([_flat(record) for record in tree], tree),
+        [units | record for record in flat],
         numbers,
         [],
         Lines([], [], []),
@@ -93,6 +97,18 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
         "",
         "element",
     )
+
+
+def _joined(tree: object) -> object:
+    """One array of an array of arrays of objects; what only the first of one says (Home Assistant's) holds for all."""
+    parts = tree if isinstance(tree, list) else []
+    if not parts or not all(isinstance(part, list) and all(isinstance(e, dict) for e in part) for part in parts):
+        return tree
+    made: list[dict[str, object]] = []
+    for first, *others in filter(None, parts):
+        once = {key: value for key, value in first.items() if not any(key in other for other in others)}
+        made += [first, *(once | other for other in others)]
+    return made
 
 
 def _within(tree: object, path: str = "$") -> Iterator[tuple[str, list[dict[str, object]]]]:
@@ -188,7 +204,7 @@ def _places(entries: Sequence[object]) -> list[str]:
 
 def _table(
     file: Path,
-    records: Sequence[Mapping[str, str]],
+    records: Sequence[dict[str, str]],
     numbers: Sequence[int],
     bad: Sequence[int],
     lines: Lines,
@@ -196,6 +212,7 @@ def _table(
     what: str,
     word: str = "line",
 ) -> Table:
+    records = [with_told_units(record) for record in records]
     names = list(dict.fromkeys(key for record in records for key in record))
     if len(names) > MOST_COLUMNS:
         raise InputError(f"found {len(names)} names, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")

@@ -21,6 +21,8 @@ from gen.importing.table import Counted, Reading, Table
 _PERCENT = re.compile(r'^(?:[^"\\%]|"[^"]*"|\\.)*%')
 """A number format that shows a share of 1 in percent; a quoted mark is only text."""
 
+_STAMP, _MIDNIGHT = re.compile(r"\d{4}-\d{2}-\d{2}T\S+"), "T00:00:00"
+
 
 class _Formatted(Protocol):
     @property
@@ -68,6 +70,7 @@ def read_workbook(file: Path, data: bytes, wanted: str = "") -> list[Table]:
 
 
 def _table(file: Path, name: str, rows: list[list[str]]) -> Table:
+    _midnights_to_dates(rows)
     filled = [(number, row) for number, row in enumerate(rows, start=1) if any(row)]
     used = [i for i in range(max((len(row) for _, row in filled), default=0)) if any(row[i] for _, row in filled)]
     cells = [[row[i] for i in used] for _, row in filled]
@@ -78,6 +81,15 @@ def _table(file: Path, name: str, rows: list[list[str]]) -> Table:
         return table_of_rows(file, cells, numbers, reading=Reading(decimal="."), word="row", part=name)
     except InputError as error:
         raise InputError(error.message, place=f"sheet {name}, {error.place}") from None
+
+
+def _midnights_to_dates(rows: list[list[str]]) -> None:
+    """Dates alone where all timestamps of a column are midnights, in place: so Excel has dates beside times of day."""
+    for i in range(max(map(len, rows), default=0)):
+        stamps = [row for row in rows if i < len(row) and _STAMP.fullmatch(row[i])]
+        if stamps and all(row[i].endswith(_MIDNIGHT) for row in stamps):
+            for row in stamps:
+                row[i] = row[i].removesuffix(_MIDNIGHT)
 
 
 def _text(value: object, cell: _Formatted) -> str:
