@@ -23,10 +23,16 @@ from gen.importing.dates import (
 )
 from gen.importing.table import FloatArray, InstantArray, IntArray
 
+_MUCH_SHORTER = 0.2
+"""A log of days that would be months is one of days."""
 _SOUND = 0.95
 """Of a column of times, as others hold damaged lines."""
 _ISO_MARKS = str.maketrans("", "", "0123456789-:.T \n")
-_NOT = np.iinfo(np.int64).min
+MISSING = int(np.iinfo(np.int64).min)
+"""What is no time."""
+_FIRST_YEAR, _LAST_YEAR = "1700", "2200"
+"""Between them nanoseconds since 1970 fit a word of 64 bits; no log was made before or after."""
+_FIRST, _LAST = (int(np.datetime64(year, "ns").astype(np.int64)) for year in (_FIRST_YEAR, _LAST_YEAR))
 
 
 def is_time(text: str) -> bool:
@@ -84,7 +90,7 @@ def _goes_on(cells: Sequence[str]) -> bool:
     """
     filled = [text for cell in cells if (text := cell.strip())]
     ns = of_day(filled)
-    sound = (ns != _NOT) & (ns < DAY_NS) & np.array([bool(DOTTED.fullmatch(text)) for text in filled], dtype=bool)
+    sound = (ns != MISSING) & (ns < DAY_NS) & np.array([bool(DOTTED.fullmatch(text)) for text in filled], dtype=bool)
     if sound.sum() < _SOUND * sound.size:
         return False
     texts, ns = [text for text, good in zip(filled, sound, strict=True) if good], ns[sound]
@@ -131,7 +137,19 @@ def date_order(cells: Sequence[str]) -> tuple[str, float, str]:
         return "dmy", 0.9, "parted by points"
     if len(found) == 1:
         return "mdy", 0.9, "one date only, so that the order does not matter"
+    lasting = {order: _lasting_s(cells, order) for order in ("mdy", "dmy")}
+    shorter, longer = sorted(lasting, key=lambda order: lasting[order])
+    if 0.0 < lasting[shorter] < _MUCH_SHORTER * lasting[longer]:
+        days = (lasting[shorter] / 86_400.0, lasting[longer] / 86_400.0)
+        return shorter, 0.9, f"it lasts {days[0]:.3g} d so, and {days[1]:.3g} d as {longer}"
     return "mdy", 0.4, f"{len(found)} dates that are possible either way"
+
+
+def _lasting_s(cells: Sequence[str], order: str) -> float:
+    """From the first to the last of instants, s; 0 where there are none."""
+    ns = instants(cells, order)
+    known = ns[ns != MISSING]
+    return float(known.max() - known.min()) / 1e9 if known.size else 0.0
 
 
 def instants(cells: Sequence[str], order: str = "ymd") -> IntArray:
@@ -147,11 +165,11 @@ def instants(cells: Sequence[str], order: str = "ymd") -> IntArray:
     quick = _plain_instants(cells)
     if quick is not None:
         return quick
-    made = np.full(len(cells), _NOT, dtype=np.int64)
+    made = np.full(len(cells), MISSING, dtype=np.int64)
     for i, cell in enumerate(cells):
         match = stamp(plainly(cell))
         ns = instant(match, order) if match else None
-        if ns is not None:
+        if ns is not None and _FIRST <= ns < _LAST:
             made[i] = ns
     return made
 
@@ -161,6 +179,8 @@ def _plain_instants(cells: Sequence[str]) -> IntArray | None:
     if not all(len(cell) >= 19 and cell[10] in "T " and cell[16] == ":" and cell[-1] in "0123456789" for cell in cells):
         return None
     if "\n".join(cells).translate(_ISO_MARKS) or any("-" in cell[11:] for cell in cells):
+        return None
+    if not all(_FIRST_YEAR <= cell[:4] < _LAST_YEAR for cell in cells):
         return None
     try:
         made: IntArray = np.array(cells, dtype="datetime64[ns]").astype(np.int64)
@@ -183,7 +203,7 @@ def zoned(cells: Sequence[str]) -> bool:
 
 def of_day(cells: Sequence[str]) -> IntArray:
     """Times of day, or durations, in ns; the smallest integer where a text is none."""
-    made = np.full(len(cells), _NOT, dtype=np.int64)
+    made = np.full(len(cells), MISSING, dtype=np.int64)
     for i, cell in enumerate(cells):
         match = time_of_day(plainly(cell))
         ns = duration(match) if match else None
@@ -194,7 +214,7 @@ def of_day(cells: Sequence[str]) -> IntArray:
 
 def minutes(cells: Sequence[str]) -> IntArray:
     """Minutes and seconds (``7:05.3``) in ns; the smallest integer where a text is none."""
-    made = np.full(len(cells), _NOT, dtype=np.int64)
+    made = np.full(len(cells), MISSING, dtype=np.int64)
     for i, cell in enumerate(cells):
         match = MINUTES.fullmatch(cell.strip())
         if match and int(match["s"]) < 60:
@@ -210,7 +230,7 @@ def over_midnight(ns: IntArray) -> tuple[IntArray, int]:
     ns
         Times of day, shape (N,); missing ones stay.
     """
-    good = np.flatnonzero(ns != _NOT)
+    good = np.flatnonzero(ns != MISSING)
     made = ns.copy()
     back = np.concatenate([[False], np.diff(ns[good]) < -DAY_NS // 2])
     made[good] += np.cumsum(back) * DAY_NS
@@ -219,18 +239,31 @@ def over_midnight(ns: IntArray) -> tuple[IntArray, int]:
 
 def together(dates: IntArray, ns: IntArray) -> IntArray:
     """Instants of dates and times of day; missing where one of them is."""
-    return np.where((dates == _NOT) | (ns == _NOT), _NOT, dates + ns)
+    return np.where((dates == MISSING) | (ns == MISSING), MISSING, dates + ns)
 
 
 def of_instants(values: InstantArray) -> IntArray:
     """Instants of a typed file in ns since 1970."""
-    made: IntArray = values.astype("datetime64[ns]").astype(np.int64)
+    made: IntArray = fine(values).astype(np.int64)
     return made
+
+
+def fine(values: InstantArray) -> InstantArray:
+    """Instants of any resolution in datetime64[ns]; NaT where a year is one of no log.
+
+    Parameters
+    ----------
+    values
+        Shape (N,).
+    """
+    coarse = values.astype("datetime64[s]")  # holds any year
+    within = (coarse >= np.datetime64(_FIRST_YEAR, "s")) & (coarse < np.datetime64(_LAST_YEAR, "s"))
+    return np.where(within, values, np.datetime64("NaT", "s")).astype("datetime64[ns]")
 
 
 def seconds(ns: IntArray) -> tuple[FloatArray, int | None]:
     """Seconds since the first instant, NaN where missing, and that instant in ns; None where there is none."""
-    good = ns != _NOT
+    good = ns != MISSING
     if not good.any():
         return np.full(ns.size, np.nan), None
     first = int(ns[np.argmax(good)])
@@ -239,4 +272,4 @@ def seconds(ns: IntArray) -> tuple[FloatArray, int | None]:
 
 def in_seconds(ns: IntArray) -> FloatArray:
     """As they are, in seconds; NaN where missing."""
-    return np.where(ns == _NOT, np.nan, np.where(ns == _NOT, 0, ns) / 1e9)
+    return np.where(ns == MISSING, np.nan, np.where(ns == MISSING, 0, ns) / 1e9)

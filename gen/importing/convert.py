@@ -17,7 +17,7 @@ from gen.importing.mapping import DATED, Entry, Mapping
 from gen.importing.means import means
 from gen.importing.overflow import overflows
 from gen.importing.suspicions import suspicions
-from gen.importing.table import Cells, Counted, FloatArray, IntArray, Table
+from gen.importing.table import Cells, Counted, FloatArray, IntArray
 from gen.importing.timing import ticks_of, timed
 from gen.importing.units import split_name, unit_of
 from gen.runs import AMBIENT, Run
@@ -74,17 +74,23 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
     made = Converted(table, counted=list(table.counted))
     time, begun = timed(evidence, index, mapping, made)
     drive = _drive(evidence, index, mapping, made)
-    usable = np.isfinite(time) & _known_from_the_first(drive)
-    _left_out(usable, time, drive, mapping, made)
+    labels = evidence.facts[mapping.runs].columns[index].cells if mapping.runs else None
+    series = _labelled(np.arange(table.rows), labels)
+    known = np.zeros(table.rows, dtype=bool)
+    for _, own in series:
+        known[own] = _known_from_the_first(drive[own])
+    usable = np.isfinite(time) & known
+    _left_out(usable, known, time, drive, mapping, made)
     channels = {
         entry.to: _channel(evidence.facts[entry.source], index, entry, mapping, made)
         for entry in mapping.column
         if entry.to
     }
-    rows = np.flatnonzero(usable)
-    labels = evidence.facts[mapping.runs].columns[index].cells if mapping.runs else None
     ticks = ticks_of(evidence, index, mapping)
-    for label, stretch in _labelled(rows, labels):
+    for label, own in series:
+        stretch = own[usable[own]]
+        if not stretch.size:
+            continue
         # rows that are counted and not timed are counted anew in each run
         begin = time[stretch[0]] if mapping.time.interval_s is not None and labels is not None else 0.0
         order = sequence.order(time[stretch] - begin, stretch, mapping.duplicates or "first", ticks)
@@ -93,11 +99,12 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
         if mapping.duplicates == "mean" and order.repeated.size:
             drive = means(drive, order.kept, order.repeated)
             channels = {to: means(values, order.kept, order.repeated) for to, values in channels.items()}
+        held = _held(drive, own)
         pieces = _pieces(order, splitting, ticks, made)
         for number, (first, end) in enumerate(pieces, start=1):
             kept = order.kept[first:end]
             name = "_".join(filter(None, (label, str(number) if len(pieces) > 1 else "")))
-            run = _run(kept, order.time_s[first:end], drive, channels, table, begun)
+            run = _run(kept, order.time_s[first:end], held, channels, begun)
             made.runs.append((name, run))
     _suspect(made)
     return made
@@ -157,13 +164,24 @@ def _known_from_the_first(drive: FloatArray) -> NDArray[np.bool_]:
     return np.logical_or.accumulate(known)
 
 
+def _held(drive: FloatArray, own: IntArray) -> FloatArray:
+    """The input of one series where it is missing: that of its row before, of no other's; NaN before its first."""
+    held = np.full(drive.size, np.nan)
+    last = np.maximum.accumulate(np.where(np.isfinite(drive[own]), np.arange(own.size), -1))
+    held[own] = np.where(last >= 0, drive[own][last], np.nan)
+    return held
+
+
 def _left_out(
-    usable: NDArray[np.bool_], time: FloatArray, drive: FloatArray, mapping: Mapping, made: Converted
+    usable: NDArray[np.bool_],
+    known: NDArray[np.bool_],
+    time: FloatArray,
+    drive: FloatArray,
+    mapping: Mapping,
+    made: Converted,
 ) -> None:
     missing = ~np.isfinite(drive)
-    made.count(
-        "row before the first input, left out", np.flatnonzero(~_known_from_the_first(drive)), mapping.input.column
-    )
+    made.count("row before the first input, left out", np.flatnonzero(~known), mapping.input.column)
     made.count("missing input, held from the row before", np.flatnonzero(missing & usable), mapping.input.column)
     if usable.sum() < _MOST_UNTIMED * usable.size:
         what = ", ".join(mapping.time.columns) if np.isfinite(time).mean() < _MOST_UNTIMED else mapping.input.column
@@ -282,11 +300,8 @@ def _pieces(
     return [(int(begin), int(end)) for begin, end in pairwise(edges) if end > begin]
 
 
-def _run(
-    kept: IntArray, time: FloatArray, drive: FloatArray, channels: dict[str, FloatArray], table: Table, begun: str
-) -> Run:
-    known = np.flatnonzero(np.isfinite(drive))
-    held = drive[known[np.searchsorted(known, kept, side="right") - 1]]
+def _run(kept: IntArray, time: FloatArray, drive: FloatArray, channels: dict[str, FloatArray], begun: str) -> Run:
+    held = drive[kept]
     temps = {name.removesuffix("_degC"): values[kept] for name, values in channels.items() if _is_part(name)}
     extras = {name: values[kept] for name, values in channels.items() if not _is_part(name) and name != AMBIENT}
     comments = {"started": begun} if begun else {}

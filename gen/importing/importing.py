@@ -249,13 +249,18 @@ def _write_all(runs: dict[str, Run], out: Path, mapping: tuple[Path | None, str]
         new.mkdir()
         for name, run in runs.items():
             write_run(new / name, run)
-        if folder.exists():
-            for name in runs:
-                (new / name).replace(folder / name)
-        else:
-            new.rename(folder)
         if mapping[0] is not None:
             write_text(mapping[0], mapping[1])
+        try:
+            if folder.exists():
+                for name in runs:
+                    (new / name).replace(folder / name)
+            else:
+                new.rename(folder)
+        except OSError:
+            if mapping[0] is not None:
+                mapping[0].unlink(missing_ok=True)  # it was not there before
+            raise
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror or error}", file=str(out)) from error
     finally:

@@ -18,7 +18,6 @@ from gen.version import __version__
 
 DATED = ("timestamp", "date and time")
 TIME_KINDS = (*DATED, "time of day", "mm:ss")
-_FINITE = Field(allow_inf_nan=False)
 
 
 class _Part(BaseModel):

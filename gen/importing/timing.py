@@ -50,10 +50,12 @@ def timed(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> 
                 "times say how far they are from UTC; expected no --zone", place=made.table.place(0, first.name)
             )
         ns = in_utc(ns, ZoneInfo(form.zone))
-    made.count("row without a time", np.flatnonzero(ns == np.iinfo(np.int64).min), first.name)
+    made.count("row without a time", np.flatnonzero(ns == clock.MISSING), first.name)
     if form.unit in ("time of day", "mm:ss"):
         return clock.in_seconds(ns), ""
-    time, begin = clock.seconds(ns)
+    time, _ = clock.seconds(ns)
+    near = np.isfinite(_within(time, first.name, made))
+    time, begin = clock.seconds(np.where(near, ns, clock.MISSING))
     return time, "" if begin is None else _iso(begin)
 
 
@@ -62,7 +64,7 @@ def _within(time: FloatArray, column: str, made: Converted) -> FloatArray:
     finite = time[np.isfinite(time)]
     if not finite.size:
         return time
-    middle = float(np.median(finite))
+    middle = float(np.sort(finite)[finite.size // 2])  # one of them, where half are of another time
     if abs(middle) > _LATEST_S:
         raise InputError(f"found times of about {middle:g} s, expected less than 30 years", place=f"column {column}")
     astray = np.abs(time - middle) > _LONGEST_S

@@ -12,6 +12,8 @@ from typing import IO
 from gen.errors import InputError
 
 NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+OTHER_FILES = "`gen import` makes run files of a logger's own"
+"""What a refusal says of a file that may be no run file at all."""
 
 
 @dataclass(frozen=True)
@@ -137,6 +139,7 @@ def check_columns(head: Head, require: Collection[str]) -> None:
         if name not in seen:
             found = ", ".join(head.columns)
             hint = "; expected commas between the columns" if re.search(r"[;\t]", found) else ""
+            hint += f"; {OTHER_FILES}" if name in ("time_s", "pwm") else ""
             raise InputError(f"missing column {name}; found {found}{hint}", place=place)
 
 
@@ -152,5 +155,5 @@ def decoded(line: bytes, number: int) -> str:
         return line.decode("utf-8")
     except UnicodeDecodeError as error:
         raise InputError(
-            f"byte 0x{line[error.start]:02x} is not UTF-8; expected a UTF-8 text", place=f"line {number}"
+            f"byte 0x{line[error.start]:02x} is not UTF-8; expected a UTF-8 text; {OTHER_FILES}", place=f"line {number}"
         ) from error

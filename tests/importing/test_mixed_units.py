@@ -152,3 +152,21 @@ def test_a_first_row_of_typeset_minuses_is_no_header(tmp_path: Path) -> None:
     run = read_run(found.runs[0])
     assert run.temps["winding"][:3].tolist() == [-5.0, -6.0, -7.0]
     assert run.time_s.size == 60
+
+
+def test_a_column_of_units_that_change_from_row_to_row(tmp_path: Path) -> None:
+    """A meter that chooses its range says it in a column of its own."""
+    power = np.where(HALF, 150.0, 0.35)
+    frame = TRUE.drop(columns="pwm").assign(power=power, power_unit=np.where(HALF, "W", "kW"))
+    found = take(write(tmp_path, csv(frame)), tmp_path / "out", input="power", full_scale=510.0)
+    assert read_run(found.runs[0]).pwm.tolist() == np.where(HALF, 75, 175).tolist()
+    assert f"{int((~HALF).sum())} x number in another unit, made W (line 3, column power)" in counted(found)
+
+
+def test_a_column_of_units_behind_the_time_is_not_of_the_time(tmp_path: Path) -> None:
+    frame = TRUE.rename(columns={"time_s": "time"}).drop(columns=["winding_degC", "casing_degC", "ambient_degC"])
+    frame.insert(1, "unit", "F")
+    for part in ("winding", "casing"):
+        frame[part] = (TRUE[f"{part}_degC"] * 1.8 + 32.0).round(2)
+    run = taken(write(tmp_path, csv(frame)), tmp_path / "out", units={"pwm": "counts", "time": "s"})
+    same(run, TRUE[["time_s", "pwm", "winding_degC", "casing_degC"]])

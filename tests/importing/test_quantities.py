@@ -21,6 +21,16 @@ def run_with(tmp_path: Path, head: str, values: list[float], **options: object) 
     return taken(log, tmp_path / "out", **options)
 
 
+def test_a_servo_s_pulse_is_not_0_at_rest(tmp_path: Path) -> None:
+    log = write(
+        tmp_path, "time [s],esc,winding [°C]\n" + "".join(f"{i},{1000 + 10 * i},2{i % 10}.5\n" for i in range(60))
+    )
+    with pytest.raises(
+        InputError, match=r"found 1000\.\.1590; .* if these are a servo's pulses in us, rest is at 1000"
+    ):
+        take(log, tmp_path / "out", input="esc")
+
+
 RISING = [15.0 + 0.2 * i for i in range(ROWS)]
 
 
@@ -37,6 +47,7 @@ RISING = [15.0 + 0.2 * i for i in range(ROWS)]
         "T1 fault code",
         "Distance to TjMAX [°C]",
         "temperature error",
+        "dT [°C]",
         "Core_load_x [x]",
     ],
 )

@@ -77,7 +77,7 @@ FAULTS = [
     ("time_s,pwm\n", "line 2", "there are no rows"),
     ("0,0\n0.25,1\n", "line 1", "found numbers, expected a header line"),
     ("time_s,brush_degC\n0,1\n", "line 1", "missing column pwm; found time_s, brush_degC"),
-    ("# a: b\npwm\n0\n", "line 2", "missing column time_s; found pwm"),
+    ("# a: b\npwm\n0\n", "line 2", "missing column time_s; found pwm; `gen import` makes run files of a logger's own"),
     ("time_s;pwm\n0;1\n", "line 1", "missing column time_s; found time_s;pwm; expected commas"),
     ("time_s,pwm,a,a\n0,1,2,3\n", "line 1, column a", "twice in the header"),
     ("time_s,pwm,\n0,1,2\n", "line 1", "column 3 has no name"),
@@ -109,7 +109,7 @@ FAULTS = [
     ("time_s,pwm\n0,1\n1e300,1\n", "line 3, column time_s", "expected a number within -1e+12..1e+12"),
     ("time_s,pwm,load_A\n0,1,-1e200\n", "line 2, column load_A", "expected a number within"),
     ("time_s,pwm\n0,1.5\n", "line 2, column pwm", "found 1.5, expected a whole number -255..255"),
-    (b"time_s,pwm\n0,1\n1,\xff\n", "line 3", "byte 0xff is not UTF-8"),
+    (b"time_s,pwm\n0,1\n1,\xff\n", "line 3", "byte 0xff is not UTF-8; expected a UTF-8 text; `gen import`"),
     (b"time_s,pw\xff\n0,1\n", "line 1", "byte 0xff is not UTF-8"),
 ]
 

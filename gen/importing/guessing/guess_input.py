@@ -33,6 +33,9 @@ class _Scale:
     why: str
 
 
+_PULSE_US = (800.0, 2200.0)
+
+
 def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[InputForm, list[Guess]]:
     """Find the input and its scale.
 
@@ -178,10 +181,20 @@ def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> _Scale:
     if unit is not None or (choices.drive and not PWM.search(_worded(entry)) and not DUTY.search(_worded(entry))):
         shown = f" {unit.name}" if unit else ""
         raise InputError(
-            f"found {low:g}..{high:g}{shown}; expected --full-scale, the value that is 255 counts",
+            f"found {low:g}..{high:g}{shown}; expected --full-scale, the value that is 255 counts{_pulse(entry)}",
             place=f"column {entry.name}",
         )
     return _by_range(entry, base, reached, evidence)
+
+
+def _pulse(entry: Facts) -> str:
+    """What is said of numbers that may be a servo's or a speed controller's pulses, which are not 0 at rest."""
+    low, high = entry.span
+    if low < _PULSE_US[0] or high > _PULSE_US[1]:
+        return ""
+    return (
+        "; if these are a servo's pulses in us, rest is at 1000 (or 1500): put (us - 1000) / 1000 in their place first"
+    )
 
 
 def _by_range(entry: Facts, base: str, reached: float, evidence: Evidence) -> _Scale:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -10,7 +12,7 @@ from gen.errors import InputError
 from gen.importing import clock
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
-from gen.importing.guessing.names import BUSY, CHARGED, TIME
+from gen.importing.guessing.names import BUSY, CHARGED, OF_DAY, TIME
 from gen.importing.guessing.plain_steps import plainer_unit
 from gen.importing.listing import listed
 from gen.importing.local import is_zone
@@ -33,6 +35,8 @@ _EPOCHS = (
 _ROUND_S = {60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0}
 _PLAIN = {"t", "ts", "time", "times", "zeit", "timestamp", "zeitstempel", "elapsed", "seconds", "millis", "ms"}
 """Names of a time that need nothing beside them."""
+_HOURS_OR_MINUTES = {"hh:mm": "time of day", "mm:ss": "mm:ss"}
+_LAST_HOUR = 23
 _EITHER = 0.5
 _RATIOS = tuple(x for r in (1.0, 60.0, 3600.0, 1e3, 1e6, 1e9) for x in (r, 1.0 / r))
 _SAME_LENGTH = 0.05
@@ -190,6 +194,8 @@ def _form(
             order, sure, reason = told, CERTAIN, "--unit"
         if len(chosen) == 1 and chosen[0].kind == "date":
             raise InputError("holds dates without times; expected a time, too", place=f"column {names[0]}")
+        if len(chosen) == 1 and chosen[0].kind == "minutes":
+            return _hours_or_minutes(chosen[0], told, confidence, why)
         unit = "date and time" if len(chosen) == 2 else _KINDS[chosen[0].kind]
         form = TimeForm.model_validate({"columns": names, "unit": unit, "order": order})
         taken = unit if order == "ymd" else f"{unit}, {order}"
@@ -209,6 +215,33 @@ def _form(
     return form, [
         Guess(subject, f"time in {name}", min(confidence, sure), "; ".join(filter(None, (why, reason))), settle)
     ]
+
+
+def _hours_or_minutes(entry: Facts, told: str, confidence: float, why: str) -> tuple[TimeForm, list[Guess]]:
+    """Whether `8:15` is a time of day or eight minutes: by where it begins and ends, by what it passes, by its name."""
+    pairs = [
+        tuple(map(int, re.split("[:.,]", text)[:2])) for cell in entry.texts if (text := cell.strip()) and ":" in text
+    ]
+    pairs = [pair for pair in pairs if len(pair) == 2]
+    firsts = [first for first, _ in pairs]
+    over_midnight = any(one >= _LAST_HOUR > 0 == other for one, other in pairwise(firsts))
+    if told in _HOURS_OR_MINUTES:
+        unit, sure, reason = _HOURS_OR_MINUTES[told], CERTAIN, "--unit"
+    elif over_midnight and max(firsts) == _LAST_HOUR:
+        unit, sure, reason = "time of day", 0.9, "hh:mm, it passes midnight"
+    elif max(firsts, default=0) > _LAST_HOUR:
+        unit, sure, reason = "mm:ss", 0.9, f"mm:ss, up to {max(firsts)}"
+    elif any("." in cell or "," in cell for cell in entry.texts):
+        unit, sure, reason = "mm:ss", 0.9, "mm:ss, with fractions"
+    elif OF_DAY.fullmatch(entry.named[0].casefold()):
+        unit, sure, reason = "time of day", 0.9, "hh:mm by its name"
+    elif firsts and firsts[0] == 0 and max(firsts) < _LAST_HOUR:
+        unit, sure, reason = "mm:ss", 0.65, "mm:ss, as it begins at 0"
+    else:
+        unit, sure, reason = "time of day", 0.4, "hh:mm, or mm:ss since something began"
+    settle = f"--unit {quoted(f'{entry.name}=hh:mm')} or {quoted(f'{entry.name}=mm:ss')}"
+    form = TimeForm.model_validate({"columns": [entry.name], "unit": unit})
+    return form, [Guess(entry.name, f"time: {unit}", min(confidence, sure), f"{why}; {reason}", settle)]
 
 
 def _unit(entry: Facts, choices: Choices) -> tuple[str, float, str]:

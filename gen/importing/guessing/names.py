@@ -21,6 +21,11 @@ TIME = re.compile(
     r"(?:.*[^a-z])?(?:time|times|zeit|uhrzeit|timestamp|zeitstempel|datum|date|datetime|elapsed|epoch|unix|clock|"
     r"millis|micros|seconds?|secs?|ms|minutes?|minuten|hours?|stunden|sekunden)(?:[^a-z].*)?|.*time|.*zeit",
 )
+OF_DAY = re.compile(
+    r"(?:local |lokale )?(?:uhrzeit|uhr|clock|clock time|time of day|wall ?time|tageszeit|heure|hora|ora|orario|"
+    r"hor[áa]rio|tijdstip|hh:mm|time \(?hh:mm\)?)"
+)
+"""A time of day by its name, where minutes since something began would look the same."""
 PWM = _words(r"pwm\d*")
 DUTY = _words(languages.DUTY)
 DRIVES = _words(
@@ -40,15 +45,17 @@ SERIES = re.compile(
     r"var.?name|messstelle|messgr(?:ö|oe)(?:ß|ss)e|capteur|sensore"
 )
 _SAYS_AMBIENT = (
-    r"amb|ambient|ambiance|t_?amb|surroundings?|umgebung|umgebungstemperatur|umgebungsluft|ambiante?s?|ambiente|"
+    r"amb|ambient|ambiance|t_?amb|surroundings?|(?:t_?)?umg|umgebung|umgebungstemp(?:eratur)?|umgebungsluft|ambiante?s?|ambiente|"
     r"ambientale?|omgeving|omgevingstemperatuur|omgevingslucht"
 )
 _SAYS_ROOM = (
-    r"room|raum|raumtemperatur|raumluft|raumlufttemperatur|zimmer|zimmertemperatur|halle|hallentemperatur|salle|pièce|"
+    r"(?:t_?)?room|(?:t_?)?raum|raumtemp(?:eratur)?|raumluft|raumlufttemp(?:eratur)?|zimmer|zimmertemp(?:eratur)?|"
+    r"halle|hallentemp(?:eratur)?|salle|pièce|"
     r"stanza|sala|habitaci[óo]n|kamer|kamertemperatuur|ruimte|ruimtetemperatuur"
 )
 _SAYS_AIR = (
-    r"outside|outdoors?|air|env|environment|luft|lufttemperatur|au(?:ß|ss)en|au(?:ß|ss)entemperatur|au(?:ß|ss)enluft|"
+    r"outside|outdoors?|(?:t_?)?air|env|environment|luft|lufttemp(?:eratur)?|au(?:ß|ss)en|au(?:ß|ss)entemp(?:eratur)?|"
+    r"au(?:ß|ss)enluft|"
     r"ext[ée]rieure?|aria|estern[oa]|aire|exterior|do ar|lucht|luchttemperatuur|buiten|buitentemperatuur|buitenlucht"
 )
 AMBIENTS = tuple(map(_words, (_SAYS_AMBIENT, _SAYS_ROOM, _SAYS_AIR)))
@@ -80,7 +87,8 @@ FLAG = _words(
 )
 """What a sensor says beside its temperature: `Thermocouple open`, `temp_fault`."""
 DIFFERENCE = _words(
-    r"distance|difference|diff|differenz|delta|deviation|abweichung|abstand|gradient|slope|rate|change|drift|offset"
+    r"distance|difference|diff|differenz|delta|d[ _]?t|deviation|abweichung|abstand|gradient|slope|rate|change|drift|"
+    r"offset"
 )
 """In a unit of temperature, and none: `Distance to TjMAX [°C]`."""
 OTHER = _words(

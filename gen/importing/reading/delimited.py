@@ -6,7 +6,7 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 
@@ -16,6 +16,8 @@ from gen.errors import InputError
 from gen.importing.clock import is_time
 from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
 from gen.importing.reading.heads import STATISTIC, is_label, is_units, labelled_head, paired_head, with_labels
+from gen.importing.reading.lines import Lines
+from gen.importing.reading.logged import is_logged, logged
 from gen.importing.reading.unit_columns import with_units
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 from gen.importing.units import unit_of
@@ -35,25 +37,6 @@ MOST_COLUMNS = 2000
 _HEAD_LINES = 20
 
 
-@dataclass(frozen=True)
-class Lines:
-    """A text's lines.
-
-    Parameters
-    ----------
-    texts
-        Without their ends, comments and empty lines.
-    numbers
-        Of each in the file.
-    comments
-        The comment lines, in order, without their marks.
-    """
-
-    texts: list[str]
-    numbers: list[int]
-    comments: list[str]
-
-
 def lines_of(text: str) -> Lines:
     """Part a text into lines; comments and empty lines are set apart."""
     texts, numbers, comments = [], [], []
@@ -69,7 +52,7 @@ def lines_of(text: str) -> Lines:
 
 
 def stamped(lines: Lines) -> tuple[Lines, list[str]]:
-    """Part the time of day from lines of a serial monitor (``13:45:10.123 -> 23.5,102``).
+    """Part the time from lines of a serial monitor (``13:45:10.123 -> 23.5,102``) or of a system's log.
 
     Returns
     -------
@@ -77,6 +60,8 @@ def stamped(lines: Lines) -> tuple[Lines, list[str]]:
         No times where most lines have none; then the lines are those given.
     """
     sample = lines.texts[:_SAMPLE]
+    if is_logged(sample):
+        return logged(lines)
     if sum(1 for line in sample if _STAMPED.match(line)) <= 0.5 * len(sample):
         return lines, []
     texts, numbers, times = [], [], []

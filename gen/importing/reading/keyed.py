@@ -11,8 +11,10 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.listing import listed
-from gen.importing.reading.delimited import MOST_COLUMNS, Lines, keyed_comments
+from gen.importing.reading.delimited import MOST_COLUMNS, keyed_comments
+from gen.importing.reading.lines import Lines
 from gen.importing.reading.pairs import LONGEST, SAMPLE, kinds_of, names_in, record_of
+from gen.importing.reading.telegraf import is_tagged, of_one_time
 from gen.importing.reading.told_units import units_within, with_told_units
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
@@ -55,6 +57,9 @@ def json_table(file: Path, lines: Lines, reading: Reading) -> Table:
             bad.append(number)
     if not records:
         raise InputError("no line is a JSON object", place=f"line {bad[0] if bad else 1}")
+    if is_tagged(records):
+        records, numbers = of_one_time(records, numbers)
+        named = [_flat(record) for record in records]
     return _table(file, _recurring(named, records), numbers, bad, lines, reading, "line that is no JSON object")
 
 
@@ -86,6 +91,8 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
             return None
         tree = next(iter(within.values()))
     numbers = list(range(1, len(tree) + 1))
+    if is_tagged(tree):
+        tree, numbers = of_one_time(tree, numbers)
     flat = _recurring([_flat(record) for record in tree], tree)
     return _table(
         file,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 import gzip
+import io
+import zipfile
 import zlib
 from pathlib import Path
 
@@ -76,6 +78,13 @@ def _tables(file: Path, data: bytes, given: Reading) -> list[Table]:
     for magic, message in _FOREIGN.items():
         if data.startswith(magic):
             raise InputError(message)
+    if data.startswith(b"PK\x03\x04") and not _is_workbook(data):
+        raise InputError("is a zip archive and no workbook; unpack it")
+    if data.startswith(b"\x89HDF"):
+        raise InputError(
+            "is an HDF5 file, which is not read; write its table as CSV or Parquet, or of MATLAB's by save('log.mat', "
+            "..., '-v7')"
+        )
     if data.startswith(b"PK\x03\x04"):
         from gen.importing.reading.workbook import read_workbook
 
@@ -86,10 +95,20 @@ def _tables(file: Path, data: bytes, given: Reading) -> list[Table]:
         from gen.importing.reading.typed import read_parquet
 
         return [read_parquet(file, data)]
-    if data.startswith((b"MATLAB ", b"\x89HDF")) or file.suffix.casefold() == ".mat":
+    if data.startswith(b"MATLAB ") or file.suffix.casefold() == ".mat":
         from gen.importing.reading.typed import read_matlab
 
         return [read_matlab(file, data)]
     from gen.importing.reading.text import read_text
 
     return [read_text(file, data, given)]
+
+
+def _is_workbook(data: bytes) -> bool:
+    """Whether a zip archive is Excel's; a broken one may be."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            names = archive.namelist()
+    except (zipfile.BadZipFile, ValueError, OSError):
+        return True
+    return "[Content_Types].xml" in names or "mimetype" in names

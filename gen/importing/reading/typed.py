@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import io
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gen.errors import InputError
+from gen.importing.clock import fine
 from gen.importing.reading.delimited import MOST_COLUMNS
-from gen.importing.table import Cells, Column, Reading, Table, unique_names
+from gen.importing.table import Cells, Column, InstantArray, Reading, Table, unique_names
 
 if TYPE_CHECKING:
     import pyarrow as pa
+
+_LABELS = ("label", "name", "title", "blockName")
 
 
 def read_parquet(file: Path, data: bytes) -> Table:
@@ -57,14 +60,14 @@ def _of_arrow(column: pa.ChunkedArray[Any]) -> Cells:
     import pyarrow as pa
 
     kind = column.type
-    series = column.to_pandas()
     if pa.types.is_timestamp(kind):
-        stamps = pd.to_datetime(series, utc=True).dt.tz_localize(None)
-        return stamps.to_numpy(dtype="datetime64[ns]")
+        plain = column.cast(pa.timestamp(kind.unit))  # of a zone: in UTC
+        stamps = fine(plain.to_numpy(zero_copy_only=False))
+        return stamps if (stamps != stamps.astype("datetime64[D]")).any() else _days(stamps)
     if pa.types.is_date(kind):
-        return pd.to_datetime(series).to_numpy(dtype="datetime64[ns]")
+        return _days(fine(column.cast(pa.date32()).to_numpy(zero_copy_only=False)))
     if pa.types.is_duration(kind):
-        return np.asarray(pd.to_timedelta(series).dt.total_seconds(), dtype=np.float64)
+        return np.asarray(pd.to_timedelta(column.to_pandas()).dt.total_seconds(), dtype=np.float64)
     if (
         pa.types.is_integer(kind)
         or pa.types.is_floating(kind)
@@ -76,6 +79,11 @@ def _of_arrow(column: pa.ChunkedArray[Any]) -> Cells:
     return ["" if entry is None else str(entry) for entry in column.to_pylist()]
 
 
+def _days(stamps: InstantArray) -> list[str]:
+    """Dates, as they stand beside times of day."""
+    return ["" if np.isnat(stamp) else str(stamp.astype("datetime64[D]")) for stamp in stamps]
+
+
 def read_matlab(file: Path, data: bytes) -> Table:
     """Read a MATLAB file of version 4 to 7: vectors of one length, columns of matrices, fields of structures.
 
@@ -84,7 +92,7 @@ def read_matlab(file: Path, data: bytes) -> Table:
     InputError
         Without a file name: version 7.3, broken, or nothing that is a column.
     """
-    if data.startswith(b"\x89HDF") or b"MATLAB 7.3" in data[:128]:
+    if b"MATLAB 7.3" in data[:128]:
         raise InputError(
             "is a MATLAB file of version 7.3, which is not read; save it in MATLAB by save('log.mat', ..., '-v7'), "
             "or write a table by writetable(T, 'log.csv')"
@@ -100,11 +108,15 @@ def read_matlab(file: Path, data: bytes) -> Table:
         )
     except Exception as error:  # scipy raises what it meets in a broken file
         raise InputError(f"cannot be read as a MATLAB file ({str(error)[:80]})") from None
-    vectors: dict[str, Cells] = {}
     opaque = [str(name) for name, value in content.items() if type(value).__name__ == "MatlabOpaque" or name == "None"]
-    for name, value in content.items():
-        if not name.startswith("__") and name not in opaque:
-            vectors |= _vectors(name, value)
+    vectors = _named(
+        [
+            found
+            for name, value in content.items()
+            if not name.startswith("__") and name not in opaque
+            for found in _vectors((name,), value)
+        ]
+    )
     lengths = Counter(len(cells) for cells in vectors.values() if len(cells) > 1)
     if not lengths:
         hint = "; a table or timetable is opaque: write it by writetable(T, 'log.csv')" if opaque else ""
@@ -117,21 +129,40 @@ def read_matlab(file: Path, data: bytes) -> Table:
     return Table(file, columns, np.arange(1, rows + 1), "row", comments=comments, reading=Reading())
 
 
-def _vectors(name: str, value: object) -> Mapping[str, Cells]:
+def _vectors(path: tuple[str, ...], value: object) -> Iterator[tuple[tuple[str, ...], Cells]]:
+    """Columns in a variable, by the names that lead there: fields of structures, structures of an array by label."""
     fields = getattr(value, "_fieldnames", None)
     if fields is not None:
-        found: dict[str, Cells] = {}
         for field in fields:
-            found |= _vectors(field, getattr(value, field))
-        return found
+            yield from _vectors((*path, field), getattr(value, field))
+        return
     if not isinstance(value, np.ndarray) or value.ndim not in (1, 2):
-        return {}
-    if value.dtype.kind in "biuf":
+        return
+    if value.dtype.kind == "O" and all(hasattr(entry, "_fieldnames") for entry in value.flat):
+        for i, entry in enumerate(value.flat, start=1):
+            within = dict(_vectors((), entry))
+            label = _label(entry) or str(i)
+            for (*_, field), cells in within.items():
+                yield (*path, label, *([field] if len(within) > 1 else [])), cells
+    elif value.dtype.kind in "biuf":
         numbers = value.astype(np.float64)
         if numbers.ndim == 1:
-            return {name: numbers}
+            yield path, numbers
+            return
         wide = numbers.T if numbers.shape[0] >= numbers.shape[1] else numbers
-        return {f"{name}_{i}": np.ascontiguousarray(column) for i, column in enumerate(wide, start=1)}
-    if value.ndim == 1 and value.size and all(isinstance(entry, str) for entry in value):
-        return {name: [str(entry).strip() for entry in value]}
-    return {}
+        for i, column in enumerate(wide, start=1):
+            yield (*path[:-1], f"{path[-1] if path else 'column'}_{i}"), np.ascontiguousarray(column)
+    elif value.ndim == 1 and value.size and all(isinstance(entry, str) for entry in value):
+        yield path, [str(entry).strip() for entry in value]
+
+
+def _label(entry: object) -> str:
+    """What a structure of an array calls itself: a signal of Simulink's has a label."""
+    said = (getattr(entry, key, "") for key in _LABELS)
+    return next((text.strip() for text in said if isinstance(text, str) and text.strip()), "")
+
+
+def _named(found: Sequence[tuple[tuple[str, ...], Cells]]) -> dict[str, Cells]:
+    """Columns by the last of their names; by all of them where several have the same last one."""
+    last = Counter(path[-1] for path, _ in found)
+    return {path[-1] if last[path[-1]] == 1 else ".".join(path): cells for path, cells in found}

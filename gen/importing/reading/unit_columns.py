@@ -6,7 +6,9 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
+from gen.importing.guessing.names import TIME
 from gen.importing.table import Column
+from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import unit_of
 
 _NAMED = re.compile(r"(?:.*[^a-z])?(?:unit|units|einheit|unit[ée]|unit[àa]|unidad|eenheid)(?:[^a-z].*)?", re.IGNORECASE)
@@ -22,8 +24,20 @@ def with_units(columns: Sequence[Column]) -> list[Column]:
     """
     made = list(columns)
     for i, column in enumerate(made[1:], start=1):
-        if isinstance(column.cells, list) and not made[i - 1].unit and _NAMED.fullmatch(column.name):
-            said = {cell.strip() for cell in column.cells} - {""}
-            if len(said) == 1 and unit_of(next(iter(said))):
-                made[i - 1] = replace(made[i - 1], unit=next(iter(said)))
+        before = made[i - 1]
+        if not isinstance(column.cells, list) or before.unit or not _NAMED.fullmatch(column.name):
+            continue
+        said = {cell.strip() for cell in column.cells} - {""}
+        units = {unit for unit in map(unit_of, said) if unit is not None}
+        if not units or len(said) != len([text for text in said if unit_of(text)]):
+            continue
+        if TIME.fullmatch(before.name.casefold()) and {unit.quantity for unit in units} != {TIME_QUANTITY}:
+            continue  # it is meant for what follows
+        if len(said) == 1:
+            made[i - 1] = replace(before, unit=next(iter(said)))
+        elif isinstance(before.cells, list):  # a meter that chooses its range
+            cells = [
+                f"{cell.strip()} {unit.strip()}".strip() for cell, unit in zip(before.cells, column.cells, strict=True)
+            ]
+            made[i - 1] = replace(before, cells=cells)
     return made

@@ -21,6 +21,8 @@ from gen.importing.table import Counted, Reading, Table
 _PERCENT = re.compile(r'^(?:[^"\\%]|"[^"]*"|\\.)*%')
 """A number format that shows a share of 1 in percent; a quoted mark is only text."""
 
+_WITH_COMMA, _WITH_POINT = re.compile(r"[+-]?\d+,\d+"), re.compile(r"[+-]?\d+\.\d+")
+_THOUSAND = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _STAMP, _MIDNIGHT = re.compile(r"\d{4}-\d{2}-\d{2}T\S+"), "T00:00:00"
 
 
@@ -43,6 +45,8 @@ def read_workbook(file: Path, data: bytes, wanted: str = "") -> list[Table]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of styles and extensions that values do not need
             book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
+            for sheet in book.worksheets:
+                sheet.reset_dimensions()  # what a sheet says of its size is not always so
             sheets = {
                 sheet.title: [[_text(cell.value, cell) for cell in row] for row in sheet.iter_rows()]
                 for sheet in book.worksheets
@@ -70,7 +74,10 @@ def read_workbook(file: Path, data: bytes, wanted: str = "") -> list[Table]:
 
 
 def _table(file: Path, name: str, rows: list[list[str]]) -> Table:
+    width = max(map(len, rows), default=0)
+    rows = [row + [""] * (width - len(row)) for row in rows]
     _midnights_to_dates(rows)
+    _commas_to_points(rows)
     filled = [(number, row) for number, row in enumerate(rows, start=1) if any(row)]
     used = [i for i in range(max((len(row) for _, row in filled), default=0)) if any(row[i] for _, row in filled)]
     cells = [[row[i] for i in used] for _, row in filled]
@@ -85,11 +92,21 @@ def _table(file: Path, name: str, rows: list[list[str]]) -> Table:
 
 def _midnights_to_dates(rows: list[list[str]]) -> None:
     """Dates alone where all timestamps of a column are midnights, in place: so Excel has dates beside times of day."""
-    for i in range(max(map(len, rows), default=0)):
-        stamps = [row for row in rows if i < len(row) and _STAMP.fullmatch(row[i])]
+    for i in range(len(rows[0]) if rows else 0):
+        stamps = [row for row in rows if _STAMP.fullmatch(row[i])]
         if stamps and all(row[i].endswith(_MIDNIGHT) for row in stamps):
             for row in stamps:
                 row[i] = row[i].removesuffix(_MIDNIGHT)
+
+
+def _commas_to_points(rows: list[list[str]]) -> None:
+    """Points in columns of numbers that were typed as text with decimal commas, in place."""
+    for i in range(len(rows[0]) if rows else 0):
+        typed = [row for row in rows if _WITH_COMMA.fullmatch(row[i])]
+        plainly = any(not _THOUSAND.fullmatch(row[i]) for row in typed)
+        if plainly and not any(_WITH_POINT.fullmatch(row[i]) and row[i].count(".") for row in rows):
+            for row in typed:
+                row[i] = row[i].replace(",", ".")
 
 
 def _text(value: object, cell: _Formatted) -> str:

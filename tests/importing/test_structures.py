@@ -1,0 +1,104 @@
+"""How tables lie in their files: structures, sheets without their size, archives, records with tags."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import openpyxl
+import pytest
+import scipy.io
+
+from gen.errors import InputError
+from tests.importing.logs import TRUE, csv, same, take, taken, write
+
+COLUMNS = ["time_s", "pwm", "winding_degC", "casing_degC", "ambient_degC"]
+TIME, PWM = TRUE["time_s"].to_numpy(), TRUE["pwm"].to_numpy(dtype=float)
+
+
+def test_structures_with_the_same_fields_keep_them_apart(tmp_path: Path) -> None:
+    motor = {"time": TIME, "temp_degC": TRUE["winding_degC"].to_numpy(), "pwm": PWM}
+    scipy.io.savemat(tmp_path / "log.mat", {"motor": motor, "room": {"temp_degC": TRUE["ambient_degC"].to_numpy()}})
+    run = taken(tmp_path / "log.mat", tmp_path / "out", units={"time": "s", "pwm": "counts"})
+    same(run, TRUE[["time_s", "pwm", "winding_degC", "ambient_degC"]], {"winding_degC": "motor_degC"})
+
+
+def test_an_array_of_structures_goes_by_its_labels(tmp_path: Path) -> None:
+    """As Simulink writes a scope's data."""
+    signals = np.zeros(3, dtype=[("values", object), ("label", object)])
+    for i, name in enumerate(("pwm", "winding_degC", "ambient_degC")):
+        signals[i] = (TRUE[name].to_numpy(dtype=float), name.removesuffix("_degC"))
+    scipy.io.savemat(tmp_path / "log.mat", {"ScopeData": {"time": TIME, "signals": signals}})
+    run = taken(tmp_path / "log.mat", tmp_path / "out", units={"time": "s", "pwm": "counts"})
+    same(run, TRUE[["time_s", "pwm", "winding_degC", "ambient_degC"]])
+
+
+def with_dimension(data: bytes, said: str) -> bytes:
+    """A workbook whose sheet says that it is as large as `said`, or nothing of it."""
+    made = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(made, "w") as new:
+        for name in old.namelist():
+            text = old.read(name)
+            if name == "xl/worksheets/sheet1.xml":
+                begin, end = text.index(b"<dimension"), text.index(b"/>", text.index(b"<dimension")) + 2
+                text = text[:begin] + said.encode() + text[end:]
+            new.writestr(name, text)
+    return made.getvalue()
+
+
+@pytest.mark.parametrize("said", ["", '<dimension ref="A1"/>'])
+def test_a_workbook_whose_sheet_does_not_know_its_size(said: str, tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    sheet.append(["bench 3"])
+    sheet.append(COLUMNS)
+    for row in TRUE[COLUMNS].itertuples(index=False):
+        sheet.append(list(row))
+    sheet.append([TIME[-1] + 0.5, 0])  # ends early
+    data = io.BytesIO()
+    book.save(data)
+    (tmp_path / "log.xlsx").write_bytes(with_dimension(data.getvalue(), said))
+    run = taken(tmp_path / "log.xlsx", tmp_path / "out")
+    assert run.time_s.size == len(TRUE) + 1
+    np.testing.assert_allclose(run.temps["winding"][:-1], TRUE["winding_degC"])
+
+
+def test_numbers_typed_as_text_with_decimal_commas(tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    sheet.append(COLUMNS)
+    for row in TRUE[COLUMNS].itertuples(index=False):
+        sheet.append([row[0], row[1], str(row[2]).replace(".", ","), *row[3:]])
+    book.save(tmp_path / "log.xlsx")
+    same(taken(tmp_path / "log.xlsx", tmp_path / "out"), TRUE)
+
+
+def test_archives_and_foreign_files_are_told_what_they_are(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "log.zip", "w") as archive:
+        archive.writestr("log.csv", csv())
+    with pytest.raises(InputError, match="is a zip archive and no workbook; unpack it"):
+        take(tmp_path / "log.zip", tmp_path / "out")
+    (tmp_path / "log.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(200))
+    with pytest.raises(InputError, match="is an HDF5 file"):
+        take(tmp_path / "log.h5", tmp_path / "out")
+
+
+def test_records_of_fields_and_tags(tmp_path: Path) -> None:
+    """As Telegraf writes them: a record for each sensor, and what is the same in all is no name."""
+    lines = []
+    for i, row in enumerate(TRUE.itertuples()):
+        for part in ("winding", "casing", "ambient"):
+            value = getattr(row, f"{part}_degC")
+            tags = {"host": "pi", "sensor": part}
+            lines.append({"fields": {"temp_c": value}, "name": "w1", "tags": tags, "timestamp": 1772439300 + 10 * i})
+        tags = {"host": "pi", "sensor": "motor"}
+        lines.append({"fields": {"pwm": row.pwm}, "name": "drive", "tags": tags, "timestamp": 1772439300 + 10 * i})
+    log = write(tmp_path, "\n".join(map(json.dumps, lines)), name="telegraf.json")
+    run = taken(log, tmp_path / "out", units={"motor.pwm": "counts"})
+    same(run, TRUE.assign(time_s=10.0 * np.arange(len(TRUE))))
+    assert run.comments["started"].startswith("2026-03-02T08:15:00")
