@@ -21,6 +21,10 @@ MARK = "manifest.json"
 _UNLISTED = ("report.html", "verification.json")
 #: What PlatformIO and its editor put into a project.
 _MADE_AGAIN = (".pio", ".vscode")
+_TABLES = (b"PK\x03\x04", b"PAR1", b"MATLAB ", b"\x89HDF", b"\xd0\xcf\x11\xe0", b"\x1f\x8b")
+"""How workbooks, Parquet, MATLAB and packed files begin."""
+_LOGS = {".csv", ".tsv", ".txt", ".log", ".dat", ".asc", ".lvm", ".json", ".jsonl", ".ndjson"}
+_HEAD_BYTES = 65_536
 _LONGEST_HEAD = 10_000
 """Lines before the header of a run file, events among them, beyond which none is looked for."""
 
@@ -120,7 +124,7 @@ def shown_name(path: Path) -> str:
 def check_outputs(written: Iterable[Path | None], read: Iterable[Path]) -> None:
     """Find out before long work that files cannot be written at its end, or that one would take another's place.
 
-    Nor may one take that of a measured run, whoever wrote it: it cannot be made again.
+    Nor may one take that of a measured run or of a logger's own file: these cannot be made again.
 
     Parameters
     ----------
@@ -147,6 +151,8 @@ def check_outputs(written: Iterable[Path | None], read: Iterable[Path]) -> None:
             raise InputError("is given twice as a file to write; expected another name", file=str(path))
         if holds_measured_run(path):
             raise InputError("holds a measured run and would be overwritten; expected another name", file=str(path))
+        if _may_be_a_log(path):
+            raise InputError("may be a logger's file and would be overwritten; expected another name", file=str(path))
         seen.add(target)
 
 
@@ -165,6 +171,23 @@ def holds_measured_run(path: Path) -> bool:
                 columns = [name.strip() for name in line.split(",")]
                 return {"time_s", "pwm"} <= set(columns) and any(name.endswith("_degC") for name in columns)
     return False
+
+
+def _may_be_a_log(path: Path) -> bool:
+    """Whether a file is of a kind that loggers write and this tool does not, by what stands first in it."""
+    if not path.is_file():
+        return False
+    with path.open("rb") as stream:
+        head = stream.read(_HEAD_BYTES)
+    if head.startswith(_TABLES):
+        return True
+    lines = [line for line in head.decode("utf-8", errors="replace").splitlines() if line.strip()]
+    if not lines or path.suffix.casefold() not in _LOGS:
+        return False
+    if lines[0].lstrip().startswith("{"):
+        return len(lines) > 1 and lines[1].startswith("{")  # an object a line
+    first = next((line for line in lines if not line.startswith("#")), "time_s")
+    return not first.startswith(("time_s", "<"))
 
 
 def replace_folder(folder: Path, files: Mapping[str, str], *, force: bool = False) -> None:

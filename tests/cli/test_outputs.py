@@ -203,3 +203,39 @@ def test_what_was_emulated_may_be_emulated_again(tmp_path: Path) -> None:
     run = tmp_path / "run.csv"
     run.write_text("# model: m\n# emulated: gen\ntime_s,pwm,brush_degC\n0,1,20\n", encoding="utf-8")
     check_outputs([run], [])
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("log.csv", b"Zeit;Wicklung\n0;20,5\n1;20,6\n"),
+        ("log.csv", "Zeit;Wicklung\n0;20,5\n".encode("utf-16")),
+        ("log.xlsx", b"PK\x03\x04" + bytes(100)),
+        ("log.jsonl", b'{"t": 0, "T1": 20.5}\n{"t": 1, "T1": 20.6}\n'),
+        ("log.json", b'[{"t": 0, "T1": 20.5}, {"t": 1, "T1": 20.6}]'),
+        ("serial.txt", b"boot\nT1:20.5 T2:20.1\n"),
+    ],
+)
+def test_no_command_takes_the_place_of_a_logger_s_own_file(name: str, text: bytes, tmp_path: Path) -> None:
+    log = tmp_path / name
+    log.write_bytes(text)
+    done = gen("init", COEFFICIENTS, "--out", log)
+    assert done.returncode == 2
+    assert f"{log}: may be a logger's file and would be overwritten" in done.stderr
+    assert log.read_bytes() == text
+
+
+def test_what_was_written_is_written_again(tmp_path: Path) -> None:
+    """A model, a simulated run, a page, a picture, what an interrupted program left empty."""
+    (tmp_path / "empty.json").touch()
+    for name in ("empty.json", "start.json", "start.txt"):
+        for _ in range(2):
+            assert gen("init", run_file(tmp_path), "--out", tmp_path / name).returncode == 0
+    run = tmp_path / "emulated.csv"
+    for _ in range(2):
+        assert gen("emulate", COEFFICIENTS, "--duration", "5", "--out", run).returncode == 0
+    for name in ("simulated.csv", "run.html", "run.svg", "run.png"):
+        command: list[str | Path] = ["simulate", COEFFICIENTS, run] if name.endswith("csv") else ["plot", run]
+        for _ in range(2):
+            done = gen(*command, "--out", tmp_path / name)
+            assert done.returncode == 0, done.stderr
