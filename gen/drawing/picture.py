@@ -27,6 +27,8 @@ MOST_POINTS = 4_000
 """Of a curve: a line of so many is as the whole one at any size of paper."""
 _WIDTH_IN, _PANEL_IN, _ROW_IN, _REST_IN = 10.0, 0.8, 0.2, 1.1
 _DPI = 150
+_PANEL_PT = 45.0
+"""What the names beside a panel share, of its height."""
 
 
 def picture(sections: Sequence[Section], kind: Literal["svg", "png"]) -> bytes:
@@ -79,6 +81,8 @@ def _draw(section: Section, place: SubFigure) -> None:
     unit, seconds = section.unit
     for panel, axes in zip(section.panels, columns, strict=False):
         _panel(section, panel, axes, seconds)
+        if panel.weight <= 1.0 and len(panel.curves) > 1:
+            _own_legend(panel, axes)
     if section.rows:
         _bars(section, columns[-1], seconds)
     for axes in columns:
@@ -161,6 +165,23 @@ def _legend(section: Section, place: SubFigure) -> None:
     legend: Legend = place.legend(handles, [" "] * len(handles), loc="outside right upper", fontsize=8, frameon=False)
     for text, name in zip(legend.get_texts(), names, strict=True):
         _plain(text, name)
+
+
+def _own_legend(panel: Panel, axes: Axes) -> None:
+    """Beside a panel of several channels, which have no colour in the section's legend."""
+    handles = [Line2D([], [], color=colour(curve.colour), linewidth=1.6) for curve in panel.curves]
+    legend = axes.legend(
+        handles,
+        [" "] * len(handles),
+        loc="upper left",
+        bbox_to_anchor=(1.0, 1.0),
+        fontsize=min(7.0, _PANEL_PT / len(handles)),
+        frameon=False,
+        borderaxespad=0.2,
+        labelspacing=0.2,
+    )
+    for text, curve in zip(legend.get_texts(), panel.curves, strict=True):
+        _plain(text, curve.name)
 
 
 def _numbered(svg: str) -> str:

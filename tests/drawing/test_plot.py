@@ -145,6 +145,16 @@ def test_columns_of_one_unit_share_an_axis_and_those_without_have_their_own(tmp_
     assert labels[2:] == ["current_A, other_A", "output", "setpoint", "channel_1", "channel_2"]
 
 
+def test_channels_that_share_an_axis_are_told_apart_in_a_picture(tmp_path: Path) -> None:
+    run = tmp_path / "run.csv"
+    run.write_text("time_s,pwm,winding_degC,motor_A,battery_A\n0,0,20,1,2\n60,0,20,1,2\n", encoding="utf-8")
+    plot(run, "--out", tmp_path / "run.svg")
+    texts = [
+        element.text for element in ET.parse(tmp_path / "run.svg").getroot().iter() if element.tag.endswith("text")
+    ]
+    assert {"motor_A", "battery_A"} <= set(texts)
+
+
 def test_a_day_at_4_hz_is_drawn_with_as_many_points_as_can_be_seen(tmp_path: Path) -> None:
     path = rig_run(tmp_path / "day.csv", hours=24.0, step_s=0.25)
     section = section_of(path, load(RIG))
