@@ -7,7 +7,10 @@ from numpy.typing import NDArray
 
 from gen.importing.table import FloatArray
 
-_OF_CELSIUS: dict[float, str] = {-127.0: "DS18B20 not connected"}
+_OF_CELSIUS: dict[float, str] = {
+    -127.0: "DS18B20 not connected",
+    -200.0: "a Pt100 or a thermocouple at its range's end",
+}
 _OF_FAHRENHEIT: dict[float, str] = {-196.6: "DS18B20 not connected, degF"}
 _OF_TEMPERATURES: dict[float, str] = {
     1023.75: "MAX6675 at its end, without a thermocouple",

@@ -43,6 +43,7 @@ def room_of(run: Run) -> list[float]:
         "Außentemp.",
         "Tair",
         "T_umg",
+        "Temp Out",
         "Umgebungstemperatur",
         "Umgebungsluft",
         "Außentemperatur",

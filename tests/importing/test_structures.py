@@ -102,3 +102,9 @@ def test_records_of_fields_and_tags(tmp_path: Path) -> None:
     run = taken(log, tmp_path / "out", units={"motor.pwm": "counts"})
     same(run, TRUE.assign(time_s=10.0 * np.arange(len(TRUE))))
     assert run.comments["started"].startswith("2026-03-02T08:15:00")
+
+
+def test_json_that_breaks_off_is_told_where(tmp_path: Path) -> None:
+    text = json.dumps([{"time_s": row.time_s, "T1": row.winding_degC} for row in TRUE.itertuples()], indent=1)
+    with pytest.raises(InputError, match=r"line 3\d\d, column \d+: begins as JSON and is none from here on"):
+        take(write(tmp_path, text[: text.index("57.5")], name="log.json"), tmp_path / "out")

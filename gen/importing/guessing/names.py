@@ -54,7 +54,8 @@ _SAYS_ROOM = (
     r"stanza|sala|habitaci[óo]n|kamer|kamertemperatuur|ruimte|ruimtetemperatuur"
 )
 _SAYS_AIR = (
-    r"outside|outdoors?|(?:t_?)?air|env|environment|luft|lufttemp(?:eratur)?|au(?:ß|ss)en|au(?:ß|ss)entemp(?:eratur)?|"
+    r"outside|outdoors?|temp[ ._]?out|out[ ._]?temp|(?:t_?)?air|env|environment|"
+    r"luft|lufttemp(?:eratur)?|au(?:ß|ss)en|au(?:ß|ss)entemp(?:eratur)?|"
     r"au(?:ß|ss)enluft|"
     r"ext[ée]rieure?|aria|estern[oa]|aire|exterior|do ar|lucht|luchttemperatuur|buiten|buitentemperatuur|buitenlucht"
 )
@@ -69,8 +70,8 @@ RISE = _words(
 )
 """Above the ambient: `Winding over ambient`."""
 MOIST = _words(
-    r"dew.?point|taupunkt|point de ros[ée]e|punto di rugiada|punto de roc[íi]o|ponto de orvalho|dauwpunt|wet.?bulb|"
-    r"feuchtkugel|heat.?index|feels.?like"
+    r"dew.?p(?:oin)?t|taupunkt|point de ros[ée]e|punto di rugiada|punto de roc[íi]o|ponto de orvalho|dauwpunt|"
+    r"wet.?bulb|feuchtkugel|heat.?index|feels.?like"
 )
 """Told in degrees, of moist air, and the temperature of nothing."""
 NEUTRAL = re.compile(

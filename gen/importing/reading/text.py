@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +22,8 @@ from gen.importing.reading.keyed import array_table, is_json, json_table, keyed_
 from gen.importing.reading.pairs import is_keyed
 from gen.importing.reading.published import is_published, published_table
 from gen.importing.table import Reading, Table
+
+_BEGINS_AS_JSON = re.compile(r'\s*\ufeff?\s*(?:\[\s*[{\[]|\{\s*")')
 
 
 def read_text(file: Path, data: bytes, given: Reading) -> Table:
@@ -51,6 +55,8 @@ def read_text(file: Path, data: bytes, given: Reading) -> Table:
             return whole
         if is_json(lines.texts):
             return json_table(file, lines, plain)
+        if whole is None and _BEGINS_AS_JSON.match(text):
+            _check_whole(text.removeprefix("\ufeff"))
     if not given.delimiter and is_published(lines.texts):
         return published_table(file, *stamped(lines), replace(reading, decimal="."))
     lines, times = stamped(lines)
@@ -63,6 +69,15 @@ def read_text(file: Path, data: bytes, given: Reading) -> Table:
     if times and len(rows) != len(times):
         raise InputError("quoted line ends in a serial monitor's lines; expected one row a line")
     return table_of_rows(file, rows, numbers, reading=reading, comments=lines.comments, times=times)
+
+
+def _check_whole(text: str) -> None:
+    """Refuse what begins as JSON and breaks off, or is broken."""
+    try:
+        json.loads(text)
+    except json.JSONDecodeError as error:
+        place = f"line {error.lineno}, column {error.colno}"
+        raise InputError(f"begins as JSON and is none from here on ({error.msg})", place=place) from None
 
 
 def _with_delimiter(reading: Reading, lines: list[str]) -> Reading:
