@@ -187,24 +187,7 @@ def table_of_rows(
     width = _width(rows)
     if width > MOST_COLUMNS:
         raise InputError(f"found {width} columns, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")
-    first = next((i for i, row in enumerate(rows) if _is_data(row, width)), None)
-    if first is None:
-        first = next((i for i, row in enumerate(rows) if _is_reading(row, width)), None)
-    if first is None:
-        found = " | ".join(rows[0])[:_SHOWN] if rows else "nothing"
-        raise InputError(
-            f'found no row of numbers, only such as "{found}"; expected a header line and rows',
-            place=f"{word} {numbers[-1] if numbers else 1}",
-        )
-    names, units = _head(rows[:first], width, comments)
-    if not names:
-        first = _behind_a_preamble(rows, first, width)
-        names, units = _head(rows[:first], width, comments)
-    names = with_labels(names, rows[: max(first - _FEW_HEADS, 0)])
-    paired = paired_head(rows[:_LONGEST_PREAMBLE], width)
-    if paired is not None:
-        at, names, units = paired
-        first = next((i for i in range(at + 1, len(rows)) if _is_data(rows[i], width)), first)
+    first, names, units = _titled(rows, _first_row(rows, numbers, width, word), width, comments)
     good, counted = _sorted_out(rows, numbers, first, width, names, word)
     if len(good) < _MOST_LOST * (len(rows) - first):
         raise InputError(
@@ -232,6 +215,34 @@ def table_of_rows(
         _with_decimal(reading, cells),
         tuple(counted),
     )
+
+
+def _first_row(rows: Sequence[Sequence[str]], numbers: Sequence[int], width: int, word: str) -> int:
+    """Where numbers begin."""
+    for is_one in (_is_data, _is_reading):
+        found = next((i for i, row in enumerate(rows) if is_one(row, width)), None)
+        if found is not None:
+            return found
+    shown = " | ".join(rows[0])[:_SHOWN] if rows else "nothing"
+    raise InputError(
+        f'found no row of numbers, only such as "{shown}"; expected a header line and rows',
+        place=f"{word} {numbers[-1] if numbers else 1}",
+    )
+
+
+def _titled(
+    rows: Sequence[list[str]], first: int, width: int, comments: Sequence[str]
+) -> tuple[int, list[str], list[str]]:
+    """Where rows begin behind the lines above them, and what these say: names, which may be none, and units."""
+    paired = paired_head(rows[:_LONGEST_PREAMBLE], width)
+    if paired is not None:
+        at, names, units = paired
+        return next((i for i in range(at + 1, len(rows)) if _is_data(rows[i], width)), first), names, units
+    names, units = _head(rows[:first], width, comments)
+    if not names:
+        first = _behind_a_preamble(rows, first, width)
+        names, units = _head(rows[:first], width, comments)
+    return first, with_labels(names, rows[: max(first - _FEW_HEADS, 0)]), units
 
 
 def keyed_comments(comments: Sequence[str]) -> dict[str, str]:
