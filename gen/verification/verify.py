@@ -30,7 +30,7 @@ from gen.verification.limits import exceeded
 from gen.verification.network import course_of_network
 from gen.verification.profiles import Profile, campaign, every_command, with_channels
 from gen.verification.proof import proof_of
-from gen.verification.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, write_library
+from gen.verification.runners import HOST_BUILDS, AvrRunner, Cost, HostRunner, Library, write_library
 from gen.version import __version__
 
 Target = Literal["host", "avr", "all"]
@@ -158,6 +158,38 @@ def verify(
     return results
 
 
+@dataclass(frozen=True)
+class _Bench:
+    """One combination's library, and how long to compare it."""
+
+    coefficients: Coefficients
+    program: Program
+    library: Library
+    folder: Path
+    progress: Callable[[str], None]
+    scale: float
+    chip: Chip
+
+    def say(self, what: str) -> None:
+        self.progress(f"{self.program.label}: {what}")
+
+    def length(self, full: int, least: int) -> int:
+        """Of a campaign that is cut short."""
+        return max(least, int(full * self.scale))
+
+    @property
+    def every_command(self) -> Profile:
+        """A profile that holds each PWM once."""
+        return with_channels(every_command(self.program.model), self.program.channels, seed=511)
+
+    def campaign(self, lanes: int, full: int, seeds: tuple[int, int]) -> tuple[Profile, compare.Records]:
+        """A profile, and what the reference says of it; of the two seeds one is of commands, one of channels."""
+        profile = campaign(self.program.model, lanes, self.length(full, 600), seed=seeds[0])
+        profile = with_channels(profile, self.program.channels, seed=seeds[1])
+        self.say(f"reference, {profile.samples} samples")
+        return profile, compare.reference_run(self.program, profile)
+
+
 def _combination(
     coefficients: Coefficients,
     program: Program,
@@ -169,54 +201,25 @@ def _combination(
     host_builds: tuple[str, ...],
     chip: Chip,
 ) -> CombinationResult:
-    label = program.label
     context = project_context(coefficients, program, coefficients.name)
     files: Files = render.library(context)
     if mutation is not None:
         files = mutation(dict(files))
     library = write_library(program, context, files, folder, chip)
-    targets: list[TargetResult] = []
+    bench = _Bench(coefficients, program, library, folder, progress, scale, chip)
+    hosts = host_builds if target in ("host", "all") else ()
+    targets = _on_hosts(bench, hosts) if hosts else []
     cost: Cost | None = None
     helpers: list[str] = []
     effects: list[EffectCost] = []
-    commands = with_channels(every_command(program.model), program.channels, seed=511)
-    if target in ("host", "all"):
-        profile = campaign(program.model, HOST_LANES, max(600, int(HOST_LENGTH * scale)))
-        profile = with_channels(profile, program.channels)
-        progress(f"{label}: reference, {profile.samples} samples")
-        expected = compare.reference_run(program, profile)
-        schedule = compare.reference_run(program, commands)
-        for name in host_builds:
-            progress(f"{label}: {name}")
-            host = HostRunner(library, name)
-            targets.append(_compared(program, name, host.run, profile, expected))
-            targets.append(_compared(program, f"{name}, every command", host.run, commands, schedule))
     if target in ("avr", "all"):
-        profile = campaign(program.model, AVR_LANES, max(600, int(AVR_LENGTH * scale)), seed=2560)
-        profile = with_channels(profile, program.channels, seed=2561)
-        progress(f"{label}: reference, {profile.samples} samples")
-        expected = compare.reference_run(program, profile)
-        progress(f"{label}: emulated {chip.name}")
-        board = AvrRunner(library, folder / "cache")
-        targets.append(_compared(program, board.name, board.run, commands, None, suffix=", every command"))
-        targets.append(_compared(program, board.name, board.run, profile, expected))
-        cost = board.cost(profile) if targets[-1].differing == 0 else None
-        helpers = board.helper_symbols()
+        own, cost, helpers = _on_the_board(bench)
+        targets += own
         effects = effect_costs(coefficients, program, folder, progress) if chip == MEGA else []
-    progress(f"{label}: alarms")
-    rules = lower_alarms(coefficients)
-    hosts = host_builds if target in ("host", "all") else ()
-    length = max(300, int(ALARM_LENGTH * scale))
-    board_too = target != "host"
-    targets += map(_alarm_result, compare_alarms(library, rules, ALARM_LANES, length, hosts, board=board_too))
-    entries = lower_protection(coefficients)
-    targets += map(_alarm_result, compare_protection(library, entries, ALARM_LANES, length, hosts, board=board_too))
-    ahead = lower_forecast(coefficients, program)
-    length = max(40, int(AHEAD_LENGTH * scale))
-    targets += map(_alarm_result, compare_forecast(library, ahead, AHEAD_LANES, length, hosts, board=board_too))
-    progress(f"{label}: certificate")
+    targets += _of_rules(bench, hosts, board=target != "host")
+    bench.say("certificate")
     proven = proof_of(coefficients, program, folder)
-    progress(f"{label}: exact solution")
+    bench.say("exact solution")
     course = _course(coefficients, program, scale)
     bounds, errors = _bounds(program), course.largest()
     return CombinationResult(
@@ -235,6 +238,47 @@ def _combination(
         proven.inequalities,
         proven.refuted,
     )
+
+
+def _on_hosts(bench: _Bench, builds: tuple[str, ...]) -> list[TargetResult]:
+    """The recursions, compiled for this computer."""
+    profile, expected = bench.campaign(HOST_LANES, HOST_LENGTH, (2026, 17))
+    commands = bench.every_command
+    schedule = compare.reference_run(bench.program, commands)
+    targets = []
+    for name in builds:
+        bench.say(name)
+        host = HostRunner(bench.library, name)
+        targets.append(_compared(bench.program, name, host.run, profile, expected))
+        targets.append(_compared(bench.program, f"{name}, every command", host.run, commands, schedule))
+    return targets
+
+
+def _on_the_board(bench: _Bench) -> tuple[list[TargetResult], Cost | None, list[str]]:
+    """The same on the emulated board, what a sample costs there, and what the compiler brought of its own."""
+    profile, expected = bench.campaign(AVR_LANES, AVR_LENGTH, (2560, 2561))
+    bench.say(f"emulated {bench.chip.name}")
+    board = AvrRunner(bench.library, bench.folder / "cache")
+    targets = [
+        _compared(bench.program, board.name, board.run, bench.every_command, None, suffix=", every command"),
+        _compared(bench.program, board.name, board.run, profile, expected),
+    ]
+    cost = board.cost(profile) if targets[-1].differing == 0 else None
+    return targets, cost, board.helper_symbols()
+
+
+def _of_rules(bench: _Bench, hosts: tuple[str, ...], *, board: bool) -> list[TargetResult]:
+    """Alarm rules, protection and forecast."""
+    bench.say("alarms")
+    library, length = bench.library, bench.length(ALARM_LENGTH, 300)
+    rules, entries = lower_alarms(bench.coefficients), lower_protection(bench.coefficients)
+    ahead = lower_forecast(bench.coefficients, bench.program)
+    compared = [
+        *compare_alarms(library, rules, ALARM_LANES, length, hosts, board=board),
+        *compare_protection(library, entries, ALARM_LANES, length, hosts, board=board),
+        *compare_forecast(library, ahead, AHEAD_LANES, bench.length(AHEAD_LENGTH, 40), hosts, board=board),
+    ]
+    return [_alarm_result(one) for one in compared]
 
 
 def _course(coefficients: Coefficients, program: Program, scale: float) -> ErrorCourse:
