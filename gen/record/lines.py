@@ -5,12 +5,17 @@ comments first; so the rows are kept as they came, byte for byte, and the commen
 starts again in mid-run it prints its header again and its time starts at 0: the recording goes on in the same file,
 with the board's time shifted to the recorder's clock, and says so in a comment. Only a header with other columns
 (another firmware) begins a new part, which is a file of its own.
+
+A time that was damaged on the line may still read as one. One that is too late would make garbled lines of all rows
+after it, for the board's time only rises; so a row that leaps ahead of the rows before it, and of the recorder's clock,
+waits for the next one, which comes after it, or shows that it was damaged.
 """
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from math import inf, isfinite
 
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
@@ -18,6 +23,9 @@ _EVENT = re.compile(r"#\s*event:\s*(\d+(?:\.\d+)?)\s+(.*)", re.ASCII)
 _LONGEST_LINE = 4096
 _KEPT_GARBLED = 100
 _FULL_PWM = 255
+_SLACK_S = 1.0
+_LEAP_STEPS = 10.0
+"""A row waits that comes so much earlier than the recorder's clock allows, and so many times the last step later."""
 
 
 @dataclass
@@ -75,6 +83,9 @@ class Recorder:
         self._header_at_s: float | None = None  # recorder's clock, since the last row
         self._last_s = 0.0  # the last row's time in the file
         self._last_at_s = 0.0  # and by the recorder's clock
+        self._step_s = 0.0  # from the row before it
+        self._ahead_s = -inf  # the most that a row, or a header's 0, was ahead of the recorder's clock
+        self._waiting: tuple[str, float, float] | None = None  # a row that leaps: its line, time, and when it came
 
     @property
     def rows(self) -> int:
@@ -110,6 +121,7 @@ class Recorder:
     def finish(self) -> None:
         """Take what came last: a line without its end may be cut short, so that it does not count as a row."""
         self._open = b""
+        self._end_waiting()
         self._keep_pending(header=False)
 
     # ---- lines ----
@@ -140,10 +152,12 @@ class Recorder:
 
     def _header(self, columns: tuple[str, ...], at_s: float) -> None:
         self.headers += 1
+        self._end_waiting()
         if not self.parts or self.parts[-1].columns != columns:
             pending, self._pending = self._pending, []
             self.parts.append(Part(columns, comments=pending))
-            self._shift_s = None
+            self._shift_s, self._ahead_s = None, -at_s
+            self._last_s = self._step_s = 0.0
         elif not self.parts[-1].rows:
             self._keep_pending(header=False)
         elif any(re.match(r"#\s*reset\s*:", line) for line in self._pending):
@@ -156,6 +170,7 @@ class Recorder:
         """Let the board's time go on from the recorder's clock; its 0 is about when the board prints its header."""
         passed = max(header_at_s - self._last_at_s, 0.001)
         self._shift_s = round(self._last_s + passed, 3)
+        self._ahead_s = max(self._ahead_s, self._shift_s - header_at_s)
         self.parts[-1].restarts.append(self._shift_s)
         self.parts[-1].comments.append(f"# restart: {self._shift_s:.3f} s is the board's new time 0")
         self._keep_pending(header=True)
@@ -186,21 +201,46 @@ class Recorder:
         return (
             whole
             and _NUMBER.fullmatch(time_s) is not None
+            and isfinite(float(time_s))
             and all(not text or _NUMBER.fullmatch(text) for text in fields)
         )
 
     def _row(self, text: str, fields: tuple[str, ...], at_s: float) -> None:
         part = self.parts[-1]
         time_s = float(fields[0]) + (self._shift_s or 0.0)
+        waiting, self._waiting = self._waiting, None
+        if waiting is not None and time_s > waiting[1]:
+            self._keep(*waiting)
+        elif waiting is not None:
+            self._garbled(waiting[0].encode())
         if part.rows and time_s <= self._last_s and self._header_at_s is not None:
             self._restart(self._header_at_s)
             time_s = float(fields[0]) + (self._shift_s or 0.0)
         if part.rows and time_s <= self._last_s:
             self._garbled(text.encode())
             return
+        line = text if self._shift_s is None else ",".join((f"{time_s:.3f}", *fields[1:]))
+        leaps = time_s - self._last_s > _SLACK_S + _LEAP_STEPS * self._step_s
+        if leaps and time_s - at_s > self._ahead_s + _SLACK_S:
+            self._waiting = line, time_s, at_s
+        else:
+            self._keep(line, time_s, at_s)
+
+    def _keep(self, line: str, time_s: float, at_s: float) -> None:
         self._keep_pending(header=False)
-        part.rows.append(text if self._shift_s is None else ",".join((f"{time_s:.3f}", *fields[1:])))
+        rows = self.parts[-1].rows
+        self._step_s = time_s - self._last_s if rows else 0.0
+        rows.append(line)
+        self._ahead_s = max(self._ahead_s, time_s - at_s)
         self._last_s, self._last_at_s, self._header_at_s = time_s, at_s, None
+
+    def _end_waiting(self) -> None:
+        """No row follows one that leaps: it is kept where it is the first, for a board may have run for long."""
+        waiting, self._waiting = self._waiting, None
+        if waiting is not None and not self.parts[-1].rows:
+            self._keep(*waiting)
+        elif waiting is not None:
+            self._garbled(waiting[0].encode())
 
     def _garbled(self, raw: bytes) -> None:
         part = self.parts[-1]
