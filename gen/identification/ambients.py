@@ -9,7 +9,7 @@ import numpy as np
 from gen.errors import InputError
 from gen.identification.sources import Source
 from gen.identification.structure import FloatArray
-from gen.runs import Run
+from gen.runs import Run, noted_ambient
 
 ALIKE_K = 3.0
 """Components that begin no further apart than this begin cold."""
@@ -116,13 +116,7 @@ def _said_ambient(source: Source, fixed: float | None, warnings: list[str]) -> F
         return np.interp(run.time_s, run.time_s[good], run.ambient[good])
     if fixed is not None:
         return float(fixed)
-    noted = run.comments.get("ambient_degC")
-    if noted is not None:
-        try:
-            return float(noted)
-        except ValueError:
-            raise InputError(f'found "{noted}", expected a number', file=source.path, place="# ambient_degC") from None
-    return None
+    return noted_ambient(run, source.path)
 
 
 def _lowest(runs: Sequence[Run]) -> float:

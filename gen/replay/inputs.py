@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,7 @@ from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.model.network_parts import PWM
 from gen.replay.meaning import check_meaning
-from gen.runs import AMBIENT, Run, read_run
+from gen.runs import AMBIENT, Run, noted_ambient, read_run
 from gen.runs.gaps import held_over_gaps
 from gen.runs.run import FloatArray
 
@@ -66,7 +65,7 @@ def read_for(coefficients: Coefficients, path: Path, *, most_rows: int | None = 
     names = coefficients.model.component_names
     run = read_run(path, names, ambient=ambient_column(coefficients), most_rows=most_rows)
     check_meaning(coefficients, run.comments, str(path))
-    return run if coefficients.model.ambient_fixed is not None else _with_noted_ambient(run)
+    return run if coefficients.model.ambient_fixed is not None else _with_noted_ambient(run, str(path))
 
 
 def _believed(coefficients: Coefficients, values: FloatArray) -> NDArray[np.int64]:
@@ -76,15 +75,12 @@ def _believed(coefficients: Coefficients, values: FloatArray) -> NDArray[np.int6
     return inside if inside.size else np.flatnonzero(np.isfinite(values))
 
 
-def _with_noted_ambient(run: Run) -> Run:
+def _with_noted_ambient(run: Run, file: str) -> Run:
     """A run whose ambient stands in a comment, as `gen identify` takes it, where no column has it."""
     if run.ambient is not None and not np.all(np.isnan(run.ambient)):
         return run
-    try:
-        noted = float(run.comments.get(AMBIENT, "nan"))
-    except ValueError:
-        return run
-    return replace(run, ambient=np.full(run.time_s.size, noted)) if isfinite(noted) else run
+    noted = noted_ambient(run, file)
+    return run if noted is None else replace(run, ambient=np.full(run.time_s.size, noted))
 
 
 def inputs_of(coefficients: Coefficients, run: Run, file: str, *, as_declared: bool = True) -> Inputs:

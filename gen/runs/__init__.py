@@ -5,8 +5,20 @@ a missing sample (NaN here). ``time_s`` and ``pwm`` must be there in every row; 
 """
 
 from gen.runs.head import check_head
+from gen.runs.noted import noted_ambient
 from gen.runs.reader import Contents, check_run, read_run
 from gen.runs.run import AMBIENT, EXPECTS, Run
 from gen.runs.writer import write_columns, write_run
 
-__all__ = ["AMBIENT", "EXPECTS", "Contents", "Run", "check_head", "check_run", "read_run", "write_columns", "write_run"]
+__all__ = [
+    "AMBIENT",
+    "EXPECTS",
+    "Contents",
+    "Run",
+    "check_head",
+    "check_run",
+    "noted_ambient",
+    "read_run",
+    "write_columns",
+    "write_run",
+]

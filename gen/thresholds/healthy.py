@@ -22,6 +22,8 @@ MEAN_S = 60.0
 """Deviations are means over so long: the converter's noise is no deviation, and rules have a persistence."""
 SETTLE_S = 600.0
 """What lies so soon after a change of PWM is left out, as by a rule with this ``settle_s``."""
+LEAST_OF_USUAL = 0.5
+"""Of the readings that a mean usually has: what has fewer is none."""
 COLD_K = COLD_mK / 1000.0
 """A run that starts within so much of ambient starts cold, as on the board."""
 
@@ -90,8 +92,7 @@ def compare(coefficients: Coefficients, run: Run, name: str) -> HealthyRun:
             continue
         wait = 0.0 if cold else start_wait(model, component, range(max(low, 1), high + 1)) * model.sample_time
         seen = (since >= SETTLE_S) & (run.time_s - run.time_s[0] >= wait)
-        difference = np.where(seen, measured - shown[f"{component}_degC"], np.nan)
-        deviations[component] = _means(difference, begins)
+        deviations[component] = _means(measured - shown[f"{component}_degC"], begins, seen)
         hottest[component] = float(np.nanmax(measured - _ambient(coefficients, run), initial=0.0))
     given = sampled(model, run, {part: shown[f"{part}_degC"].astype(np.float64) for part in model.component_names})
     blocks = blocks_of(
@@ -127,9 +128,24 @@ def _since_change(time_s: Array, magnitude: NDArray[np.int64]) -> Array:
     return time_s - time_s[changed[np.searchsorted(changed, np.arange(len(time_s)), side="right") - 1]]
 
 
-def _means(values: Array, begins: NDArray[np.int64]) -> Array:
-    """Means over the windows, NaN for one that is not whole."""
-    ends = np.append(begins[1:], len(values))
-    counts = (ends - begins).astype(np.float64)
-    means: Array = np.add.reduceat(values, begins) / counts
-    return means
+def _means(values: Array, begins: NDArray[np.int64], seen: NDArray[np.bool_]) -> Array:
+    """Means over the windows of what was read, shape (windows,).
+
+    NaN for one in which the rule sleeps in any row, or with less than half of the usual number of readings.
+
+    Parameters
+    ----------
+    values
+        NaN where nothing was read, shape (N,).
+    begins
+        First row of each window.
+    seen
+        Rows in which the rule does not sleep, shape (N,).
+    """
+    read = np.isfinite(values)
+    counts = np.add.reduceat(read.astype(np.int64), begins)
+    usual = float(np.median(counts[counts > 0])) if read.any() else 0.0
+    sums = np.add.reduceat(np.where(read, values, 0.0), begins)
+    awake = np.logical_and.reduceat(seen, begins)
+    enough = awake & (counts > 0) & (counts >= LEAST_OF_USUAL * usual)
+    return np.where(enough, sums / np.maximum(counts, 1), np.nan)

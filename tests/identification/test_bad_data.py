@@ -153,6 +153,10 @@ def test_without_ambient_a_cold_start_says_it_and_a_warm_one_asks() -> None:
         make_data([Source("run.csv", warm)], None)
     noted = Run(cold.time_s, cold.pwm, cold.temps, comments={"ambient_degC": "29.5"})
     assert make_data([Source("run.csv", noted)], None).ambient_fixed == 29.5
+    for word in ("warm", "nan", "inf", "-400"):
+        noted = Run(cold.time_s, cold.pwm, cold.temps, comments={"ambient_degC": word})
+        with pytest.raises(InputError, match=f'# ambient_degC: found "{word}", expected a temperature'):
+            make_data([Source("run.csv", noted)], None)
 
 
 def test_what_begins_warmer_than_rooms_are_and_cools_did_not_begin_in_its_room() -> None:

@@ -103,18 +103,18 @@ def test_a_run_without_ambient_is_judged_as_if_the_room_were_as_declared(tmp_pat
     np.testing.assert_allclose(with_effect["casing"], plain["casing"], atol=1e-9)
 
 
-@pytest.mark.parametrize(("noted", "known"), [("21.5", True), ("warm", False), ("nan", False)])
+@pytest.mark.parametrize(("noted", "known"), [("21.5", True), ("warm", False), ("nan", False), ("inf", False)])
 def test_a_noted_ambient_is_taken_where_no_column_has_it(tmp_path: Path, noted: str, known: bool) -> None:
     coefficients = model(ambient={"channel": "ambient_degC"})
     file = tmp_path / "run.csv"
     file.write_text(f"# ambient_degC: {noted}\ntime_s,pwm,casing_degC\n0,100,30\n10,100,33\n")
-    run = read_for(coefficients, file)
     if known:
+        run = read_for(coefficients, file)
         assert inputs_of(coefficients, run, "run.csv").ambient.tolist() == [21.5, 21.5]
         assert inputs_of(coefficients, run, "run.csv").first_rise == {"casing": 8.5}
     else:
-        with pytest.raises(InputError, match="no fixed ambient; expected the column, or a line # ambient_degC: 22"):
-            inputs_of(coefficients, run, "run.csv")
+        with pytest.raises(InputError, match=f'# ambient_degC: found "{noted}", expected a temperature in degC'):
+            read_for(coefficients, file)
     measured = tmp_path / "measured.csv"
     measured.write_text(RUN.replace("time_s", f"# ambient_degC: {noted}\ntime_s"))
     assert inputs_of(coefficients, read_for(coefficients, measured), "m.csv").ambient.tolist() == [22.0, 23.0, 23.0]

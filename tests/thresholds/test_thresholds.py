@@ -87,6 +87,24 @@ def test_bands_are_the_extremes_of_the_settled_runs(tmp_path: Path, healthy: lis
     assert found["b", (161, 250)] == pytest.approx((-0.5, 0.5), abs=0.002)
 
 
+@pytest.mark.parametrize("every", [2, 5])
+def test_a_sensor_that_is_read_less_often_than_rows_are_written_tells_as_much(
+    tmp_path: Path, healthy: list[str], every: int
+) -> None:
+    """And a reading that is missing now and then voids no minute."""
+    for k, name in enumerate(healthy):
+        lines = Path(name).read_text().splitlines()
+        for i, line in enumerate(lines[2:], start=2):
+            time, pwm, _, b, ambient = line.split(",")
+            if (i % every if k % 2 else i % 29 == 0) and i > 2:
+                lines[i] = f"{time},{pwm},,{b},{ambient}"
+        Path(name).write_text("\n".join(lines) + "\n")
+    bands = derive(tmp_path, healthy, ABOVE).document.provenance.error
+    found = {(band.component, band.pwm): band.model_minus_measured_K for band in bands}
+    assert found["a", (50, 120)] == pytest.approx((-1.0, 1.0), abs=0.01)
+    assert found["a", (161, 250)] == pytest.approx((-2.0, -2.0), abs=0.01)
+
+
 def test_a_threshold_lies_the_runs_scatter_beyond_the_band(tmp_path: Path, healthy: list[str]) -> None:
     made = derive(tmp_path, healthy, ABOVE, ABOVE | {"name": "other", "component": "b"})
     # Of a: +-1 about 0 at PWM 80 (unbiased: sqrt 2 each), nothing at 200; pooled over the four: 1.

@@ -16,6 +16,9 @@ STRETCHES = MOST_FOLDS + 1
 """One run is cut into so many of equal time. The first always takes part in the fit: a simulation begins with it, and
 where nobody measured the room its beginning tells that, too."""
 
+LONGEST_STEP_S = 600.0
+"""As which a gap counts, where one run is cut: a stretch without rows could judge nothing."""
+
 Rows = NDArray[np.bool_]
 
 
@@ -58,13 +61,15 @@ def folds_of(sources: Sequence[Source]) -> list[Fold]:
 def _stretches(source: Source) -> list[Fold]:
     """Input and room of a stretch stay known; only its readings are left out."""
     run = source.run
-    time = run.time_s - run.time_s[0]
+    time = np.concatenate([[0.0], np.cumsum(np.minimum(np.diff(run.time_s), LONGEST_STEP_S))])
     if time[-1] <= 0.0:
         return []
     stretch = np.minimum((time / time[-1] * STRETCHES).astype(np.int64), STRETCHES - 1)
     folds = []
     for k in range(1, STRETCHES):
         out = stretch == k
+        if not out.any():
+            continue
         temps = {name: np.where(out, np.nan, values) for name, values in run.temps.items()}
         folds.append(Fold((replace(source, run=replace(run, temps=temps)),), ((source, out),)))
     return folds
