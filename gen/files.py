@@ -88,6 +88,9 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
             if not special:
                 beside.unlink(missing_ok=True)
     except OSError as error:
+        named = error.filename if isinstance(error.filename, str) else None
+        if named is not None and Path(named) not in (beside, target):
+            raise  # of another file that the block opened
         raise InputError(f"cannot be written: {error.strerror or error}", file=str(path)) from error
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import signal
@@ -12,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from gen.errors import InputError
-from gen.files import check_outputs, replace_folder, write_text
+from gen.files import check_outputs, replace_folder, replacing, write_text
 from tests.cli.commands import COEFFICIENTS, GEN, MANIFEST, OLD, gen, run_file
 
 
@@ -135,6 +136,16 @@ def test_a_device_is_written_to_and_a_link_leads_to_the_file(tmp_path: Path) -> 
         write_text(tmp_path / "pipe", "through the pipe")
         assert reader.communicate()[0] == "through the pipe"
     assert (tmp_path / "pipe").is_fifo()
+
+
+def test_only_what_happens_to_the_file_itself_is_said_of_it(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError), replacing(tmp_path / "a.txt"):
+        (tmp_path / "missing").read_bytes()
+    with pytest.raises(InputError, match=r"a\.txt: cannot be written: No space left"), replacing(tmp_path / "a.txt"):
+        raise OSError(errno.ENOSPC, "No space left on device")
+    with pytest.raises(InputError, match="cannot be written"), replacing(tmp_path / "missing" / "a.txt"):
+        pass
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
