@@ -58,7 +58,7 @@ def section_of(path: Path, coefficients: Coefficients | None) -> Section:
     ]
     return Section(
         title=shown(path.stem),
-        notes=tuple(_notes(run, coefficients, measured, model)),
+        notes=tuple(_notes(coefficients, measured, model)),
         time_s=run.time_s,
         panels=tuple(panels),
         bars=tuple(bars),
@@ -152,9 +152,7 @@ def _bars(path: Path, run: Run, coefficients: Coefficients | None, model: Mappin
     return bars
 
 
-def _notes(
-    run: Run, coefficients: Coefficients | None, measured: Mapping[str, Array], model: Mapping[str, Array]
-) -> list[str]:
+def _notes(coefficients: Coefficients | None, measured: Mapping[str, Array], model: Mapping[str, Array]) -> list[str]:
     notes = []
     if coefficients is not None:
         notes.append(f"Model: {coefficients.name}, exact solution from the first measured temperatures.")

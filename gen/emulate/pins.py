@@ -166,14 +166,14 @@ def duty(output: CompareOutput, registers: bytes) -> float | None:
     at = output.compare - output.control
     compare = registers[at] | (registers[at + 1] << 8 if output.wide else 0)
     mode = control_a & 3 | (control_b >> 3 & (3 if output.wide else 1)) << 2
-    top, fast = _wide_top(mode, registers) if output.wide else _narrow_top(mode, output, registers)
+    top, fast = _wide_top(mode, registers) if output.wide else _narrow_top(mode, registers)
     if top is None:
         return None
     share = (min(compare, top) + 1) / (top + 1) if fast else min(compare, top) / top
     return share if com == 2 else 1.0 - share
 
 
-def _narrow_top(mode: int, output: CompareOutput, registers: bytes) -> tuple[int | None, bool]:
+def _narrow_top(mode: int, registers: bytes) -> tuple[int | None, bool]:
     compare_a = registers[3]
     return {1: (255, False), 3: (255, True), 5: (compare_a or 1, False), 7: (compare_a or 1, True)}.get(
         mode, (None, False)

@@ -149,4 +149,4 @@ def plan(
 
     wishes = Wishes(float(hours), max_pwm, limit_degC, margin_K, ambient_degC, reverse, seed)
     with run_files(runs) as paths:
-        return Plan(plan_run(model.coefficients, paths, wishes, progress, file=str(model.path) if model.path else None))
+        return Plan(plan_run(model.coefficients, paths, wishes, progress))

@@ -143,7 +143,7 @@ class HeatFromRows:
         for sample in range(first, last + 1):
             arrived = sample == last and end_s - sample * step_s < _TO_THE_GRID
             share = (sample * step_s - begin_s) / (end_s - begin_s)
-            self._sample(reference, before, now if arrived else self._between(then, now, before, row, share))
+            self._sample(reference, before, now if arrived else self._between(then, before, row, share))
             if sample % self._block == 0:
                 self._end_block(reference)
 
@@ -175,9 +175,7 @@ class HeatFromRows:
         measured, model = row.get(f"{name}_degC"), row.get(f"{name}_model_degC")
         return None if measured is None or model is None else round(1000.0 * measured) - round(1000.0 * model)
 
-    def _between(
-        self, then: Sequence[int | None], now: Sequence[int | None], before: Row, row: Row, share: float
-    ) -> list[int | None]:
+    def _between(self, then: Sequence[int | None], before: Row, row: Row, share: float) -> list[int | None]:
         """Between two rows what was measured is held, and the model runs straight."""
         found: list[int | None] = []
         for place, value in enumerate(then):

@@ -74,13 +74,13 @@ class Wishes:
     seed: int = 0
 
 
-def limits_of(coefficients: Coefficients, wishes: Wishes, data: Data, remaining: Remaining, file: str | None) -> Limits:
+def limits_of(coefficients: Coefficients, wishes: Wishes, data: Data, remaining: Remaining) -> Limits:
     """Put together what the file and the user allow.
 
     Parameters
     ----------
-    coefficients, file
-        The file and its name for messages.
+    coefficients
+        The file.
     wishes
         The user's.
     data, remaining

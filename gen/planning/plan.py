@@ -31,15 +31,13 @@ def plan_run(
     paths: Sequence[Path],
     wishes: Wishes,
     progress: Callable[[str], None],
-    *,
-    file: str | None = None,
 ) -> Plan:
     """Plan the run that tells most.
 
     Parameters
     ----------
-    coefficients, file
-        A file with a network (another is refused before), and its name for messages.
+    coefficients
+        A file with a network (another is refused before).
     paths
         The runs that there are.
     wishes
@@ -56,7 +54,7 @@ def plan_run(
     traced = trace(data, shape, progress)
     progress("what remains")
     left = remaining(traced)
-    limits = limits_of(coefficients, wishes, data, left, file)
+    limits = limits_of(coefficients, wishes, data, left)
     later = data.inputs.ambient[data.is_later]
     ambient = float(np.mean(later)) if wishes.ambient_degC is None else wishes.ambient_degC
     full_scale = coefficients.document.input.full_scale

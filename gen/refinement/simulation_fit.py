@@ -127,7 +127,7 @@ def fit(problem: StackedRuns, terms: Sequence[Term]) -> HypothesisFit:
             break
         if iteration == 4 and np.all(best.loss[:, 0] > _HOPELESS * np.minimum(null[:, 0], first[:, 0])):
             break
-    return _finished(problem, tuple(terms), free, best, weights, state)
+    return _finished(problem, tuple(terms), free, best, state)
 
 
 def _to(free: Free, value: float) -> float:
@@ -266,7 +266,6 @@ def _finished(
     terms: tuple[Term, ...],
     free: Sequence[Free],
     best: _Point,
-    weights: FloatArray,
     state: _State,
 ) -> HypothesisFit:
     bins, count, _, runs = problem.residual.shape

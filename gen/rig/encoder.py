@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from gen.rig.network import Floats
-
 
 class Encoder:
     """Counts rising edges from the turns that the shaft has made.
@@ -28,20 +24,3 @@ class Encoder:
     def between(self, before: float, after: float) -> int:
         """Edges while the turns went from `before` to `after`."""
         return self.count(after) - self.count(before)
-
-    def edge_times(self, start_s: float, end_s: float, before: float, after: float) -> Floats:
-        """Times of the edges in ``(start, end]``, s, at uniform speed; shape (edges,).
-
-        Parameters
-        ----------
-        start_s, end_s
-            The span of time.
-        before, after
-            Turns at its start and end.
-        """
-        first, last = self.count(before) + 1, self.count(after)
-        if last < first:
-            return np.empty(0)
-        turns = np.arange(first, last + 1) / self.pulses_per_revolution
-        times: Floats = start_s + (turns - before) / (after - before) * (end_s - start_s)
-        return times

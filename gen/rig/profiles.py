@@ -83,30 +83,3 @@ def random_levels(
         levels.append(int(random.integers(low, high + 1)))
         t += float(round(random.uniform(*hold_s)))
     return Profile(tuple(starts), tuple(levels), duration_s)
-
-
-def drive_cycle(seed: int, duration_s: float = 10_800.0, stop_share: float = 0.2) -> Profile:
-    """Start, speed up, cruise with small corrections, slow down, stop: trips of one to eight minutes."""
-    random = np.random.default_rng(seed)
-    starts, levels, t = [], [], 0.0
-
-    def hold(level: float, seconds: float) -> None:
-        nonlocal t
-        starts.append(t)
-        levels.append(int(np.clip(round(level), 0, FULL_SCALE)))
-        t += float(max(1, round(seconds)))
-
-    while t < duration_s:
-        cruise = float(random.uniform(60.0, FULL_SCALE))
-        ramp = int(random.integers(3, 12))
-        for k in range(1, ramp + 1):
-            hold(cruise * k / ramp, 1.0)
-        length = float(random.uniform(60.0, 480.0))
-        end = t + length
-        while t < end:
-            hold(cruise + float(random.normal(0.0, 8.0)), float(random.uniform(5.0, 30.0)))
-        for k in range(ramp - 1, 0, -1):
-            hold(cruise * k / ramp, 1.0)
-        hold(0.0, length * stop_share / (1.0 - stop_share) * float(random.uniform(0.5, 1.5)))
-    kept = [k for k, start in enumerate(starts) if start < duration_s]
-    return Profile(tuple(starts[k] for k in kept), tuple(levels[k] for k in kept), duration_s)

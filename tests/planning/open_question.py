@@ -78,7 +78,7 @@ def searched(
 ) -> tuple[Expected, Limits, Grid, Sought]:
     """A whole search."""
     coefficients, data, left = question(names)
-    limits = limits_of(coefficients, wishes, data, left, None)
+    limits = limits_of(coefficients, wishes, data, left)
     grid = grid_of(np.array([2500.0, 400.0]), 3600.0 * wishes.hours)
     expected = Expected(left, Stage(data, 255, AMBIENT, grid.bin_s, np.full(2, NOISE_K)), limits.levels)
     return expected, limits, grid, Search(expected, limits, grid, wishes.seed).run()

@@ -155,20 +155,18 @@ def test_an_over_temperature_alarm_is_a_limit_of_its_part() -> None:
     made["alarms"] = [
         {"name": "hot", "kind": "over_temperature", "component": "casing", "limit_degC": 60, "persistence_s": 1}
     ]
-    limits = limits_of(read(made), WISHES, data, left, None)
+    limits = limits_of(read(made), WISHES, data, left)
     assert limits.hottest.tolist() == [197.0, 57.0]
     # Its sensor shows 60 degC where it is at 40: half as much again. One that shows too little allows no more.
     for gain, about, limit in ((0.5, "zero_degC", 37.0), (0.25, "ambient", 50.0), (-0.5, "ambient", 57.0)):
         made["network"]["nodes"][1]["sensor"] = {"gain_error": gain, "gain_about": about}
-        limits = limits_of(read(made), WISHES, data, left, None)
+        limits = limits_of(read(made), WISHES, data, left)
         assert limits.hottest.tolist() == pytest.approx([197.0, limit])
 
 
 def test_it_turns_backwards_only_where_a_run_did_and_it_matters_or_as_asked() -> None:
     coefficients, data, left = question()
-    levels = [
-        limits_of(coefficients, Wishes(hours=2.0, reverse=asked), data, left, None).levels for asked in (None, True)
-    ]
+    levels = [limits_of(coefficients, Wishes(hours=2.0, reverse=asked), data, left).levels for asked in (None, True)]
     assert min(levels[0]) == 0
     assert [level for level in levels[1] if level < 0] == [-255, -146]
     assert all(abs(level) in levels[0] for level in levels[1])

@@ -249,7 +249,7 @@ class Summary:
             "left_out_K": result.judged.score_K,
             "longest_hold_s": longest,
             "slowest_time_constant_s": slowest,
-            "components": {name: self._component(s, name) for s, name in enumerate(result.data.names)},
+            "components": {name: self._component(s) for s, name in enumerate(result.data.names)},
             "nodes": self._nodes(),
             "paths": self._paths(names),
             "heats": self._heats(names),
@@ -270,7 +270,7 @@ class Summary:
         middle, low, high = (1.0 / (1.0 + np.exp(-(logit + by * deviation))) for by in (0.0, -INTERVAL, INTERVAL))
         return {"share_at_rest": {"value": float(middle), "interval": [float(low), float(high)]}, "at_K": USUAL_K}
 
-    def _component(self, s: int, name: str) -> dict[str, Any]:
+    def _component(self, s: int) -> dict[str, Any]:
         result, steady = self.result, self.steady
         place = result.found.structure.offsets[s]
         speeds = {
