@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from datetime import date
+from datetime import UTC, date, datetime, timedelta
 
 from gen.errors import InputError
 
@@ -12,7 +12,9 @@ _MOTOR = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9._-]{0,62}[A-Za-z0-9_-])?", re.ASC
 _DAY = re.compile(r"\d{4}-\d{2}-\d{2}", re.ASCII)
 _LONGEST_STEM = 80
 STARTED = "started"
-"""Key of the comment in which a run says when it began."""
+"""Key of the comment in which a run says when its time was 0."""
+_HASH = r"[0-9a-f]{16}"
+_KEPT = re.compile(rf"(?P<stem>.*?)(?:-(?P<began>\d{{8}}T\d{{6}}))?-{_HASH}", re.ASCII)
 
 
 def checked_motor(name: str) -> str:
@@ -49,13 +51,55 @@ def checked_day(text: str) -> str:
     return text
 
 
-def said_day(comments: Mapping[str, str]) -> str | None:
-    """Give the day on which a run began by its own comment, or None."""
-    text = comments.get(STARTED, "")[:10]
+def said_day(comments: Mapping[str, str], first_s: float) -> str | None:
+    """Give the day of a run's first row by its own comment, or None; `first_s` is that row's time, s."""
+    at = _began(comments, first_s)
     try:
-        return checked_day(text)
+        return checked_day(comments.get(STARTED, "")[:10] if at is None else at.date().isoformat())
     except InputError:
         return None
+
+
+def said_beginning(comments: Mapping[str, str], first_s: float) -> str:
+    """Give the instant of a run's first row by its own comment, as `YYYYMMDDTHHMMSS`; may be empty.
+
+    It is in UTC, where the comment says how far it is from that; one that does not is taken as it is.
+    """
+    at = _began(comments, first_s)
+    if at is None:
+        return ""
+    try:
+        plain = at if at.tzinfo is None else at.astimezone(UTC)
+    except OverflowError:
+        return ""
+    return re.sub("[-:]", "", plain.replace(tzinfo=None).isoformat(timespec="seconds"))
+
+
+def _began(comments: Mapping[str, str], first_s: float) -> datetime | None:
+    """None also where a day stands alone: that says no order of the runs of one."""
+    text = comments.get(STARTED, "")
+    try:
+        return datetime.fromisoformat(text) + timedelta(seconds=first_s) if "T" in text or " " in text else None
+    except (ValueError, OverflowError):
+        return None
+
+
+def kept_name(name: str, began: str, content: str) -> str:
+    """Give the name of a run's file in the store, of its own file's name, when it began, and its content's hash."""
+    return "-".join(filter(None, (stem_of(name), began, content)))
+
+
+def in_time(day: str, kept: str) -> tuple[str, tuple[str | int, ...], str]:
+    """Give what a motor's runs are sorted by, of a run's day and the name of its file in the store.
+
+    It is the instant at which it began; the day where its name does not say that, and there the natural order of names:
+    run2 before run10.
+    """
+    found = _KEPT.fullmatch(kept)
+    stem, began = (kept, None) if found is None else (found["stem"], found["began"])
+    parts = re.split(r"([0-9]+)", stem)
+    natural = tuple(int(part) if place % 2 else part for place, part in enumerate(parts))
+    return began or day.replace("-", ""), natural, kept
 
 
 def stem_of(name: str) -> str:

@@ -2,11 +2,11 @@
 
 ::
 
-    runs/motor=ID/day=YYYY-MM-DD/NAME-<content>.parquet     what was measured
-    labels/motor=ID.json                                     what else is known of a motor
-    models/common.json, models/motor=ID.json                 coefficient files, as identified
-    refined/common.json, refined/motor=ID.json               the same with effects that all motors show
-    tasks/<kind>-<inputs>.npz                                what was computed, by what it was computed from
+    runs/motor=ID/day=YYYY-MM-DD/NAME-<began>-<content>.parquet     what was measured
+    labels/motor=ID.json                                             what else is known of a motor
+    models/common.json, models/motor=ID.json                         coefficient files, as identified
+    refined/common.json, refined/motor=ID.json                       the same with effects that all motors show
+    tasks/<kind>-<inputs>.npz                                        what was computed, by what it was computed from
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from functools import cached_property
 from typing import Any
 
 from gen.errors import InputError
-from gen.fleet.names import stem_of
+from gen.fleet.names import in_time, kept_name, said_beginning, said_day
 from gen.fleet.run_bytes import comments_from, content_hash, from_bytes, to_bytes
 from gen.runs import Run
 
@@ -28,14 +28,14 @@ _SHOWN = 16
 """Hexadecimal digits of the content's hash in a file's name: 64 bits, no two of a motor's runs share them by chance."""
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True)
 class Kept:
-    """A run of the store, by motor, day and name.
+    """A run of the store.
 
     Attributes
     ----------
     motor, day, name
-        Whose, of when, and the run file's name with a hash of its content.
+        Whose, of when, and the run file's name with when it began, where it says that, and a hash of its content.
     """
 
     motor: str
@@ -160,14 +160,14 @@ class Store:
         return [value for key, _, value in found if key == "motor" and value]
 
     def runs(self, motor: str) -> list[Kept]:
-        """Give a motor's runs by day and name."""
+        """Give a motor's runs in time; see :func:`gen.fleet.names.in_time`."""
         found = []
         for folder in self.names(f"{RUNS}/motor={motor}"):
             day = folder.removeprefix("day=")
             for name in self.names(f"{RUNS}/motor={motor}/{folder}"):
                 if name.endswith(".parquet"):
                     found.append(Kept(motor, day, name.removesuffix(".parquet")))
-        return sorted(found)
+        return sorted(found, key=lambda kept: in_time(kept.day, kept.name))
 
     def add(self, motor: str, day: str, name: str, run: Run) -> tuple[Kept, bool]:
         """Keep a run.
@@ -190,7 +190,11 @@ class Store:
         for kept in self.runs(motor):
             if kept.content == content:
                 return kept, False
-        kept = Kept(motor, day, f"{stem_of(name)}-{content}")
+        first_s = float(run.time_s[0])
+        # Somebody who gives another day does not trust the run's clock.
+        trusted = said_day(run.comments, first_s) == day
+        began = said_beginning(run.comments, first_s) if trusted else ""
+        kept = Kept(motor, day, kept_name(name, began, content))
         self.write(kept.path, to_bytes(run))
         return kept, True
 

@@ -37,6 +37,23 @@ def test_a_run_is_added_once_with_the_day_that_it_says(tmp_path: Path) -> None:
     assert store.run(kept).comments == read_run(path).comments
 
 
+def test_pieces_of_one_log_are_kept_by_the_day_and_in_the_order_of_their_first_rows(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text(
+        "time,pwm,winding_degC\n"
+        + "".join(
+            f"2024-05-{day:02d} {hour:02d}:{minute:02d}:00,{100 + day},{20.0 + minute:.1f}\n"
+            for day, hour in ((1, 8), (1, 12), (3, 2))
+            for minute in range(30)
+        )
+    )
+    assert gen("import", "log.csv", "--out", "runs", "--split", cwd=tmp_path).returncode == 0
+    pieces = [f"runs/log_{number}.csv" for number in (3, 2, 1)]
+    done = gen("fleet", "add", *pieces, "--motor", "a", "--to", "store", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    kept = [(each.day, each.name[:5]) for each in Store(str(tmp_path / "store")).runs("a")]
+    assert kept == [("2024-05-01", "log_1"), ("2024-05-01", "log_2"), ("2024-05-03", "log_3")]
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

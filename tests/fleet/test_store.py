@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import uuid
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -151,6 +152,67 @@ def test_a_run_that_an_earlier_gen_stored_is_read(tmp_path: Path) -> None:
     assert run.ambient.tolist() == [20.0, 20.0]
     assert run.extras["fan_percent"].tolist() == [0.0, 50.0]
     assert (run.comments, run.rows_in_file) == ({"fault": "none"}, 40)
+
+
+def names(store: Store, motor: str) -> list[str]:
+    """Names of a motor's runs as they were given, in the store's order."""
+    return [kept.name.partition("-")[0] for kept in store.runs(motor)]
+
+
+def begun(seed: int, started: str, first_s: float = 0.0) -> Run:
+    run = run_of(seed, hours=0.05)
+    return replace(run, time_s=run.time_s + first_s, comments={"started": started} if started else {})
+
+
+def test_the_newest_run_of_a_day_is_the_last_that_began(tmp_path: Path) -> None:
+    """Whatever runs are called, and in which order they are stored."""
+    store = Store(str(tmp_path))
+    for seed, (name, started) in enumerate(
+        [
+            ("run2", "2026-03-04T15:00:00"),
+            ("run9", "2026-03-04T08:00:00.250Z"),
+            ("run10", "2026-03-04T23:00:00+09:00"),
+            ("before", "2026-03-03 23:59:59"),
+        ]
+    ):
+        store.add("a", started[:10], name, begun(seed, started))
+    assert names(store, "a") == ["before", "run9", "run10", "run2"]
+
+
+def test_pieces_of_one_log_begin_with_their_first_rows(tmp_path: Path) -> None:
+    """`gen import --split` lets the times of all go on from one `started`."""
+    store = Store(str(tmp_path))
+    for seed, (name, first_s) in enumerate([("a", 7200.0), ("b", 0.0), ("c", 3600.0)]):
+        store.add("a", "2026-03-04", name, begun(seed, "2026-03-04T05:06:07", first_s))
+    assert names(store, "a") == ["b", "c", "a"]
+
+
+def test_runs_that_say_no_time_are_in_the_order_in_which_people_number_them(tmp_path: Path) -> None:
+    """So are those that an earlier gen stored, with no beginning in their names."""
+    store = Store(str(tmp_path))
+    for seed, name in enumerate(["run10", "run9", "run2", "run"]):
+        store.add("a", "2026-03-04", name, begun(seed, "2026-03-04" if name == "run9" else ""))
+    for name in ("run11-0123456789abcdef", "run3-fedcba9876543210", "foreign"):
+        store.write(f"runs/motor=a/day=2026-03-04/{name}.parquet", b"")
+    store.write("runs/motor=a/day=2026-03-03/run99-0123456789abcdef.parquet", b"")
+    store.add("a", "2026-03-04", "known", begun(9, "2026-03-04T00:00:00"))
+    expected = ["run99", "foreign", "run", "run2", "run3", "run9", "run10", "run11", "known"]
+    assert names(store, "a") == expected
+
+
+def test_a_day_that_is_given_takes_the_place_of_what_a_run_says(tmp_path: Path) -> None:
+    """A board's clock that was never set would make it the oldest."""
+    store = Store(str(tmp_path))
+    store.add("a", "2026-03-03", "set", begun(1, "2026-03-03T12:00:00"))
+    store.add("a", "2026-03-04", "unset", begun(2, "1970-01-01T00:00:07"))
+    assert names(store, "a") == ["set", "unset"]
+
+
+@pytest.mark.parametrize("started", ["1", "2026-02-30T00:00:00", "0001-01-01T00:00:00+09:00", "9999-12-31T23:59:59"])
+def test_a_beginning_that_is_none_is_no_obstacle(started: str, tmp_path: Path) -> None:
+    store = Store(str(tmp_path))
+    store.add("a", started[:10] if len(started) > 10 else "2026-01-01", "run", begun(1, started, 3600.0))
+    assert names(store, "a") == ["run"]
 
 
 def test_only_a_long_run_is_thinned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 @click.option("--motor", metavar="ID", required=True, help="Whose runs they are.")
 @click.option("--to", "store", metavar="STORE", required=True, help="A folder, or a URL that fsspec takes.")
 @click.option(
-    "--day", metavar="YYYY-MM-DD", help="When.  [default: the run's comment `started`, else when its file was written]"
+    "--day",
+    metavar="YYYY-MM-DD",
+    help="When.  [default: of the first row by the run's comment `started`, else when its file was written]",
 )
 @click.option(
     "--label",
@@ -68,7 +70,7 @@ def add(runs: tuple[Path, ...], motor: str, store: str, day: str | None, labels:
         click.echo(f"{motor}: {line}")
     for path in runs:
         run = piped.get(path) or read_run(path)
-        when = day or said_day(run.comments) or _written(path)
+        when = day or said_day(run.comments, float(run.time_s[0])) or _written(path)
         kept, new = target.add(motor, when, path.stem, run)
         click.echo(f"{path}: {kept.path if new else f'already there, {kept.path}'}")
 
