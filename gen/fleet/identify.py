@@ -17,7 +17,7 @@ import numpy as np
 from gen.errors import CheckFailed, InputError
 from gen.fleet.common import Common, keep, kept
 from gen.fleet.fitting import fitted_in_common, mean_model, model_in_common
-from gen.fleet.models import COMMON, model_path, with_model, write_identified
+from gen.fleet.models import COMMON, model_path, remove_identified, with_model, write_identified
 from gen.fleet.motor_data import check_inputs, data_of, usable
 from gen.fleet.pooling import Told, pooled
 from gen.fleet.scouting import as_lists, common_form, scouts_of
@@ -191,6 +191,8 @@ def _written(store: Store, models: dict[str, Arrays | Failed], lines: list[str])
     errors, refused = {}, {}
     for motor, model in models.items():
         if isinstance(model, Failed):
+            # What is there is of another common form, and nothing would tell it from those that are of this one.
+            remove_identified(store, model_path(motor))
             refused[motor] = model.message
             continue
         write_identified(store, model_path(motor), str(model["text"]))

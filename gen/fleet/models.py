@@ -108,3 +108,9 @@ def write_identified(store: Store, path: str, text: str) -> None:
     """Write a file that was identified; what was found beside the one before goes first, lest it stays in use."""
     store.remove(refined_path(path))
     store.write(path, text.encode())
+
+
+def remove_identified(store: Store, path: str) -> None:
+    """Remove a file that was identified, and what was found beside it."""
+    store.remove(refined_path(path))
+    store.remove(path)

@@ -19,7 +19,7 @@ from gen.fleet import identify
 from gen.fleet.common import Common, common_of, kept, structure_json, structure_of
 from gen.fleet.fitting import model_name
 from gen.fleet.identify import Identified, evenly, identify_fleet, in_rounds, runs_of
-from gen.fleet.models import COMMON, model_path
+from gen.fleet.models import COMMON, model_path, refined_path, with_model
 from gen.fleet.motor_data import check_inputs
 from gen.fleet.report import pages_of
 from gen.fleet.scouting import without_natural
@@ -42,6 +42,22 @@ def test_what_cannot_be_used_is_a_line(identified: tuple[Path, Identified]) -> N
     assert list(found.refused) == ["short"]
     assert any("fault bearing" in line for line in found.lines)
     assert any("is no run of a store" in line for line in found.lines)
+
+
+def test_a_motor_that_is_refused_has_no_model_from_another_time(fleet: Store) -> None:
+    """It would be watched, refined and built with a model of which the command says that there is none."""
+    path = model_path("m4")
+    fleet.write(refined_path(path), fleet.read(path))
+    (kept,) = fleet.runs("m4")
+    fleet.write(kept.path, b"half of")
+    for name in fleet.names(TASKS):
+        if name.startswith("model_in_common-"):
+            fleet.remove(f"{TASKS}/{name}")
+    found = identify_fleet(fleet, OPTIONS, Workers(), silent)
+    assert sorted(found.refused) == ["m4", "short"]
+    assert not fleet.exists(path)
+    assert not fleet.exists(refined_path(path))
+    assert sorted(with_model(fleet, fleet.motors())) == sorted(found.left_out_K)
 
 
 def test_every_model_is_a_coefficient_file_that_predicts_another_run(fleet: Store) -> None:
