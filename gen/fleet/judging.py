@@ -56,7 +56,7 @@ def judge(products: Sequence[Products], learnt: IntArray, groups: Sequence[Group
     Parameters
     ----------
     products
-        Of each motor's newest run; at least :data:`FEWEST`.
+        Of each motor's newest run, which has readings; at least :data:`FEWEST`.
     learnt
         From how many runs each motor's model was learnt, shape (M,).
     groups

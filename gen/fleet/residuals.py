@@ -17,6 +17,8 @@ from gen.fleet.work import Arrays
 
 LEAST_HOURS = 1.0
 """A run that is shorter does not tell a node from a sensor."""
+LEAST_MEANS = 12
+"""Means with readings, of all sensors together, that a run has at least: one every five minutes of the shortest."""
 
 
 def newest_against_models(store: Store, *, motor: str, runs: list[list[str]], models: list[str]) -> Arrays:
@@ -36,9 +38,15 @@ def newest_against_models(store: Store, *, motor: str, runs: list[list[str]], mo
     run = read(store, last)
     hours = float(run.time_s[-1] - run.time_s[0]) / 3600.0
     if hours < LEAST_HOURS:
-        raise CheckFailed(f"not enough data: {last.path} lasts {hours:.2f} h, expected {LEAST_HOURS:g} h")
+        raise CheckFailed(f"{last.path} lasts {hours:.2f} h, expected {LEAST_HOURS:g} h")
     learnt = learnt_by(own)
     found = {"own": products_of(own, run, last.path), "mean": products_of(mean, run, last.path)}
+    count = found["own"].count
+    if count < LEAST_MEANS:
+        raise CheckFailed(
+            f"{last.path} has means over a minute of {', '.join(own.model.component_names)}: {count} in all, "
+            f"expected {LEAST_MEANS} at least"
+        )
     hypotheses = [[hypothesis.kind, hypothesis.node] for hypothesis in hypotheses_of(own)]
     if hypotheses != [[hypothesis.kind, hypothesis.node] for hypothesis in hypotheses_of(mean)]:
         raise CheckFailed("the motor's model has other nodes than the fleet's")
@@ -52,11 +60,13 @@ def newest_against_models(store: Store, *, motor: str, runs: list[list[str]], mo
 
 
 def _error_K(store: Store, model: Coefficients, kept: Kept) -> float:
-    """Root mean square of a run's residual, K; NaN where it cannot be read."""
+    """Root mean square of a run's residual, K; NaN where it cannot be read, or has no reading."""
     try:
-        return float(np.sqrt(np.nanmean(residual_of(model, read(store, kept), kept.path) ** 2)))
+        residual = residual_of(model, read(store, kept), kept.path)
     except InputError:
         return float("nan")
+    told = residual[np.isfinite(residual)]
+    return float(np.sqrt(np.mean(told**2))) if told.size else float("nan")
 
 
 def learnt_by(coefficients: Coefficients) -> set[str]:

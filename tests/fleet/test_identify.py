@@ -212,6 +212,25 @@ def test_a_fault_of_one_and_an_effect_of_all_are_told_apart(fleet: Store) -> Non
         assert "innerHTML" not in text
 
 
+@pytest.mark.parametrize("readings", [0, 3])
+def test_a_motor_that_was_hardly_read_is_not_judged(readings: int, fleet: Store) -> None:
+    """Neither well nor different: its sensors came off, or were not wired, and nothing is known of it."""
+    for number in range(MOTORS):
+        heat, capacity = np.exp(np.random.default_rng(1000 + number).normal(0.0, 0.08, 2)).tolist()
+        run = run_of(600 + number, heat=1.15 * heat, capacity=capacity, offset=2.0, hours=1.5)
+        if number == 4:
+            there = np.arange(run.time_s.size) < readings
+            run = replace(run, temps={part: np.where(there, values, np.nan) for part, values in run.temps.items()})
+        fleet.add(f"m{number}", "2026-02-01", "later", run)
+    found = watch(fleet, 0.05, Workers(), silent)
+    states = {state.motor: state for state in found.motors}
+    assert states["m4"].state == "not enough data"
+    (kept,) = [run for run in fleet.runs("m4") if run.day == "2026-02-01"]
+    assert kept.path in states["m4"].said
+    assert found.limit is not None  # eight others are judged as ever
+    assert "expected 8 at least" not in " ".join(state.said for state in found.motors)
+
+
 @pytest.mark.parametrize("name", ["../../x", "a/b", ""])
 def test_states_of_somebody_else_lead_no_page_out_of_its_folder(name: str, tmp_path: Path) -> None:
     store = Store(str(tmp_path))
