@@ -4,7 +4,8 @@ Dask gives the tasks of a worker that died to others, and waits for one that han
 (dask/distributed, issue 391), and one that is cancelled goes on in its worker's thread (issue 3681). So what is at work
 far longer than the others is given to a second worker under another name, and whichever comes first is taken: both
 write the same bytes under the same key. Where neither comes, it is an error of that task. Workers that are still at it
-when all others are through are restarted, or they would be lost for what comes next.
+when all others are through are restarted, or they would be lost for what comes next. Until a first task is done nothing
+says how long one takes, and it is allowed hours. Where no worker is left, nothing is waited for.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from contextlib import suppress
 from queue import Empty, SimpleQueue
 from typing import Any
 
+from gen.errors import InputError
+
 RETRIES = 2
 """How often a task that failed otherwise than by a complaint is tried again."""
 LONG = 10.0
@@ -27,6 +30,8 @@ AHEAD = 2
 """Tasks that Dask gives to a worker of one thread at a time: one at work, and one behind it."""
 LEAST_S = 60.0
 """Least time after which it is given away a second time, s, however short tasks are."""
+UNKNOWN_S = 360.0
+"""How long a task is taken to need before any was done: a motor with many long runs may well take an hour."""
 RECENT = 101
 """Tasks that the median is of."""
 RESTART_S = 60.0
@@ -47,6 +52,11 @@ def outcomes(client: Any, call: Callable[..., Any], tasks: Mapping[str, tuple[An
         What each task does; of a module, and to be done twice without harm.
     tasks
         Its arguments by the task's name, which is unique on the scheduler.
+
+    Raises
+    ------
+    InputError
+        When there is no worker any more.
     """
     came: SimpleQueue[tuple[str, Any]] = SimpleQueue()
 
@@ -60,9 +70,8 @@ def outcomes(client: Any, call: Callable[..., Any], tasks: Mapping[str, tuple[An
     took_s: deque[float] = deque(maxlen=RECENT)
     patience, twice = LONG, False
     while open_:
-        try:
-            name, done = came.get(timeout=_limit_s(took_s, patience))
-        except Empty:
+        next_ = _next(came, client, _limit_s(took_s, patience))
+        if next_ is None:
             if patience == HOPELESS:
                 break
             patience = HOPELESS
@@ -73,6 +82,7 @@ def outcomes(client: Any, call: Callable[..., Any], tasks: Mapping[str, tuple[An
                 others = [worker for worker, keys in busy.items() if name not in keys]
                 open_[name] += [give(name, f"{name}-again", workers=others, allow_other_workers=True)] if others else []
             continue
+        name, done = next_
         patience = HOPELESS if twice else LONG
         if name not in open_:  # the second of two
             continue
@@ -87,8 +97,8 @@ def outcomes(client: Any, call: Callable[..., Any], tasks: Mapping[str, tuple[An
         took_s.append(seconds)
         yield name, result, None
     for name in open_:
-        limit_s = _limit_s(took_s, HOPELESS)
-        yield name, None, TimeoutError(f"not done in {limit_s:.0f} s, {HOPELESS:g} times as long as others took")
+        beside = f", {HOPELESS:g} times as long as others took" if took_s else ", and neither was any other"
+        yield name, None, TimeoutError(f"not done in {_limit_s(took_s, HOPELESS):.0f} s{beside}")
     _ended(client, [*late, *(future for given in open_.values() for future in given)])
 
 
@@ -97,9 +107,22 @@ def _timed(call: Callable[..., Any], *arguments: Any) -> tuple[Any, float]:  # n
     return call(*arguments), time.monotonic() - began
 
 
-def _limit_s(took_s: Sequence[float], times: float) -> float | None:
-    """How long nothing may come in; without end where nothing says how long a task takes."""
-    return max(statistics.median(took_s), LEAST_S / LONG) * times if took_s else None
+def _limit_s(took_s: Sequence[float], times: float) -> float:
+    """How long nothing may come in."""
+    return max(statistics.median(took_s) if took_s else UNKNOWN_S, LEAST_S / LONG) * times
+
+
+def _next(came: SimpleQueue[tuple[str, Any]], client: Any, limit_s: float) -> tuple[str, Any] | None:  # noqa: ANN401
+    """Wait for what comes in next; None where nothing does. One look at a worker that starts anew shows none."""
+    end, before = time.monotonic() + limit_s, True
+    while (left_s := end - time.monotonic()) > 0.0:
+        with suppress(Empty):
+            return came.get(timeout=min(left_s, LEAST_S))
+        there = bool(client.nthreads())
+        if not (there or before):
+            raise InputError(f"no worker is left at {client.scheduler.address}; what is done is kept for the next call")
+        before = there
+    return None
 
 
 def _ended(client: Any, futures: list[Any]) -> None:  # noqa: ANN401

@@ -28,7 +28,7 @@ from gen.version import __version__
 Arrays = dict[str, NDArray[Any]]
 Progress = Callable[[str], None]
 CONNECT_S = 30.0
-"""How long a scheduler may take to answer."""
+"""How long a scheduler may take to answer, and then to have a worker."""
 LAYOUT = 5
 """Raised with every change of what tasks compute from the same arguments."""
 
@@ -179,7 +179,7 @@ def workers_of(store: Store, workers: Workers) -> Iterator[Any]:
     Raises
     ------
     InputError
-        When the scheduler does not answer, or workers would not see what is in the store.
+        When the scheduler does not answer, or has no workers, or workers would not see what is in the store.
     """
     if workers.scheduler is None and workers.jobs == 1:
         yield None
@@ -194,6 +194,10 @@ def workers_of(store: Store, workers: Workers) -> Iterator[Any]:
         except (OSError, ValueError) as error:
             raise InputError(f"no scheduler answers at {workers.scheduler}: {error}", place="--scheduler") from error
         with client:
+            try:
+                client.wait_for_workers(1, timeout=CONNECT_S)
+            except TimeoutError as error:
+                raise InputError(f"{workers.scheduler} has no workers", place="--scheduler") from error
             yield client
         return
     with (

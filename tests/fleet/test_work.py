@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +12,7 @@ import pytest
 
 from gen.commands.fleet.options import usual_jobs
 from gen.errors import InputError
-from gen.fleet import cluster
+from gen.fleet import cluster, work
 from gen.fleet.store import TASKS, Store
 from gen.fleet.work import Arrays, Failed, Workers, computed, key_of, workers_of
 from tests.fleet import tasks
@@ -123,6 +125,53 @@ def test_a_task_that_hangs_wherever_it_is_costs_a_line(tmp_path: Path, monkeypat
     assert isinstance(lost, Failed)
     assert lost.message.startswith("TimeoutError: not done in ")
     assert len(bits(found)) == 5
+
+
+def within(seconds: float, call: Callable[[], Any]) -> Any:  # noqa: ANN401
+    """Give what a call gives or raises; fails where that takes longer."""
+    came: list[Any] = []
+
+    def caught() -> None:
+        try:
+            came.append(call())
+        except Exception as error:
+            came.append(error)
+
+    thread = threading.Thread(target=caught, daemon=True)
+    thread.start()
+    thread.join(seconds)
+    assert came, f"still waiting after {seconds:g} s"
+    return came[0]
+
+
+def test_a_first_task_that_hangs_costs_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As what has one task only: nothing says how long it may take."""
+    monkeypatch.setattr(cluster, "UNKNOWN_S", 0.5)
+    monkeypatch.setattr(cluster, "LEAST_S", 2.0)
+    monkeypatch.setattr(cluster, "HOPELESS", 20.0)
+    store = Store(str(tmp_path / "store"))
+    only = {"t2": {"seed": 2, "marks": str(tmp_path), "always": True}}
+    with workers_of(store, Workers(jobs=2)) as client:
+        lost = within(100.0, lambda: computed(store, tasks.hangs, only, client, silent))["t2"]
+        assert not hung(tmp_path)
+    assert lost == Failed("TimeoutError: not done in 10 s, and neither was any other")
+
+
+def test_a_scheduler_without_workers_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At once where there is none, and later where none is left."""
+    monkeypatch.setattr(work, "CONNECT_S", 5.0)
+    monkeypatch.setattr(cluster, "LEAST_S", 1.0)
+    store = Store(str(tmp_path / "store"))
+    with work._distributed().LocalCluster(n_workers=0, processes=False, dashboard_address=None) as empty:
+        with (
+            pytest.raises(InputError, match=r"--scheduler: \S+ has no workers"),
+            workers_of(store, Workers(scheduler=empty.scheduler_address)),
+        ):
+            pass
+        with work._distributed().Client(empty) as client:
+            left = within(60.0, lambda: computed(store, tasks.refused, {"1": {"seed": 1}}, client, silent))
+    assert isinstance(left, InputError)
+    assert "no worker is left" in str(left)
 
 
 def test_workers_elsewhere_do_not_see_this_processs_memory() -> None:
