@@ -257,7 +257,7 @@ def _write_all(runs: dict[str, Run], out: Path, mapping: tuple[Path | None, str]
                     (new / name).replace(folder / name)
             else:
                 new.rename(folder)
-        except OSError:
+        except BaseException:
             if mapping[0] is not None:
                 mapping[0].unlink(missing_ok=True)  # it was not there before
             raise

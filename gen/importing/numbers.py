@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from gen.importing.table import FloatArray, IntArray
 from gen.importing.units import unit_of
+from gen.runs.head import NUMBER
 
-NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 NAN_WORDS = frozenset(
     ["nan", "na", "n/a", "#n/a", "#na", "null", "none", "nil", "missing", "-", "--", "---", "?", "inf", "+inf", "-inf"]
 )

@@ -6,26 +6,28 @@ starts again in mid-run it prints its header again and its time starts at 0: the
 with the board's time shifted to the recorder's clock, and says so in a comment. Only a header with other columns
 (another firmware) begins a new part, which is a file of its own.
 
-A time that was damaged on the line may still read as one. One that is too late would make garbled lines of all rows
-after it, for the board's time only rises; so a row that leaps ahead of the rows before it, and of the recorder's clock,
-waits for the next one, which comes after it, or shows that it was damaged.
+A time that was damaged on the line may still read as a time, and one that is too late would make garbled lines of all
+the rows after it, since the board's time only rises. So a row that the recorder's own clock does not allow yet is held
+back until the next row agrees with it, as after a true jump of the board's clock, or comes before it.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, field
-from math import inf, isfinite
 
-_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+from gen.runs.head import NUMBER
+
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 _EVENT = re.compile(r"#\s*event:\s*(\d+(?:\.\d+)?)\s+(.*)", re.ASCII)
 _LONGEST_LINE = 4096
 _KEPT_GARBLED = 100
 _FULL_PWM = 255
 _SLACK_S = 1.0
-_LEAP_STEPS = 10.0
-"""A row waits that comes so much earlier than the recorder's clock allows, and so many times the last step later."""
+"""A row may be ahead of the recorder's clock by so much: what a damaged time that is let through costs in rows."""
+_UNEVEN = 2.0
+"""And by so many times what the row before was ahead: an emulated board may run many times faster than the clock."""
 
 
 @dataclass
@@ -59,6 +61,16 @@ class Part:
         return "".join(f"{line}\n" for line in lines)
 
 
+@dataclass(frozen=True)
+class _Row:
+    """A row as printed, its fields, its time in the file, and when it came by the recorder's clock."""
+
+    text: str
+    fields: tuple[str, ...]
+    time_s: float
+    at_s: float
+
+
 class Recorder:
     """Sorts what a board prints; feed it bytes as they come.
 
@@ -83,9 +95,9 @@ class Recorder:
         self._header_at_s: float | None = None  # recorder's clock, since the last row
         self._last_s = 0.0  # the last row's time in the file
         self._last_at_s = 0.0  # and by the recorder's clock
-        self._step_s = 0.0  # from the row before it
-        self._ahead_s = -inf  # the most that a row, or a header's 0, was ahead of the recorder's clock
-        self._waiting: tuple[str, float, float] | None = None  # a row that leaps: its line, time, and when it came
+        self._begin = (0.0, 0.0)  # a time in the file, and the recorder's clock then: the last row's, or the header's
+        self._ahead_s = 0.0  # how much the last row's time had gained on the recorder's clock
+        self._held: _Row | None = None  # a row that is ahead of the recorder's clock
 
     @property
     def rows(self) -> int:
@@ -121,7 +133,7 @@ class Recorder:
     def finish(self) -> None:
         """Take what came last: a line without its end may be cut short, so that it does not count as a row."""
         self._open = b""
-        self._end_waiting()
+        self._settle()
         self._keep_pending(header=False)
 
     # ---- lines ----
@@ -152,14 +164,15 @@ class Recorder:
 
     def _header(self, columns: tuple[str, ...], at_s: float) -> None:
         self.headers += 1
-        self._end_waiting()
+        self._settle()
         if not self.parts or self.parts[-1].columns != columns:
             pending, self._pending = self._pending, []
             self.parts.append(Part(columns, comments=pending))
-            self._shift_s, self._ahead_s = None, -at_s
-            self._last_s = self._step_s = 0.0
+            self._shift_s = None
+            self._begin, self._ahead_s = (0.0, at_s), 0.0
         elif not self.parts[-1].rows:
             self._keep_pending(header=False)
+            self._begin = (0.0, at_s)
         elif any(re.match(r"#\s*reset\s*:", line) for line in self._pending):
             self._restart(at_s)
         else:
@@ -168,9 +181,10 @@ class Recorder:
 
     def _restart(self, header_at_s: float) -> None:
         """Let the board's time go on from the recorder's clock; its 0 is about when the board prints its header."""
+        self._settle()
         passed = max(header_at_s - self._last_at_s, 0.001)
         self._shift_s = round(self._last_s + passed, 3)
-        self._ahead_s = max(self._ahead_s, self._shift_s - header_at_s)
+        self._begin, self._ahead_s = (self._shift_s, header_at_s), 0.0
         self.parts[-1].restarts.append(self._shift_s)
         self.parts[-1].comments.append(f"# restart: {self._shift_s:.3f} s is the board's new time 0")
         self._keep_pending(header=True)
@@ -200,47 +214,62 @@ class Recorder:
         whole = re.fullmatch(r"-?\d{1,3}", pwm, re.ASCII) is not None and abs(int(pwm)) <= _FULL_PWM
         return (
             whole
-            and _NUMBER.fullmatch(time_s) is not None
-            and isfinite(float(time_s))
-            and all(not text or _NUMBER.fullmatch(text) for text in fields)
+            and NUMBER.fullmatch(time_s) is not None
+            and math.isfinite(float(time_s))
+            and all(not text or NUMBER.fullmatch(text) for text in fields)
         )
 
     def _row(self, text: str, fields: tuple[str, ...], at_s: float) -> None:
         part = self.parts[-1]
         time_s = float(fields[0]) + (self._shift_s or 0.0)
-        waiting, self._waiting = self._waiting, None
-        if waiting is not None and time_s > waiting[1]:
-            self._keep(*waiting)
-        elif waiting is not None:
-            self._garbled(waiting[0].encode())
         if part.rows and time_s <= self._last_s and self._header_at_s is not None:
             self._restart(self._header_at_s)
             time_s = float(fields[0]) + (self._shift_s or 0.0)
         if part.rows and time_s <= self._last_s:
             self._garbled(text.encode())
             return
-        line = text if self._shift_s is None else ",".join((f"{time_s:.3f}", *fields[1:]))
-        leaps = time_s - self._last_s > _SLACK_S + _LEAP_STEPS * self._step_s
-        if leaps and time_s - at_s > self._ahead_s + _SLACK_S:
-            self._waiting = line, time_s, at_s
+        row = _Row(text, fields, time_s, at_s)
+        held, self._held = self._held, None
+        if held is not None:
+            if held.time_s < time_s and self._agrees(held, row):
+                self._keep(held)
+            else:
+                self._garbled(held.text.encode())
+        if self._ahead(row) > max(_SLACK_S, _UNEVEN * self._ahead_s):
+            self._held = row
         else:
-            self._keep(line, time_s, at_s)
+            self._keep(row)
 
-    def _keep(self, line: str, time_s: float, at_s: float) -> None:
+    def _agrees(self, held: _Row, row: _Row) -> bool:
+        """Whether a later row speaks for the one that is held back.
+
+        For a part's first row any does: how long the board had run before is not known. Rows that are all as much
+        ahead come from a clock that is faster than the recorder's.
+        """
+        ahead_s = _ahead((held.time_s, held.at_s), row)
+        return not self.parts[-1].rows or ahead_s <= max(_SLACK_S, self._ahead(held))
+
+    def _ahead(self, row: _Row) -> float:
+        return _ahead(self._begin, row)
+
+    def _keep(self, row: _Row) -> None:
         self._keep_pending(header=False)
-        rows = self.parts[-1].rows
-        self._step_s = time_s - self._last_s if rows else 0.0
-        rows.append(line)
-        self._ahead_s = max(self._ahead_s, time_s - at_s)
-        self._last_s, self._last_at_s, self._header_at_s = time_s, at_s, None
+        self._ahead_s = self._ahead(row) if self.parts[-1].rows else 0.0
+        shifted = self._shift_s is not None
+        self.parts[-1].rows.append(",".join((f"{row.time_s:.3f}", *row.fields[1:])) if shifted else row.text)
+        self._begin = self._last_s, self._last_at_s = row.time_s, row.at_s
+        self._header_at_s = None
 
-    def _end_waiting(self) -> None:
-        """No row follows one that leaps: it is kept where it is the first, for a board may have run for long."""
-        waiting, self._waiting = self._waiting, None
-        if waiting is not None and not self.parts[-1].rows:
-            self._keep(*waiting)
-        elif waiting is not None:
-            self._garbled(waiting[0].encode())
+    def _settle(self) -> None:
+        """End the wait of a row that is held back: no row will agree with it any more.
+
+        The only row of a part is kept all the same: the board may have run for long before its recording began.
+        """
+        held, self._held = self._held, None
+        if held is not None and self.parts[-1].rows:
+            self._garbled(held.text.encode())
+        elif held is not None:
+            self._keep(held)
 
     def _garbled(self, raw: bytes) -> None:
         part = self.parts[-1]
@@ -249,3 +278,8 @@ class Recorder:
             shown = raw[:200].decode("ascii", "backslashreplace")
             shown = "".join(c if c.isprintable() else f"\\x{ord(c):02x}" for c in shown)
             part.comments.append(f"# garbled: after {self._last_s:.3f} s: {shown}")
+
+
+def _ahead(begin: tuple[float, float], row: _Row) -> float:
+    """How much more time has passed by the board's clock than by the recorder's, s."""
+    return row.time_s - begin[0] - (row.at_s - begin[1])

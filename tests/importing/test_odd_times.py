@@ -123,6 +123,32 @@ def test_what_says_which_it_is(name: str, times: list[str], step_s: float, tmp_p
     np.testing.assert_allclose(np.diff(run.time_s), step_s)
 
 
+def test_damaged_cells_among_hours_and_minutes_are_no_times(tmp_path: Path) -> None:
+    times = [*HALF_PAST_EIGHT]
+    times[7:9] = ["T1:xx", "garbage"]
+    found = take(write(tmp_path, timed(times, "Uhrzeit")), tmp_path / "out")
+    assert found.counted()["count"].to_dict() == {"row without a time": 2}
+
+
 def test_a_day_from_midnight_to_midnight_is_asked_for(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="settle it by --unit Time=hh:mm or Time=mm:ss"):
         take(write(tmp_path, timed(of_minutes(0, len(TRUE), 12))), tmp_path / "out")
+
+
+@pytest.mark.parametrize("missing", [False, True])
+def test_dates_and_times_of_day_in_columns_of_parquet(missing: bool, tmp_path: Path) -> None:
+    stamps = np.array(every(timedelta(seconds=10)), dtype="datetime64[ns]")
+    days = pd.Series(stamps.astype("datetime64[D]").astype("datetime64[ns]"))
+    if missing:
+        days[5] = pd.NaT
+    frame = REST.assign(Date=days, Time=[str(stamp)[11:19] for stamp in stamps])
+    frame.to_parquet(tmp_path / "log.parquet")
+    run = taken(tmp_path / "log.parquet", tmp_path / "out")
+    assert run.time_s.size == len(TRUE) - missing
+    assert run.time_s[-1] == 10.0 * (len(TRUE) - 1)
+
+
+def test_timestamps_of_a_zone_in_parquet_are_in_utc(tmp_path: Path) -> None:
+    stamps = pd.DatetimeIndex(every(timedelta(seconds=10))).tz_localize("Europe/Berlin")
+    REST.assign(timestamp=stamps).to_parquet(tmp_path / "log.parquet")
+    assert taken(tmp_path / "log.parquet", tmp_path / "out").comments["started"].startswith("2026-07-04T20:30:00")

@@ -73,7 +73,8 @@ def test_numbers_typed_as_text_with_decimal_commas(tmp_path: Path) -> None:
     assert sheet is not None
     sheet.append(COLUMNS)
     for row in TRUE[COLUMNS].itertuples(index=False):
-        sheet.append([row[0], row[1], str(row[2]).replace(".", ","), *row[3:]])
+        typed = str(row[2]).replace(".", ",") if row[0] % 2.0 else row[2]
+        sheet.append([row[0], row[1], typed, str(row[3]).replace(".", ","), row[4]])
     book.save(tmp_path / "log.xlsx")
     same(taken(tmp_path / "log.xlsx", tmp_path / "out"), TRUE)
 
@@ -108,3 +109,9 @@ def test_json_that_breaks_off_is_told_where(tmp_path: Path) -> None:
     text = json.dumps([{"time_s": row.time_s, "T1": row.winding_degC} for row in TRUE.itertuples()], indent=1)
     with pytest.raises(InputError, match=r"line 3\d\d, column \d+: begins as JSON and is none from here on"):
         take(write(tmp_path, text[: text.index("57.5")], name="log.json"), tmp_path / "out")
+
+
+def test_json_of_any_depth_is_refused_in_a_line(tmp_path: Path) -> None:
+    for text in ('[{"a":' * 20_000, '[{"a":' * 20_000 + "1" + "}]" * 20_000):
+        with pytest.raises(InputError):
+            take(write(tmp_path, text, name="log.json"), tmp_path / "out")

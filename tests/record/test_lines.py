@@ -9,24 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gen.record import Recorder
-from gen.runs import Run, read_run
-
-HEAD = b"# model: my1016\r\n# reset: power\r\ntime_s,pwm,brush_degC,flags\r\n"
-
-
-def record(*pieces: bytes, step_s: float = 1.0) -> Recorder:
-    recorder = Recorder()
-    for i, piece in enumerate(pieces):
-        recorder.feed(piece, i * step_s)
-    recorder.finish()
-    return recorder
-
-
-def reread(recorder: Recorder, folder: Path) -> Run:
-    assert len(recorder.parts) == 1
-    file = folder / "run.csv"
-    file.write_text(recorder.parts[0].text(), encoding="utf-8")
-    return read_run(file, ["brush"])
+from tests.record.boards import HEAD, record, reread
 
 
 def test_rows_are_kept_as_printed_and_comments_come_first(tmp_path: Path) -> None:
@@ -76,53 +59,6 @@ def test_a_garbled_row_is_a_comment_and_counted(line: bytes, tmp_path: Path) -> 
     assert run.time_s.tolist() == [0.25, 0.75]
     assert run.comments["garbled"].startswith("after 0.250 s: 0.")
     assert run.comments["garbled_lines"] == "1"
-
-
-def sent(rows: int, damaged: dict[int, str], clock: float = 1.0, uptime_s: float = 0.0) -> Recorder:
-    """Rows every quarter of a second by the board, some with another time than they had."""
-    recorder = Recorder()
-    recorder.feed(HEAD, 0.0)
-    for i in range(rows):
-        time = damaged.get(i, f"{uptime_s + 0.25 * (i + 1):.3f}")
-        recorder.feed(f"{time},153,30.25,0\r\n".encode(), 0.25 * (i + 1) / clock)
-    recorder.finish()
-    return recorder
-
-
-@pytest.mark.parametrize("clock", [1.0, 100.0])  # an emulated board may run faster than the recorder's clock
-@pytest.mark.parametrize("uptime_s", [0.0, 9000.0])  # before the recording began
-@pytest.mark.parametrize("at", [0, 1, 2, 200, 399])
-@pytest.mark.parametrize("time", ["99100.250", "1e999", "1e300", "123456"])
-def test_a_damaged_time_costs_its_row_and_no_other(time: str, at: int, uptime_s: float, clock: float) -> None:
-    recorder = sent(400, {at: time}, clock, uptime_s)
-    assert (recorder.rows, recorder.garbled) == (399, 1)
-    kept = [float(row.partition(",")[0]) for row in recorder.parts[0].rows]
-    assert kept == [uptime_s + 0.25 * (i + 1) for i in range(400) if i != at]
-
-
-def test_a_damaged_time_that_the_clock_allows_costs_a_few_rows(tmp_path: Path) -> None:
-    recorder = sent(400, {200: "51.000"})  # for 50.25
-    assert recorder.rows >= 396
-    assert reread(recorder, tmp_path).time_s[-1] == 100.0
-
-
-def test_a_clock_that_truly_leaps_is_followed() -> None:
-    """Rows that were lost on the line, or a board that slept."""
-    recorder = Recorder()
-    recorder.feed(HEAD, 0.0)
-    times = [*(0.25 * i for i in range(1, 40)), *(5000.0 + 0.25 * i for i in range(40))]
-    for i, time in enumerate(times):
-        recorder.feed(f"{time:.3f},0,30.25,0\r\n".encode(), 0.25 * i)
-    recorder.finish()
-    assert (recorder.rows, recorder.garbled) == (len(times), 0)
-
-
-@given(noise=st.binary(max_size=300))
-def test_noise_on_the_line_never_breaks_the_file(noise: bytes, tmp_path_factory: pytest.TempPathFactory) -> None:
-    after = [f"{2.5 + 0.25 * i},0,30.25,0\r\n".encode() for i in range(3)]
-    recorder = record(HEAD, b"0.250,0,30.25,0\r\n", noise, b"\n", *after)
-    run = reread(recorder, tmp_path_factory.mktemp("noise"))
-    assert {0.25, 3.0} <= set(run.time_s.tolist())  # what is noise may read as a row, and cost one
 
 
 def test_a_restart_goes_on_in_the_same_file_by_the_recorders_clock(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing import clock
+from gen.importing.dates import MINUTES
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.guessing.names import BUSY, CHARGED, OF_DAY, TIME
@@ -219,12 +219,8 @@ def _form(
 
 def _hours_or_minutes(entry: Facts, told: str, confidence: float, why: str) -> tuple[TimeForm, list[Guess]]:
     """Whether `8:15` is a time of day or eight minutes: by where it begins and ends, by what it passes, by its name."""
-    pairs = [
-        tuple(map(int, re.split("[:.,]", text)[:2])) for cell in entry.texts if (text := cell.strip()) and ":" in text
-    ]
-    pairs = [pair for pair in pairs if len(pair) == 2]
-    firsts = [first for first, _ in pairs]
-    over_midnight = any(one >= _LAST_HOUR > 0 == other for one, other in pairwise(firsts))
+    firsts = [int(match[1]) for cell in entry.texts if (match := MINUTES.fullmatch(cell.strip()))]
+    over_midnight = any(one == _LAST_HOUR and other == 0 for one, other in pairwise(firsts))
     if told in _HOURS_OR_MINUTES:
         unit, sure, reason = _HOURS_OR_MINUTES[told], CERTAIN, "--unit"
     elif over_midnight and max(firsts) == _LAST_HOUR:

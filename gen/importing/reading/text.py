@@ -23,7 +23,7 @@ from gen.importing.reading.pairs import is_keyed
 from gen.importing.reading.published import is_published, published_table
 from gen.importing.table import Reading, Table
 
-_BEGINS_AS_JSON = re.compile(r'\s*\ufeff?\s*(?:\[\s*[{\[]|\{\s*")')
+_BEGINS_AS_JSON = re.compile(r'\s*\ufeff?\s*(?:\[\s*\{|\{\s*")')
 
 
 def read_text(file: Path, data: bytes, given: Reading) -> Table:
@@ -78,6 +78,8 @@ def _check_whole(text: str) -> None:
     except json.JSONDecodeError as error:
         place = f"line {error.lineno}, column {error.colno}"
         raise InputError(f"begins as JSON and is none from here on ({error.msg})", place=place) from None
+    except RecursionError:
+        raise InputError("is JSON of more depth than any log has") from None
 
 
 def _with_delimiter(reading: Reading, lines: list[str]) -> Reading:

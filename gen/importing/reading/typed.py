@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gen.errors import InputError
-from gen.importing.clock import fine
+from gen.importing.clock import in_nanoseconds
 from gen.importing.reading.delimited import MOST_COLUMNS
 from gen.importing.table import Cells, Column, InstantArray, Reading, Table, unique_names
 
@@ -62,10 +62,11 @@ def _of_arrow(column: pa.ChunkedArray[Any]) -> Cells:
     kind = column.type
     if pa.types.is_timestamp(kind):
         plain = column.cast(pa.timestamp(kind.unit))  # of a zone: in UTC
-        stamps = fine(plain.to_numpy(zero_copy_only=False))
-        return stamps if (stamps != stamps.astype("datetime64[D]")).any() else _days(stamps)
+        stamps = in_nanoseconds(plain.to_numpy(zero_copy_only=False))
+        known = stamps[~np.isnat(stamps)]
+        return stamps if (known != known.astype("datetime64[D]")).any() else _days(stamps)
     if pa.types.is_date(kind):
-        return _days(fine(column.cast(pa.date32()).to_numpy(zero_copy_only=False)))
+        return _days(in_nanoseconds(column.cast(pa.date32()).to_numpy(zero_copy_only=False)))
     if pa.types.is_duration(kind):
         return np.asarray(pd.to_timedelta(column.to_pandas()).dt.total_seconds(), dtype=np.float64)
     if (

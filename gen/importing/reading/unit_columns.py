@@ -28,10 +28,10 @@ def with_units(columns: Sequence[Column]) -> list[Column]:
         if not isinstance(column.cells, list) or before.unit or not _NAMED.fullmatch(column.name):
             continue
         said = {cell.strip() for cell in column.cells} - {""}
-        units = {unit for unit in map(unit_of, said) if unit is not None}
-        if not units or len(said) != len([text for text in said if unit_of(text)]):
-            continue
-        if TIME.fullmatch(before.name.casefold()) and {unit.quantity for unit in units} != {TIME_QUANTITY}:
+        quantities = {unit.quantity if unit is not None else "" for unit in map(unit_of, said)}
+        if len(quantities) != 1 or "" in quantities:
+            continue  # of several quantities: a row for each sensor
+        if TIME.fullmatch(before.name.casefold()) and quantities != {TIME_QUANTITY}:
             continue  # it is meant for what follows
         if len(said) == 1:
             made[i - 1] = replace(before, unit=next(iter(said)))

@@ -21,7 +21,7 @@ from gen.importing.table import Counted, Reading, Table
 _PERCENT = re.compile(r'^(?:[^"\\%]|"[^"]*"|\\.)*%')
 """A number format that shows a share of 1 in percent; a quoted mark is only text."""
 
-_WITH_COMMA, _WITH_POINT = re.compile(r"[+-]?\d+,\d+"), re.compile(r"[+-]?\d+\.\d+")
+_WITH_COMMA = re.compile(r"[+-]?\d+,\d+")
 _THOUSAND = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _STAMP, _MIDNIGHT = re.compile(r"\d{4}-\d{2}-\d{2}T\S+"), "T00:00:00"
 
@@ -103,8 +103,7 @@ def _commas_to_points(rows: list[list[str]]) -> None:
     """Points in columns of numbers that were typed as text with decimal commas, in place."""
     for i in range(len(rows[0]) if rows else 0):
         typed = [row for row in rows if _WITH_COMMA.fullmatch(row[i])]
-        plainly = any(not _THOUSAND.fullmatch(row[i]) for row in typed)
-        if plainly and not any(_WITH_POINT.fullmatch(row[i]) and row[i].count(".") for row in rows):
+        if any(not _THOUSAND.fullmatch(row[i]) for row in typed):
             for row in typed:
                 row[i] = row[i].replace(",", ".")
 
