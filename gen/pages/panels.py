@@ -1,7 +1,7 @@
 """Panels over one another with one axis of time, as inline SVG, coloured by the page's style sheet.
 
 Drawn in a box of 360 units' width, about the width of a phone, so that letters stay readable there. What a line is
-(``measured``, ``before``, ``after``, ``drive``) is its class; the page gives colours and dashes to them.
+(``measured``, ``before``, ``after``, ``drive``, ``band``) is its class; the page gives colours and dashes to them.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Course:
     x, y
         As many numbers each.
     shape
-        "line", "dots", or "steps" for what is held until the next point.
+        "line", "dots", "steps" for what is held until the next point, or "area" for the outline of a surface.
     """
 
     role: str
@@ -53,12 +53,15 @@ class Panel:
         In units.
     from_zero
         Whether zero belongs to the axis.
+    reaching
+        Values that belong to it as well, so that several drawings have one scale.
     """
 
     label: str
     courses: tuple[Course, ...]
     height: float
     from_zero: bool = False
+    reaching: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -142,7 +145,7 @@ def _panel(panel: Panel, across: _Scale, top: float) -> list[str]:
 
 def _range(panel: Panel) -> tuple[float, float]:
     """From the least to the largest value, with a margin of a twentieth where it does not end at zero."""
-    values = [y for course in panel.courses for y in course.y] + [0.0] * panel.from_zero
+    values = [y for course in panel.courses for y in course.y] + [0.0] * panel.from_zero + list(panel.reaching)
     low, high = min(values), max(values)
     margin = 0.05 * (high - low) or 0.5
     if not panel.from_zero:
@@ -157,7 +160,8 @@ def _course(course: Course, across: _Scale, up: _Scale) -> str:
     if course.shape == "steps":
         (x, y), *rest = points
         return f'<path class="{course.role}" d="M{x:.1f} {y:.1f}{"".join(f"H{x:.1f}V{y:.1f}" for x, y in rest)}"/>'
-    return f'<path class="{course.role}" d="M{"L".join(f"{x:.1f} {y:.1f}" for x, y in points)}"/>'
+    end = "Z" if course.shape == "area" else ""
+    return f'<path class="{course.role}" d="M{"L".join(f"{x:.1f} {y:.1f}" for x, y in points)}{end}"/>'
 
 
 def _text(x: float, y: float, text: str, kind: str) -> str:

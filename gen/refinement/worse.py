@@ -6,10 +6,12 @@ from pathlib import Path
 
 from gen.refinement.errors import Errors
 from gen.refinement.run_errors import Score, total
-from gen.refinement.verdict import Verdict
+from gen.refinement.verdict import NOTHING, Verdict
 
 WORSE, WORSE_K = 1.05, 0.02
 """Test runs get worse by more than 5 %, and by more than any sensor tells, K."""
+SPOILED = 1.5
+"""Times as much by which a run that the file explains has to be missed with what was found, noise included."""
 TOLD = " But with what was found the test runs are missed by more than before: it does not hold for them."
 """What a report says beside its verdict then."""
 _LOWERED: dict[Verdict, Verdict] = {"explained": "partly explained", "nothing missing": "unexplained"}
@@ -39,6 +41,39 @@ def told_worse(before: Errors, after: Errors) -> list[str]:
         f"{old.rmse_K:.3g} K; all test runs together are not worse"
         for run, (old, new) in alone.items()
         if _worse(old, new)
+    ]
+
+
+def spoiled(before: Errors, after: Errors, noise_K: float) -> list[str]:
+    """A sentence where runs that the file explains are missed with what was found: it is not in all of them.
+
+    Parameters
+    ----------
+    before, after
+        Of the file, and with what was found.
+    noise_K
+        Of single readings.
+
+    Returns
+    -------
+    list of str
+        Empty where no such run was given to fit.
+    """
+    good, worst = [], 0.0
+    others = []
+    for run, scores in before.fit.items():
+        old, new = total(scores.values()).rmse_K, total(after.fit[run].values()).rmse_K
+        if old > NOTHING * noise_K:
+            others.append(Path(run).name)
+        elif new > SPOILED * max(old, noise_K):
+            good.append(Path(run).name)
+            worst = max(worst, new / old)
+    if not good:
+        return []
+    return [
+        f"{', '.join(good)}: explained by the file as it is, and missed by up to {worst:.2g} times as much with what "
+        f"was found from {', '.join(others) or 'the others'}: that is not in all runs, so nothing of it is written. "
+        "Something was otherwise in some of them that no column holds: log it, or refine the runs that are alike apart"
     ]
 
 

@@ -11,7 +11,7 @@ import gen
 from gen.cli import main
 from gen.refinement.errors import Errors
 from gen.refinement.run_errors import Score
-from gen.refinement.worse import got_worse, lowered, told_worse
+from gen.refinement.worse import got_worse, lowered, spoiled, told_worse
 from tests.refinement.network.motor import read, run, tree, write
 
 
@@ -35,6 +35,29 @@ def test_one_test_run_that_got_worse_beside_better_ones_is_named() -> None:
     before, after = of(2.0, 0.5), of(0.4, 0.7)
     assert not got_worse(before, after)
     assert [said.split(":")[0] for said in told_worse(before, after)] == ["run_1.csv"]
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "torn"),
+    [
+        ((0.1, 2.0), (0.5, 1.0), True),  # one run was explained, and is not any more
+        ((0.1, 2.0), (0.13, 0.3), False),  # a little, which the noise of 0.1 K hides
+        ((0.5, 2.0), (0.9, 0.5), False),  # was not explained before
+        ((0.04, 2.0), (0.12, 0.1), False),  # less than noise before, about noise after
+        ((0.1, 0.1), (0.1, 0.1), False),
+    ],
+)
+def test_runs_that_the_file_explains_must_not_pay_for_others(
+    before: tuple[float, ...], after: tuple[float, ...], torn: bool
+) -> None:
+    def fitted(rmse_K: tuple[float, ...]) -> Errors:
+        return Errors(fit=of(*rmse_K).test)
+
+    said = spoiled(fitted(before), fitted(after), noise_K=0.1)
+    assert bool(said) is torn
+    if torn:
+        assert said[0].startswith("run_0.csv: explained by the file as it is, and missed by up to 5 times as much")
+        assert "run_1.csv" in said[0]
 
 
 def test_what_makes_test_runs_worse_explains_nothing() -> None:

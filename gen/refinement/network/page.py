@@ -12,6 +12,7 @@ from gen.model.network import Network
 from gen.pages.environment import page_environment
 from gen.pages.network_drawing import DrawnNode, DrawnPath, network_svg
 from gen.pages.panels import panels_svg
+from gen.refinement.network.heat_charts import heat_story
 from gen.refinement.network.refine import NetworkRefinement
 from gen.refinement.network.search import Step
 from gen.refinement.run_charts import run_pictures
@@ -52,6 +53,7 @@ def network_refinement_page(found: NetworkRefinement, baseline: Coefficients, re
         pictures=pictures,
         not_drawn=not_drawn,
         changed=found.after is not found.before,
+        heat=None if found.missing is None else heat_story(found.missing, found.before, short),
         drawings=_drawings(found, baseline, refined),
         steps=_steps(found),
         effects=[_effect(effect) for effect in found.effects],

@@ -13,19 +13,20 @@ from gen.coefficients import Coefficients, parse
 from gen.reference.simulate import simulate_run
 from gen.refinement.condense import check_apart, check_measured, read_measured
 from gen.refinement.errors import Errors, missed, said_of
-from gen.refinement.network.ambient import moving_ambient
+from gen.refinement.network.ambient import MovingAmbient, moving_ambient
 from gen.refinement.network.changed import looks_like_a_change
 from gen.refinement.network.effects.walls import Walls
 from gen.refinement.network.effects.warm_start import WarmStart, warm_start
 from gen.refinement.network.entries import ambient_entry, considered_entry, effect_entry, start_entry
 from gen.refinement.network.folds import described
+from gen.refinement.network.missing_heat import MissingHeat, missing_heat
 from gen.refinement.network.planned import Settled, settled
 from gen.refinement.network.prepared import prepared
 from gen.refinement.network.trace import Traced, trace
-from gen.refinement.network.written import offered_anew, written
+from gen.refinement.network.written import Written, offered_anew, written
 from gen.refinement.run_errors import compared
 from gen.refinement.verdict import EXPLAINED, NOTHING, Verdict
-from gen.refinement.worse import got_worse, lowered, told_worse
+from gen.refinement.worse import got_worse, lowered, spoiled, told_worse
 
 WALLS_ALONE = (
     "ambient: walls that lag behind the air were found, but a fixed ambient predicts as well as these and the measured "
@@ -55,6 +56,8 @@ class NetworkRefinement:
         What to look at, one sentence each.
     planned
         Of runs that `gen plan` asked for: whether they told what they were to tell.
+    missing
+        The heat over time that would explain what is left, where much is.
     """
 
     text: str
@@ -66,6 +69,7 @@ class NetworkRefinement:
     traced: Traced
     warnings: list[str]
     planned: tuple[Settled, ...] = ()
+    missing: MissingHeat | None = None
 
     @property
     def tests_worse(self) -> bool:
@@ -91,6 +95,7 @@ class NetworkRefinement:
             "noise_floor_K": self.traced.null.noise_K,
             "considered": [considered_entry(step) for step in self.traced.steps],
             "planned": [one.summary() for one in self.planned],
+            "missing_heat": None if self.missing is None else self.missing.summary(),
             "warnings": self.warnings,
         }
 
@@ -131,6 +136,9 @@ def refine_network(
     room = moving_ambient(coefficients, runs, data, traced)
     start = warm_start(data, traced.final)
     changes = [looks_like_a_change(found.effect, found.values, data) for found in traced.added]
+    missing = missing_heat(traced, changes, [name for name, _ in runs])
+    # What comes and goes is no change of the motor: what stood for it on average is told as what it is, and not named.
+    loads = missing is not None and missing.comes_and_goes and not accept_change
     kept = [found.effect for found, change in zip(traced.added, changes, strict=True) if accept_change or not change]
     # Walls about an ambient that the file holds for fixed would be no walls.
     fixed = room is None and coefficients.model.ambient_channel is None
@@ -140,29 +148,42 @@ def refine_network(
         kept = []
     made = written(coefficients, raw, traced, kept, room, start.factors, accept_change=accept_change)
     anew = "" if made.refitted else offered_anew(traced)
-    warnings += [said for said in (*changes, made.refused, anew) if said]
+    warnings += [] if missing is None else missing.warnings([effect.name for effect in kept])
+    warnings += [said for said in (*([] if loads else changes), made.refused, anew) if said]
     warnings += [
         f"{one.effect.component}: {one.effect.name} was found first, and is not needed beside what was found after it"
         for one in traced.dropped
     ]
-    effects = [] if room is None else [ambient_entry(room)]
-    for step, change in zip(traced.steps, changes, strict=False):
-        assert step.added is not None  # the last search alone may have added nothing
-        effects.append(effect_entry(step, step.added, traced, change))
-    effects += [start_entry(start)] if start.factors else []
+    effects = _entries(traced, changes, room, start, changes_too=not loads)
     kept_paths = [Path(name) for name, _ in runs]
     before = _errors(coefficients, kept_paths, test_paths, lambda path: progress(f"judging {path}"))
     after = before
     if made.text != raw:
         refined = parse(made.text.encode())
         after = _errors(refined, kept_paths, test_paths, lambda path: progress(f"judging {path} with what was found"))
+    torn = [] if accept_change else spoiled(before, after, traced.null.noise_K)
+    if torn:
+        made, after = Written(raw), before
+        warnings += torn
     holds = not made.refused and not no_walls and not any(changes)
     holds = holds and all(found.effect.held_by_the_file for found in traced.added)
     verdict = _verdict(traced, start, anything=bool(effects), holds=holds)
-    verdict = lowered(verdict) if got_worse(before, after) else verdict
+    verdict = "unexplained" if torn else lowered(verdict) if got_worse(before, after) else verdict
     told, ignored = settled(runs, traced)
     warnings += [*ignored, *said_of(test_paths, before), *told_worse(before, after), *missed(after)]
-    return NetworkRefinement(made.text, before, after, effects, verdict, made.refitted, traced, warnings, told)
+    return NetworkRefinement(made.text, before, after, effects, verdict, made.refitted, traced, warnings, told, missing)
+
+
+def _entries(
+    traced: Traced, changes: Sequence[str], room: MovingAmbient | None, start: WarmStart, *, changes_too: bool
+) -> list[dict[str, Any]]:
+    """What was found as the summary has it; of what may be another motor only where that is told."""
+    made = [] if room is None else [ambient_entry(room)]
+    for step, change in zip(traced.steps, changes, strict=False):
+        assert step.added is not None  # the last search alone may have added nothing
+        if changes_too or not change:
+            made.append(effect_entry(step, step.added, traced, change))
+    return made + ([start_entry(start)] if start.factors else [])
 
 
 def _verdict(traced: Traced, start: WarmStart, *, anything: bool, holds: bool) -> Verdict:

@@ -8,13 +8,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.bins import Binned, FloatArray
 from gen.identification.network.fitting.inputs import Inputs
 
 WINDOW_S = 600.0
 """Errors are averaged over this time (or an eighth of the run); the scatter of the means is the density."""
 LEAST_K, LEAST_S = 0.05, 600.0
 """No residual is taken for better than errors of this size that last for this long."""
+
+
+def independent(run: Binned) -> FloatArray:
+    """Give the density of errors that no fit undercuts: the sensors' noise, and `LEAST_K`; shape (S,), K^2 s."""
+    return np.asarray(np.nan_to_num(run.noise_K) ** 2 * np.nan_to_num(run.sample_s) + LEAST_K**2 * LEAST_S)
 
 
 def density(inputs: Inputs, residual: FloatArray) -> FloatArray:
@@ -36,7 +41,7 @@ def density(inputs: Inputs, residual: FloatArray) -> FloatArray:
             sums = np.bincount(index, residual[row, s] * cover)
             total += float(np.sum(sums**2))
             time += float(cover.sum())
-            floor += float(cover.sum()) * (run.noise_K[s] ** 2 * run.sample_s[s] + LEAST_K**2 * LEAST_S)
+            floor += float(cover.sum()) * float(independent(run)[s])
         found[s] = max(total, floor) / time if time > 0.0 else 1.0
     return found
 

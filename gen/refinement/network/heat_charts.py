@@ -1,0 +1,115 @@
+"""The heat that would explain what is left, over time, as the report draws it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen.pages.panels import Course, Panel, Panels
+from gen.refinement.errors import Errors
+from gen.refinement.network.effects.base import WHOLE
+from gen.refinement.network.heat_course import RunHeat
+from gen.refinement.network.missing_heat import MissingHeat
+from gen.refinement.network.uneven import Pattern
+from gen.refinement.run_charts import LONG_S
+
+MOST_CHARTS, MOST_POINTS = 12, 300
+_MEANING: dict[Pattern, str] = {
+    "even": "It is about the same whenever a speed is run again, so a number of the file, or a part that it lacks, may "
+    "be the reason.",
+    "comes and goes": "It comes and goes at the same speed, so no number of the file is the reason: something that no "
+    "column holds was on at times. Whoever was there may know it by its times.",
+    "by run": "At the same speed it is another one in each run: something was otherwise in some of them.",
+    "since": "At the same speed it is another one from some time on: something changed for good.",
+}
+
+
+@dataclass(frozen=True)
+class HeatStory:
+    """What the page tells.
+
+    Attributes
+    ----------
+    place, beside
+        Where the heat is, and where else it may be.
+    meaning
+        A sentence.
+    charts
+        One for each run.
+    not_drawn
+        A sentence where there are more runs than are drawn.
+    """
+
+    place: str
+    beside: str
+    meaning: str
+    charts: tuple[Panels, ...]
+    not_drawn: str
+
+
+def heat_story(missing: MissingHeat, errors: Errors, short: dict[str, str]) -> HeatStory:
+    """Tell and draw it.
+
+    Parameters
+    ----------
+    missing
+        What was found.
+    errors
+        For each run's PWM.
+    short
+        Names of the runs as the page has them.
+    """
+    courses = missing.course.runs
+    # One scale for all: runs are compared.
+    ends = [one.heat_W + sign * one.deviation_W for one in courses for sign in (-1.0, 1.0)]
+    low, high = min(float(end.min()) for end in ends), max(float(end.max()) for end in ends)
+    charts = tuple(_chart(one, missing, errors, short, (low, high)) for one in courses[:MOST_CHARTS])
+    more = len(courses) - len(charts)
+    return HeatStory(
+        place=_place(missing.course.component),
+        beside=f" (or, nearly as likely, {', '.join(_place(name) for name in missing.places)})" * bool(missing.places),
+        meaning=_MEANING[missing.uneven.pattern],
+        charts=charts,
+        not_drawn=f"{more} more runs are in the JSON summary." if more else "",
+    )
+
+
+def _place(component: str) -> str:
+    return "in all parts, as the file's heats are" if component == WHOLE else f"at {component}"
+
+
+def _chart(
+    one: RunHeat, missing: MissingHeat, errors: Errors, short: dict[str, str], ends: tuple[float, float]
+) -> Panels:
+    name = missing.names[one.run]
+    curve = errors.curves[name]
+    unit, seconds = ("h", 3600.0) if curve.span_s > LONG_S else ("min", 60.0)
+    time = one.time_s / seconds
+    outline = np.concatenate([one.heat_W + one.deviation_W, (one.heat_W - one.deviation_W)[::-1]])
+    pwm = curve.pwm.thinned(MOST_POINTS)
+    return Panels(
+        identifier=f"heat-{one.run}",
+        title=short[name],
+        description=f"Missing heat of {missing.course.component}, from {one.heat_W.min():.3g} to "
+        f"{one.heat_W.max():.3g} W; below, PWM.",
+        x_label=f"time ({unit})",
+        panels=(
+            Panel(
+                "W",
+                (
+                    Course("band", np.concatenate([time, time[::-1]]).tolist(), outline.tolist(), "area"),
+                    Course("after", time.tolist(), one.heat_W.tolist()),
+                ),
+                110.0,
+                from_zero=True,
+                reaching=ends,
+            ),
+            Panel(
+                "PWM",
+                (Course("drive", ((pwm.time_s - curve.start_s) / seconds).tolist(), pwm.values.tolist(), "steps"),),
+                48.0,
+                from_zero=True,
+            ),
+        ),
+    )

@@ -1,0 +1,134 @@
+"""The heat over time that would explain what is left: where it is, how much, and whether it goes with speed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.data import make_data
+from gen.refinement.network.fit import Bench
+from gen.refinement.network.heat_course import HeatCourse, heat_courses
+from gen.refinement.network.uneven import Uneven, told, uneven
+from gen.runs import Run
+from tests.refinement.network.motor import HOURS, ROW_S, FloatArray, Tree, read, run, tree
+
+LOAD_W = 4.0
+NAMES = ("one.csv", "two.csv", "three.csv")
+
+
+def time_s() -> FloatArray:
+    return ROW_S * np.arange(int(HOURS * 3600.0 / ROW_S), dtype=np.float64)
+
+
+def loaded(where: str) -> Tree:
+    """The motor with heat of a load, in W, that a column tells; no run file has that column afterwards."""
+    motor = tree()
+    motor["network"]["channels"] = [{"column": "load_W", "range": [0, 10], "neutral": 0}]
+    motor["network"]["heats"].append(
+        {"node": where, "power_W": {"poly": [1.0], "at_rest": 1.0}, "factors": [{"channel": "load_W", "poly": [1, 0]}]}
+    )
+    return motor
+
+
+def courses(motor: Tree, loads: list[FloatArray] | None = None) -> list[HeatCourse]:
+    """What is missing in runs of a motor, with the small motor's file."""
+    runs: list[tuple[str, Run]] = []
+    for number, name in enumerate(NAMES):
+        channels = None if loads is None else {"load_W": loads[number]}
+        runs.append((name, replace(run(read(motor), 20 + number, channels), extras={})))
+    bench = Bench(make_data(read(tree()), runs))
+    network = read(tree()).model.network
+    assert network is not None
+    base = bench.first(Anchored(network, 255, bench.data.columns))
+    return heat_courses(bench, base, base.shape)
+
+
+def judged(found: list[HeatCourse]) -> Uneven:
+    made = uneven(found)
+    assert made is not None
+    return made
+
+
+def on_and_off(period_s: float) -> list[FloatArray]:
+    return [
+        LOAD_W * np.asarray((time_s() + 700.0 * number) % period_s < 0.5 * period_s, dtype=np.float64)
+        for number in range(len(NAMES))
+    ]
+
+
+@pytest.mark.parametrize("where", ["winding", "casing"])
+def test_a_load_that_nobody_logged_is_seen_where_and_when_it_was(where: str) -> None:
+    loads = on_and_off(3600.0)
+    found = courses(loaded(where), loads)
+    assert found[0].component == where
+    assert found[0].left < 0.1
+    for one, load in zip(found[0].runs, loads, strict=True):
+        true = np.array([load[np.abs(time_s() - middle) < 150.0].mean() for middle in one.time_s])
+        held = (true == 0.0) | (true == LOAD_W)  # blocks in which it does not change
+        assert np.corrcoef(one.heat_W, true)[0, 1] > 0.9
+        away = (one.heat_W - true)[held]
+        assert np.abs(np.median(away)) < 0.05 * LOAD_W  # all heats together are known to some percent
+        assert np.mean(np.abs(away) < 3.0 * one.deviation_W[held] + 0.2) > 0.9
+    said = judged(found)
+    assert said.pattern == "comes and goes"
+    assert said.high_W - said.low_W == pytest.approx(LOAD_W, rel=0.1)
+    assert where in told(said, found[0].component, NAMES)
+
+
+def test_heat_of_one_run_alone_is_told_by_run() -> None:
+    still = np.zeros_like(time_s())
+    found = courses(loaded("casing"), [still, still + LOAD_W, still])
+    said = judged(found)
+    assert said.pattern == "by run"
+    assert said.levels_W[1] - said.levels_W[0] == pytest.approx(LOAD_W, rel=0.1)
+    assert "two.csv +" in told(said, found[0].component, NAMES)
+
+
+def test_heat_that_begins_and_stays_is_told_since_when() -> None:
+    since = 1.5
+    still = np.zeros_like(time_s())
+    half = np.where(time_s() > 3600.0 * since, LOAD_W, 0.0)
+    found = courses(loaded("winding"), [still, half, still + LOAD_W])
+    said = judged(found)
+    assert (found[0].component, said.pattern) == ("winding", "since")
+    assert said.since is not None
+    run_number, earliest_h, latest_h = said.since  # in between it stood still
+    assert run_number == 1
+    assert earliest_h < since < latest_h
+    assert "into two.csv" in told(said, "winding", NAMES)
+
+
+def worn() -> Tree:
+    motor = tree()
+    motor["network"]["heats"][0]["power_W"]["poly"] = [0.00021, 0.014, 0.0]
+    return motor
+
+
+def finned() -> Tree:
+    motor = tree()
+    motor["network"]["nodes"].append({"name": "fins", "capacity_J_per_K": 300})
+    motor["network"]["paths"] += [
+        {"between": ["casing", "fins"], "conductance_W_per_K": {"poly": [0.25]}},
+        {"between": ["fins", "ambient"], "conductance_W_per_K": {"poly": [0.1]}},
+    ]
+    return motor
+
+
+def slack() -> Tree:
+    motor = tree()
+    motor["network"]["paths"][0]["conductance_W_per_K"] = {"poly": [0.2]}
+    return motor
+
+
+@pytest.mark.parametrize("motor", [worn(), finned(), slack()], ids=["worn", "a mass more", "a loose joint"])
+def test_what_a_file_can_hold_goes_with_speed(motor: Tree) -> None:
+    said = uneven(courses(motor))
+    assert said is None or said.pattern == "even"
+    assert said is None or told(said, "winding", NAMES) == ""
+
+
+def test_of_a_healthy_motor_no_heat_is_missing() -> None:
+    assert max(one.evidence for one in courses(tree())) < 20.0
