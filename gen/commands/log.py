@@ -28,9 +28,11 @@ def log(port: str, out: Path, baud: int, duration: float | None, profile: str | 
     Rows are kept as printed; comment lines move to the front; garbled lines become comments and are counted. When the
     board restarts, the recording goes on in the same file. The file is written at the end, or on Ctrl-C with what came
     until then; so it is when an emulated board (gen emulate --pty) has come to its end.
+
+    With --profile the motor is armed before its first PWM other than 0, and not again after the board has restarted.
     """
     from gen.files import check_outputs
-    from gen.record.port import record_port, write_parts
+    from gen.record.port import record_port, refused, write_parts
     from gen.record.profile import carried_comments, parse_profile
 
     steps = parse_profile(profile) if profile is not None else ()
@@ -47,6 +49,10 @@ def log(port: str, out: Path, baud: int, duration: float | None, profile: str | 
     for path, part in zip(write_parts(recorder, out), recorder.parts, strict=True):
         click.echo(f"{path}: {len(part.rows)} rows")
     click.echo(f"  {recorder.garbled} garbled lines, {restarts} restarts, {recorder.unheaded} lines before the header")
+    if steps and refused(recorder):
+        click.echo(
+            f"warning: the board refused to drive the motor {refused(recorder)} times: it was not armed", err=True
+        )
     if recording.closed:
         click.echo(f"  the line was closed after {recording.seconds:.0f} s")
     if recording.lost:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -22,6 +23,8 @@ _ASK_AFTER_S = 3.0
 _ASK_EVERY_S = 2.0
 _PSEUDO_TERMINALS = ("/dev/pts/", "/dev/ttys")  # Linux, macOS
 ASK_HEADER = b"?\n"
+ARM = b"arm\n"
+_REFUSED = re.compile(r"# event: \S+ not armed")
 
 
 @dataclass
@@ -69,8 +72,9 @@ def record_port(
     duration_s
         How long after the first header, s; None: until interrupted.
     profile
-        PWM to command, with its times counted from the first header. After a restart of the board the present one is
-        commanded again.
+        PWM to command, with its times counted from the first header; the motor is armed before the first one other than
+        0. After a restart of the board the present one is commanded again, and not armed: whatever made the board start
+        anew, nobody has looked at the motor since.
     progress
         Called some times a second.
 
@@ -132,11 +136,12 @@ def _listen(
 
 
 class Commander:
-    """Turns a profile into the board's commands."""
+    """Turns a profile into the board's commands, and arms the motor once: whoever gives a profile wants it to turn."""
 
     def __init__(self, profile: Profile) -> None:
         self._profile = profile
         self._next = 0
+        self._armed = False
 
     def due(self, time_s: float) -> bytes:
         """The command for the PWM that acts at a time, empty when it has been given."""
@@ -144,11 +149,19 @@ class Commander:
         while self._next < len(self._profile) and self._profile[self._next][0] <= time_s:
             command = b"%d\n" % self._profile[self._next][1]
             self._next += 1
+        if command not in (b"", b"0\n") and not self._armed:
+            self._armed = True
+            return ARM + command
         return command
 
     def repeat(self) -> None:
         """Let the present command be given once more: the board has started again and forgot it."""
         self._next = max(self._next - 1, 0)
+
+
+def refused(recorder: Recorder) -> int:
+    """Count the events by which the board said that it drives nothing, since it is not armed."""
+    return sum(bool(_REFUSED.match(line)) for part in recorder.parts for line in part.comments)
 
 
 def write_parts(recorder: Recorder, out: Path) -> list[Path]:

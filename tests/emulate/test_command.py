@@ -195,6 +195,20 @@ def test_the_line_s_end_ends_a_recording_in_order(home: dict[str, str], tmp_path
     assert len(read_run(tmp_path / "log.csv").time_s) == len(read_run(tmp_path / "run.csv").time_s)
 
 
+def test_a_profile_that_is_recorded_drives_a_board_that_nobody_has_armed(home: dict[str, str], tmp_path: Path) -> None:
+    port, out = tmp_path / "port", tmp_path / "log.csv"
+    command = [sys.executable, "-m", "gen", "emulate", str(COEFFICIENTS), "--out", str(tmp_path / "run.csv")]
+    command += ["--pty", str(port), "--duration", "60", "--time-lapse", "10", "--profile", "0:0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=home) as running:
+        assert running.stderr is not None
+        running.stderr.readline()
+        log = [sys.executable, "-m", "gen", "log", str(port), "--out", str(out), "--profile", "0:0,1:153"]
+        done = subprocess.run(log, capture_output=True, text=True, check=False, timeout=120.0)
+        running.communicate(timeout=60.0)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert read_run(out).pwm[-1] == 153
+
+
 def test_the_clock_may_start_anywhere_up_to_its_rollover(refuse: Refuse, tmp_path: Path) -> None:
     out = ("--out", tmp_path / "run.csv")
     assert "--clock" not in refuse(tmp_path / "missing.json", *out, "--clock", str(2**32 - 1))

@@ -166,7 +166,7 @@ def test_the_profile_is_commanded_and_repeated_after_a_restart(
     thread.start()
     recording = record_port(port, duration_s=1.0, profile=((0.0, 153), (0.4, -20)))
     thread.join()
-    assert heard == [b"153\n", b"-20\n", b"-20\n"]
+    assert heard == [b"arm\n153\n", b"-20\n", b"-20\n"]  # a board that restarts is not armed by a recorder
     assert recording.recorder.rows == 2
 
 
@@ -254,9 +254,14 @@ def test_a_bad_profile_is_refused(text: str) -> None:
 
 def test_a_step_is_commanded_once() -> None:
     commander = Commander(((0.0, 1), (10.0, 2), (10.2, 3)))
-    assert [commander.due(t) for t in (0.0, 5.0, 10.1, 11.0)] == [b"1\n", b"", b"2\n", b"3\n"]
+    assert [commander.due(t) for t in (0.0, 5.0, 10.1, 11.0)] == [b"arm\n1\n", b"", b"2\n", b"3\n"]
     commander.repeat()
     assert commander.due(12.0) == b"3\n"
+
+
+def test_the_motor_is_armed_when_it_is_to_turn() -> None:
+    commander = Commander(((0.0, 0), (10.0, 20), (20.0, 0), (30.0, 40)))
+    assert [commander.due(t) for t in (0.0, 10.0, 20.0, 30.0)] == [b"0\n", b"arm\n20\n", b"0\n", b"40\n"]
 
 
 def test_the_duration_counts_from_the_board_s_header(monkeypatch: pytest.MonkeyPatch) -> None:
