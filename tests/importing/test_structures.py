@@ -105,6 +105,18 @@ def test_records_of_fields_and_tags(tmp_path: Path) -> None:
     assert run.comments["started"].startswith("2026-03-02T08:15:00")
 
 
+@pytest.mark.parametrize("tags", [None, {}])
+def test_records_without_tags_from_time_0_on(tags: object, tmp_path: Path) -> None:
+    lines = []
+    for row in TRUE.itertuples():
+        at = row.Index  # s since the board began
+        lines.append({"fields": {"temp": row.winding_degC}, "tags": {"sensor": "winding"}, "timestamp": at})
+        lines.append({"fields": {"pwm": row.pwm}, "tags": tags, "timestamp": at})
+    log = write(tmp_path, "\n".join(map(json.dumps, lines)), name="telegraf.json")
+    run = taken(log, tmp_path / "out", units={"timestamp": "s", "pwm": "counts"})
+    same(run, TRUE[["pwm", "winding_degC"]].assign(time_s=np.arange(len(TRUE))))
+
+
 def test_json_that_breaks_off_is_told_where(tmp_path: Path) -> None:
     text = json.dumps([{"time_s": row.time_s, "T1": row.winding_degC} for row in TRUE.itertuples()], indent=1)
     with pytest.raises(InputError, match=r"line 3\d\d, column \d+: begins as JSON and is none from here on"):

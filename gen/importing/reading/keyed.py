@@ -14,7 +14,7 @@ from gen.importing.listing import listed
 from gen.importing.reading.delimited import MOST_COLUMNS, keyed_comments
 from gen.importing.reading.lines import Lines
 from gen.importing.reading.pairs import LONGEST, SAMPLE, kinds_of, names_in, record_of
-from gen.importing.reading.telegraf import is_tagged, of_one_time
+from gen.importing.reading.tagged import is_tagged, of_one_time
 from gen.importing.reading.told_units import units_within, with_told_units
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
