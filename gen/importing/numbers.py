@@ -22,7 +22,7 @@ _PLAIN = str.maketrans("", "", "0123456789+-.eE \n")
 _GROUPED = re.compile(r"(?<=\d)[ \u00a0\u202f'’](?=\d{3}(?!\d))")
 _SIGN_APART = re.compile(r"^([+-])\s+(?=[\d.,])")
 """Columns of one width: `+   23.4`."""
-_WITH_UNIT = re.compile(r"(\S*\d\.?)\s*([^\d\s.,+-].{0,9})")
+_WITH_UNIT = re.compile(r"(\S*\d\.?)(?:\s*([^\d\s.,+-].{0,9})|\s+(1/(?:min|s)))")
 
 
 @dataclass(frozen=True)
@@ -122,8 +122,9 @@ def _number(text: str, decimal: str) -> tuple[float | None, str]:
     if plain is not None:
         return plain, ""
     parted = _WITH_UNIT.fullmatch(text)
-    if parted and unit_of(parted[2]):
-        return plain_number(parted[1], decimal), parted[2]
+    unit = (parted[2] or parted[3]) if parted else ""
+    if parted and unit_of(unit):
+        return plain_number(parted[1], decimal), unit
     return None, ""
 
 

@@ -27,6 +27,8 @@ _WINDOWS_S = (1.16e10, 1.5e10)
 """Of a first time since 1601, from 1968 to 2076."""
 _DAY_DIGITS = 4
 """Of s: a double holds a day of today to 10 us at best."""
+_EPOCH_DIGITS = 6
+"""Of s: a double holds a second of today to 0.2 us."""
 
 
 def timed(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> tuple[FloatArray, str]:
@@ -83,7 +85,8 @@ def _numbered(values: FloatArray, scale: float) -> tuple[FloatArray, str]:
     """Numbers in a unit of time; those since 1970, or days since long before, count from the first."""
     finite = values[np.isfinite(values)]
     if finite.size and 1e9 < finite[0] * scale < 2.5e9:
-        return _scaled(values - finite[0], scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e9))
+        since = np.round(values - finite[0], _EPOCH_DIGITS) if scale == 1.0 else values - finite[0]
+        return _scaled(since, scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e9))
     if finite.size and _WINDOWS_S[0] < finite[0] * scale < _WINDOWS_S[1]:
         return _scaled(values - finite[0], scale), _iso(round((float(finite[0]) * scale - _SINCE_1601_S) * 1e3) * 10**6)
     since = days_since(float(finite[0])) if finite.size and scale == _DAY_S else None

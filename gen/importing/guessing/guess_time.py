@@ -136,10 +136,11 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
             f'found "{_example(words)}", expected {_FORMS}; or --time SECONDS for the interval of the rows',
             place=_first(evidence, words),
         )
+    table = evidence.tables[0]
     raise InputError(
         f"no column is a time among {listed(evidence.facts)}; expected --time COLUMN, or --time SECONDS for the "
-        "interval of its rows",
-        place=evidence.tables[0].place(0),
+        f"interval of its rows{f'; better, {table.untimed}' if table.untimed else ''}",
+        place=table.place(0),
     )
 
 

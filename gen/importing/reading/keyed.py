@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,26 +14,28 @@ import numpy as np
 from gen.errors import InputError
 from gen.importing.listing import listed
 from gen.importing.reading.delimited import MOST_COLUMNS, keyed_comments
+from gen.importing.reading.flat import flat
 from gen.importing.reading.lines import Lines
 from gen.importing.reading.pairs import LONGEST, SAMPLE, kinds_of, names_in, record_of
-from gen.importing.reading.tagged import is_tagged, of_one_time
+from gen.importing.reading.prometheus import answered
+from gen.importing.reading.senml import is_senml, resolved
+from gen.importing.reading.tagged import Record, is_tagged, of_one_time
 from gen.importing.reading.told_units import units_within, with_told_units
+from gen.importing.reading.topics import is_messages, messages
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
 _ROWS = ("values", "data", "rows")
-_LABELS = ("name", "label", "sensor", "channel", "id")
-LONGEST_LABEL = 40
-"""Characters: what is longer is a text, and no name."""
 RECURRING = 0.25
 """Columns for each record, beside those of one, from which on names in lists are numbers of messages, and none."""
+_OBJECTS = re.compile(r"\s*(?:\[\s*)?\{")
 _SHOWN = 8
 """Names that a message says."""
 
 
 def is_json(lines: Sequence[str]) -> bool:
-    """Whether most lines are JSON objects."""
+    """Whether most lines are JSON objects, or arrays of them."""
     sample = lines[:SAMPLE]
-    return bool(sample) and sum(1 for line in sample if line.lstrip().startswith("{")) > 0.5 * len(sample)
+    return bool(sample) and sum(1 for line in sample if _OBJECTS.match(line)) > 0.5 * len(sample)
 
 
 def json_table(file: Path, lines: Lines, reading: Reading) -> Table:
@@ -43,23 +47,28 @@ def json_table(file: Path, lines: Lines, reading: Reading) -> Table:
         Without a file name: no line is an object.
     """
     records, named, numbers, bad = [], [], [], []
+    packs: list[Sequence[Record]] = []
     for text, number in zip(lines.texts, lines.numbers, strict=True):
         try:
-            record = json.loads(text.strip().rstrip(","))
-            flat = _flat(record) if isinstance(record, dict) else {}
+            tree = json.loads(text.strip().rstrip(","))
+            if isinstance(tree, list) and is_senml(tree):
+                packs.append(tree)
+            found = [tree] if isinstance(tree, dict) else tree if isinstance(tree, list) else []
+            plain = [(record, flat(record)) for record in found if isinstance(record, dict)]
         except (ValueError, RecursionError):
-            flat = {}
-        if flat:
-            records.append(record)
-            named.append(flat)
-            numbers.append(number)
-        else:
+            plain = []
+        for record, texts in plain:
+            if texts:
+                records.append(record)
+                named.append(texts)
+                numbers.append(number)
+        if not any(texts for _, texts in plain):
             bad.append(number)
     if not records:
         raise InputError("no line is a JSON object", place=f"line {bad[0] if bad else 1}")
-    if is_tagged(records):
-        records, numbers = of_one_time(records, numbers)
-        named = [_flat(record) for record in records]
+    tagged = _tagged(records, numbers, packs)
+    if tagged is not None:
+        return _one_by_one(file, *tagged, bad, lines, reading, "line that is no JSON object")
     return _table(file, _recurring(named, records), numbers, bad, lines, reading, "line that is no JSON object")
 
 
@@ -77,6 +86,11 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
         tree = json.loads(text)
     except (ValueError, RecursionError):
         return None
+    samples = answered(tree)
+    if samples:
+        return _one_by_one(
+            file, samples, list(range(1, len(samples) + 1)), [], Lines([], [], []), reading, "", "element"
+        )
     tree = _joined(tree)
     units = units_within(tree)
     if isinstance(tree, dict) and len(tree) > 1 and all(isinstance(v, list) and len(v) > 1 for v in tree.values()):
@@ -91,12 +105,13 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
             return None
         tree = next(iter(within.values()))
     numbers = list(range(1, len(tree) + 1))
-    if is_tagged(tree):
-        tree, numbers = of_one_time(tree, numbers)
-    flat = _recurring([_flat(record) for record in tree], tree)
+    tagged = _tagged(tree, numbers, [tree] if is_senml(tree) else [])
+    if tagged is not None:
+        return _one_by_one(file, *tagged, [], Lines([], [], []), reading, "", "element")
+    records = _recurring([flat(record) for record in tree], tree)
     return _table(
         file,
-        [units | record for record in flat],
+        [units | record for record in records],
         numbers,
         [],
         Lines([], [], []),
@@ -104,6 +119,58 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
         "",
         "element",
     )
+
+
+def tagged_table(
+    file: Path,
+    found: tuple[Sequence[Record], Sequence[int], Sequence[int]],
+    lines: Lines,
+    reading: Reading,
+    untimed: str,
+) -> Table:
+    """A table of readings that come one by one, with a row for each time.
+
+    Parameters
+    ----------
+    file
+        Its name.
+    found
+        Tagged records, the line of each, and the lines that are none.
+    lines
+        The text's.
+    reading
+        How the file was read.
+    untimed
+        How to record with times, where these tell none.
+    """
+    table = _one_by_one(file, *found, lines, reading, "line that is no reading")
+    return replace(table, untimed="" if any(record.get("time") for record in found[0]) else untimed)
+
+
+def _tagged(
+    records: Sequence[Record], numbers: Sequence[int], packs: Sequence[Sequence[Record]]
+) -> tuple[Sequence[Record], Sequence[int]] | None:
+    """Tagged records of records that are such, or are messages of a broker, or of SenML; None of others."""
+    if packs and sum(map(len, packs)) == len(records):
+        found = resolved(packs)
+        return found, range(1, len(found) + 1)
+    if is_messages(records):
+        return messages(records), numbers
+    return (records, numbers) if is_tagged(records) else None
+
+
+def _one_by_one(
+    file: Path,
+    records: Sequence[Record],
+    numbers: Sequence[int],
+    bad: Sequence[int],
+    lines: Lines,
+    reading: Reading,
+    what: str,
+    word: str = "line",
+) -> Table:
+    rows, places = of_one_time(records, numbers)
+    return _table(file, [flat(row) for row in rows], places, bad, lines, reading, what, word)
 
 
 def _joined(tree: object) -> object:
@@ -176,37 +243,7 @@ def _recurring(named: list[dict[str, str]], records: Sequence[Mapping[str, objec
     """Flat records with entries of lists by what they are called; by their place if each record calls them anew."""
     names = {name for record in named for name in record}
     recur = len(names) <= max(map(len, named)) + RECURRING * len(named)
-    return named if recur else [_flat(record, named=False) for record in records]
-
-
-def _flat(record: Mapping[str, object], before: str = "", *, named: bool = True) -> dict[str, str]:
-    made: dict[str, str] = {}
-    for key, value in record.items():
-        if isinstance(value, dict):
-            made |= _flat(value, f"{before}{key}.", named=named)
-        elif isinstance(value, list):
-            labels = _labels(value) if named else _places(value)
-            made |= _flat(dict(zip(labels, value, strict=True)), f"{before}{key}.", named=named)
-        elif isinstance(value, bool):
-            made[before + key] = str(int(value))
-        else:
-            made[before + key] = "" if value is None else repr(value) if isinstance(value, float) else str(value)
-    return made
-
-
-def _labels(entries: Sequence[object]) -> list[str]:
-    """What entries of a list are called: as they say themselves, each by another name, or by their place."""
-    objects = [entry for entry in entries if isinstance(entry, dict)]
-    for key in _LABELS if len(objects) == len(entries) else ():
-        said = [entry.get(key) for entry in objects]
-        names = [name for name in said if isinstance(name, str) and 0 < len(name) <= LONGEST_LABEL]
-        if len(set(names)) == len(said):
-            return names
-    return _places(entries)
-
-
-def _places(entries: Sequence[object]) -> list[str]:
-    return [str(place) for place in range(1, len(entries) + 1)]
+    return named if recur else [flat(record, named=False) for record in records]
 
 
 def _table(
