@@ -68,9 +68,26 @@ def kind_of(cells: Sequence[str]) -> str:
     if share([match is not None for match in stamps]):
         return "instant" if share([match is not None and has_time(match) for match in stamps]) else "date"
     clocks = [time_of_day(text) if _plain(text) is None else None for text in sample]
-    if share([match is not None and says_seconds(match) for match in clocks]):
+    of_seconds = [match is not None and says_seconds(match) for match in clocks]
+    of_minutes = [bool(MINUTES.fullmatch(text)) for text in sample]
+    if share([a or b for a, b in zip(of_seconds, of_minutes, strict=True)]) and _goes_over_to_hours(cells):
+        return "minutes"
+    if share(of_seconds):
         return "clock"
-    return "minutes" if share([bool(MINUTES.fullmatch(text)) for text in sample]) else ""
+    return "minutes" if share(of_minutes) else ""
+
+
+def _goes_over_to_hours(cells: Sequence[str]) -> bool:
+    """Whether `59:50` is followed by `1:00:00`, as a stopwatch shows it.
+
+    Times of day that leave out seconds of 0 (`10:15`, `10:15:30`) fall if they are read so.
+    """
+    parts = {cell.count(":") for cell in cells}
+    return {1, 2} <= parts and _falls(minutes(cells)) < _falls(of_day(cells))
+
+
+def _falls(ns: IntArray) -> int:
+    return int((np.diff(ns[ns != MISSING]) < 0).sum())
 
 
 def dotted(cells: Sequence[str]) -> bool:
@@ -215,12 +232,15 @@ def of_day(cells: Sequence[str]) -> IntArray:
 
 
 def minutes(cells: Sequence[str]) -> IntArray:
-    """Minutes and seconds (``7:05.3``) in ns; the smallest integer where a text is none."""
+    """Minutes and seconds (``7:05.3``), or hours as well (``1:00:00``), in ns; the smallest integer for other texts."""
     made = np.full(len(cells), MISSING, dtype=np.int64)
     for i, cell in enumerate(cells):
         match = MINUTES.fullmatch(cell.strip())
         if match and int(match["s"]) < 60:
             made[i] = (int(match["min"]) * 60 + int(match["s"])) * 10**9 + fraction(match["frac"])
+        elif cell.count(":") == 2 and (longer := time_of_day(plainly(cell))):
+            ns = duration(longer)
+            made[i] = MISSING if ns is None else ns
     return made
 
 

@@ -18,7 +18,7 @@ from gen.importing.listing import listed
 from gen.importing.local import is_zone
 from gen.importing.mapping import DATED, TimeForm
 from gen.importing.numbers import plain_number
-from gen.importing.origins import days_since
+from gen.importing.origins import days_since, seconds_since
 from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import unit_of
 
@@ -224,6 +224,8 @@ def _hours_or_minutes(entry: Facts, told: str, confidence: float, why: str) -> t
     over_midnight = any(one == _LAST_HOUR and other == 0 for one, other in pairwise(firsts))
     if told in _HOURS_OR_MINUTES:
         unit, sure, reason = _HOURS_OR_MINUTES[told], CERTAIN, "--unit"
+    elif any(cell.count(":") == 2 for cell in entry.texts):
+        unit, sure, reason = "mm:ss", 0.95, "mm:ss, then h:mm:ss"
     elif over_midnight and max(firsts) == _LAST_HOUR:
         unit, sure, reason = "time of day", 0.9, "hh:mm, it passes midnight"
     elif max(firsts, default=0) > _LAST_HOUR:
@@ -260,7 +262,9 @@ def _unit(entry: Facts, choices: Choices) -> tuple[str, float, str]:
             0.95,
             f"begins at {float(np.median(entry.starts)):.0f}, {epoch} since {1601 if epoch == '100ns' else 1970}",
         )
-    return _unit_by_steps(entry)
+    unit_name, sure, reason = _unit_by_steps(entry)
+    counted = seconds_since(entry.span[0]) if unit_name == "s" else None
+    return ("s", 0.9, f"begins at {entry.span[0]:.0f}, {counted[1]}") if counted else (unit_name, sure, reason)
 
 
 def _epoch(entry: Facts) -> str:
@@ -313,6 +317,7 @@ def short_in_seconds(evidence: Evidence, form: TimeForm, choices: Choices) -> st
     low, high = entry.span
     base, unit, _ = entry.named
     said = unit is not None or unit_of(base) is not None or base.casefold() in _IN_SECONDS or bool(_epoch(entry))
+    said = said or seconds_since(low) is not None
     if said or high - low >= _SHORT_S:
         return ""
     rising = entry.steps[entry.steps > 0]
