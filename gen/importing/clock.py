@@ -28,6 +28,9 @@ _MUCH_SHORTER = 0.2
 _SAMPLE = 2000
 _SOUND = 0.95
 """Of a column of times, as others hold damaged lines."""
+ONE_DATE = "one date only"
+EITHER = "dates that are possible either way"
+"""Why an order of days and months is taken that nothing in the dates tells."""
 _ISO_MARKS = str.maketrans("", "", "0123456789-:.T \n")
 MISSING = int(np.iinfo(np.int64).min)
 """What is no time."""
@@ -154,13 +157,13 @@ def date_order(cells: Sequence[str]) -> tuple[str, float, str]:
     if {mark for _, mark, _ in found} == {"."}:
         return "dmy", 0.9, "parted by points"
     if len(found) == 1:
-        return "mdy", 0.9, "one date only, so that the order does not matter"
+        return "mdy", 0.9, ONE_DATE
     lasting = {order: _lasting_s(cells, order) for order in ("mdy", "dmy")}
     shorter, longer = sorted(lasting, key=lambda order: lasting[order])
     if 0.0 < lasting[shorter] < _MUCH_SHORTER * lasting[longer]:
         days = (lasting[shorter] / 86_400.0, lasting[longer] / 86_400.0)
         return shorter, 0.9, f"it lasts {days[0]:.3g} d so, and {days[1]:.3g} d as {longer}"
-    return "mdy", 0.4, f"{len(found)} dates that are possible either way"
+    return "mdy", 0.4, EITHER
 
 
 def _lasting_s(cells: Sequence[str], order: str) -> float:

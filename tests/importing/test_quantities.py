@@ -145,3 +145,21 @@ def test_a_unit_before_brackets_that_name_the_sensor_is_read_with_its_label(tmp_
 def test_sensors_without_a_label_keep_their_numbers_apart(tmp_path: Path) -> None:
     run = run_with(tmp_path, '"Temp, °C (SEN S/N: 12)"', RISING)
     assert set(run.temps) == {"winding", "sen_s_n_12"}
+
+
+@pytest.mark.parametrize(
+    "head", ["winding_max_C", "bearing limit [°C]", "T_alarm_degC", "motor trip temp", "casing Grenzwert [°C]"]
+)
+def test_a_limit_is_no_temperature_of_a_part(head: str, tmp_path: Path) -> None:
+    """The same in all rows: what moves is one, whatever it is called."""
+    assert list(run_with(tmp_path, head, [95.0] * ROWS).temps) == ["winding"]
+    (tmp_path / "moves").mkdir()
+    if head != "bearing limit [°C]":
+        assert len(run_with(tmp_path / "moves", head, [20.0 + 0.2 * i for i in range(ROWS)]).temps) == 2
+
+
+def test_what_stands_still_and_is_called_no_limit_is_a_part(tmp_path: Path) -> None:
+    assert list(run_with(tmp_path, "casing [°C]", [21.0] * ROWS).temps) == ["winding", "casing"]
+    (tmp_path / "told").mkdir()
+    run = run_with(tmp_path / "told", "winding_max_C", [95.0] * ROWS, columns={"winding_max_C": "hot_degC"})
+    assert list(run.temps) == ["winding", "hot"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -122,3 +123,30 @@ def test_a_clock_that_is_set_after_a_while_loses_its_first_rows(tmp_path: Path) 
     run = read_run(found.runs[0])
     np.testing.assert_allclose(run.time_s - run.time_s[0], long.time_s[8:] - long.time_s[8], atol=1e-6)
     assert "time more than 30 years from the others, left out" in found.counted().index
+
+
+@pytest.mark.parametrize(
+    ("head", "row", "started", "why"),
+    [
+        ("Date;Time;PWM;Winding [C]", "{d};{t};{pwm};{comma}", "2026-04-03", "decimal commas and semicolons"),
+        ("Datum,Zeit,PWM,Wicklung [C]", "{d},{t},{pwm},{point}", "2026-04-03", "names of no English"),
+        ("Date,Time,PWM,Winding [F]", "{d},{t},{pwm},{degF}", "2026-03-04", "the month first, as in logs with degF"),
+        ("Date,Time,PWM,Winding [C]", "{d},{t},{pwm},{point}", "2026-03-04", "the month first; if .* --unit Date=dmy"),
+        ("Time,PWM,Winding [C]", "{d} {t},{pwm},{point}", "2026-03-04", "the month first; if .* --unit Time=dmy"),
+    ],
+)
+def test_one_date_is_read_as_the_rest_of_the_log_is_written(
+    head: str, row: str, started: str, why: str, tmp_path: Path
+) -> None:
+    lines = [head]
+    for i, entry in enumerate(TRUE.itertuples()):
+        t = f"10:{10 * i // 60:02d}:{10 * i % 60:02d}"
+        values = {
+            "comma": str(entry.winding_degC).replace(".", ","),
+            "point": entry.winding_degC,
+            "degF": 71.5 + i / 10,
+        }
+        lines.append(row.format(d="03/04/2026", t=t, pwm=entry.pwm, **values))
+    found = take(write(tmp_path, "\n".join(lines)), tmp_path / "out")
+    assert read_run(found.runs[0]).comments["started"] == f"{started}T10:00:00.000"
+    assert re.search(why, " ".join(map(str, found.guesses()["why"])))

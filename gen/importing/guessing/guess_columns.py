@@ -27,12 +27,17 @@ _COLD_C = (-40.0, 45.0)
 """degC at which a log may begin."""
 _WARM_C = 100.0
 _FEW_VALUES = 3
+_LEAST_BOUND = 5
+"""Rows, for a number that is the same in all of them to be a limit."""
 _UNSAID = 0.5
 """How sure it is that a column named after a part is its temperature."""
 _SLOW = 0.7
 _ALIKE_K = 8.0
 """How far apart sensors of one motor begin at most."""
 _SAYS_SO = re.compile(r"(?i)temp|th?ermo|°")
+_PARTS, _LEAST_PARTS_C = (0.1, 0.01, 0.001), 10.0
+_KELVIN = (260.0, 373.0)
+"""Of a motor, cold or warm; batteries tell tenths of them."""
 _LETTER = re.compile(r".*[_ ][A-Za-z]")
 
 
@@ -106,10 +111,12 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     if names.WANTED.search(base) and not target:
         return _Sorted(facts, "", unit, 0.8, "a wanted or modelled value by its name")
     if unit is not None and unit.quantity == TEMPERATURE:
-        said = "" if target else _no_temperature(base)
+        said = "" if target else _no_temperature(base) or _bound(facts, base)
         if said:
             return _Sorted(facts, "", unit, 0.8, said)
         return _by_unit(facts, unit, where, _thermal(facts, base))
+    if unit is None and not target and _thermal(facts, base) and (bound := _bound(facts, base)):
+        return _Sorted(facts, "", None, 0.8, bound)
     if unit is None and (told_unit := _told_for_all(evidence)) and _thermal(facts, base):
         return _by_unit(facts, told_unit[1], f"column {told_unit[0]}", True)
     if unit is None and target:
@@ -144,6 +151,16 @@ def _no_temperature(base: str) -> str:
     if names.DIFFERENCE.search(base):
         return "a difference of temperatures by its name"
     return "of moist air by its name, and the temperature of nothing" if names.MOIST.search(base) else ""
+
+
+def _bound(facts: Facts, base: str) -> str:
+    """What is said of a limit: the same in all rows, and called so; empty where it is none."""
+    low, high = facts.span
+    if low != high or facts.values.size < _LEAST_BOUND or not names.BOUND.search(base):
+        return ""
+    if names.AMBIENT.search(base) and low < _COLD_C[1]:  # of a recorder, that of each interval
+        return ""
+    return f"{low:g} in all rows, and a limit by its name: no temperature of a part"
 
 
 def _one_of_letters(name: str, evidence: Evidence) -> bool:
@@ -216,6 +233,8 @@ def _start_degC(facts: Facts, unit: Unit | None = None) -> float:
 
 def _is_temperature(facts: Facts) -> bool:
     base, unit, _ = facts.named
+    if _bound(facts, names.apart(base)):
+        return False
     if unit is not None:
         return facts.in_degrees
     return _thermal(facts, names.apart(base)) and _said(names.apart(base))
@@ -293,7 +312,7 @@ def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool, dou
         if new:
             to = new if new.endswith("_degC") else f"{new}_degC"
         shown = quoted(f"{facts.name}=degC")
-        settle = f"--unit {shown} or =degF or =K{' or =0.1degC' if _in_tenths(facts) else ''}"
+        settle = f"--unit {shown} or =degF or =K{''.join(f' or ={unit}' for unit in _in_parts(facts))}"
         if ambient and doubtful:
             confidence, why = _UNSAID, f"{why}; the ambient, or of a part"
             settle = f"--column {quoted(f'{facts.name}={AMBIENT}')} or {quoted(f'{facts.name}=NAME_degC')}"
@@ -308,10 +327,13 @@ def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool, dou
     return entry, Guess(facts.name, taken_for, confidence, why, settle)
 
 
-def _in_tenths(facts: Facts) -> bool:
-    """Whether whole numbers may be tenths of degC: a converter's, or a PLC's."""
+def _in_parts(facts: Facts) -> list[str]:
+    """Of which parts of a degree whole numbers may be: a converter's, a PLC's, a kernel's (`45312`)."""
     begin = float(np.median(facts.starts)) if facts.starts.size else 0.0
-    return facts.whole and _WARM_C < begin <= 10.0 * _COLD_C[1]
+    if not facts.whole or begin <= _WARM_C:
+        return []
+    found = [f"{part:g}degC" for part in _PARTS if _LEAST_PARTS_C <= begin * part <= _WARM_C]
+    return [*found, *(["0.1K"] if _KELVIN[0] <= begin / 10.0 <= _KELVIN[1] else [])]
 
 
 def _channel(found: _Sorted, base: str, taken: set[str]) -> tuple[str, str, float]:

@@ -12,15 +12,15 @@ from gen.importing import clock
 from gen.importing.dates import MINUTES
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
-from gen.importing.guessing.names import BUSY, CHARGED, OF_DAY, TIME
+from gen.importing.guessing.names import BUSY, CHARGED, DAY_FIRST, OF_DAY, TIME
 from gen.importing.guessing.plain_steps import plainer_unit
 from gen.importing.listing import listed
 from gen.importing.local import is_zone
 from gen.importing.mapping import DATED, TimeForm
 from gen.importing.numbers import plain_number
 from gen.importing.origins import days_since, seconds_since
+from gen.importing.units import DEGF, unit_of
 from gen.importing.units import TIME as TIME_QUANTITY
-from gen.importing.units import unit_of
 
 _FORMS = "times such as 2026-04-03T23:30:00, 3.4.2026 23:30, 3 Apr 2026 23:30:00, 23:30:00, 1h30m00s, or numbers"
 _KINDS = {"instant": "timestamp", "clock": "time of day", "minutes": "mm:ss"}
@@ -189,7 +189,7 @@ def _form(
     subject = ", ".join(names)
     if len(chosen) == 2 or chosen[0].kind in _KINDS or chosen[0].kind == "date":
         cells = chosen[0].texts
-        order, sure, reason = clock.date_order(cells) if cells else ("ymd", CERTAIN, "")
+        order, sure, reason = _date_order(evidence, cells, names[0]) if cells else ("ymd", CERTAIN, "")
         told = choices.units.get(names[0], "")
         if told in ("dmy", "mdy", "ymd"):
             order, sure, reason = told, CERTAIN, "--unit"
@@ -216,6 +216,39 @@ def _form(
     return form, [
         Guess(subject, f"time in {name}", min(confidence, sure), "; ".join(filter(None, (why, reason))), settle)
     ]
+
+
+def _date_order(evidence: Evidence, cells: list[str], name: str) -> tuple[str, float, str]:
+    """Whether day or month comes first; where dates do not tell, by how the rest of the log is written."""
+    order, sure, reason = clock.date_order(cells)
+    if reason not in (clock.ONE_DATE, clock.EITHER):
+        return order, sure, reason
+    found = _written(evidence, cells)
+    if found is not None:
+        return found[0], 0.85, f"{reason}; {found[1]}"
+    if reason == clock.EITHER:
+        return order, sure, reason
+    day, month = (f"{quoted(f'{name}={order}')}" for order in ("dmy", "mdy"))
+    said = {"mdy": f"the month first; if the day is: --unit {day}", "dmy": f"the day first; if not: --unit {month}"}
+    return order, sure, f"{reason}, taken with {said[order]}"
+
+
+def _written(evidence: Evidence, cells: list[str]) -> tuple[str, str] | None:
+    """The order of dates by who writes the rest so, and what tells it: commas for decimals, or °F and AM."""
+    table = evidence.tables[0]
+    degrees = {unit.name for facts in evidence.facts.values() if (unit := facts.named[1]) is not None}
+    said = [
+        ("dmy", table.reading.decimal == ",", "decimal commas"),
+        ("dmy", table.reading.delimiter == ";", "semicolons"),
+        ("dmy", any(DAY_FIRST.fullmatch(name) for name in evidence.facts), "names of no English"),
+        ("mdy", DEGF.name in degrees, "degF"),
+    ]
+    orders = {order for order, is_so, _ in said if is_so}
+    if len(orders) != 1:
+        return None
+    order = next(iter(orders))
+    whys = " and ".join(why for _, is_so, why in said if is_so)
+    return order, f"the {'day' if order == 'dmy' else 'month'} first, as in logs with {whys}"
 
 
 def _hours_or_minutes(entry: Facts, told: str, confidence: float, why: str) -> tuple[TimeForm, list[Guess]]:

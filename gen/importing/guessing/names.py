@@ -26,6 +26,10 @@ OF_DAY = re.compile(
     r"hor[áa]rio|tijdstip|hh:mm|time \(?hh:mm\)?)"
 )
 """A time of day by its name, where minutes since something began would look the same."""
+DAY_FIRST = re.compile(
+    r"datum|zeit|uhrzeit|zeitstempel|fecha|hora|data|ora|heure|horodatage|tijd|tijdstip", re.IGNORECASE
+)
+"""Names of dates and times where the day is written first: `date` is not one."""
 PWM = _words(r"pwm\d*")
 DUTY = _words(languages.DUTY)
 DRIVES = _words(
@@ -82,6 +86,11 @@ NEUTRAL = re.compile(
 )
 """What stands beside such a word and changes nothing."""
 WANTED = _words(rf"{languages.WANTED}|limit|threshold|grenze|model|estimated?|predicted")
+BOUND = _words(
+    r"limits?|max|maximum|min|minimum|alarms?|alerts?|warn|warning|trip|shut[ -]?(?:down|off)|cut[ -]?(?:off|out)|"
+    r"threshold|grenze|grenzwert|schwelle|limite|soglia|umbral|limiar|grens|rated|nominal|allowed|zul(?:ä|ae)ssig|hi|high"
+)
+"""What a part may have, where it is the same in all rows: `winding_max_C`."""
 FLAG = _words(
     r"open|opened|fault|faults|fehler|error|errors|flag|flags|alarm|alarms|alert|status|state|ok|valid|invalid|enabled?|active|"
     r"connected|missing|code|id|nr|counts?|counter|index|mode|type"
