@@ -15,9 +15,11 @@ import numpy as np
 from gen.errors import InputError
 from gen.importing.clock import is_time
 from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
+from gen.importing.reading.annotated import of_one_head
 from gen.importing.reading.heads import STATISTIC, is_label, is_units, labelled_head, paired_head, with_labels
 from gen.importing.reading.lines import Lines
 from gen.importing.reading.logged import is_logged, logged
+from gen.importing.reading.transposed import upright
 from gen.importing.reading.unit_columns import with_units
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 from gen.importing.units import unit_of
@@ -184,6 +186,10 @@ def table_of_rows(
     InputError
         Without a file name, with a place: no rows, or too much that is none.
     """
+    lying = upright(rows) if not times else None
+    if lying is not None:
+        rows, numbers, word = *lying, "column"
+    rows, numbers = of_one_head(rows, numbers)
     width = _width(rows)
     if width > MOST_COLUMNS:
         raise InputError(f"found {width} columns, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")
@@ -222,6 +228,8 @@ def _first_row(rows: Sequence[Sequence[str]], numbers: Sequence[int], width: int
     for is_one in (_is_data, _is_reading):
         found = next((i for i, row in enumerate(rows) if is_one(row, width)), None)
         if found is not None:
+            while found > 0 and _is_reading(rows[found - 1], width):  # with more words than the first of numbers
+                found -= 1
             return found
     shown = " | ".join(rows[0])[:_SHOWN] if rows else "nothing"
     raise InputError(
