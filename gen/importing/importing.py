@@ -23,6 +23,7 @@ from gen.importing.provenance import commented_mapping, comments_of
 from gen.importing.reading.sources import read_tables
 from gen.importing.switches import switched
 from gen.importing.table import Reading, Table
+from gen.interruption import interruption
 from gen.runs import Run, write_run
 
 
@@ -249,24 +250,30 @@ def _write_all(runs: dict[str, Run], out: Path, mapping: tuple[Path | None, str]
         new.mkdir()
         for name, run in runs.items():
             write_run(new / name, run)
-        if mapping[0] is not None:
-            write_text(mapping[0], mapping[1])
-        try:
-            if folder.exists():
-                for name in runs:
-                    (new / name).replace(folder / name)
-            else:
-                new.rename(folder)
-        except BaseException:
-            if mapping[0] is not None:
-                mapping[0].unlink(missing_ok=True)  # it was not there before
-            raise
+        with interruption():  # a moment, in which nothing may be cut off half-way
+            _put(new, folder, list(runs), mapping)
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror or error}", file=str(out)) from error
     finally:
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
     return [out / name for name in runs]
+
+
+def _put(new: Path, folder: Path, names: Sequence[str], mapping: tuple[Path | None, str]) -> None:
+    """Put finished files where they belong, and the mapping beside them; no mapping where that fails."""
+    try:
+        if mapping[0] is not None:
+            write_text(mapping[0], mapping[1])
+        if folder.exists():
+            for name in names:
+                (new / name).replace(folder / name)
+        else:
+            new.rename(folder)
+    except BaseException:
+        if mapping[0] is not None:
+            mapping[0].unlink(missing_ok=True)  # it was not there before
+        raise
 
 
 def _check_targets(targets: Sequence[Path], out: Path, overwrite: bool, read: set[Path]) -> None:
