@@ -28,6 +28,7 @@ _MUCH_SHORTER = 0.2
 _SAMPLE = 2000
 _SOUND = 0.95
 """Of a column of times, as others hold damaged lines."""
+_YEAR_FIRST = "year first, or the month in letters"
 ONE_DATE = "one date only"
 EITHER = "dates that are possible either way"
 """Why an order of days and months is taken that nothing in the dates tells."""
@@ -146,10 +147,12 @@ def date_order(cells: Sequence[str]) -> tuple[str, float, str]:
     order, confidence, why
         "ymd", "dmy" or "mdy".
     """
+    if all(cell[4:5] == "-" and cell[:4].isdigit() for cell in cells):  # what nearly all programs write
+        return "ymd", 1.0, _YEAR_FIRST
     stamps = [stamp(text) for text in {plainly(cell) for cell in cells}]
     found = {match.group("a", "mark", "b") for match in stamps if match and "a" in match.re.groupindex}
     if not found:
-        return "ymd", 1.0, "year first, or the month in letters"
+        return "ymd", 1.0, _YEAR_FIRST
     if any(int(a) > 12 for a, _, _ in found):
         return "dmy", 0.99, "a first number above 12"
     if any(int(b) > 12 for _, _, b in found):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from gen.importing.numbers import NAN_WORDS
@@ -22,7 +22,11 @@ _WORDS = (
 NOTHING = NAN_WORDS | {"", "unavailable", "unknown"}
 
 
-def numbers_of(cells: Iterable[str]) -> list[str] | None:
+_SAMPLE = 50
+"""Cells whose other texts rule all words out."""
+
+
+def numbers_of(cells: Sequence[str]) -> list[str] | None:
     """Give ``1`` for on and ``0`` for off, nothing where nothing is said; None where anything else stands.
 
     Parameters
@@ -30,6 +34,9 @@ def numbers_of(cells: Iterable[str]) -> list[str] | None:
     cells
         Texts.
     """
+    first = {cell.strip().casefold() for cell in cells[:_SAMPLE]} - NOTHING
+    if not any(first <= {on, off} for on, off in _WORDS):
+        return None
     folded = [cell.strip().casefold() for cell in cells]
     said = set(folded) - NOTHING
     for on, off in _WORDS:

@@ -22,6 +22,8 @@ KEYS = {key for part in OBJECTS.values() for key in part["properties"]} - ELSEWH
 
 #: Other formats with words of the same name: module -> the words, by what they are keys of.
 OTHER_FORMATS = {
+    # answers of Prometheus' API
+    "importing/reading/prometheus.py": {"data", "value"},
     # the JSON summary of `gen refine` (and, of the Python interface, that of `gen identify`)
     "commands/refine.py": {"name", "component", "parameters", "evidence"},
     "interface/identification.py": {"components", "order", "value", "network"},

@@ -46,30 +46,48 @@ def json_table(file: Path, lines: Lines, reading: Reading) -> Table:
     InputError
         Without a file name: no line is an object.
     """
-    records, named, numbers, bad = [], [], [], []
-    packs: list[Sequence[Record]] = []
+    records: list[Record] = []
+    named: list[dict[str, str]] = []
+    numbers, bad, packs = [], [], []
+    special = False
     for text, number in zip(lines.texts, lines.numbers, strict=True):
-        try:
-            tree = json.loads(text.strip().rstrip(","))
-            if isinstance(tree, list) and is_senml(tree):
-                packs.append(tree)
-            found = [tree] if isinstance(tree, dict) else tree if isinstance(tree, list) else []
-            plain = [(record, flat(record)) for record in found if isinstance(record, dict)]
-        except (ValueError, RecursionError):
-            plain = []
-        for record, texts in plain:
-            if texts:
+        found = _objects(text)
+        if len(found) > 1 and is_senml([record for record, _ in found]):
+            packs.append([record for record, _ in found])
+        special = (
+            special or bool(packs) or (len(named) < SAMPLE and any(_may_be_special(record) for record, _ in found))
+        )
+        for record, texts in found:
+            if special or len(named) < SAMPLE:  # whole objects take more memory than all else
                 records.append(record)
-                named.append(texts)
-                numbers.append(number)
-        if not any(texts for _, texts in plain):
+            named.append(with_told_units(texts))
+            numbers.append(number)
+        if not found:
             bad.append(number)
     if not records:
         raise InputError("no line is a JSON object", place=f"line {bad[0] if bad else 1}")
-    tagged = _tagged(records, numbers, packs)
-    if tagged is not None:
-        return _one_by_one(file, *tagged, bad, lines, reading, "line that is no JSON object")
-    return _table(file, _recurring(named, records), numbers, bad, lines, reading, "line that is no JSON object")
+    said = "line that is no JSON object"
+    if special and (tagged := _tagged(records, numbers, packs)) is not None:
+        return _one_by_one(file, *tagged, bad, lines, reading, said)
+    return _table(file, _recurring(named, records) if special else named, numbers, bad, lines, reading, said)
+
+
+def _objects(line: str) -> list[tuple[dict[str, object], dict[str, str]]]:
+    """The objects of a line, whole and flat: one, or those of an array; none where it is no JSON."""
+    try:
+        tree = json.loads(line.strip().rstrip(","))
+        entries = tree if isinstance(tree, list) else [tree]
+        found = [(entry, flat(entry)) for entry in entries if isinstance(entry, dict)]
+    except (ValueError, RecursionError):
+        return []
+    return [(entry, texts) for entry, texts in found if texts]
+
+
+def _may_be_special(record: Record) -> bool:
+    """Whether a record may be of fields and tags, or a broker's message, or holds lists whose entries have names."""
+    if "fields" in record or "payload" in record:
+        return True
+    return any(isinstance(v, list) or (isinstance(v, dict) and _may_be_special(v)) for v in record.values())
 
 
 def array_table(file: Path, text: str, reading: Reading) -> Table | None:
@@ -111,7 +129,7 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
     records = _recurring([flat(record) for record in tree], tree)
     return _table(
         file,
-        [units | record for record in records],
+        [with_told_units(units | record) for record in records],
         numbers,
         [],
         Lines([], [], []),
@@ -170,7 +188,7 @@ def _one_by_one(
     word: str = "line",
 ) -> Table:
     rows, places = of_one_time(records, numbers)
-    return _table(file, [flat(row) for row in rows], places, bad, lines, reading, what, word)
+    return _table(file, [with_told_units(flat(row)) for row in rows], places, bad, lines, reading, what, word)
 
 
 def _joined(tree: object) -> object:
@@ -230,7 +248,7 @@ def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading
     for i, (text, number) in enumerate(zip(lines.texts, lines.numbers, strict=True)):
         record = record_of(text, twice) if len(text) <= LONGEST else {}
         if any(2 * len(set(record) & kind) >= len(kind) and set(record) <= kind for kind in wanted):
-            records.append({"clock": times[i], **record} if times else record)
+            records.append(with_told_units({"clock": times[i], **record} if times else record))
             numbers.append(number)
         else:
             bad.append(number)
@@ -243,7 +261,7 @@ def _recurring(named: list[dict[str, str]], records: Sequence[Mapping[str, objec
     """Flat records with entries of lists by what they are called; by their place if each record calls them anew."""
     names = {name for record in named for name in record}
     recur = len(names) <= max(map(len, named)) + RECURRING * len(named)
-    return named if recur else [flat(record, named=False) for record in records]
+    return named if recur else [with_told_units(flat(record, named=False)) for record in records]
 
 
 def _table(
@@ -256,7 +274,6 @@ def _table(
     what: str,
     word: str = "line",
 ) -> Table:
-    records = [with_told_units(record) for record in records]
     names = list(dict.fromkeys(key for record in records for key in record))
     if len(names) > MOST_COLUMNS:
         raise InputError(f"found {len(names)} names, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")

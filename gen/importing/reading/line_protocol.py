@@ -10,7 +10,7 @@ from gen.importing.reading.tagged import Record
 _KEY = r"(?:[^\s,=\"\\]|\\.)+"
 _FIELD = rf'{_KEY}=(?:"(?:[^"\\]|\\.)*"|[^\s,"]+)'
 _LINE = re.compile(
-    rf"(?P<name>{_KEY})(?P<tags>(?:,{_KEY}={_KEY})*) (?P<fields>{_FIELD}(?:,{_FIELD})*)(?: (?P<at>-?\d+))?\s*"
+    rf"(?P<name>{_KEY})(?P<tags>(?:,{_KEY}={_KEY})*) (?P<fields>{_FIELD}(?:,{_FIELD})*)(?: (?P<when>-?\d+))?\s*"
 )
 _TAG = re.compile(rf"({_KEY})=({_KEY})")
 _VALUE = re.compile(rf'({_KEY})=("(?:[^"\\]|\\.)*"|[^\s,"]+)')
@@ -31,7 +31,7 @@ def is_line_protocol(lines: Lines) -> bool:
     """
     sample = lines.texts[:_SAMPLE]
     found = [match for line in sample if (match := _LINE.fullmatch(line))]
-    return len(found) >= _LEAST * len(sample) and all(_SINCE_1970.fullmatch(match["at"] or "") for match in found)
+    return len(found) >= _LEAST * len(sample) and all(_SINCE_1970.fullmatch(match["when"] or "") for match in found)
 
 
 def points(lines: Lines) -> tuple[list[Record], list[int], list[int]]:
@@ -46,12 +46,12 @@ def points(lines: Lines) -> tuple[list[Record], list[int], list[int]]:
     bad: list[int] = []
     for text, number in zip(lines.texts, lines.numbers, strict=True):
         match = _LINE.fullmatch(text)
-        if match is None or not match["at"]:
+        if match is None or not match["when"]:
             bad.append(number)
             continue
         fields: dict[str, object] = {_plain(key): _value(value) for key, value in _VALUE.findall(match["fields"])}
         tags = {_plain(key): _plain(value) for key, value in _TAG.findall(match["tags"])}
-        made.append((int(match["at"]), {"fields": fields, "tags": tags, "time": match["at"]}, number))
+        made.append((int(match["when"]), {"fields": fields, "tags": tags, "time": match["when"]}, number))
     made.sort(key=lambda entry: entry[0])
     return [record for _, record, _ in made], [place for _, _, place in made], bad
 

@@ -12,8 +12,8 @@ from gen.importing.reading.tagged import Record, differing_tags
 
 _LABEL = r'[A-Za-z_]\w*="(?:[^"\\]|\\.)*"'
 _SAMPLE = re.compile(
-    rf"(?P<name>[A-Za-z_:][\w:]*)(?P<labels>\{{(?:{_LABEL},?\s*)*\}})?\s+"
-    r"(?P<value>[+-]?\d*\.?\d+(?:[eE][+-]?\d+)?|NaN|[+-]?Inf)(?:\s+(?P<at>\d+(?:\.\d+)?))?\s*(?:#.*)?"
+    rf"(?P<metric>[A-Za-z_:][\w:]*)(?P<labels>\{{(?:{_LABEL},?\s*)*\}})?\s+"
+    r"(?P<sample>[+-]?\d*\.?\d+(?:[eE][+-]?\d+)?|NaN|[+-]?Inf)(?:\s+(?P<when>\d+(?:\.\d+)?))?\s*(?:#.*)?"
 )
 _PAIR = re.compile(r'([A-Za-z_]\w*)="((?:[^"\\]|\\.)*)"')
 _SAYS_SO = re.compile(r"(?:HELP|TYPE|UNIT) [A-Za-z_:][\w:]*(?: |$)")
@@ -56,8 +56,8 @@ def scraped(lines: Lines) -> tuple[list[Record], list[int], list[int]]:
             before = text.strip() if _is_time(text) else before
             bad += [] if _is_time(text) else [number]
             continue
-        at = float(match["at"]) / (1e3 if float(match["at"]) > _MILLIS else 1.0) if match["at"] else before
-        records.append(_record(match["name"], dict(_PAIR.findall(match["labels"] or "")), match["value"], at))
+        at = float(match["when"]) / (1e3 if float(match["when"]) > _MILLIS else 1.0) if match["when"] else before
+        records.append(_record(match["metric"], dict(_PAIR.findall(match["labels"] or "")), match["sample"], at))
         places.append(number)
     return _named(records), places, bad
 

@@ -20,7 +20,7 @@ _LINE = re.compile(
     r"(?:\s+:\s+|:?\s+)(?P<said>\S.*)"
 )
 _EPOCH = re.compile(r"\d{10}(?:\.\d+)?|\d{13}|\d{16}|\d{19}")
-_STAMP = re.compile(r"(?P<at>.*\d)Z(?P<zone>[+-]\d{4})")
+_STAMP = re.compile(r"(?P<when>.*\d)Z(?P<zone>[+-]\d{4})")
 """A zone behind another one: local time, as mosquitto before 2.0.15 or so wrote it."""
 _LEAST = 0.6
 _SAMPLE = 400
@@ -138,4 +138,4 @@ def _is_time(text: str) -> bool:
 
 def _stamp(text: str) -> str:
     twice = _STAMP.fullmatch(text.strip())
-    return f"{twice['at']}{twice['zone']}" if twice else text.strip()
+    return f"{twice['when']}{twice['zone']}" if twice else text.strip()
