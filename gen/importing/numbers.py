@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -145,7 +146,9 @@ def plain_number(text: str, decimal: str = ".") -> float | None:
     """The number that a text is, or None; infinity is none."""
     if (decimal == "." or "." not in text) and NUMBER.fullmatch(text):
         value = float(text)
-        return value if np.isfinite(value) else None
+        return value if math.isfinite(value) else None
+    if text.isalpha():
+        return None
     plain = _GROUPED.sub("", _signed(text))
     if decimal == ",":
         plain = re.sub(r"(?<=\d)\.(?=\d{3}(?:\D|$))", "", plain).replace(",", ".")

@@ -23,7 +23,11 @@ def flat(record: Mapping[str, object], before: str = "", *, named: bool = True) 
     """
     made: dict[str, str] = {}
     for key, value in record.items():
-        if isinstance(value, dict):
+        if isinstance(value, str):
+            made[before + key] = value
+        elif isinstance(value, float):
+            made[before + key] = repr(value)
+        elif isinstance(value, dict):
             made |= flat(value, f"{before}{key}.", named=named)
         elif isinstance(value, list):
             labels = _labels(value) if named else _places(value)
@@ -31,7 +35,7 @@ def flat(record: Mapping[str, object], before: str = "", *, named: bool = True) 
         elif isinstance(value, bool):
             made[before + key] = str(int(value))
         else:
-            made[before + key] = "" if value is None else repr(value) if isinstance(value, float) else str(value)
+            made[before + key] = "" if value is None else str(value)
     return made
 
 
