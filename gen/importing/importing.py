@@ -13,6 +13,7 @@ from gen.files import check_writable, write_text
 from gen.importing.convert import Splitting, convert, with_comments
 from gen.importing.converted import Converted
 from gen.importing.guessing.decide import NO_PART, Decided, decide, doubts
+from gen.importing.guessing.fractions import with_fractions
 from gen.importing.guessing.guess_input import NO_INPUT
 from gen.importing.guessing.guesses import Choices
 from gen.importing.guessing.own_times import joined
@@ -107,7 +108,7 @@ def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress
     tables: list[Table] = []
     for file in files:
         progress(f"reading {file.name}")
-        tables += [joined(table) for table in read_tables(file, given)]
+        tables += [joined(with_fractions(table)) for table in read_tables(file, given)]
     if series:
         progress("a column for each name")
         tables = [spread_out(table, replace(choices, series=series)) for table in tables]
@@ -141,6 +142,9 @@ def _decided(group: Sequence[Table], tables: Sequence[Table], choices: Choices, 
                 f"{said}; files with other columns are imported for themselves: what stands in another one has to be "
                 "put beside it first, by times of one clock"
             )
+        unsure = group[0].reading.unsure
+        if unsure and not choices.decimal and said.startswith((NO_INPUT, NO_PART)):
+            said += f"; the decimal mark is doubtful ({unsure}): --decimal , or --decimal ."
         said += choice_of_sheets(tables, group[0].file)
         raise InputError(said, file=error.file, place=error.place) from None
 
