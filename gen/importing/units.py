@@ -51,8 +51,8 @@ DUTY = Unit(SHARE, "duty", "percent", 100.0)
 PWM_COUNTS = Unit(COUNTS, "counts", "counts")
 
 _SPELT: dict[Unit, str] = {
-    DEGC: "degc degreec degreesc °c c celsius ℃ grad gradc deg ºc 'c",
-    DEGF: "degf degreef degreesf °f f fahrenheit 'f ℉ gradf ºf",
+    DEGC: "degc degreec degreesc °c c celsius ℃ grad gradc deg ºc 'c *c @c",
+    DEGF: "degf degreef degreesf °f f fahrenheit 'f ℉ gradf ºf *f @f",
     KELVIN: "k kelvin degk °k",
     Unit(CURRENT, "A", "A"): "a amp amps ampere amperes",
     Unit(CURRENT, "mA", "A", 1e-3): "ma milliamp milliamps",

@@ -96,3 +96,13 @@ def test_a_list_of_channels_names_columns_only_where_it_says_different_things_of
     assert with_labels(names, lists) == ["Number", "CH1 Winding", "CH2 Room"]
     for other in ([["CH1", "TEMP"], ["CH2", "TEMP"]], lists[:1], [["CH1", "20.5"], ["CH2", "21.5"]], lists * 2):
         assert with_labels(names, other) == names
+
+
+def test_lines_that_say_what_they_hold_are_no_rows(tmp_path: Path) -> None:
+    """As LabVIEW's groups of channels are written into CSV."""
+    head = "Group,Measurements,,\nChannel,Time,Winding,PWM\nUnit,s,°C,%\nWf_increment,10,10,10\n"
+    values = zip(TRUE["winding_degC"], TRUE["pwm"] / 2.55, strict=True)
+    rows = "".join(f",{10 * i},{winding},{duty:.1f}\n" for i, (winding, duty) in enumerate(values))
+    run = taken(write(tmp_path, head + rows), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 10.0 * np.arange(len(TRUE)))
+    np.testing.assert_allclose(run.temps["winding"], TRUE["winding_degC"])

@@ -246,6 +246,7 @@ def _titled(
     if paired is not None:
         at, names, units = paired
         return next((i for i in range(at + 1, len(rows)) if _is_data(rows[i], width)), first), names, units
+    first = _behind_labels(rows, first, width)
     names, units = _head(rows[:first], width, comments)
     if not names:
         first = _behind_a_preamble(rows, first, width)
@@ -347,6 +348,14 @@ def _behind_a_preamble(rows: Sequence[list[str]], first: int, width: int) -> int
         if _is_number(rows[i][0]):
             return i if i > first and abs(len(rows[i - 1]) - width) <= 1 and _is_head(rows[i - 1]) else first
     return first
+
+
+def _behind_labels(rows: Sequence[list[str]], first: int, width: int) -> int:
+    """The first row behind lines that say what they hold (`Wf_increment,1,1`) where rows say nothing there."""
+    behind = [row[0].strip() for row in rows[first : first + _HEAD_LINES] if len(row) == width]
+    labels = next((i for i, cell in enumerate(behind) if not cell), 0)
+    told = all(re.search(r"[^\W\d_]", cell) and not _is_number(cell) for cell in behind[:labels])
+    return first + labels if told and not any(behind[labels:]) else first
 
 
 def _padded(row: list[str], width: int) -> list[str]:

@@ -16,7 +16,7 @@ from gen.importing.listing import listed
 from gen.importing.reading.delimited import MOST_COLUMNS, keyed_comments
 from gen.importing.reading.flat import flat
 from gen.importing.reading.lines import Lines
-from gen.importing.reading.pairs import LONGEST, SAMPLE, kinds_of, names_in, record_of
+from gen.importing.reading.pairs import HEADS, LONGEST, SAMPLE, kinds_of, names_in, record_of
 from gen.importing.reading.prometheus import answered
 from gen.importing.reading.senml import is_senml, resolved
 from gen.importing.reading.tagged import Record, is_tagged, of_one_time
@@ -239,7 +239,8 @@ def _plain(values: Sequence[object]) -> bool:
 
 def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading) -> Table:
     """A table of lines such as ``T1:23.4 T2:25.1``; of several kinds of lines, each fills its own columns."""
-    records, numbers, bad = [], [], []
+    records: list[dict[str, str]] = []
+    numbers, bad = [], []
     step = max(1, len(lines.texts) // SAMPLE)
     kinds = kinds_of(lines.texts[::step])
     twice = frozenset(key for kind in kinds for key, count in Counter(kind).items() if count > 1)
@@ -248,13 +249,23 @@ def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading
     for i, (text, number) in enumerate(zip(lines.texts, lines.numbers, strict=True)):
         record = record_of(text, twice) if len(text) <= LONGEST else {}
         if any(2 * len(set(record) & kind) >= len(kind) and set(record) <= kind for kind in wanted):
-            records.append(with_told_units({"clock": times[i], **record} if times else record))
+            told = with_told_units({"clock": times[i], **record} if times else record)
+            if len(wanted) > 1 and records and _of_one_time(records[-1], told):
+                records[-1] |= told
+                continue
+            records.append(told)
             numbers.append(number)
         else:
             bad.append(number)
     names = list(dict.fromkeys(name for line in firsts for name in record_of(line, twice)))
     shown = ", ".join(names[:_SHOWN]) + (" .." if len(names) > _SHOWN else "")
     return _table(file, records, numbers, bad, lines, reading, f"line without {shown}")
+
+
+def _of_one_time(before: Mapping[str, str], record: Mapping[str, str]) -> bool:
+    """Whether lines of two kinds, of which none names what the other does, tell the same time."""
+    shared = before.keys() & record.keys()
+    return bool(shared) and shared <= HEADS and all(before[name] == record[name] for name in shared)
 
 
 def _recurring(named: list[dict[str, str]], records: Sequence[Mapping[str, object]]) -> list[dict[str, str]]:

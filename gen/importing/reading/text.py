@@ -9,7 +9,7 @@ from pathlib import Path
 
 from gen.errors import InputError
 from gen.importing.numbers import decimal_mark
-from gen.importing.reading import line_protocol, prometheus, topics
+from gen.importing.reading import line_protocol, prometheus, rounds, topics
 from gen.importing.reading.delimited import (
     DELIMITERS,
     guess_delimiter,
@@ -84,6 +84,8 @@ def _one_by_one(file: Path, lines: Lines, reading: Reading) -> Table | None:
     lines, times = stamped(lines)
     if topics.is_captured(lines):
         return tagged_table(file, topics.captured(lines, times), lines, reading, topics.UNTIMED)
+    if rounds.is_rounds(lines.texts):
+        return tagged_table(file, rounds.rounds(lines, times), lines, reading, rounds.UNTIMED)
     return None
 
 
