@@ -95,7 +95,7 @@ def _numbered(values: FloatArray, scale: float) -> tuple[FloatArray, str]:
     finite = values[np.isfinite(values)]
     if finite.size and 1e9 < finite[0] * scale < 2.5e9:
         since = np.round(values - finite[0], _EPOCH_DIGITS) if scale == 1.0 else values - finite[0]
-        return _scaled(since, scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e9))
+        return _scaled(since, scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e6) * 1000)
     if finite.size and _WINDOWS_S[0] < finite[0] * scale < _WINDOWS_S[1]:
         return _scaled(values - finite[0], scale), _iso(round((float(finite[0]) * scale - _SINCE_1601_S) * 1e3) * 10**6)
     counted = seconds_since(float(finite[0]) * scale) if finite.size and scale <= 1.0 else None

@@ -87,6 +87,8 @@ _BRACKETED = re.compile(r"^(?P<base>.*?)\s*[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]\
 _BRACKETED_FROM = re.compile(r"[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]")
 _SPOKEN = re.compile(r"^(?P<base>.*\S)\s*(?:\s(?:in|/)\s|,\s+|\s*/\s*)(?P<unit>\S+)$", re.IGNORECASE)
 _LABEL = re.compile(r"(?:^|[,;]\s*)(?:LBL|label|name)\s*[:=]\s*(?P<label>[^,;]*[^,;\s])", re.IGNORECASE)
+_UNIT_FIRST = re.compile(r"(?P<unit>°\s?[CFK]|℃|℉|%) (?:\[[\w.-]+\] ?)?(?P<base>\S.*)")
+"""`°C [1-1] Winding`: a testo's unit, channel and name."""
 _ALONE = {"deg", "count", "raw", "digits", "d", "min", "cnt", "duty", "perc", "fraction", "grad"}
 """No units where they only stand behind an underscore or a stroke: `cell_count`, `T_min`, `motor/duty`."""
 
@@ -164,6 +166,9 @@ def split_name(header: str) -> tuple[str, Unit | None, str]:
         The unit as it was written, recognised or not; empty without one.
     """
     text = unicodedata.normalize("NFC", header.strip())  # an accent may be a letter of its own
+    before = _UNIT_FIRST.fullmatch(text)
+    if before:
+        return before["base"], unit_of(before["unit"]), before["unit"]
     bracketed = _last_unit(text) or _BRACKETED.match(text)
     labelled = _labelled(bracketed["base"], bracketed["unit"]) if bracketed and not unit_of(bracketed["unit"]) else None
     if labelled is not None:

@@ -163,3 +163,21 @@ def test_what_stands_still_and_is_called_no_limit_is_a_part(tmp_path: Path) -> N
     (tmp_path / "told").mkdir()
     run = run_with(tmp_path / "told", "winding_max_C", [95.0] * ROWS, columns={"winding_max_C": "hot_degC"})
     assert list(run.temps) == ["winding", "hot"]
+
+
+@pytest.mark.parametrize(
+    "head", ["/motor/state/casing_temperature", "°C [1-2] casing", "casing(@C)", "drive.status.casingTemp"]
+)
+def test_a_part_behind_a_path_or_a_unit(head: str, tmp_path: Path) -> None:
+    assert len(run_with(tmp_path, head, [20.0 + 0.2 * (i % 40) for i in range(ROWS)]).temps) == 2
+
+
+def test_an_input_that_rests_at_its_lower_end_is_told(tmp_path: Path) -> None:
+    """As a transmitter's stick is logged; one that reverses passes 0."""
+    rows = [f"{10 * i},{-1024 if i > 30 else 512},{20 + 0.3 * i:.1f}" for i in range(ROWS)]
+    log = write(tmp_path, "\n".join(["time [s],Thr,winding [°C]", *rows]))
+    found = take(log, tmp_path / "out", input="Thr", full_scale=1024.0)
+    assert any("Thr: stands at -1024 and never near 0, as a stick's way does" in text for text in found.warnings)
+    rows = [f"{10 * i},{(-1024, 0, 1024)[i // 20]},{20 + 0.3 * i:.1f}" for i in range(ROWS)]
+    log = write(tmp_path, "\n".join(["time [s],Thr,winding [°C]", *rows]))
+    assert take(log, tmp_path / "new", input="Thr", full_scale=1024.0).warnings == []

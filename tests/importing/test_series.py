@@ -169,6 +169,18 @@ def test_names_of_two_columns_tell_readings_apart(tmp_path: Path) -> None:
     np.testing.assert_allclose(run.extras["current_A"], DUTY / 10)
 
 
+def test_sensors_that_are_numbered_and_an_input_beside_all_of_them(tmp_path: Path) -> None:
+    """Their mean, which rows of one time may have, would be that of different sensors."""
+    rows = [f"{10 * i},{k},{TEMPERATURE[i] + k:.2f},{DUTY[i]}" for i in range(ROWS) for k in (1, 2, 3)]
+    log = write(tmp_path, "\n".join(["t [s],sensor_id,temperature,duty [%]", *rows]))
+    with pytest.raises(InputError, match="a row for each of 1, 2, 3; expected --series sensor_id,temperature,"):
+        take(log, tmp_path / "out")
+    run = read_run(take(log, tmp_path / "out", series="sensor_id,temperature").runs[0])
+    assert list(run.temps) == ["temperature_1", "temperature_2", "temperature_3"]
+    np.testing.assert_allclose(run.temps["temperature_3"], np.round(TEMPERATURE + 3, 2))
+    assert sorted(set(run.pwm.tolist())) == [0, 153]
+
+
 def test_a_coarse_clock_tells_no_names_apart(tmp_path: Path) -> None:
     """Two readings a second of each sensor, and a remark that changes now and then."""
     lines = [f"{i // 4},{('winding', 'duty')[i % 2]},{20 + i % 7},{'ab'[i % 8 > 4]}" for i in range(400)]

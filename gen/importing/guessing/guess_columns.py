@@ -175,7 +175,8 @@ def _thermal(facts: Facts, base: str) -> bool:
     """Whether a name may be that of a temperature."""
     if not (names.THERMAL.fullmatch(base) or names.PARTS.search(base) or names.AMBIENT.search(base)):
         return False
-    if _electrical(base) or names.FLAG.search(base) or _no_temperature(base):
+    last = re.split(r"[/.]", base)[-1] or base  # `/motor/state/temperature` is no state
+    if _electrical(base) or names.FLAG.search(last) or _no_temperature(base):
         return False
     if _SAYS_SO.search(base):
         return True

@@ -46,7 +46,7 @@ RUNS = re.compile(
 )
 SERIES = re.compile(
     r"sensor|sensor.?name|sensor.?id|channel|kanal|signal|variable|field|_field|tag|tag.?name|entity.?id|metric|series|topic|"
-    r"var.?name|messstelle|messgr(?:ö|oe)(?:ß|ss)e|capteur|sensore"
+    r"tags|node|node.?id|probe|item|parameter|quantity|id|channel.?(?:id|no|nr|number)|var.?name|messstelle|messgr(?:ö|oe)(?:ß|ss)e|capteur|sensore"
 )
 _SAYS_AMBIENT = (
     r"amb|ambient|ambiance|t_?amb|surroundings?|(?:t_?)?umg|umgebung|umgebungstemp(?:eratur)?|umgebungsluft|ambiante?s?|ambiente|"

@@ -11,10 +11,12 @@ from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.guess_time import decide_time
 from gen.importing.guessing.guesses import Choices
-from gen.importing.guessing.series_columns import MOST_SERIES, unit_column, value_column
+from gen.importing.guessing.series_columns import MOST_SERIES, is_plain_value, unit_column, value_column
 from gen.importing.listing import listed
 from gen.importing.table import Column, Counted, Table
 
+_LEAST_TOGETHER = 1.5
+"""Readings of each time, from which on what is the same beside all of them is of the time."""
 _MOST_TWICE = 0.1
 """Of the readings that share name and time, those that other columns may leave so."""
 
@@ -60,6 +62,26 @@ def _columns(table: Table, said: str) -> tuple[str, str]:
             f"which column holds the values nobody knows; expected --series {parts[0]},COLUMN", place="--series"
         )
     return parts[0], values
+
+
+def _of_all(table: Table, but: Collection[str], row_of: Sequence[int], count: int) -> list[Column]:
+    """Columns of numbers that say the same beside all readings of a time: an input, of which each row has one."""
+    if len(row_of) < _LEAST_TOGETHER * count:
+        return []
+    others = [column for column in table.columns if column.name not in but]
+    facts = Evidence([replace(table, columns=others)]).facts if others else {}
+    made = []
+    for column in others:
+        entry = facts[column.name]
+        if entry.kind != "number" or len(set(entry.values.tolist())) < 2:
+            continue
+        cells = [""] * count
+        same = True
+        for row, cell in zip(row_of, texts_of(column), strict=True):
+            same = same and (not cell or cells[row] in ("", cell))
+            cells[row] = cells[row] or cell
+        made += [Column(column.name, cells, column.unit)] if same else []
+    return made
 
 
 def _told_apart(
@@ -120,6 +142,8 @@ def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Tabl
     said = texts_of(table.column(values))
     when = list(zip(*(texts_of(table.column(name)) for name in times), strict=True))
     of, beside = _told_apart(table, names, {values, *times}, when)
+    kind = names if is_plain_value(values) else values
+    of = [f"{kind} {name}" if name.replace(".", "").isdigit() else name for name in of]
     series = list(dict.fromkeys(name for name in of if name))
     if not 0 < len(series) <= MOST_SERIES:
         raise InputError(f"found {len(series)} names, expected {MOST_SERIES} at most", place=f"column {names}")
@@ -141,6 +165,7 @@ def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Tabl
     if twice:
         counted.append(Counted("second reading of one name and time, left out", len(twice), table.place(twice[0])))
     columns = [Column(name, [time[k] for time in rows], table.column(name).unit) for k, name in enumerate(times)]
+    columns += _of_all(table, {names, values, *times, *beside}, [rows[time] for time in when], len(rows))
     units = _units(table, of, names, values)
     columns += [Column(name, cells[name], units.get(name, "")) for name in series]
     return replace(table, columns=columns, places=first, counted=tuple(counted))
