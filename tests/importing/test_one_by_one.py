@@ -191,3 +191,69 @@ def test_line_protocol(by_series: bool, tmp_path: Path) -> None:
     run = taken(write(tmp_path, "\n".join(lines), name="points.txt"), tmp_path / "out")
     same(run, LATER)
     assert run.comments["started"] == "2026-03-02T08:15:00.000"
+
+
+PARTS = ("pwm", "winding", "casing")
+FRAME = TRUE.rename(columns=lambda name: name.removesuffix("_degC"))
+MS = [1000 * (BEGIN + STEP * i) for i in range(len(TRUE))]
+SERIES: dict[str, object] = {
+    "Grafana's panel": [
+        {"target": n, "datapoints": [[v, t] for v, t in zip(FRAME[n], MS, strict=True)]} for n in PARTS
+    ],
+    "Highcharts": [{"name": n, "data": [[t, v] for v, t in zip(FRAME[n], MS, strict=True)]} for n in PARTS],
+    "Plotly": {"data": [{"name": n, "x": MS, "y": FRAME[n].tolist()} for n in PARTS], "layout": {"title": "motor"}},
+    "ThingsBoard": {
+        n: [{"ts": t, "value": str(v)} for v, t in reversed(list(zip(FRAME[n], MS, strict=True)))] for n in PARTS
+    },
+    "InfluxDB 1": {
+        "results": [
+            {
+                "series": [
+                    {
+                        "name": "motor",
+                        **({"tags": {"part": n}} if n != "pwm" else {}),
+                        "columns": ["time", "pwm" if n == "pwm" else "temp"],
+                        "values": [[t, v] for v, t in zip(FRAME[n], MS, strict=True)],
+                    }
+                    for n in PARTS
+                ]
+            }
+        ]
+    },
+    "Grafana's frames": {
+        "results": {
+            "A": {
+                "frames": [
+                    {
+                        "schema": {
+                            "fields": [
+                                {"name": "Time", "type": "time"},
+                                {"name": n, "type": "number", "labels": {"part": n}, "config": {"unit": unit}},
+                            ]
+                        },
+                        "data": {"values": [MS, (FRAME[n] * scale + offset).round(6).tolist()]},
+                    }
+                    for n, unit, scale, offset in (
+                        ("pwm", "", 1, 0),
+                        ("winding", "fahrenheit", 1.8, 32),
+                        ("casing", "celsius", 1, 0),
+                    )
+                ]
+            }
+        }
+    },
+}
+
+
+@pytest.mark.parametrize("form", SERIES)
+def test_a_series_of_samples_for_each_signal(form: str, tmp_path: Path) -> None:
+    log = write(tmp_path, json.dumps(SERIES[form], default=float), name="log.json")
+    run = taken(log, tmp_path / "out", units={"pwm": "counts"})
+    same(run, LATER[["time_s", "pwm", "winding_degC", "casing_degC"]])
+    assert run.comments["started"] == "2026-03-02T08:15:00.000"
+
+
+def test_series_that_nothing_tells_apart_are_not_mixed(tmp_path: Path) -> None:
+    tree = [{"target": "motor", "datapoints": [[v, t] for v, t in zip(FRAME[n], MS, strict=True)]} for n in PARTS]
+    with pytest.raises(InputError):
+        take(write(tmp_path, json.dumps(tree, default=float), name="log.json"), tmp_path / "out", input="100")

@@ -13,6 +13,7 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.listing import listed
+from gen.importing.reading import signals
 from gen.importing.reading.delimited import MOST_COLUMNS, keyed_comments
 from gen.importing.reading.flat import flat
 from gen.importing.reading.lines import Lines
@@ -104,7 +105,7 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
         tree = json.loads(text)
     except (ValueError, RecursionError):
         return None
-    samples = answered(tree)
+    samples = answered(tree) or signals.records_of(tree)
     if samples:
         return _one_by_one(
             file, samples, list(range(1, len(samples) + 1)), [], Lines([], [], []), reading, "", "element"
