@@ -35,6 +35,8 @@ FRENCH = ["janv.", "févr.", "mars", "avr.", "mai", "juin", "juil.", "août", "s
         lambda t: t.strftime("%H:%M:%S.%f %d.%m.%Y"),
         lambda t: t.strftime("%Y-%b-%d %H:%M:%S.%f"),
         lambda t: t.strftime("%d.%m.%Y %H:%M:%S.%f Uhr"),
+        lambda t: t.strftime("%Y-%m-%d-%H-%M-%S.%f"),
+        lambda t: t.strftime("DT#%Y-%m-%d-%H:%M:%S.%f"),
     ],
 )
 def test_timestamps_of_other_programs(form: Callable[[pd.Timestamp], str], tmp_path: Path) -> None:
@@ -150,3 +152,11 @@ def test_one_date_is_read_as_the_rest_of_the_log_is_written(
     found = take(write(tmp_path, "\n".join(lines)), tmp_path / "out")
     assert read_run(found.runs[0]).comments["started"] == f"{started}T10:00:00.000"
     assert re.search(why, " ".join(map(str, found.guesses()["why"])))
+
+
+def test_durations_of_a_controller(tmp_path: Path) -> None:
+    """As IEC 61131 writes them."""
+    times = [f"T#{i // 6}m{10 * (i % 6)}s500ms" for i in range(len(TRUE))]
+    rows = [f"{t},{row.pwm},{row.winding_degC}" for t, row in zip(times, TRUE.itertuples(), strict=True)]
+    run = taken(write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 10.0 * np.arange(len(TRUE)) + 0.5)

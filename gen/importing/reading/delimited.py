@@ -14,11 +14,13 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.clock import is_time
+from gen.importing.guessing.names import TIME
 from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
 from gen.importing.reading.annotated import of_one_head
 from gen.importing.reading.heads import STATISTIC, is_label, is_units, labelled_head, paired_head, with_labels
 from gen.importing.reading.lines import Lines
 from gen.importing.reading.logged import is_logged, logged
+from gen.importing.reading.prometheus import without_labels
 from gen.importing.reading.transposed import upright
 from gen.importing.reading.unit_columns import with_units
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
@@ -205,6 +207,7 @@ def table_of_rows(
         names = [f"column_{i + 1}" for i in range(width)]
     if times:
         names, units, cells = ["clock", *names], ["", *units], [[times[i] for i in good], *cells]
+    names = without_labels(names)
     kept = [i for i, name in enumerate(names) if name.strip() or any(cell.strip() for cell in cells[i])]
     return Table(
         file,
@@ -289,10 +292,16 @@ def _is_number(cell: str) -> bool:
 
 
 def _is_data(row: Sequence[str], width: int) -> bool:
-    if len(row) != width:
+    if len(row) != width or _numbers_channels(row):
         return False
     filled = [cell for cell in row if cell.strip() and cell.strip().casefold() not in NAN_WORDS]
     return bool(filled) and 2 * sum(map(_is_number, filled)) >= len(filled)
+
+
+def _numbers_channels(row: Sequence[str]) -> bool:
+    """Whether a header calls its channels by whole numbers behind a time: `time,101,102`."""
+    first, *others = (cell.strip() for cell in row)
+    return bool(TIME.fullmatch(first.casefold())) and all(cell.isdigit() for cell in others)
 
 
 def _is_reading(row: Sequence[str], width: int) -> bool:
@@ -301,6 +310,8 @@ def _is_reading(row: Sequence[str], width: int) -> bool:
 
 
 def _is_head(row: Sequence[str]) -> bool:
+    if _numbers_channels(row):
+        return True
     filled = [cell for cell in row if cell.strip()]
     return 2 * len(filled) > len(row) and not any(plain_number(cell.strip()) is not None for cell in filled)
 

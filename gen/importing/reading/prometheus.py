@@ -15,6 +15,7 @@ _SAMPLE = re.compile(
     rf"(?P<metric>[A-Za-z_:][\w:]*)(?P<labels>\{{(?:{_LABEL},?\s*)*\}})?\s+"
     r"(?P<sample>[+-]?\d*\.?\d+(?:[eE][+-]?\d+)?|NaN|[+-]?Inf)(?:\s+(?P<when>\d+(?:\.\d+)?))?\s*(?:#.*)?"
 )
+_QUERY = re.compile(rf"(?P<metric>[A-Za-z_:][\w:]*)?(?P<labels>\{{(?:{_LABEL},?\s*)+\}})")
 _PAIR = re.compile(r'([A-Za-z_]\w*)="((?:[^"\\]|\\.)*)"')
 _SAYS_SO = re.compile(r"(?:HELP|TYPE|UNIT) [A-Za-z_:][\w:]*(?: |$)")
 _EPOCH = re.compile(r"\d{10}(?:\.\d+)?|\d{13}")
@@ -90,6 +91,25 @@ def answered(tree: object) -> list[Record] | None:
     return _named([record for _, record in records])
 
 
+def without_labels(names: Sequence[str]) -> list[str]:
+    """Names of columns with what their labels tell apart before them, as panels export queries.
+
+    Parameters
+    ----------
+    names
+        ``motor_temperature{sensor="winding"}`` among others.
+    """
+    found = {name: match for name in names if (match := _QUERY.fullmatch(name))}
+    tags = {name: dict(_PAIR.findall(match["labels"])) for name, match in found.items()}
+    records = [_record(match["metric"] or "value", tags[name], "", "") for name, match in found.items()]
+    told = differing_tags(list(tags.values()))
+    made = {
+        name: ".".join([*(tags[name][key] for key in told if key in tags[name]), *_of(record, "fields")])
+        for name, record in zip(found, _named(records), strict=True)
+    }
+    return [made.get(name, name) for name in names]
+
+
 def _is_time(text: str) -> bool:
     return bool(_EPOCH.fullmatch(text.strip())) or is_time(text)
 
@@ -109,7 +129,7 @@ def _named(records: Sequence[Record]) -> list[Record]:
         name, tags = next(iter(_of(record, "fields"))), _of(record, "tags")
         said = ".".join(str(tags[key]) for key in told if key in tags)
         tail = name.partition("_")[2]
-        return name, said, tail if said and "_" in tail else name
+        return name, said, tail if said and tail else name
 
     shorts = [short(record) for record in records]
     whose = Counter((said, tail) for name, said, tail in set(shorts))

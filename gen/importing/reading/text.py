@@ -26,6 +26,12 @@ from gen.importing.reading.published import is_published, published_table
 from gen.importing.table import Reading, Table
 
 _BEGINS_AS_JSON = re.compile(r'\s*\ufeff?\s*(?:\[\s*\{|\{\s*")')
+_FRAME = re.compile(
+    r"\s*(?:\(\d+\.\d+\) )?\s*\w*can\d+\s+[0-9A-F]{3,8}(?:##?[0-9A-FR]*|\s+\[\d+\](?:\s+[0-9A-F]{2})*)\s*$",
+    re.IGNORECASE,
+)
+"""candump's: `(1772439300.000123) can0 123#0011`, `can0  123   [2]  00 11`."""
+_SAMPLE = 400
 
 
 def read_text(file: Path, data: bytes, given: Reading) -> Table:
@@ -81,12 +87,23 @@ def _one_by_one(file: Path, lines: Lines, reading: Reading) -> Table | None:
         return tagged_table(file, prometheus.scraped(lines), lines, reading, prometheus.UNTIMED)
     if line_protocol.is_line_protocol(lines):
         return tagged_table(file, line_protocol.points(lines), lines, reading, "")
+    _check_frames(lines)
     lines, times = stamped(lines)
     if topics.is_captured(lines):
         return tagged_table(file, topics.captured(lines, times), lines, reading, topics.UNTIMED)
     if rounds.is_rounds(lines.texts):
         return tagged_table(file, rounds.rounds(lines, times), lines, reading, rounds.UNTIMED)
     return None
+
+
+def _check_frames(lines: Lines) -> None:
+    """Refuse frames of a bus as they are: what is in them only its description tells."""
+    sample = lines.texts[:_SAMPLE]
+    if sum(1 for line in sample if _FRAME.match(line)) > 0.5 * len(sample):
+        raise InputError(
+            "holds frames of a bus that are not decoded; expected what is in them: cantools decode FILE.dbc < LOG",
+            place=f"line {lines.numbers[0]}",
+        )
 
 
 def _check_whole(text: str) -> None:
