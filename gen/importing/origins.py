@@ -5,6 +5,7 @@ from __future__ import annotations
 _ORIGINS = (
     (30_000.0, 60_000.0, -25_569, "days since 1900, as Excel counts"),
     (700_000.0, 760_000.0, -719_529, "days since the year 0, as MATLAB counts"),
+    (2_440_000.0, 2_500_000.0, -2_440_587.5, "Julian days"),
 )
 """From and to which number of days, what 1970 is in them, and in words."""
 
@@ -29,7 +30,7 @@ def seconds_since(seconds: float) -> tuple[int, str] | None:
     return (shift, words) if low < seconds < high else None
 
 
-def days_since(days: float) -> tuple[int, str] | None:
+def days_since(days: float) -> tuple[float, str] | None:
     """What has to be added to a number of days so that it counts from 1970, and which days they are.
 
     Parameters

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -257,6 +258,8 @@ def _hours_or_minutes(entry: Facts, told: str, confidence: float, why: str) -> t
     over_midnight = any(one == _LAST_HOUR and other == 0 for one, other in pairwise(firsts))
     if told in _HOURS_OR_MINUTES:
         unit, sure, reason = _HOURS_OR_MINUTES[told], CERTAIN, "--unit"
+    elif said := _said_of_minutes(entry):
+        unit, sure, reason = _HOURS_OR_MINUTES[said], 0.95, f"{said} by its name"
     elif any(cell.count(":") == 2 for cell in entry.texts):
         unit, sure, reason = "mm:ss", 0.95, "mm:ss, then h:mm:ss"
     elif over_midnight and max(firsts) == _LAST_HOUR:
@@ -274,6 +277,14 @@ def _hours_or_minutes(entry: Facts, told: str, confidence: float, why: str) -> t
     settle = f"--unit {quoted(f'{entry.name}=hh:mm')} or {quoted(f'{entry.name}=mm:ss')}"
     form = TimeForm.model_validate({"columns": [entry.name], "unit": unit})
     return form, [Guess(entry.name, f"time: {unit}", min(confidence, sure), f"{why}; {reason}", settle)]
+
+
+def _said_of_minutes(entry: Facts) -> str:
+    """Whether a name, or a row of units, says `hh:mm` or `mm:ss`; empty where it says neither."""
+    said = f"{entry.name} {entry.columns[0].unit}".casefold()
+    if re.search(r"(?<![a-z:])(?:h|hh|std|hrs?):(?:m|mm|min)(?![a-z:])", said):
+        return "hh:mm"
+    return "mm:ss" if re.search(r"(?<![a-z:])(?:m|mm|min):(?:s|ss|sec|sek)(?![a-z:])", said) else ""
 
 
 def _unit(entry: Facts, choices: Choices) -> tuple[str, float, str]:

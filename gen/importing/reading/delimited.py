@@ -17,7 +17,15 @@ from gen.importing.clock import is_time
 from gen.importing.guessing.names import TIME
 from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
 from gen.importing.reading.annotated import of_one_head
-from gen.importing.reading.heads import STATISTIC, is_label, is_units, labelled_head, paired_head, with_labels
+from gen.importing.reading.heads import (
+    STATISTIC,
+    is_label,
+    is_units,
+    labelled_head,
+    paired_head,
+    with_labels,
+    with_statistic,
+)
 from gen.importing.reading.lines import Lines
 from gen.importing.reading.logged import is_logged, logged
 from gen.importing.reading.prometheus import without_labels
@@ -37,6 +45,9 @@ _FEW_HEADS = 2
 _LONGEST_PREAMBLE = 100
 """Lines that come before a header, at most."""
 _SHOWN = 40
+_LEAST_SHIFTED = 3
+_MILLIS = 3
+_WHOLE_SECONDS = re.compile(r"\d{1,2}:\d{2}:\d{2}$")
 MOST_COLUMNS = 2000
 _HEAD_LINES = 20
 
@@ -129,8 +140,10 @@ def split_rows(lines: Lines, delimiter: str, word: str = "line") -> tuple[list[l
     InputError
         Without a file name, with the line of a field that is too large to be one.
     """
-    if delimiter == " ":
+    if delimiter == " " and not any('"' in line for line in lines.texts[:_SAMPLE]):
         return [line.split() for line in lines.texts], lines.numbers
+    if delimiter == " ":
+        lines = Lines([" ".join(line.split()) for line in lines.texts], lines.numbers, lines.comments)
     reader = csv.reader(_closed(lines.texts), delimiter=delimiter, skipinitialspace=True)
     rows: list[list[str]] = []
     numbers: list[int] = []
@@ -207,7 +220,7 @@ def table_of_rows(
         names = [f"column_{i + 1}" for i in range(width)]
     if times:
         names, units, cells = ["clock", *names], ["", *units], [[times[i] for i in good], *cells]
-    names = without_labels(names)
+    names, units = _shifted(without_labels(names), units, cells)
     kept = [i for i, name in enumerate(names) if name.strip() or any(cell.strip() for cell in cells[i])]
     return Table(
         file,
@@ -224,6 +237,22 @@ def table_of_rows(
         _with_decimal(reading, cells),
         tuple(counted),
     )
+
+
+def _shifted(names: list[str], units: list[str], cells: Sequence[list[str]]) -> tuple[list[str], list[str]]:
+    """Names of a header that has one less than its rows, which is not the last one's.
+
+    It is that of the first column where that counts rows, as R writes them; or of the second where times have commas
+    before their milliseconds.
+    """
+    if len(names) < _LEAST_SHIFTED or names[-1].strip() or not names[0].strip() or not any(map(str.strip, cells[-1])):
+        return names, units
+    first, second = cells[0][:_SAMPLE], cells[1][:_SAMPLE]
+    if first in ([str(i + k) for i in range(len(first))] for k in (0, 1)) and len(first) > 1:
+        return ["row", *names[:-1]], ["", *units[:-1]]
+    if all(cell.isdigit() and len(cell) <= _MILLIS for cell in second) and all(map(_WHOLE_SECONDS.search, first)):
+        return [names[0], "ms", *names[1:-1]], [units[0], "", *units[1:-1]]
+    return names, units
 
 
 def _first_row(rows: Sequence[Sequence[str]], numbers: Sequence[int], width: int, word: str) -> int:
@@ -345,7 +374,7 @@ def _under_names(heads: Sequence[list[str]]) -> tuple[list[str], list[str]]:
     names = next((row for row in reversed(above) if not is_units(row)), [""] * len(last))
     units = next((row for row in reversed(above) if is_units(row)), [""] * len(last))
     made = [
-        f"{name.strip()} {cell.strip()}".strip() if STATISTIC.fullmatch(cell.strip()) else cell
+        with_statistic(name.strip(), cell) if STATISTIC.fullmatch(cell.strip()) else cell or name
         for name, cell in zip(names, last, strict=True)
     ]
     return made, [unit if unit_of(unit) else "" for unit in units]
