@@ -372,3 +372,28 @@ def test_fractions_of_a_second_in_a_column_of_their_own(head: str, scale: int, f
     np.testing.assert_allclose(run.time_s, 0.1 * np.arange(len(truth())), atol=1e-9)
     assert run.comments["started"] == "2024-03-25T23:59:55.300"
     assert list(run.extras) == []
+
+
+@pytest.mark.parametrize(
+    ("head", "seconds"), [("Year,Month,Day,Hour,Minute,Second", True), ("Jahr,Monat,Tag,Stunde,Minute", False)]
+)
+def test_the_parts_of_a_date_in_columns_of_their_own(head: str, seconds: bool, tmp_path: Path) -> None:
+    step = 10.5 if seconds else 60.0
+    rows = []
+    for i, entry in enumerate(truth().itertuples()):
+        at = pd.Timestamp("2024-12-31 23:50:00") + pd.Timedelta(seconds=step * i)
+        second = f"{at.second + at.microsecond / 1e6:g}," if seconds else ""
+        rows.append(f"{at.year},{at.month},{at.day},{at.hour},{at.minute},{second}{entry.pwm},{entry.winding_degC}")
+    run = taken(write(tmp_path, "\n".join([f"{head},PWM,Winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, step * np.arange(len(truth())))
+    assert run.comments["started"] == "2024-12-31T23:50:00.000"
+    assert list(run.extras) == []
+
+
+@pytest.mark.parametrize("head", ["latency (ms)", "ms"])
+def test_milliseconds_that_are_none_of_the_time(head: str, tmp_path: Path) -> None:
+    """What a loop took, beside times of a coarse clock."""
+    rows = [f"08:00:{i // 4:02d},{40 + i % 3},{e.pwm},{e.winding_degC}" for i, e in enumerate(truth().itertuples())]
+    log = write(tmp_path, "\n".join([f"Time,{head},PWM,Winding [C]", *rows]))
+    with pytest.raises(InputError, match="repeat the time of the row before; expected --duplicates"):
+        take(log, tmp_path / "out")

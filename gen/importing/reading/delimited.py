@@ -392,6 +392,8 @@ def _behind_a_preamble(rows: Sequence[list[str]], first: int, width: int) -> int
 
 def _behind_labels(rows: Sequence[list[str]], first: int, width: int) -> int:
     """The first row behind lines that say what they hold (`Wf_increment,1,1`) where rows say nothing there."""
+    if not any(row and is_label(row[0]) for row in rows[:first]):
+        return first
     behind = [row[0].strip() for row in rows[first : first + _HEAD_LINES] if len(row) == width]
     labels = next((i for i, cell in enumerate(behind) if not cell), 0)
     told = all(re.search(r"[^\W\d_]", cell) and not _is_number(cell) for cell in behind[:labels])

@@ -22,6 +22,8 @@ _EPOCH = re.compile(r"\d{10}(?:\.\d+)?|\d{13}")
 _MILLIS = 1e11
 """From which number on a time since 1970 is in ms: as the text form has it, OpenMetrics has s."""
 _LEAST = 0.8
+_FIRST = 400
+"""Lines that are looked at."""
 UNTIMED = "put the time of each scrape before it: (date +%s; curl -s URL) >> log"
 """How to record with times."""
 
@@ -34,9 +36,10 @@ def is_scraped(lines: Lines) -> bool:
     lines
         Of a text.
     """
-    found = [_SAMPLE.fullmatch(line.strip()) for line in lines.texts]
+    first = lines.texts[:_FIRST]
+    found = [_SAMPLE.fullmatch(line.strip()) for line in first]
     matched = [match for match in found if match]
-    if not matched or len(matched) < _LEAST * sum(1 for text in lines.texts if not _is_time(text)):
+    if not matched or len(matched) < _LEAST * sum(1 for text in first if not _is_time(text)):
         return False
     return any(match["labels"] for match in matched) or any(map(_SAYS_SO.match, lines.comments))
 

@@ -38,6 +38,8 @@ def upright(rows: Sequence[list[str]]) -> tuple[list[list[str]], list[int]] | No
         before = next((k for k in range(1, _MOST_BEFORE + 1) if _are_times(row[k:])), 0)
         if not before or _is_value(row[0]):
             continue
+        if any(len(other) == len(row) for other in rows[:at]):  # below a header
+            return None
         channels = [other for other in rows[at + 1 :] if any(cell.strip() for cell in other)]
         if not _are_channels(channels, before, len(row)):
             return None
