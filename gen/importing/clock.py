@@ -28,10 +28,13 @@ _MUCH_SHORTER = 0.2
 _SAMPLE = 2000
 _SOUND = 0.95
 """Of a column of times, as others hold damaged lines."""
+DAY_OR_YEAR = "the day first, or the year in two digits"
 _YEAR_FIRST = "year first, or the month in letters"
 ONE_DATE = "one date only"
 EITHER = "dates that are possible either way"
 """Why an order of days and months is taken that nothing in the dates tells."""
+_YEARS = (10, 40)
+"""Of this century, from which there are logs, and until when this may be read."""
 _ISO_MARKS = str.maketrans("", "", "0123456789-:.T \n")
 MISSING = int(np.iinfo(np.int64).min)
 """What is no time."""
@@ -153,6 +156,11 @@ def date_order(cells: Sequence[str]) -> tuple[str, float, str]:
     found = {match.group("a", "mark", "b") for match in stamps if match and "a" in match.re.groupindex}
     if not found:
         return "ymd", 1.0, _YEAR_FIRST
+    short = {
+        (match["a"], match["b"], match["y"]) for match in stamps if match is not None and "a" in match.re.groupindex
+    }
+    if (order := _year_first(short, {mark for _, mark, _ in found})) is not None:
+        return order
     if any(int(a) > 12 for a, _, _ in found):
         return "dmy", 0.99, "a first number above 12"
     if any(int(b) > 12 for _, _, b in found):
@@ -167,6 +175,18 @@ def date_order(cells: Sequence[str]) -> tuple[str, float, str]:
         days = (lasting[shorter] / 86_400.0, lasting[longer] / 86_400.0)
         return shorter, 0.9, f"it lasts {days[0]:.3g} d so, and {days[1]:.3g} d as {longer}"
     return "mdy", 0.4, EITHER
+
+
+def _year_first(dates: set[tuple[str, str, str]], marks: set[str]) -> tuple[str, float, str] | None:
+    """Whether two digits of the year stand first (`26-03-02`), or may; None where they do not."""
+    if any(len(year) != 2 or int(month) > 12 or not 1 <= int(year) <= 31 for _, month, year in dates):
+        return None
+    firsts, lasts = ({int(date[k]) for date in dates} for k in (0, 2))
+    if min(firsts) < _YEARS[0] or max(firsts) > _YEARS[1] or len(firsts) > len(lasts):
+        return None
+    if len(lasts) > len(firsts) or not _YEARS[0] <= min(lasts) <= max(lasts) <= _YEARS[1]:
+        return "ymd", 0.9, "the year first, in two digits"
+    return ("dmy", 0.4, DAY_OR_YEAR) if marks == {"-"} else None
 
 
 def _lasting_s(cells: Sequence[str], order: str) -> float:

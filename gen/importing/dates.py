@@ -47,12 +47,14 @@ _SHORT_ISO = r"(?P<y>\d{4})(?P<mark>[-/.])\s?(?P<m>\d{1,2})(?P=mark)\s?(?P<d>\d{
 _KANJI = r"(?P<y>\d{4})\s?年\s?(?P<m>\d{1,2})\s?月\s?(?P<d>\d{1,2})\s?日"
 _TRIPLE = r"(?P<a>\d{1,2})(?P<mark>[./-])\s?(?P<b>\d{1,2})(?P=mark)\s?(?P<y>\d{4}|\d{2})"
 _NAMED = rf"{_WEEKDAY}(?P<d>\d{{1,2}})\.?[-. /]\s*(?:de\s+)?{_MONTH}\.?,?[-. /]\s*(?:de\s+)?(?P<y>\d{{4}}|\d{{2}})"
+_SAS = r"(?P<d>\d{1,2})(?P<month>[^\W\d_]{3})(?P<y>\d{4}|\d{2})"
+"""02Mar2026."""
 _MONTH_FIRST = rf"{_WEEKDAY}{_MONTH}\.?\s+(?P<d>\d{{1,2}})(?:st|nd|rd|th)?,?\s+(?P<y>\d{{4}})"
 _YEAR_FIRST = rf"(?P<y>\d{{4}})[-. /]{_MONTH}\.?[-. /](?P<d>\d{{1,2}})"
 _UNIX = rf"{_WEEKDAY}{_MONTH}\s+(?P<d>\d{{1,2}})\s+{_TIME}{_ZONE}\s+(?P<y>\d{{4}})"
 """`ctime`, and `date` with a zone: Thu Apr  3 23:30:00 CEST 2025."""
 _COMPACT = (
-    rf"(?P<y>\d{{4}})-?(?P<m>\d{{2}})-?(?P<d>\d{{2}})[Tt_-](?P<h>\d{{2}})(?P<min>\d{{2}})"
+    rf"(?P<y>\d{{4}})-?(?P<m>\d{{2}})-?(?P<d>\d{{2}})[Tt_ -](?P<h>\d{{2}})(?P<min>\d{{2}})"
     rf"(?:(?P<s>\d{{2}})(?:[.,]?(?P<frac>\d{{1,9}}))?)?{_ZONE}"
 )
 _DASHED = (
@@ -63,7 +65,10 @@ _IN_NUMBERS = (_ISO, _SHORT_ISO, _KANJI, _TRIPLE)
 _STAMPS = tuple(
     re.compile(form)
     for form in (
-        *(rf"{form}(?:{_SEPARATOR}{_TIME}{_ZONE})?" for form in (*_IN_NUMBERS, _NAMED, _MONTH_FIRST, _YEAR_FIRST)),
+        *(
+            rf"{form}(?:{_SEPARATOR}{_TIME}{_ZONE})?"
+            for form in (*_IN_NUMBERS, _NAMED, _SAS, _MONTH_FIRST, _YEAR_FIRST)
+        ),
         _UNIX,
         _COMPACT,
         _DASHED,
@@ -160,7 +165,7 @@ def instant(match: re.Match[str], order: str) -> int | None:
     match
         Of :func:`stamp`.
     order
-        "dmy" or "mdy" for dates with the year last.
+        "dmy" or "mdy" for dates with the year last; "ymd" where two digits of it stand first.
     """
     day = _day(match, order)
     ns = duration(match) if has_time(match) else 0
@@ -213,6 +218,8 @@ def _day(match: re.Match[str], order: str) -> int | None:
     year = int(parts["y"]) + (2000 if len(parts["y"]) == 2 else 0)
     if parts.get("month"):
         month, day = _MONTHS[parts["month"].casefold()], int(parts["d"])
+    elif parts.get("a") and order == "ymd" and len(parts["y"]) == 2:
+        year, month, day = 2000 + int(parts["a"]), int(parts["b"]), int(parts["y"]) % 100
     elif parts.get("a"):
         first, second = int(parts["a"]), int(parts["b"])
         month, day = (first, second) if order == "mdy" else (second, first)

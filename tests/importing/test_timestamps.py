@@ -160,3 +160,69 @@ def test_durations_of_a_controller(tmp_path: Path) -> None:
     rows = [f"{t},{row.pwm},{row.winding_degC}" for t, row in zip(times, TRUE.itertuples(), strict=True)]
     run = taken(write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows])), tmp_path / "out")
     np.testing.assert_allclose(run.time_s, 10.0 * np.arange(len(TRUE)) + 0.5)
+
+
+WITHOUT_MARKS: dict[str, Callable[[pd.Timestamp], str]] = {
+    "Date,Time": lambda t: t.strftime("%Y%m%d,%H%M%S"),
+    "UTC": lambda t: t.strftime("%H%M%S.") + f"{t.microsecond // 10_000:02d}",
+    "Time": lambda t: t.strftime("%Y%m%d%H%M%S"),
+    "Uhrzeit": lambda t: str(int(t.strftime("%H%M%S"))),  # a spreadsheet drops zeros
+}
+
+
+@pytest.mark.parametrize("head", WITHOUT_MARKS)
+def test_times_without_marks_are_no_counts(head: str, tmp_path: Path) -> None:
+    """As seconds each minute would last a hundred of them."""
+    stamps = pd.Timestamp("2026-03-02 23:50:00") + pd.to_timedelta(10.0 * np.arange(len(TRUE)), unit="s")
+    rows = [
+        f"{WITHOUT_MARKS[head](t)},{r.pwm},{r.winding_degC}" for t, r in zip(stamps, TRUE.itertuples(), strict=True)
+    ]
+    run = taken(write(tmp_path, "\n".join([f"{head},PWM,Winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s - run.time_s[0], 10.0 * np.arange(len(TRUE)))
+    np.testing.assert_allclose(run.temps["winding"], TRUE["winding_degC"])
+
+
+def test_seconds_stay_seconds(tmp_path: Path) -> None:
+    rows = [f"{100 * i + (i > 60)},{r.pwm},{r.winding_degC}" for i, r in enumerate(TRUE.itertuples())]
+    run = taken(write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows])), tmp_path / "out", units={"Time": "s"})
+    assert run.time_s[-1] == 100 * (len(TRUE) - 1) + 1
+
+
+@pytest.mark.parametrize("mark", ["-", "/", "."])
+def test_a_year_of_two_digits_that_stands_first(mark: str, tmp_path: Path) -> None:
+    """Over a midnight, at which the day last would be another year."""
+    stamps = pd.Timestamp("2026-03-02 23:50:00") + pd.to_timedelta(10.0 * np.arange(len(TRUE)), unit="s")
+    rows = [
+        f"{t.strftime(f'%y{mark}%m{mark}%d %H:%M:%S')},{r.pwm},{r.winding_degC}"
+        for t, r in zip(stamps, TRUE.itertuples(), strict=True)
+    ]
+    run = taken(write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 10.0 * np.arange(len(TRUE)))
+    assert run.comments["started"] == "2026-03-02T23:50:00.000"
+
+
+def test_a_date_of_two_digits_thrice_is_asked_for(tmp_path: Path) -> None:
+    rows = [f"24-03-25 10:{i // 6:02d}:{i % 6}0,{r.pwm},{r.winding_degC}" for i, r in enumerate(TRUE.itertuples())]
+    log = write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows]))
+    with pytest.raises(
+        InputError, match="the day first, or the year in two digits; settle it by --unit Time=dmy or Time=ymd"
+    ):
+        take(log, tmp_path / "out")
+    assert taken(log, tmp_path / "a", units={"Time": "dmy"}).comments["started"].startswith("2025-03-24")
+    assert taken(log, tmp_path / "b", units={"Time": "ymd"}).comments["started"].startswith("2024-03-25")
+
+
+def test_days_that_go_on_before_a_year_of_two_digits(tmp_path: Path) -> None:
+    stamps = pd.Timestamp("2025-03-23 23:50:00") + pd.to_timedelta(10.0 * np.arange(len(TRUE)), unit="s")
+    rows = [f"{t:%d-%m-%y %H:%M:%S},{r.pwm},{r.winding_degC}" for t, r in zip(stamps, TRUE.itertuples(), strict=True)]
+    run = taken(write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 10.0 * np.arange(len(TRUE)))
+
+
+def test_times_that_lost_their_digits_are_told(tmp_path: Path) -> None:
+    """A spreadsheet saves milliseconds since 1970 so."""
+    rows = [f"1.77244E+12,{r.pwm},{r.winding_degC}" for r in TRUE.itertuples()]
+    with pytest.raises(
+        InputError, match=r"column Time: does not go on .* were its last digits lost, as in a spreadsheet"
+    ):
+        take(write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows])), tmp_path / "out")

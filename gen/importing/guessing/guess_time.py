@@ -138,6 +138,13 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
             place=_first(evidence, words),
         )
     table = evidence.tables[0]
+    stands = next((entry for entry in facts if entry.kind == "number" and _called_so(entry)), None)
+    if stands is not None and not stands.in_degrees and stands.span[1] >= _EPOCHS[0][0]:
+        raise InputError(
+            f"does not go on ({stands.span[0]:g}..{stands.span[1]:g}): were its last digits lost, as in a spreadsheet? "
+            "expected --time SECONDS for the interval of the rows, or another --time COLUMN",
+            place=_first(evidence, stands),
+        )
     raise InputError(
         f"no column is a time among {listed(evidence.facts)}; expected --time COLUMN, or --time SECONDS for the "
         f"interval of its rows{f'; better, {table.untimed}' if table.untimed else ''}",
@@ -201,7 +208,8 @@ def _form(
         unit = "date and time" if len(chosen) == 2 else _KINDS[chosen[0].kind]
         form = TimeForm.model_validate({"columns": names, "unit": unit, "order": order})
         taken = unit if order == "ymd" else f"{unit}, {order}"
-        settle = f"--unit {quoted(f'{names[0]}=dmy')} or {quoted(f'{names[0]}=mdy')}"
+        other = "ymd" if reason == clock.DAY_OR_YEAR else "mdy"
+        settle = f"--unit {quoted(f'{names[0]}=dmy')} or {quoted(f'{names[0]}={other}')}"
         return form, [
             Guess(subject, f"time: {taken}", min(confidence, sure), "; ".join(filter(None, (why, reason))), settle)
         ]

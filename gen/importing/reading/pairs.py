@@ -117,7 +117,7 @@ def _pairs(body: str) -> list[_Pair]:
     for match in _PAIR.finditer(body):
         named = _SECTION.search(body[end : match.start()])
         section, end = named["of"] if named else section, match.end()
-        key = _SAID.sub("", match["key"].strip())
+        key = _SAID.sub("", match["key"].strip().rpartition(" - ")[2])
         found.append(_Pair(section, key, match["value"] + (match["unit"] or "")))
         if match["target"]:
             found.append(_Pair(section, f"{key} target", match["target"]))
