@@ -181,3 +181,22 @@ def test_an_input_that_rests_at_its_lower_end_is_told(tmp_path: Path) -> None:
     rows = [f"{10 * i},{(-1024, 0, 1024)[i // 20]},{20 + 0.3 * i:.1f}" for i in range(ROWS)]
     log = write(tmp_path, "\n".join(["time [s],Thr,winding [°C]", *rows]))
     assert take(log, tmp_path / "new", input="Thr", full_scale=1024.0).warnings == []
+
+
+@pytest.mark.parametrize("head", ["R_winding", "I winding", "U_winding", "M_motor", "B_magnet"])
+def test_a_letter_before_a_part_is_asked_for(head: str, tmp_path: Path) -> None:
+    """A resistance, a current, a torque, a flux density, or a phase's temperature."""
+    values = [1.3 + 0.01 * (i % 40) for i in range(ROWS)]
+    with pytest.raises(
+        InputError, match=f"doubtful: {head}: .* named after a part, .* or --column '?{head}='? to leave"
+    ):
+        run_with(tmp_path, head, values)
+    assert list(run_with(tmp_path, head, values, columns={head: ""}).temps) == ["winding"]
+
+
+def test_what_a_motor_does_is_no_temperature(tmp_path: Path) -> None:
+    assert list(run_with(tmp_path, "motor", [float(i // 20 % 2) for i in range(ROWS)]).temps) == ["winding"]
+    (tmp_path / "states").mkdir()
+    assert list(run_with(tmp_path / "states", "stator", [float(i // 10 % 4) for i in range(ROWS)]).temps) == ["winding"]
+    (tmp_path / "cold").mkdir()
+    assert len(run_with(tmp_path / "cold", "stator", [2.0 + i // 5 for i in range(ROWS)]).temps) == 2

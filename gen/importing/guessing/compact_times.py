@@ -37,6 +37,8 @@ def with_parted_times(table: Table) -> Table:
         cells = column.cells
         if not isinstance(cells, list) or len(cells) < _LEAST_ROWS or not _called_a_time(column):
             continue
+        if not all(cell.strip()[:1].isdigit() for cell in cells[:_LEAST_ROWS]) or ":" in cells[0]:
+            continue
         plain = [cell.strip() for cell in cells]
         stamps = _parted(plain, _STAMP)
         plain = [cell.zfill(_DIGITS) if cell.isdigit() else cell for cell in plain]  # a spreadsheet drops zeros
@@ -64,6 +66,8 @@ def _called_a_time(column: Column) -> bool:
 
 def _parted(cells: list[str], form: re.Pattern[str]) -> list[tuple[str, ...]] | None:
     """What all cells say in a form; None where one says nothing in it."""
+    if not all(map(form.fullmatch, cells[:_LEAST_ROWS])):  # which most columns end at
+        return None
     found = [form.fullmatch(cell) for cell in cells]
     return [match.groups() for match in found if match] if all(found) else None
 

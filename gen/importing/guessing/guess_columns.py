@@ -27,6 +27,8 @@ _COLD_C = (-40.0, 45.0)
 """degC at which a log may begin."""
 _WARM_C = 100.0
 _FEW_VALUES = 3
+_STATES = 5.0
+"""Up to which whole numbers are rather what something does than degrees."""
 _LEAST_BOUND = 5
 """Rows, for a number that is the same in all of them to be a limit."""
 _UNSAID = 0.5
@@ -187,11 +189,10 @@ def _said(base: str) -> bool:
     """Whether a name says that it is a temperature, or nothing but which part, or where: `stator end 2`."""
     if names.THERMAL.fullmatch(base):
         return True
-    return all(
-        names.PARTS.search(word) or names.AMBIENT.search(word) or names.WHERE.search(word)
-        for word in re.split(r"[\W_]+", base)
-        if word
-    )
+    words = [word for word in re.split(r"[\W_]+", base) if word]
+    if len(words) > 1 and len(words[0]) == 1 and words[0] not in "tT":
+        return False  # `R_winding`: a phase, or a resistance
+    return all(names.PARTS.search(word) or names.AMBIENT.search(word) or names.WHERE.search(word) for word in words)
 
 
 def _of_a_part(facts: Facts) -> _Sorted:
@@ -265,6 +266,8 @@ def _by_range(facts: Facts, told: bool) -> _Sorted:
     begin = float(np.median(starts)) if starts.size else low
     if facts.values.size and low == high == 0.0 and not told:
         return _Sorted(facts, "", None, 0.8, "0 in all rows: no sensor is there; kept as it is")
+    if facts.whole and 0.0 <= low < high <= _STATES and not told and not _SAYS_SO.search(names.apart(facts.named[0])):
+        return _Sorted(facts, "", None, 0.8, f"whole numbers {low:g}..{high:g}: states; kept as it is")
     said = f"begins at {begin:.4g}, {low:.4g}..{high:.4g}"
     celsius, kelvin = unit_of("degC"), unit_of("K")
     if facts.values.size and 260 <= begin <= 330 and low > 230 and not facts.whole:
