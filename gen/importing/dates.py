@@ -75,7 +75,7 @@ _STAMPS = tuple(
         *(rf"{_TIME}[ ,;]\s*{form}" for form in (_ISO, _SHORT_ISO, _TRIPLE)),
     )
 )
-_CLOCK = re.compile(_TIME)
+_CLOCK = re.compile(_TIME.replace(r"\d{1,3}", r"\d{1,6}", 1))
 _DAYS = re.compile(
     r"(?P<days>\d{1,5})(?:\s*(?:days?|d|Tage?|jours?|j)[ ,]*|[.:])"
     r"(?P<h>\d{1,2}):(?P<min>\d{2}):(?P<s>\d{2})(?:[.,](?P<frac>\d{1,9}))?"

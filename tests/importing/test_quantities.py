@@ -200,3 +200,14 @@ def test_what_a_motor_does_is_no_temperature(tmp_path: Path) -> None:
     assert list(run_with(tmp_path / "states", "stator", [float(i // 10 % 4) for i in range(ROWS)]).temps) == ["winding"]
     (tmp_path / "cold").mkdir()
     assert len(run_with(tmp_path / "cold", "stator", [2.0 + i // 5 for i in range(ROWS)]).temps) == 2
+
+
+def test_a_name_in_brackets_is_a_part(tmp_path: Path) -> None:
+    assert (
+        list(run_with(tmp_path, "CH0(Casing)", [20.0 + 0.2 * (i % 40) for i in range(ROWS)]).temps)[1] == "ch0_casing"
+    )
+
+
+def test_the_largest_of_several_readings_is_no_limit(tmp_path: Path) -> None:
+    """Of a controller whose transistors stay as they are: it lies among the readings."""
+    assert "mos_max" in run_with(tmp_path, "temp_mos_max", [30.2] * ROWS).temps

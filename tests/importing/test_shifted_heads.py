@@ -76,3 +76,15 @@ def test_fahrenheit_as_it_comes_out_of_other_encodings(unit: str, tmp_path: Path
     frame = KNOWN.assign(winding_degC=(KNOWN["winding_degC"] * 1.8 + 32).round(6))
     text = frame.rename(columns={"winding_degC": f"winding [{unit}]"}).to_csv(index=False)
     same(taken(write(tmp_path, text), tmp_path / "out"), KNOWN)
+
+
+def test_a_rule_between_names_and_rows(tmp_path: Path) -> None:
+    lines = ["time\tpwm\twinding", "s\t-\t°C", "---\t---\t---", *("\t".join(map(str, row)) for row in KNOWN.to_numpy())]
+    same(taken(write(tmp_path, "\n".join(lines)), tmp_path / "out", units={"pwm": "counts"}), KNOWN)
+
+
+def test_hours_of_five_digits(tmp_path: Path) -> None:
+    """As a Hioki counts them."""
+    rows = [f"{i // 6:05d}:{i % 6}0:00.0,{pwm:g},{winding}" for i, (_, pwm, winding) in enumerate(KNOWN.to_numpy())]
+    run = taken(write(tmp_path, "\n".join(["Time,PWM,winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 600.0 * np.arange(len(TRUE)))

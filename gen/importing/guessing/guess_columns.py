@@ -113,11 +113,11 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     if names.WANTED.search(base) and not target:
         return _Sorted(facts, "", unit, 0.8, "a wanted or modelled value by its name")
     if unit is not None and unit.quantity == TEMPERATURE:
-        said = "" if target else _no_temperature(base) or _bound(facts, base)
+        said = "" if target else _no_temperature(base) or _bound(facts, base, evidence)
         if said:
             return _Sorted(facts, "", unit, 0.8, said)
         return _by_unit(facts, unit, where, _thermal(facts, base))
-    if unit is None and not target and _thermal(facts, base) and (bound := _bound(facts, base)):
+    if unit is None and not target and _thermal(facts, base) and (bound := _bound(facts, base, evidence)):
         return _Sorted(facts, "", None, 0.8, bound)
     if unit is None and (told_unit := _told_for_all(evidence)) and _thermal(facts, base):
         return _by_unit(facts, told_unit[1], f"column {told_unit[0]}", True)
@@ -155,10 +155,19 @@ def _no_temperature(base: str) -> str:
     return "of moist air by its name, and the temperature of nothing" if names.MOIST.search(base) else ""
 
 
-def _bound(facts: Facts, base: str) -> str:
-    """What is said of a limit: the same in all rows, and called so; empty where it is none."""
+def _bound(facts: Facts, base: str, evidence: Evidence) -> str:
+    """What is said of a limit: the same in all rows, and called so; empty where it is none.
+
+    The largest of several readings is called so, too: a limit lies beyond them.
+    """
     low, high = facts.span
     if low != high or facts.values.size < _LEAST_BOUND or not names.BOUND.search(base):
+        return ""
+    if names.EXTREME.search(base) and any(
+        other.span[0] < low < other.span[1]
+        for other in evidence.numbers
+        if other.in_degrees or names.is_thermal(other.name)
+    ):
         return ""
     if names.AMBIENT.search(base) and low < _COLD_C[1]:  # of a recorder, that of each interval
         return ""
@@ -216,6 +225,7 @@ def _unless_it_counts(found: _Sorted, evidence: Evidence) -> _Sorted:
     if not never_falls(facts):
         return found
     others = [entry for entry in evidence.numbers if entry is not facts and _is_temperature(entry)]
+    others = [entry for entry in others if not _bound(entry, names.apart(entry.named[0]), evidence)]
     falling = that_falls(others)
     if not falling:
         return found if found.confidence <= _UNSAID else replace(found, why=f"{found.why}; it never falls")
@@ -235,8 +245,6 @@ def _start_degC(facts: Facts, unit: Unit | None = None) -> float:
 
 def _is_temperature(facts: Facts) -> bool:
     base, unit, _ = facts.named
-    if _bound(facts, names.apart(base)):
-        return False
     if unit is not None:
         return facts.in_degrees
     return _thermal(facts, names.apart(base)) and _said(names.apart(base))

@@ -47,6 +47,8 @@ _LONGEST_PREAMBLE = 100
 _SHOWN = 40
 _LEAST_SHIFTED = 3
 _MILLIS = 3
+_RULE = re.compile(r"[-=_*~]{2,}")
+"""What stands between a header and its rows, where somebody reads them."""
 _WHOLE_SECONDS = re.compile(r"\d{1,2}:\d{2}:\d{2}$")
 MOST_COLUMNS = 2000
 _HEAD_LINES = 20
@@ -342,6 +344,8 @@ def _is_head(row: Sequence[str]) -> bool:
     if _numbers_channels(row):
         return True
     filled = [cell for cell in row if cell.strip()]
+    if all(_RULE.fullmatch(cell.strip()) for cell in filled):
+        return False
     return 2 * len(filled) > len(row) and not any(plain_number(cell.strip()) is not None for cell in filled)
 
 
