@@ -257,3 +257,15 @@ def test_series_that_nothing_tells_apart_are_not_mixed(tmp_path: Path) -> None:
     tree = [{"target": "motor", "datapoints": [[v, t] for v, t in zip(FRAME[n], MS, strict=True)]} for n in PARTS]
     with pytest.raises(InputError):
         take(write(tmp_path, json.dumps(tree, default=float), name="log.json"), tmp_path / "out", input="100")
+
+
+def test_samples_without_as_many_times_are_refused_in_a_line(tmp_path: Path) -> None:
+    tree = [{"name": n, "x": MS, "y": FRAME[n].tolist()} for n in PARTS]
+    frame = {"schema": {"fields": [{"name": "t", "type": "time"}, {"name": "w"}]}, "data": {"values": [MS, [1.0, 2.0]]}}
+    for odd in (
+        {"frames": [frame]},
+        [{**tree[0], "y": [1.0, 2.0, 3.0]}, *tree[1:]],
+        {"frames": [frame | {"data": {"values": [MS, 5]}}]},
+    ):
+        with pytest.raises(InputError):
+            take(write(tmp_path, json.dumps(odd, default=float), name="log.json"), tmp_path / "out", input="100")

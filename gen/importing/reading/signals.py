@@ -39,6 +39,8 @@ def records_of(tree: object) -> list[Record] | None:
     called = {(signal.name, tuple(signal.tags.items())) for signal in found}
     if not found or len(called) < len(found) or len(found) > _MOST:
         return None
+    if any(len(signal.times) != len(signal.values) for signal in found):
+        return None
     kinds = {type(at) for signal in found for at in signal.times}
     if not (kinds <= {int, float} or kinds == {str}):
         return None
@@ -59,8 +61,10 @@ def _signals(tree: object) -> Iterator[_Signal]:
         for value in tree.values() if not own else ():
             yield from _signals(value)
     elif isinstance(tree, list):
-        several = [signal for entry in tree if isinstance(entry, dict) for signal in _of_entry(entry)]
-        yield from several
+        each = [_of_entry(entry) if isinstance(entry, dict) else [] for entry in tree]
+        several = all(each)  # of one that is none, nobody would know that it is missing
+        for own in each if several else ():
+            yield from own
         for entry in tree if not several else ():
             if isinstance(entry, (dict, list)):
                 yield from _signals(entry)
@@ -107,7 +111,7 @@ def _of_fields(tree: Mapping[str, object]) -> list[_Signal]:
     arrays = data.get("values") if isinstance(data, dict) else None
     if not isinstance(fields, list) or not isinstance(arrays, list) or len(fields) != len(arrays):
         return []
-    if not all(isinstance(field, dict) for field in fields):
+    if not all(isinstance(field, dict) for field in fields) or not all(isinstance(array, list) for array in arrays):
         return []
     times = next((k for k, field in enumerate(fields) if field.get("type") == "time"), None)
     if times is None:
