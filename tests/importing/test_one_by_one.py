@@ -179,13 +179,15 @@ def test_a_range_of_prometheus_api(tmp_path: Path) -> None:
     same(taken(write(tmp_path, json.dumps(tree), name="range.json"), tmp_path / "out"), LATER)
 
 
-@pytest.mark.parametrize("by_series", [False, True])
-def test_line_protocol(by_series: bool, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("by_series", "parts"), [(False, "000000000"), (True, "000000000"), (False, "000"), (False, "")]
+)
+def test_line_protocol(by_series: bool, parts: str, tmp_path: Path) -> None:
     lines = []
     for at, row in times():
-        lines += [f"motor,host=pi,part={p} temp={row[f'{p}_degC']} {at}000000000" for p in ("winding", "casing")]
-        lines += [f"room,host=pi ambient={row.ambient_degC} {at}000000000"]
-        lines += [f'drive,host=pi pwm={row.pwm:.0f}i,state="runs, well" {at}000000000']
+        lines += [f"motor,host=pi,part={p} temp={row[f'{p}_degC']} {at}{parts}" for p in ("winding", "casing")]
+        lines += [f"room,host=pi ambient={row.ambient_degC} {at}{parts}"]
+        lines += [f'drive,host=pi pwm={row.pwm:.0f}i,state="runs, well" {at}{parts}']
     if by_series:  # as a database exports
         lines.sort(key=lambda line: line.split(" ")[0])
     run = taken(write(tmp_path, "\n".join(lines), name="points.txt"), tmp_path / "out")

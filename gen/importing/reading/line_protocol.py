@@ -17,12 +17,12 @@ _VALUE = re.compile(rf'({_KEY})=("(?:[^"\\]|\\.)*"|[^\s,"]+)')
 _BOOLEAN = {"t": "1", "true": "1", "f": "0", "false": "0"}
 _LEAST = 0.8
 _SAMPLE = 400
-_SINCE_1970 = re.compile(r"-?\d{16,}")
-"""In us or ns: no table's last number, and no count of a sketch."""
+_SINCE_1970 = re.compile(r"\d{10}(?:\d{3}){0,3}")
+"""In s, ms, us or ns: no table's last number, and no count of a sketch."""
 
 
 def is_line_protocol(lines: Lines) -> bool:
-    """Whether most lines are of measurement, tags, fields and a time in ns, or us.
+    """Whether most lines are of measurement, tags, fields and a time since 1970.
 
     Parameters
     ----------

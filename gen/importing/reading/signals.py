@@ -60,7 +60,7 @@ def _signals(tree: object) -> Iterator[_Signal]:
         yield from own
         for value in tree.values() if not own else ():
             yield from _signals(value)
-    elif isinstance(tree, list):
+    elif isinstance(tree, list) and len(tree) <= _MOST:  # longer ones are rows
         each = [_of_entry(entry) if isinstance(entry, dict) else [] for entry in tree]
         several = all(each)  # of one that is none, nobody would know that it is missing
         for own in each if several else ():
