@@ -28,6 +28,13 @@ _MUCH_SHORTER = 0.2
 _SAMPLE = 2000
 _SOUND = 0.95
 """Of a column of times, as others hold damaged lines."""
+DAY_OR_YEAR = "the day first, or the year in two digits"
+_YEAR_FIRST = "year first, or the month in letters"
+ONE_DATE = "one date only"
+EITHER = "dates that are possible either way"
+"""Why an order of days and months is taken that nothing in the dates tells."""
+_YEARS = (10, 40)
+"""Of this century, from which there are logs, and until when this may be read."""
 _ISO_MARKS = str.maketrans("", "", "0123456789-:.T \n")
 MISSING = int(np.iinfo(np.int64).min)
 """What is no time."""
@@ -68,9 +75,26 @@ def kind_of(cells: Sequence[str]) -> str:
     if share([match is not None for match in stamps]):
         return "instant" if share([match is not None and has_time(match) for match in stamps]) else "date"
     clocks = [time_of_day(text) if _plain(text) is None else None for text in sample]
-    if share([match is not None and says_seconds(match) for match in clocks]):
+    of_seconds = [match is not None and says_seconds(match) for match in clocks]
+    of_minutes = [bool(MINUTES.fullmatch(text)) for text in sample]
+    if share([a or b for a, b in zip(of_seconds, of_minutes, strict=True)]) and _goes_over_to_hours(cells):
+        return "minutes"
+    if share(of_seconds):
         return "clock"
-    return "minutes" if share([bool(MINUTES.fullmatch(text)) for text in sample]) else ""
+    return "minutes" if share(of_minutes) else ""
+
+
+def _goes_over_to_hours(cells: Sequence[str]) -> bool:
+    """Whether `59:50` is followed by `1:00:00`, as a stopwatch shows it.
+
+    Times of day that leave out seconds of 0 (`10:15`, `10:15:30`) fall if they are read so.
+    """
+    parts = {cell.count(":") for cell in cells}
+    return {1, 2} <= parts and _falls(minutes(cells)) < _falls(of_day(cells))
+
+
+def _falls(ns: IntArray) -> int:
+    return int((np.diff(ns[ns != MISSING]) < 0).sum())
 
 
 def dotted(cells: Sequence[str]) -> bool:
@@ -126,10 +150,17 @@ def date_order(cells: Sequence[str]) -> tuple[str, float, str]:
     order, confidence, why
         "ymd", "dmy" or "mdy".
     """
+    if all(cell[4:5] == "-" and cell[:4].isdigit() for cell in cells):  # what nearly all programs write
+        return "ymd", 1.0, _YEAR_FIRST
     stamps = [stamp(text) for text in {plainly(cell) for cell in cells}]
     found = {match.group("a", "mark", "b") for match in stamps if match and "a" in match.re.groupindex}
     if not found:
-        return "ymd", 1.0, "year first, or the month in letters"
+        return "ymd", 1.0, _YEAR_FIRST
+    short = {
+        (match["a"], match["b"], match["y"]) for match in stamps if match is not None and "a" in match.re.groupindex
+    }
+    if (order := _year_first(short, {mark for _, mark, _ in found})) is not None:
+        return order
     if any(int(a) > 12 for a, _, _ in found):
         return "dmy", 0.99, "a first number above 12"
     if any(int(b) > 12 for _, _, b in found):
@@ -137,13 +168,25 @@ def date_order(cells: Sequence[str]) -> tuple[str, float, str]:
     if {mark for _, mark, _ in found} == {"."}:
         return "dmy", 0.9, "parted by points"
     if len(found) == 1:
-        return "mdy", 0.9, "one date only, so that the order does not matter"
+        return "mdy", 0.9, ONE_DATE
     lasting = {order: _lasting_s(cells, order) for order in ("mdy", "dmy")}
     shorter, longer = sorted(lasting, key=lambda order: lasting[order])
     if 0.0 < lasting[shorter] < _MUCH_SHORTER * lasting[longer]:
         days = (lasting[shorter] / 86_400.0, lasting[longer] / 86_400.0)
         return shorter, 0.9, f"it lasts {days[0]:.3g} d so, and {days[1]:.3g} d as {longer}"
-    return "mdy", 0.4, f"{len(found)} dates that are possible either way"
+    return "mdy", 0.4, EITHER
+
+
+def _year_first(dates: set[tuple[str, str, str]], marks: set[str]) -> tuple[str, float, str] | None:
+    """Whether two digits of the year stand first (`26-03-02`), or may; None where they do not."""
+    if any(len(year) != 2 or int(month) > 12 or not 1 <= int(year) <= 31 for _, month, year in dates):
+        return None
+    firsts, lasts = ({int(date[k]) for date in dates} for k in (0, 2))
+    if min(firsts) < _YEARS[0] or max(firsts) > _YEARS[1] or len(firsts) > len(lasts):
+        return None
+    if len(lasts) > len(firsts) or not _YEARS[0] <= min(lasts) <= max(lasts) <= _YEARS[1]:
+        return "ymd", 0.9, "the year first, in two digits"
+    return ("dmy", 0.4, DAY_OR_YEAR) if marks == {"-"} else None
 
 
 def _lasting_s(cells: Sequence[str], order: str) -> float:
@@ -215,12 +258,15 @@ def of_day(cells: Sequence[str]) -> IntArray:
 
 
 def minutes(cells: Sequence[str]) -> IntArray:
-    """Minutes and seconds (``7:05.3``) in ns; the smallest integer where a text is none."""
+    """Minutes and seconds (``7:05.3``), or hours as well (``1:00:00``), in ns; the smallest integer for other texts."""
     made = np.full(len(cells), MISSING, dtype=np.int64)
     for i, cell in enumerate(cells):
         match = MINUTES.fullmatch(cell.strip())
         if match and int(match["s"]) < 60:
             made[i] = (int(match["min"]) * 60 + int(match["s"])) * 10**9 + fraction(match["frac"])
+        elif cell.count(":") == 2 and (longer := time_of_day(plainly(cell))):
+            ns = duration(longer)
+            made[i] = MISSING if ns is None else ns
     return made
 
 

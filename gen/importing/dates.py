@@ -47,25 +47,35 @@ _SHORT_ISO = r"(?P<y>\d{4})(?P<mark>[-/.])\s?(?P<m>\d{1,2})(?P=mark)\s?(?P<d>\d{
 _KANJI = r"(?P<y>\d{4})\s?年\s?(?P<m>\d{1,2})\s?月\s?(?P<d>\d{1,2})\s?日"
 _TRIPLE = r"(?P<a>\d{1,2})(?P<mark>[./-])\s?(?P<b>\d{1,2})(?P=mark)\s?(?P<y>\d{4}|\d{2})"
 _NAMED = rf"{_WEEKDAY}(?P<d>\d{{1,2}})\.?[-. /]\s*(?:de\s+)?{_MONTH}\.?,?[-. /]\s*(?:de\s+)?(?P<y>\d{{4}}|\d{{2}})"
+_SAS = r"(?P<d>\d{1,2})(?P<month>[^\W\d_]{3})(?P<y>\d{4}|\d{2})"
+"""02Mar2026."""
 _MONTH_FIRST = rf"{_WEEKDAY}{_MONTH}\.?\s+(?P<d>\d{{1,2}})(?:st|nd|rd|th)?,?\s+(?P<y>\d{{4}})"
 _YEAR_FIRST = rf"(?P<y>\d{{4}})[-. /]{_MONTH}\.?[-. /](?P<d>\d{{1,2}})"
 _UNIX = rf"{_WEEKDAY}{_MONTH}\s+(?P<d>\d{{1,2}})\s+{_TIME}{_ZONE}\s+(?P<y>\d{{4}})"
 """`ctime`, and `date` with a zone: Thu Apr  3 23:30:00 CEST 2025."""
 _COMPACT = (
-    rf"(?P<y>\d{{4}})-?(?P<m>\d{{2}})-?(?P<d>\d{{2}})[Tt_-](?P<h>\d{{2}})(?P<min>\d{{2}})"
+    rf"(?P<y>\d{{4}})-?(?P<m>\d{{2}})-?(?P<d>\d{{2}})[Tt_ -](?P<h>\d{{2}})(?P<min>\d{{2}})"
     rf"(?:(?P<s>\d{{2}})(?:[.,]?(?P<frac>\d{{1,9}}))?)?{_ZONE}"
 )
+_DASHED = (
+    r"(?P<y>\d{4})-(?P<m>\d{2})-(?P<d>\d{2})[-_ T](?P<h>\d{2})-(?P<min>\d{2})-(?P<s>\d{2})(?:[.,-](?P<frac>\d{1,9}))?"
+)
+"""As names of files have it: 2026-03-02-08-15-00."""
 _IN_NUMBERS = (_ISO, _SHORT_ISO, _KANJI, _TRIPLE)
 _STAMPS = tuple(
     re.compile(form)
     for form in (
-        *(rf"{form}(?:{_SEPARATOR}{_TIME}{_ZONE})?" for form in (*_IN_NUMBERS, _NAMED, _MONTH_FIRST, _YEAR_FIRST)),
+        *(
+            rf"{form}(?:{_SEPARATOR}{_TIME}{_ZONE})?"
+            for form in (*_IN_NUMBERS, _NAMED, _SAS, _MONTH_FIRST, _YEAR_FIRST)
+        ),
         _UNIX,
         _COMPACT,
+        _DASHED,
         *(rf"{_TIME}[ ,;]\s*{form}" for form in (_ISO, _SHORT_ISO, _TRIPLE)),
     )
 )
-_CLOCK = re.compile(_TIME)
+_CLOCK = re.compile(_TIME.replace(r"\d{1,3}", r"\d{1,6}", 1))
 _DAYS = re.compile(
     r"(?P<days>\d{1,5})(?:\s*(?:days?|d|Tage?|jours?|j)[ ,]*|[.:])"
     r"(?P<h>\d{1,2}):(?P<min>\d{2}):(?P<s>\d{2})(?:[.,](?P<frac>\d{1,9}))?"
@@ -74,12 +84,14 @@ _DAYS = re.compile(
 _SPELT = re.compile(
     r"(?:P?T?)(?:(?P<days>\d+)\s*d(?:ays?)?[ ,T]*)?(?:(?P<h>\d+)\s*(?:h|hrs?|hours?|std\.?)[ ,]*)?"
     r"(?:(?P<min>\d+)\s*(?:m|min|mins|minutes?|')[ ,]*)?"
-    r"(?:(?P<s>\d+)(?:[.,](?P<frac>\d{1,9}))?\s*(?:s|secs?|seconds?|sek\.?|\"|''))?",
+    r"(?:(?P<s>\d+)(?:[.,](?P<frac>\d{1,9}))?\s*(?:s|secs?|seconds?|sek\.?|\"|''))?[ ,]*(?:(?P<milli>\d{1,9})\s*ms)?",
     re.IGNORECASE,
 )
 """`0h00m10s`, `1 h 2 min 3 s`, ISO's `PT1H2M3S`."""
 MINUTES = re.compile(r"(?P<min>\d{1,3}):(?P<s>\d{2})(?:[.,](?P<frac>\d{1,9}))?", re.ASCII)
 DOTTED = re.compile(r"\d{1,2}\.\d{2}\.\d{2}(?:[.,]\d{1,9})?", re.ASCII)
+_OF_A_CONTROLLER = re.compile(r"^(?:L?TIME|L?T|L?DATE_AND_TIME|L?DT|L?TIME_OF_DAY|L?TOD)#", re.IGNORECASE)
+"""What IEC 61131 puts before times: `T#1m30s500ms`, `TOD#08:15:00`."""
 _ODD = str.maketrans(dict.fromkeys("\u00a0\u202f\u2009", " "))
 """Spaces that no line breaks at: before AM and PM, of Windows and of spreadsheets."""
 _NAMES_OF_MONTHS = (
@@ -114,7 +126,8 @@ _MONTHS = _prefixes()
 
 def plainly(cell: str) -> str:
     """A cell without what stands around it, and with plain spaces."""
-    return cell.strip().translate(_ODD)
+    plain = cell.strip().translate(_ODD)
+    return _OF_A_CONTROLLER.sub("", plain) if "#" in plain else plain
 
 
 def stamp(text: str) -> re.Match[str] | None:
@@ -152,7 +165,7 @@ def instant(match: re.Match[str], order: str) -> int | None:
     match
         Of :func:`stamp`.
     order
-        "dmy" or "mdy" for dates with the year last.
+        "dmy" or "mdy" for dates with the year last; "ymd" where two digits of it stand first.
     """
     day = _day(match, order)
     ns = duration(match) if has_time(match) else 0
@@ -170,7 +183,7 @@ def time_of_day(text: str) -> re.Match[str] | None:
 
 def says_seconds(match: re.Match[str]) -> bool:
     """Whether a time of day's match has more than one of days, hours, minutes and seconds, and more than `7:05`."""
-    said = {key for key in ("days", "h", "min", "s") if match.groupdict().get(key) is not None}
+    said = {key for key in ("days", "h", "min", "s", "milli") if match.groupdict().get(key) is not None}
     return len(said) > 1 and (match.re is not _CLOCK or "s" in said)
 
 
@@ -186,7 +199,12 @@ def duration(match: re.Match[str]) -> int | None:
     counted = match.re is _SPELT  # 90m00s is an hour and a half
     if not counted and (minute > 59 or second > 60):
         return None
-    return days * DAY_NS + (hour * 3600 + minute * 60 + second) * _SECOND_NS + fraction(parts.get("frac"))
+    return (
+        days * DAY_NS
+        + (hour * 3600 + minute * 60 + second) * _SECOND_NS
+        + fraction(parts.get("frac"))
+        + int(parts.get("milli") or 0) * 10**6
+    )
 
 
 def fraction(digits: str | None) -> int:
@@ -200,6 +218,8 @@ def _day(match: re.Match[str], order: str) -> int | None:
     year = int(parts["y"]) + (2000 if len(parts["y"]) == 2 else 0)
     if parts.get("month"):
         month, day = _MONTHS[parts["month"].casefold()], int(parts["d"])
+    elif parts.get("a") and order == "ymd" and len(parts["y"]) == 2:
+        year, month, day = 2000 + int(parts["a"]), int(parts["b"]), int(parts["y"]) % 100
     elif parts.get("a"):
         first, second = int(parts["a"]), int(parts["b"])
         month, day = (first, second) if order == "mdy" else (second, first)

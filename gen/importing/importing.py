@@ -12,7 +12,10 @@ from gen.errors import InputError
 from gen.files import check_writable, write_text
 from gen.importing.convert import Splitting, convert, with_comments
 from gen.importing.converted import Converted
+from gen.importing.guessing.compact_times import with_parted_times
+from gen.importing.guessing.date_parts import with_dates
 from gen.importing.guessing.decide import NO_PART, Decided, decide, doubts
+from gen.importing.guessing.fractions import with_fractions
 from gen.importing.guessing.guess_input import NO_INPUT
 from gen.importing.guessing.guesses import Choices
 from gen.importing.guessing.own_times import joined
@@ -23,6 +26,7 @@ from gen.importing.provenance import commented_mapping, comments_of
 from gen.importing.reading.sources import read_tables
 from gen.importing.switches import switched
 from gen.importing.table import Reading, Table
+from gen.interruption import interruption
 from gen.runs import Run, write_run
 
 
@@ -106,7 +110,7 @@ def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress
     tables: list[Table] = []
     for file in files:
         progress(f"reading {file.name}")
-        tables += [joined(table) for table in read_tables(file, given)]
+        tables += [joined(with_fractions(with_dates(with_parted_times(table)))) for table in read_tables(file, given)]
     if series:
         progress("a column for each name")
         tables = [spread_out(table, replace(choices, series=series)) for table in tables]
@@ -140,6 +144,9 @@ def _decided(group: Sequence[Table], tables: Sequence[Table], choices: Choices, 
                 f"{said}; files with other columns are imported for themselves: what stands in another one has to be "
                 "put beside it first, by times of one clock"
             )
+        unsure = group[0].reading.unsure
+        if unsure and not choices.decimal and said.startswith((NO_INPUT, NO_PART)):
+            said += f"; the decimal mark is doubtful ({unsure}): --decimal , or --decimal ."
         said += choice_of_sheets(tables, group[0].file)
         raise InputError(said, file=error.file, place=error.place) from None
 
@@ -249,24 +256,30 @@ def _write_all(runs: dict[str, Run], out: Path, mapping: tuple[Path | None, str]
         new.mkdir()
         for name, run in runs.items():
             write_run(new / name, run)
-        if mapping[0] is not None:
-            write_text(mapping[0], mapping[1])
-        try:
-            if folder.exists():
-                for name in runs:
-                    (new / name).replace(folder / name)
-            else:
-                new.rename(folder)
-        except BaseException:
-            if mapping[0] is not None:
-                mapping[0].unlink(missing_ok=True)  # it was not there before
-            raise
+        with interruption():  # a moment, in which nothing may be cut off half-way
+            _put(new, folder, list(runs), mapping)
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror or error}", file=str(out)) from error
     finally:
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
     return [out / name for name in runs]
+
+
+def _put(new: Path, folder: Path, names: Sequence[str], mapping: tuple[Path | None, str]) -> None:
+    """Put finished files where they belong, and the mapping beside them; no mapping where that fails."""
+    try:
+        if mapping[0] is not None:
+            write_text(mapping[0], mapping[1])
+        if folder.exists():
+            for name in names:
+                (new / name).replace(folder / name)
+        else:
+            new.rename(folder)
+    except BaseException:
+        if mapping[0] is not None:
+            mapping[0].unlink(missing_ok=True)  # it was not there before
+        raise
 
 
 def _check_targets(targets: Sequence[Path], out: Path, overwrite: bool, read: set[Path]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -22,7 +23,8 @@ _PLAIN = str.maketrans("", "", "0123456789+-.eE \n")
 _GROUPED = re.compile(r"(?<=\d)[ \u00a0\u202f'’](?=\d{3}(?!\d))")
 _SIGN_APART = re.compile(r"^([+-])\s+(?=[\d.,])")
 """Columns of one width: `+   23.4`."""
-_WITH_UNIT = re.compile(r"(\S*\d\.?)\s*([^\d\s.,+-].{0,9})")
+_LONGEST_UNIT = 10
+_WITH_UNIT = re.compile(r"(\S*\d\.?)(?:\s*([^\d\s.,+-].{0,9})|\s+(1/(?:min|s)))")
 
 
 @dataclass(frozen=True)
@@ -68,9 +70,11 @@ def parse(cells: Sequence[str], decimal: str = ".") -> Parsed:
         The decimal mark; the other one, spaces and apostrophes may part thousands.
     """
     none = np.zeros(len(cells), dtype=bool)
-    quick = _parse_fast(cells, decimal)
+    bare, unit = _without_unit(cells)
+    quick = _parse_fast(bare, decimal)
     if quick is not None:
-        return Parsed(quick, np.isnan(quick), none, none.copy())
+        unit_at = np.zeros(len(cells), dtype=np.int64) if unit else None
+        return Parsed(quick, np.isnan(quick), none, none.copy(), (unit,) if unit else (), unit_at)
     values = np.full(len(cells), np.nan)
     empty, words, text = none, none.copy(), none.copy()
     units: dict[str, int] = {}
@@ -90,6 +94,16 @@ def parse(cells: Sequence[str], decimal: str = ".") -> Parsed:
                 if unit:
                     unit_at[i] = units.setdefault(unit, len(units))
     return Parsed(values, empty, words, text, tuple(units), unit_at if units else None)
+
+
+def _without_unit(cells: Sequence[str]) -> tuple[Sequence[str], str]:
+    """Cells without the unit that stands behind all of them, behind a space; as they are where one differs."""
+    number, _, unit = (cells[0] if cells else "").partition(" ")
+    behind = f" {unit}"
+    if not number or len(unit) > _LONGEST_UNIT or not unit_of(unit) or not all(c.endswith(behind) for c in cells):
+        return cells, ""
+    bare = [cell[: -len(behind)] for cell in cells]
+    return (bare, unit) if all(bare) else (cells, "")
 
 
 def _signed(cell: str) -> str:
@@ -122,13 +136,19 @@ def _number(text: str, decimal: str) -> tuple[float | None, str]:
     if plain is not None:
         return plain, ""
     parted = _WITH_UNIT.fullmatch(text)
-    if parted and unit_of(parted[2]):
-        return plain_number(parted[1], decimal), parted[2]
+    unit = (parted[2] or parted[3]) if parted else ""
+    if parted and unit_of(unit):
+        return plain_number(parted[1], decimal), unit
     return None, ""
 
 
 def plain_number(text: str, decimal: str = ".") -> float | None:
     """The number that a text is, or None; infinity is none."""
+    if (decimal == "." or "." not in text) and NUMBER.fullmatch(text):
+        value = float(text)
+        return value if math.isfinite(value) else None
+    if text.isalpha():
+        return None
     plain = _GROUPED.sub("", _signed(text))
     if decimal == ",":
         plain = re.sub(r"(?<=\d)\.(?=\d{3}(?:\D|$))", "", plain).replace(",", ".")

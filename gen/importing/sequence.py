@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +16,6 @@ _SOON = 10
 """Rows within which a time that went back is ahead again, if a row was only late."""
 _LATE_S = 60.0
 _MOST_RESETS = 1000
-_WRAP_COUNTS = 2.0**32
-_COUNTERS = {1e-3: "32-bit milliseconds", 1e-6: "32-bit microseconds"}
 _WRAP_STEPS = 3.0
 """Usual intervals within which a counter that ran over was before its end, and is after 0."""
 _STEADY = 0.01
@@ -41,7 +40,7 @@ class Order:
     jumped
         Rows left out, because their time alone lies far ahead.
     wraps
-        Rows at which a counter of 32 bits ran over, and which counter.
+        Rows at which the clock went round, and what it counts.
     """
 
     kept: IntArray
@@ -54,23 +53,46 @@ class Order:
 
 
 @dataclass(frozen=True)
+class Round:
+    """What a clock begins anew after.
+
+    Parameters
+    ----------
+    name
+        What it counts.
+    period_s
+        How long a round is, s.
+    begin_s
+        Where it begins, s.
+    running
+        Whether a clock that begins where a round does is a test of that length instead: nothing but its beginning would
+        tell the two apart.
+    """
+
+    name: str
+    period_s: float
+    begin_s: float = 0.0
+    running: bool = False
+
+
+@dataclass(frozen=True)
 class Ticks:
     """What is known of a clock beside its times.
 
     Parameters
     ----------
-    count_s
-        Of a counter, what one count is, s; 0 for times that are no whole counts of milli- or microseconds.
+    rounds
+        After which it may begin anew.
     local
         Whether times are those of a place, without their distance from UTC.
     """
 
-    count_s: float = 0.0
+    rounds: tuple[Round, ...] = ()
     local: bool = False
 
 
-def unwrapped(time_s: FloatArray, count_s: float) -> tuple[FloatArray, tuple[tuple[int, str], ...]]:
-    """Times of a counter that ran over, made to go on; and the rows at which it did.
+def unwrapped(time_s: FloatArray, rounds: Sequence[Round]) -> tuple[FloatArray, tuple[tuple[int, str], ...]]:
+    """Times of a clock that went round, made to go on; and the rows at which it did.
 
     A second test in one file begins near 0, too, and may follow on one that lasted as long as the counter: so the
     interval across the end has to be one that the counter has elsewhere.
@@ -79,24 +101,26 @@ def unwrapped(time_s: FloatArray, count_s: float) -> tuple[FloatArray, tuple[tup
     ----------
     time_s
         Finite, s, shape (N,).
-    count_s
-        What one count is, s; 0 for what is no counter.
+    rounds
+        That it may make.
     """
-    name = next((words for count, words in _COUNTERS.items() if abs(count_s - count) < 1e-6 * count), "")
     steps = np.diff(time_s)
     rising = steps[steps > 0]
-    if not name or not rising.size:
+    if not rising.size:
         return time_s, ()
-    period, usual = _WRAP_COUNTS * count_s, float(np.median(rising))
+    usual = float(np.median(rising))
     least, most = np.percentile(rising, (1, 99))
     near, slack = _WRAP_STEPS * usual, most - least + _STEADY * usual
+    possible = [turn for turn in rounds if not (turn.running and time_s[0] - turn.begin_s < near)]
     made, found = time_s.copy(), []
     for row in np.flatnonzero(steps < 0):
-        ahead = float(steps[row]) + period
-        at_its_end = period - near < time_s[row] < period and time_s[row + 1] < near
-        if at_its_end and abs(ahead - max(1, round(ahead / usual)) * usual) <= slack:  # rows may be missing
-            made[row + 1 :] += period
-            found.append((int(row) + 1, name))
+        for turn in possible:
+            end, ahead = turn.begin_s + turn.period_s, float(steps[row]) + turn.period_s
+            at_its_end = end - near < time_s[row] < end and 0 <= time_s[row + 1] - turn.begin_s < near
+            if at_its_end and abs(ahead - max(1, round(ahead / usual)) * usual) <= slack:  # rows may be missing
+                made[row + 1 :] += turn.period_s
+                found.append((int(row) + 1, turn.name))
+                break
     return made, tuple(found)
 
 
@@ -116,7 +140,7 @@ def order(time_s: FloatArray, rows: IntArray, repeats: str, ticks: Ticks = Ticks
     """
     ahead = _spikes(time_s)
     jumped, time_s, rows = rows[ahead], time_s[~ahead], rows[~ahead]
-    time_s, wraps = unwrapped(time_s, ticks.count_s)
+    time_s, wraps = unwrapped(time_s, ticks.rounds)
     resets = _resets(time_s, ticks.local)
     piece = np.zeros(time_s.size, dtype=np.int64)
     piece[resets] = 1

@@ -105,6 +105,8 @@ class Table:
         How the text was taken.
     counted
         Lines that are no rows, and the like.
+    untimed
+        How to record with times, where what wrote it could have.
     """
 
     file: Path
@@ -115,6 +117,7 @@ class Table:
     comments: dict[str, str] = field(default_factory=dict)
     reading: Reading = field(default_factory=Reading)
     counted: tuple[Counted, ...] = ()
+    untimed: str = ""
 
     @property
     def rows(self) -> int:

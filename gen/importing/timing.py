@@ -12,7 +12,7 @@ from gen.importing.converted import Converted, count_units_apart
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.local import in_utc
 from gen.importing.mapping import Mapping
-from gen.importing.origins import days_since
+from gen.importing.origins import days_since, seconds_since
 from gen.importing.table import Cells, Counted, FloatArray, IntArray
 from gen.importing.units import unit_of
 
@@ -27,6 +27,17 @@ _WINDOWS_S = (1.16e10, 1.5e10)
 """Of a first time since 1601, from 1968 to 2076."""
 _DAY_DIGITS = 4
 """Of s: a double holds a day of today to 10 us at best."""
+_EPOCH_DIGITS = 6
+"""Of s: a double holds a second of today to 0.2 us."""
+
+_COUNTERS = {
+    "ms": sequence.Round("32-bit milliseconds", 2.0**32 * 1e-3),
+    "us": sequence.Round("32-bit microseconds", 2.0**32 * 1e-6),
+}
+_OF_A_DAY = sequence.Round("the time since midnight", _DAY_S, running=True)
+_OF_AN_HOUR = sequence.Round("the minutes of an hour", 3600.0)
+_OF_HALF_A_DAY = sequence.Round("the hours of half a day", _DAY_S / 2, 3600.0)
+"""Hours from 1 to 12 without AM and PM."""
 
 
 def timed(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> tuple[FloatArray, str]:
@@ -83,9 +94,14 @@ def _numbered(values: FloatArray, scale: float) -> tuple[FloatArray, str]:
     """Numbers in a unit of time; those since 1970, or days since long before, count from the first."""
     finite = values[np.isfinite(values)]
     if finite.size and 1e9 < finite[0] * scale < 2.5e9:
-        return _scaled(values - finite[0], scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e9))
+        since = np.round(values - finite[0], _EPOCH_DIGITS) if scale == 1.0 else values - finite[0]
+        return _scaled(since, scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e6) * 1000)
     if finite.size and _WINDOWS_S[0] < finite[0] * scale < _WINDOWS_S[1]:
         return _scaled(values - finite[0], scale), _iso(round((float(finite[0]) * scale - _SINCE_1601_S) * 1e3) * 10**6)
+    counted = seconds_since(float(finite[0]) * scale) if finite.size and scale <= 1.0 else None
+    if counted is not None:
+        begin = round((float(finite[0]) * scale + counted[0]) * 1e3) * 10**6
+        return np.round(_scaled(values - finite[0], scale), _EPOCH_DIGITS), _iso(begin)
     since = days_since(float(finite[0])) if finite.size and scale == _DAY_S else None
     if since is not None:
         begin = round((float(finite[0]) + since[0]) * _DAY_S * 1e3) * 10**6
@@ -135,9 +151,12 @@ def ticks_of(evidence: Evidence, index: int, mapping: Mapping) -> sequence.Ticks
     if unit is not None and unit.quantity == "time":
         values = facts.parsed_in(index, unit).values
         whole = bool(np.all(values[np.isfinite(values)] % 1.0 == 0.0))
-        return sequence.Ticks(count_s=unit.scale if whole else 0.0)
+        counter = _COUNTERS.get(unit.name) if whole else None
+        return sequence.Ticks((counter, _OF_A_DAY) if counter else (_OF_A_DAY,))
     cells = facts.columns[index].cells
-    return sequence.Ticks(local=not form.zone and form.unit != "mm:ss" and not zoned(cells))
+    if form.unit == "mm:ss":
+        return sequence.Ticks((_OF_AN_HOUR,))
+    return sequence.Ticks((_OF_HALF_A_DAY,) if form.unit == "time of day" else (), not form.zone and not zoned(cells))
 
 
 def zoned(cells: Cells) -> bool:

@@ -47,12 +47,14 @@ DEGC = Unit(TEMPERATURE, "degC", "degC")
 DEGF = Unit(TEMPERATURE, "degF", "degC", 1.0 / 1.8, -32.0 / 1.8)
 KELVIN = Unit(TEMPERATURE, "K", "degC", 1.0, -273.15)
 PERCENT = Unit(SHARE, "percent", "percent")
+PERMILLE = Unit(SHARE, "permille", "percent", 0.1)
 DUTY = Unit(SHARE, "duty", "percent", 100.0)
 PWM_COUNTS = Unit(COUNTS, "counts", "counts")
 
 _SPELT: dict[Unit, str] = {
-    DEGC: "degc degreec degreesc °c c celsius ℃ grad gradc deg ºc 'c",
-    DEGF: "degf degreef degreesf °f f fahrenheit 'f ℉ gradf ºf",
+    DEGC: "degc degreec degreesc °c c celsius ℃ grad gradc deg ºc 'c *c @c c° ˚c ∘c â°c �c °cel gradcelsius gr.c "
+    "celcius centigrade",
+    DEGF: "degf degreef degreesf °f f fahrenheit 'f ℉ gradf ºf *f @f f° ˚f ∘f â°f �f fahr",
     KELVIN: "k kelvin degk °k",
     Unit(CURRENT, "A", "A"): "a amp amps ampere amperes",
     Unit(CURRENT, "mA", "A", 1e-3): "ma milliamp milliamps",
@@ -60,7 +62,7 @@ _SPELT: dict[Unit, str] = {
     Unit(VOLTAGE, "mV", "V", 1e-3): "mv millivolt millivolts",
     Unit(
         SPEED, "rpm", "rpm"
-    ): "rpm 1/min u/min min-1 min^-1 min⁻¹ /min r/min rev/min upm tr/min tr/mn giri/min omw/min umdr/min",
+    ): "rpm 1/min u/min min-1 min^-1 min⁻¹ /min r/min rev/min upm r.p.m tr/min tr/mn giri/min omw/min umdr/min",
     Unit(SPEED, "rps", "rpm", 60.0): "rps 1/s u/s s-1 s^-1 r/s rev/s",
     Unit(SPEED, "rad/s", "rpm", 9.549296585513721): "rad/s rads",
     Unit(TIME, "s", "s"): "s sec secs second seconds sek sekunden sekunde secondes secondi segundos seconden",
@@ -71,6 +73,7 @@ _SPELT: dict[Unit, str] = {
     Unit(TIME, "h", "s", 3600.0): "h hr hrs hour hours std stunden heures horas uur",
     Unit(TIME, "d", "s", 86400.0): "d day days tage",
     PERCENT: "% percent pct prozent perc",
+    PERMILLE: "‰ permille promille",
     DUTY: "duty 0..1 0-1 0…1 fraction",
     PWM_COUNTS: "counts count cnt raw 0..255 0-255 lsb digits",
     Unit(POWER, "W", "W"): "w watt watts",
@@ -87,6 +90,8 @@ _BRACKETED = re.compile(r"^(?P<base>.*?)\s*[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]\
 _BRACKETED_FROM = re.compile(r"[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]")
 _SPOKEN = re.compile(r"^(?P<base>.*\S)\s*(?:\s(?:in|/)\s|,\s+|\s*/\s*)(?P<unit>\S+)$", re.IGNORECASE)
 _LABEL = re.compile(r"(?:^|[,;]\s*)(?:LBL|label|name)\s*[:=]\s*(?P<label>[^,;]*[^,;\s])", re.IGNORECASE)
+_UNIT_FIRST = re.compile(r"(?P<unit>°\s?[CFK]|℃|℉|%) (?:\[[\w.-]+\] ?)?(?P<base>\S.*)")
+"""`°C [1-1] Winding`: a testo's unit, channel and name."""
 _ALONE = {"deg", "count", "raw", "digits", "d", "min", "cnt", "duty", "perc", "fraction", "grad"}
 """No units where they only stand behind an underscore or a stroke: `cell_count`, `T_min`, `motor/duty`."""
 
@@ -101,8 +106,8 @@ def unit_of(text: str) -> Unit | None:
         As in a header or an option.
     """
     spelt = re.sub(r"\s+", "", text.strip().strip("[]()<>{}")).replace("deg.", "deg").casefold()
-    if spelt in _KNOWN:
-        return _KNOWN[spelt]
+    if spelt in _KNOWN or spelt.rstrip(".") in _KNOWN:
+        return _KNOWN.get(spelt) or _KNOWN[spelt.rstrip(".")]
     scaled = _FACTOR.fullmatch(_with_factor(text.strip().strip("[]()<>{}")))
     if scaled and (unit := unit_of(scaled[2])) and _FACTOR.fullmatch(scaled[2]) is None:
         factor = float(scaled[1])
@@ -164,6 +169,9 @@ def split_name(header: str) -> tuple[str, Unit | None, str]:
         The unit as it was written, recognised or not; empty without one.
     """
     text = unicodedata.normalize("NFC", header.strip())  # an accent may be a letter of its own
+    before = _UNIT_FIRST.fullmatch(text)
+    if before:
+        return before["base"], unit_of(before["unit"]), before["unit"]
     bracketed = _last_unit(text) or _BRACKETED.match(text)
     labelled = _labelled(bracketed["base"], bracketed["unit"]) if bracketed and not unit_of(bracketed["unit"]) else None
     if labelled is not None:
@@ -175,7 +183,7 @@ def split_name(header: str) -> tuple[str, Unit | None, str]:
     path = spoken is not None and spoken["unit"].casefold() in _ALONE and f"/{spoken['unit']}" in text  # of a topic
     if spoken and not path and (unit := unit_of(spoken["unit"])):
         return spoken["base"], unit, spoken["unit"]
-    degrees = re.fullmatch(r"(.+?)[\s_]*(°\s?[CFK]|℃|℉|%)", text)
+    degrees = re.fullmatch(r"(.+?)[\s_]*((?:Â?°|[˚º∘\ufffd])\s?[CFK]|℃|℉|[%‰])", text)
     if degrees:
         return degrees[1], unit_of(degrees[2]), degrees[2]
     parts = re.split(r"[_\s]+", text)

@@ -22,6 +22,9 @@ KEYS = {key for part in OBJECTS.values() for key in part["properties"]} - ELSEWH
 
 #: Other formats with words of the same name: module -> the words, by what they are keys of.
 OTHER_FORMATS = {
+    # answers of Prometheus' API, of InfluxDB's, of Grafana's
+    "importing/reading/prometheus.py": {"data", "value"},
+    "importing/reading/signals.py": {"data", "name", "unit"},
     # the JSON summary of `gen refine` (and, of the Python interface, that of `gen identify`)
     "commands/refine.py": {"name", "component", "parameters", "evidence"},
     "interface/identification.py": {"components", "order", "value", "network"},

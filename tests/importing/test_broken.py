@@ -14,7 +14,7 @@ import pytest
 from gen.errors import InputError
 from gen.importing.mapping import read_mapping
 from gen.runs import read_run
-from tests.importing.logs import same, take, truth
+from tests.importing.logs import same, take, truth, write
 
 TEXT = str(truth().to_csv(index=False, lineterminator="\n"))
 
@@ -261,3 +261,10 @@ def test_runs_of_one_logger_are_judged_together(tmp_path: Path) -> None:
         take(slow, tmp_path / "runs")
     found = import_runs([slow, file(tmp_path, heads, "fast.csv")], tmp_path / "runs")
     assert set(read_run(found.runs[0]).pwm.tolist()) == {0, 60}
+
+
+@pytest.mark.parametrize("frame", ["(1772439300.{i:06d}) can0 123#00112233", "  vcan0  123   [4]  00 11 22 33"])
+def test_frames_that_are_not_decoded_are_told_from_a_table(frame: str, tmp_path: Path) -> None:
+    log = write(tmp_path, "\n".join(frame.format(i=i) for i in range(50)), name="candump.log")
+    with pytest.raises(InputError, match=r"line 1: holds frames of a bus that are not decoded; expected .* cantools"):
+        take(log, tmp_path / "out")

@@ -148,3 +148,20 @@ def test_temperatures_and_input_in_two_files_are_not_joined_and_the_message_says
         assert "put beside it first, by times of one clock" in done.stderr
     alone = gen("import", "temps.csv", "--out", "runs", cwd=tmp_path)
     assert "put beside it" not in alone.stderr
+
+
+def test_an_interrupt_while_files_are_put_in_place_waits_until_they_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Behind the mapping, before the runs."""
+    from gen.importing import importing
+
+    def and_interrupt(path: Path, text: str) -> None:
+        path.write_text(text, encoding="utf-8")
+        os.kill(os.getpid(), signal.SIGINT)
+
+    (tmp_path / "bench.csv").write_text(TEXT)
+    monkeypatch.setattr(importing, "write_text", and_interrupt)
+    found = import_runs([tmp_path / "bench.csv"], tmp_path / "runs", mapping=tmp_path / "map.toml")
+    assert (tmp_path / "map.toml").exists()
+    assert read_run(found.runs[0]).time_s.size == len(truth())

@@ -315,3 +315,18 @@ def test_what_unpacks_to_more_than_the_most_is_refused_and_not_cut(
             take(tmp_path / "log.csv.gz", tmp_path / "runs")
     else:
         same(taken(tmp_path / "log.csv.gz", tmp_path / "runs"), TRUE)
+
+
+@pytest.mark.parametrize(
+    ("corner", "mark", "units"), [("time_s", ",", False), ("Channel", ";", True), ("Zeit [s]", "\t", False)]
+)
+def test_a_row_for_each_channel_and_a_column_for_each_time(corner: str, mark: str, units: bool, tmp_path: Path) -> None:
+    decimal = "," if mark == ";" else "."
+    rows = [[corner, *(["Unit"] if units else []), *(str(t) for t in TRUE["time_s"])]]
+    for name, unit in (("pwm", ""), ("winding", "°F"), ("casing", "°C")):
+        values = TRUE[name if name == "pwm" else f"{name}_degC"].to_numpy()
+        values = np.round(values * 1.8 + 32, 6) if unit == "°F" and units else values
+        rows.append([name, *([unit] if units else []), *(f"{value:g}" for value in values)])
+    text = "\n".join(mark.join(row) for row in rows).replace(".", decimal)
+    run = taken(write(tmp_path, text), tmp_path / "out", units={"pwm": "counts"})
+    same(run, TRUE[["time_s", "pwm", "winding_degC", "casing_degC"]])

@@ -96,3 +96,40 @@ def test_a_list_of_channels_names_columns_only_where_it_says_different_things_of
     assert with_labels(names, lists) == ["Number", "CH1 Winding", "CH2 Room"]
     for other in ([["CH1", "TEMP"], ["CH2", "TEMP"]], lists[:1], [["CH1", "20.5"], ["CH2", "21.5"]], lists * 2):
         assert with_labels(names, other) == names
+
+
+def test_lines_that_say_what_they_hold_are_no_rows(tmp_path: Path) -> None:
+    """As LabVIEW's groups of channels are written into CSV."""
+    head = "Group,Measurements,,\nChannel,Time,Winding,PWM\nUnit,s,°C,%\nWf_increment,10,10,10\n"
+    values = zip(TRUE["winding_degC"], TRUE["pwm"] / 2.55, strict=True)
+    rows = "".join(f",{10 * i},{winding},{duty:.1f}\n" for i, (winding, duty) in enumerate(values))
+    run = taken(write(tmp_path, head + rows), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 10.0 * np.arange(len(TRUE)))
+    np.testing.assert_allclose(run.temps["winding"], TRUE["winding_degC"])
+
+
+def test_labels_of_queries_name_the_parts(tmp_path: Path) -> None:
+    """As Grafana exports a table of two series of one metric."""
+    head = 'sep=,\n"Time","motor_temp{job=""m"",part=""winding""}","motor_temp{job=""m"",part=""casing""}",motor_pwm\n'
+    values = zip(TRUE["winding_degC"], TRUE["casing_degC"], TRUE["pwm"], strict=True)
+    rows = "".join(f"2026-03-02 08:{i // 6:02d}:{i % 6}0,{w},{c},{p}\n" for i, (w, c, p) in enumerate(values))
+    run = taken(write(tmp_path, head + rows), tmp_path / "out", units={"motor_pwm": "counts"})
+    np.testing.assert_allclose(run.temps["winding"], TRUE["winding_degC"])
+    np.testing.assert_allclose(run.temps["casing"], TRUE["casing_degC"])
+
+
+def test_channels_that_are_called_by_numbers_are_a_header(tmp_path: Path) -> None:
+    """Of a controller's registers."""
+    values = zip(TRUE["winding_degC"], TRUE["pwm"], strict=True)
+    rows = "".join(f"{10 * i},{w},{p}\n" for i, (w, p) in enumerate(values))
+    log = write(tmp_path, "time,40001,40002\n" + rows)
+    run = taken(
+        log,
+        tmp_path / "out",
+        units={"time": "s", "40002": "counts"},
+        input="40002",
+        columns={"40001": "winding_degC"},
+        full_scale=255.0,
+    )
+    np.testing.assert_allclose(run.temps["winding"], TRUE["winding_degC"])
+    assert run.pwm.tolist() == TRUE["pwm"].tolist()

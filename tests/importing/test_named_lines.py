@@ -6,11 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from gen.errors import InputError
 from gen.runs import read_run
-from tests.importing.logs import take, taken, write
+from tests.importing.logs import TRUE, same, take, taken, write
 
 ROWS = 60
 WARM = [20.0 + 0.5 * i for i in range(ROWS)]
@@ -177,3 +178,54 @@ def test_what_stands_before_a_line_is_its_time(head: Callable[[int], str], tmp_p
     np.testing.assert_allclose(run.time_s, 2.0 * np.arange(ROWS), atol=1e-9)
     np.testing.assert_allclose(run.temps["winding"], WARM)
     assert run.pwm.tolist() == [204] * 40 + [0] * 20
+
+
+def test_lines_of_one_time_that_each_name_one_number(tmp_path: Path) -> None:
+    """As scripts for converters print, sensor by sensor."""
+    lines = []
+    for i, row in enumerate(TRUE.itertuples()):
+        at = pd.Timestamp("2026-03-02 08:15:00") + pd.Timedelta(seconds=10 * i)
+        lines += [f"{at} RTD1 = {row.winding_degC} C", f"{at} RTD2 = {row.casing_degC} C", f"{at} PWM = {row.pwm}"]
+    run = taken(write(tmp_path, "\n".join(lines), name="rtd.log"), tmp_path / "out", units={"PWM": "counts"})
+    known = TRUE[["pwm", "winding_degC", "casing_degC"]].assign(time_s=10.0 * np.arange(len(TRUE)))
+    same(run, known, {"winding_degC": "RTD1_degC", "casing_degC": "RTD2_degC"})
+
+
+ROUNDS: dict[str, Callable[[int, float, float, int], list[str]]] = {
+    "millis among them": lambda t, w, c, p: [f"millis: {1000 * t}", f"Winding: {w} *C", f"Casing: {c} *C", f"PWM: {p}"],
+    "a time above": lambda t, w, c, p: [
+        f"--- {pd.Timestamp('2026-03-02 08:15') + pd.Timedelta(seconds=t)} ---",
+        *(f"winding temp = {w} C", f"casing temp = {c} C", f"pwm = {p}"),
+    ],
+    "a monitor's times": lambda t, w, c, p: [
+        f"08:{15 + t // 60:02d}:{t % 60:02d}.120 -> winding = {w}°C",
+        f"08:{15 + t // 60:02d}:{t % 60:02d}.124 -> casing = {c}°C",
+        f"08:{15 + t // 60:02d}:{t % 60:02d}.125 -> pwm = {p}",
+    ],
+}
+
+
+@pytest.mark.parametrize("form", ROUNDS)
+def test_lines_that_name_one_number_each_are_rows_round_by_round(form: str, tmp_path: Path) -> None:
+    """One line is damaged: its number is missing, and nothing else is shifted."""
+    frame = TRUE[["pwm", "winding_degC", "casing_degC"]]
+    lines = [line for i, (p, w, c) in enumerate(frame.to_numpy()) for line in ROUNDS[form](10 * i, w, c, int(p))]
+    at = next(i for i, line in enumerate(lines) if "asing" in line and i > 60)
+    lines[at] = lines[at][: lines[at].index("asing")]
+    log = write(tmp_path, "\n".join(lines), name="monitor.log")
+    units = {name: "counts" for name in ("PWM", "pwm") if name in "".join(lines)}
+    run = taken(log, tmp_path / "out", units=units)
+    np.testing.assert_allclose(run.time_s - run.time_s[0], 10.0 * np.arange(len(TRUE)))
+    np.testing.assert_allclose(run.temps["winding"], TRUE["winding_degC"])
+    known = np.isfinite(run.temps["casing"])
+    assert (~known).sum() == 1
+    np.testing.assert_allclose(run.temps["casing"][known], TRUE["casing_degC"][known])
+    assert run.pwm.tolist() == TRUE["pwm"].tolist()
+
+
+def test_rounds_without_times_say_how_to_print_them(tmp_path: Path) -> None:
+    lines = [line for row in TRUE.itertuples() for line in (f"Winding: {row.winding_degC}", f"PWM: {row.pwm}")]
+    log = write(tmp_path, "\n".join(lines), name="monitor.log")
+    with pytest.raises(InputError, match=r"or --time SECONDS for .*; better, print millis\(\) in a line of each round"):
+        take(log, tmp_path / "out")
+    same(taken(log, tmp_path / "out", time="0.5", units={"PWM": "counts"}), TRUE[["time_s", "pwm", "winding_degC"]])

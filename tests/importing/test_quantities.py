@@ -145,3 +145,69 @@ def test_a_unit_before_brackets_that_name_the_sensor_is_read_with_its_label(tmp_
 def test_sensors_without_a_label_keep_their_numbers_apart(tmp_path: Path) -> None:
     run = run_with(tmp_path, '"Temp, °C (SEN S/N: 12)"', RISING)
     assert set(run.temps) == {"winding", "sen_s_n_12"}
+
+
+@pytest.mark.parametrize(
+    "head", ["winding_max_C", "bearing limit [°C]", "T_alarm_degC", "motor trip temp", "casing Grenzwert [°C]"]
+)
+def test_a_limit_is_no_temperature_of_a_part(head: str, tmp_path: Path) -> None:
+    """The same in all rows: what moves is one, whatever it is called."""
+    assert list(run_with(tmp_path, head, [95.0] * ROWS).temps) == ["winding"]
+    (tmp_path / "moves").mkdir()
+    if head != "bearing limit [°C]":
+        assert len(run_with(tmp_path / "moves", head, [20.0 + 0.2 * i for i in range(ROWS)]).temps) == 2
+
+
+def test_what_stands_still_and_is_called_no_limit_is_a_part(tmp_path: Path) -> None:
+    assert list(run_with(tmp_path, "casing [°C]", [21.0] * ROWS).temps) == ["winding", "casing"]
+    (tmp_path / "told").mkdir()
+    run = run_with(tmp_path / "told", "winding_max_C", [95.0] * ROWS, columns={"winding_max_C": "hot_degC"})
+    assert list(run.temps) == ["winding", "hot"]
+
+
+@pytest.mark.parametrize(
+    "head", ["/motor/state/casing_temperature", "°C [1-2] casing", "casing(@C)", "drive.status.casingTemp"]
+)
+def test_a_part_behind_a_path_or_a_unit(head: str, tmp_path: Path) -> None:
+    assert len(run_with(tmp_path, head, [20.0 + 0.2 * (i % 40) for i in range(ROWS)]).temps) == 2
+
+
+def test_an_input_that_rests_at_its_lower_end_is_told(tmp_path: Path) -> None:
+    """As a transmitter's stick is logged; one that reverses passes 0."""
+    rows = [f"{10 * i},{-1024 if i > 30 else 512},{20 + 0.3 * i:.1f}" for i in range(ROWS)]
+    log = write(tmp_path, "\n".join(["time [s],Thr,winding [°C]", *rows]))
+    found = take(log, tmp_path / "out", input="Thr", full_scale=1024.0)
+    assert any("Thr: stands at -1024 and never near 0, as a stick's way does" in text for text in found.warnings)
+    rows = [f"{10 * i},{(-1024, 0, 1024)[i // 20]},{20 + 0.3 * i:.1f}" for i in range(ROWS)]
+    log = write(tmp_path, "\n".join(["time [s],Thr,winding [°C]", *rows]))
+    assert take(log, tmp_path / "new", input="Thr", full_scale=1024.0).warnings == []
+
+
+@pytest.mark.parametrize("head", ["R_winding", "I winding", "U_winding", "M_motor", "B_magnet"])
+def test_a_letter_before_a_part_is_asked_for(head: str, tmp_path: Path) -> None:
+    """A resistance, a current, a torque, a flux density, or a phase's temperature."""
+    values = [1.3 + 0.01 * (i % 40) for i in range(ROWS)]
+    with pytest.raises(
+        InputError, match=f"doubtful: {head}: .* named after a part, .* or --column '?{head}='? to leave"
+    ):
+        run_with(tmp_path, head, values)
+    assert list(run_with(tmp_path, head, values, columns={head: ""}).temps) == ["winding"]
+
+
+def test_what_a_motor_does_is_no_temperature(tmp_path: Path) -> None:
+    assert list(run_with(tmp_path, "motor", [float(i // 20 % 2) for i in range(ROWS)]).temps) == ["winding"]
+    (tmp_path / "states").mkdir()
+    assert list(run_with(tmp_path / "states", "stator", [float(i // 10 % 4) for i in range(ROWS)]).temps) == ["winding"]
+    (tmp_path / "cold").mkdir()
+    assert len(run_with(tmp_path / "cold", "stator", [2.0 + i // 5 for i in range(ROWS)]).temps) == 2
+
+
+def test_a_name_in_brackets_is_a_part(tmp_path: Path) -> None:
+    assert (
+        list(run_with(tmp_path, "CH0(Casing)", [20.0 + 0.2 * (i % 40) for i in range(ROWS)]).temps)[1] == "ch0_casing"
+    )
+
+
+def test_the_largest_of_several_readings_is_no_limit(tmp_path: Path) -> None:
+    """Of a controller whose transistors stay as they are: it lies among the readings."""
+    assert "mos_max" in run_with(tmp_path, "temp_mos_max", [30.2] * ROWS).temps

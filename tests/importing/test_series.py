@@ -151,6 +151,70 @@ def test_each_readings_unit_is_taken(tmp_path: Path) -> None:
     assert sorted(set(run.pwm.tolist())) == [0, 153]
 
 
+def test_names_of_two_columns_tell_readings_apart(tmp_path: Path) -> None:
+    """Of one sensor several quantities: none is lost, nor is the first row, which has more words than numbers."""
+    rows = []
+    for i in range(ROWS):
+        at = (pd.Timestamp("2026-11-26 10:00:00") + pd.Timedelta(seconds=10 * i)).isoformat()
+        rows.append(f"{at},winding,temperature,{TEMPERATURE[i] * 1.8 + 32:.3f},degF")
+        rows.append(f"{at},motor,temperature,{30 + i / 10:.1f},degC")
+        rows.append(f"{at},motor,current,{DUTY[i] / 10:.1f},A")
+        rows.append(f"{at},motor,duty,{DUTY[i]},%")
+    log = write(tmp_path, "\n".join(["time,sensor,quantity,value,unit", *rows]))
+    with pytest.raises(InputError, match="expected --series sensor,"):
+        take(log, tmp_path / "out")
+    run = read_run(take(log, tmp_path / "out", series="sensor").runs[0])
+    np.testing.assert_allclose(run.temps["winding"], TEMPERATURE, atol=1e-3)
+    np.testing.assert_allclose(run.temps["motor"], 30 + np.arange(ROWS) / 10)
+    np.testing.assert_allclose(run.extras["current_A"], DUTY / 10)
+
+
+def test_sensors_that_are_numbered_and_an_input_beside_all_of_them(tmp_path: Path) -> None:
+    """Their mean, which rows of one time may have, would be that of different sensors."""
+    rows = [f"{10 * i},{k},{TEMPERATURE[i] + k:.2f},{DUTY[i]}" for i in range(ROWS) for k in (1, 2, 3)]
+    log = write(tmp_path, "\n".join(["t [s],sensor_id,temperature,duty [%]", *rows]))
+    with pytest.raises(InputError, match="a row for each of 1, 2, 3; expected --series sensor_id,temperature,"):
+        take(log, tmp_path / "out")
+    run = read_run(take(log, tmp_path / "out", series="sensor_id,temperature").runs[0])
+    assert list(run.temps) == ["temperature_1", "temperature_2", "temperature_3"]
+    np.testing.assert_allclose(run.temps["temperature_3"], np.round(TEMPERATURE + 3, 2))
+    assert sorted(set(run.pwm.tolist())) == [0, 153]
+
+
+def test_a_coarse_clock_tells_no_names_apart(tmp_path: Path) -> None:
+    """Two readings a second of each sensor, and a remark that changes now and then."""
+    lines = [f"{i // 4},{('winding', 'duty')[i % 2]},{20 + i % 7},{'ab'[i % 8 > 4]}" for i in range(400)]
+    log = write(tmp_path, "\n".join(["t [s],sensor,value,note", *lines]))
+    found = take(log, tmp_path / "out", series="sensor", input="duty", full_scale=100.0)
+    assert found.counted()["count"]["second reading of one name and time, left out"] == 200
+
+
+def test_annotated_tables_with_other_columns(tmp_path: Path) -> None:
+    """A tag that only some have makes another header: none of the tables is lost."""
+    begin, end = "2026-11-26T09:00:00Z", "2026-11-26T12:00:00Z"
+
+    def table(k: int, field: str, values: np.ndarray, tag: str) -> str:
+        more = ",true" if tag else ""
+        head = f"#group,false,false,true,true,false,false,true{more}\n#datatype,string,long,a,b,c,double,string{more}\n"
+        head += f",result,table,_start,_stop,_time,_value,_field{',sensor' if tag else ''}\n"
+        rows = (
+            f",,{k},{begin},{end},2026-11-26T10:{i:02d}:00Z,{values[i]},{field}{f',{tag}' if tag else ''}\n"
+            for i in range(ROWS)
+        )
+        return head + "".join(rows)
+
+    tables = [
+        table(0, "temperature", TEMPERATURE, "winding"),
+        table(1, "temperature", 0.5 * TEMPERATURE + 10, "casing"),
+        table(2, "duty", DUTY, ""),
+    ]
+    log = write(tmp_path, "\n".join(tables))
+    run = read_run(take(log, tmp_path / "out", series="_field", units={"duty": "percent"}).runs[0])
+    np.testing.assert_allclose(run.time_s, 60.0 * np.arange(ROWS))
+    np.testing.assert_allclose(run.temps["winding"], TEMPERATURE)
+    np.testing.assert_allclose(run.temps["casing"], 0.5 * TEMPERATURE + 10)
+
+
 def test_a_phase_of_the_test_is_no_name_of_a_reading(tmp_path: Path) -> None:
     frame = pd.DataFrame({"t [s]": 10 * np.arange(ROWS), "phase": np.where(DUTY > 0, "run", "rest"), "PWM [%]": 60})
     log = tmp_path / "log.csv"

@@ -36,6 +36,51 @@ def test_an_array_of_structures_goes_by_its_labels(tmp_path: Path) -> None:
     same(run, TRUE[["time_s", "pwm", "winding_degC", "ambient_degC"]])
 
 
+FAHRENHEIT = TRUE["winding_degC"].to_numpy() * 1.8 + 32
+KNOWN = ["time_s", "pwm", "winding_degC", "ambient_degC"]
+AMBIENT = TRUE["ambient_degC"].to_numpy()
+TOLD: dict[str, dict[str, object]] = {
+    "beside values": {
+        "s": {"time": TIME, "pwm": PWM, "winding": {"value": FAHRENHEIT, "unit": "F"}, "ambient": {"value": AMBIENT}}
+    },
+    "a timeseries each": {
+        "log": {
+            name: {"Time": TIME, "Data": data, "DataInfo": {"Units": unit}, "TimeInfo": {"Units": "seconds"}}
+            for name, data, unit in (("pwm", PWM, ""), ("winding", FAHRENHEIT, "degF"), ("ambient", AMBIENT, "C"))
+        }
+    },
+    "in a structure of their own": {
+        **{"time": TIME, "pwm": PWM, "winding": FAHRENHEIT, "ambient": AMBIENT},
+        "units": {"time": "s", "winding": "degF"},
+    },
+}
+
+
+@pytest.mark.parametrize("form", TOLD)
+def test_units_told_in_structures(form: str, tmp_path: Path) -> None:
+    scipy.io.savemat(tmp_path / "log.mat", TOLD[form])
+    told = {"time": "s"} if form == "beside values" else {}
+    same(taken(tmp_path / "log.mat", tmp_path / "out", units={"pwm": "counts", **told}), TRUE[KNOWN])
+
+
+def test_signals_with_times_of_their_own_keep_them(tmp_path: Path) -> None:
+    winding = {"time": TIME, "data": FAHRENHEIT, "unit": "F"}
+    scipy.io.savemat(tmp_path / "log.mat", {"winding": winding, "pwm": {"time": TIME[::2] + 0.1, "data": PWM[::2]}})
+    units = {"winding.time": "s", "pwm": "counts"}
+    run = taken(tmp_path / "log.mat", tmp_path / "out", units=units)
+    known = np.isfinite(run.temps["winding"])
+    np.testing.assert_allclose(run.temps["winding"][known], TRUE["winding_degC"][1:])
+    np.testing.assert_allclose(run.time_s[known], TIME[1:])
+    assert run.pwm[np.flatnonzero(run.time_s > 40.05)[0]] == 0
+
+
+def test_vectors_of_another_length_are_told(tmp_path: Path) -> None:
+    content = {"time_s": TIME, "pwm": PWM, "winding_degC": TRUE["winding_degC"].to_numpy(), "slow_degC": TIME[::2]}
+    scipy.io.savemat(tmp_path / "log.mat", content)
+    found = take(tmp_path / "log.mat", tmp_path / "out")
+    assert found.counted()["first"]["vector of another length, left out"] == "slow_degC"
+
+
 def with_dimension(data: bytes, said: str) -> bytes:
     """A workbook whose sheet says that it is as large as `said`, or nothing of it."""
     made = io.BytesIO()
@@ -103,6 +148,18 @@ def test_records_of_fields_and_tags(tmp_path: Path) -> None:
     run = taken(log, tmp_path / "out", units={"motor.pwm": "counts"})
     same(run, TRUE.assign(time_s=10.0 * np.arange(len(TRUE))))
     assert run.comments["started"].startswith("2026-03-02T08:15:00")
+
+
+@pytest.mark.parametrize("tags", [None, {}])
+def test_records_without_tags_from_time_0_on(tags: object, tmp_path: Path) -> None:
+    lines = []
+    for row in TRUE.itertuples():
+        at = row.Index  # s since the board began
+        lines.append({"fields": {"temp": row.winding_degC}, "tags": {"sensor": "winding"}, "timestamp": at})
+        lines.append({"fields": {"pwm": row.pwm}, "tags": tags, "timestamp": at})
+    log = write(tmp_path, "\n".join(map(json.dumps, lines)), name="telegraf.json")
+    run = taken(log, tmp_path / "out", units={"timestamp": "s", "pwm": "counts"})
+    same(run, TRUE[["pwm", "winding_degC"]].assign(time_s=np.arange(len(TRUE))))
 
 
 def test_json_that_breaks_off_is_told_where(tmp_path: Path) -> None:

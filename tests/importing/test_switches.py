@@ -39,6 +39,14 @@ def test_it_is_counted(tmp_path: Path) -> None:
     assert found.counted()["count"]["on or off of Heater, taken for 1 or 0"] == ROWS
 
 
+@pytest.mark.parametrize("words", [("CW", "CCW"), ("forward", "reverse"), ("Rechts", "Links"), ("fwd", "rev")])
+def test_words_of_a_direction_give_the_input_its_sign(words: tuple[str, str], tmp_path: Path) -> None:
+    rows = [f"{5 * k},{t:.1f},120,{words[k > 9]}" for k, t in enumerate(TEMPERATURE.tolist())]
+    found = take(write(tmp_path, "\n".join(["time_s,Plate (C),PWM,direction", *rows])), tmp_path / "out")
+    assert found.counted()["count"]["direction of direction, taken for 1 or -1"] == ROWS
+    assert read_run(found.runs[0]).pwm.tolist() == [120] * 10 + [-120] * (ROWS - 10)
+
+
 def test_other_words_stay_words(tmp_path: Path) -> None:
     path = write(tmp_path, log(("ON", "fault")))
     with pytest.raises(InputError, match="holds text, expected numbers"):

@@ -351,3 +351,49 @@ def test_a_capital_t_is_a_time_only_where_its_steps_are_even(tmp_path: Path) -> 
     run = taken(path, tmp_path / "runs", time="2", columns={"T": "nozzle_degC"})
     np.testing.assert_array_equal(run.temps["nozzle"], TRUE.winding_degC)
     same(taken(write(tmp_path, csv(TRUE.rename(columns={"time_s": "T"}))), tmp_path / "even"), TRUE)
+
+
+@pytest.mark.parametrize(
+    ("head", "scale", "form"),
+    [
+        ("Date&Time,ms", 1000, "%Y/%m/%d %H:%M:%S"),  # of a Graphtec
+        ("Date,Time,Millitm", 1000, "%m/%d/%Y,%H:%M:%S"),  # of FactoryTalk
+        ("Date,Time,sec", 1, "%Y/%m/%d,%I:%M:%S %p"),
+    ],
+)
+def test_fractions_of_a_second_in_a_column_of_their_own(head: str, scale: int, form: str, tmp_path: Path) -> None:
+    """Ten rows a second, whose times of whole seconds repeat."""
+    rows = []
+    for i, entry in enumerate(truth().itertuples()):
+        at = pd.Timestamp("2024-03-25 23:59:55.3") + pd.Timedelta(seconds=0.1 * i)
+        part = round(at.microsecond / 1e6 * scale, 3)
+        rows.append(f"{at.strftime(form)},{part:g},{entry.pwm},{entry.winding_degC}")
+    run = taken(write(tmp_path, "\n".join([f"{head},PWM,Winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 0.1 * np.arange(len(truth())), atol=1e-9)
+    assert run.comments["started"] == "2024-03-25T23:59:55.300"
+    assert list(run.extras) == []
+
+
+@pytest.mark.parametrize(
+    ("head", "seconds"), [("Year,Month,Day,Hour,Minute,Second", True), ("Jahr,Monat,Tag,Stunde,Minute", False)]
+)
+def test_the_parts_of_a_date_in_columns_of_their_own(head: str, seconds: bool, tmp_path: Path) -> None:
+    step = 10.5 if seconds else 60.0
+    rows = []
+    for i, entry in enumerate(truth().itertuples()):
+        at = pd.Timestamp("2024-12-31 23:50:00") + pd.Timedelta(seconds=step * i)
+        second = f"{at.second + at.microsecond / 1e6:g}," if seconds else ""
+        rows.append(f"{at.year},{at.month},{at.day},{at.hour},{at.minute},{second}{entry.pwm},{entry.winding_degC}")
+    run = taken(write(tmp_path, "\n".join([f"{head},PWM,Winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, step * np.arange(len(truth())))
+    assert run.comments["started"] == "2024-12-31T23:50:00.000"
+    assert list(run.extras) == []
+
+
+@pytest.mark.parametrize("head", ["latency (ms)", "ms"])
+def test_milliseconds_that_are_none_of_the_time(head: str, tmp_path: Path) -> None:
+    """What a loop took, beside times of a coarse clock."""
+    rows = [f"08:00:{i // 4:02d},{40 + i % 3},{e.pwm},{e.winding_degC}" for i, e in enumerate(truth().itertuples())]
+    log = write(tmp_path, "\n".join([f"Time,{head},PWM,Winding [C]", *rows]))
+    with pytest.raises(InputError, match="repeat the time of the row before; expected --duplicates"):
+        take(log, tmp_path / "out")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -34,6 +35,8 @@ FRENCH = ["janv.", "févr.", "mars", "avr.", "mai", "juin", "juil.", "août", "s
         lambda t: t.strftime("%H:%M:%S.%f %d.%m.%Y"),
         lambda t: t.strftime("%Y-%b-%d %H:%M:%S.%f"),
         lambda t: t.strftime("%d.%m.%Y %H:%M:%S.%f Uhr"),
+        lambda t: t.strftime("%Y-%m-%d-%H-%M-%S.%f"),
+        lambda t: t.strftime("DT#%Y-%m-%d-%H:%M:%S.%f"),
     ],
 )
 def test_timestamps_of_other_programs(form: Callable[[pd.Timestamp], str], tmp_path: Path) -> None:
@@ -122,3 +125,104 @@ def test_a_clock_that_is_set_after_a_while_loses_its_first_rows(tmp_path: Path) 
     run = read_run(found.runs[0])
     np.testing.assert_allclose(run.time_s - run.time_s[0], long.time_s[8:] - long.time_s[8], atol=1e-6)
     assert "time more than 30 years from the others, left out" in found.counted().index
+
+
+@pytest.mark.parametrize(
+    ("head", "row", "started", "why"),
+    [
+        ("Date;Time;PWM;Winding [C]", "{d};{t};{pwm};{comma}", "2026-04-03", "decimal commas and semicolons"),
+        ("Datum,Zeit,PWM,Wicklung [C]", "{d},{t},{pwm},{point}", "2026-04-03", "names of no English"),
+        ("Date,Time,PWM,Winding [F]", "{d},{t},{pwm},{degF}", "2026-03-04", "the month first, as in logs with degF"),
+        ("Date,Time,PWM,Winding [C]", "{d},{t},{pwm},{point}", "2026-03-04", "the month first; if .* --unit Date=dmy"),
+        ("Time,PWM,Winding [C]", "{d} {t},{pwm},{point}", "2026-03-04", "the month first; if .* --unit Time=dmy"),
+    ],
+)
+def test_one_date_is_read_as_the_rest_of_the_log_is_written(
+    head: str, row: str, started: str, why: str, tmp_path: Path
+) -> None:
+    lines = [head]
+    for i, entry in enumerate(TRUE.itertuples()):
+        t = f"10:{10 * i // 60:02d}:{10 * i % 60:02d}"
+        values = {
+            "comma": str(entry.winding_degC).replace(".", ","),
+            "point": entry.winding_degC,
+            "degF": 71.5 + i / 10,
+        }
+        lines.append(row.format(d="03/04/2026", t=t, pwm=entry.pwm, **values))
+    found = take(write(tmp_path, "\n".join(lines)), tmp_path / "out")
+    assert read_run(found.runs[0]).comments["started"] == f"{started}T10:00:00.000"
+    assert re.search(why, " ".join(map(str, found.guesses()["why"])))
+
+
+def test_durations_of_a_controller(tmp_path: Path) -> None:
+    """As IEC 61131 writes them."""
+    times = [f"T#{i // 6}m{10 * (i % 6)}s500ms" for i in range(len(TRUE))]
+    rows = [f"{t},{row.pwm},{row.winding_degC}" for t, row in zip(times, TRUE.itertuples(), strict=True)]
+    run = taken(write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 10.0 * np.arange(len(TRUE)) + 0.5)
+
+
+WITHOUT_MARKS: dict[str, Callable[[pd.Timestamp], str]] = {
+    "Date,Time": lambda t: t.strftime("%Y%m%d,%H%M%S"),
+    "UTC": lambda t: t.strftime("%H%M%S.") + f"{t.microsecond // 10_000:02d}",
+    "Time": lambda t: t.strftime("%Y%m%d%H%M%S"),
+    "Uhrzeit": lambda t: str(int(t.strftime("%H%M%S"))),  # a spreadsheet drops zeros
+}
+
+
+@pytest.mark.parametrize("head", WITHOUT_MARKS)
+def test_times_without_marks_are_no_counts(head: str, tmp_path: Path) -> None:
+    """As seconds each minute would last a hundred of them."""
+    stamps = pd.Timestamp("2026-03-02 23:50:00") + pd.to_timedelta(10.0 * np.arange(len(TRUE)), unit="s")
+    rows = [
+        f"{WITHOUT_MARKS[head](t)},{r.pwm},{r.winding_degC}" for t, r in zip(stamps, TRUE.itertuples(), strict=True)
+    ]
+    run = taken(write(tmp_path, "\n".join([f"{head},PWM,Winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s - run.time_s[0], 10.0 * np.arange(len(TRUE)))
+    np.testing.assert_allclose(run.temps["winding"], TRUE["winding_degC"])
+
+
+def test_seconds_stay_seconds(tmp_path: Path) -> None:
+    rows = [f"{100 * i + (i > 60)},{r.pwm},{r.winding_degC}" for i, r in enumerate(TRUE.itertuples())]
+    run = taken(write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows])), tmp_path / "out", units={"Time": "s"})
+    assert run.time_s[-1] == 100 * (len(TRUE) - 1) + 1
+
+
+@pytest.mark.parametrize("mark", ["-", "/", "."])
+def test_a_year_of_two_digits_that_stands_first(mark: str, tmp_path: Path) -> None:
+    """Over a midnight, at which the day last would be another year."""
+    stamps = pd.Timestamp("2026-03-02 23:50:00") + pd.to_timedelta(10.0 * np.arange(len(TRUE)), unit="s")
+    rows = [
+        f"{t.strftime(f'%y{mark}%m{mark}%d %H:%M:%S')},{r.pwm},{r.winding_degC}"
+        for t, r in zip(stamps, TRUE.itertuples(), strict=True)
+    ]
+    run = taken(write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 10.0 * np.arange(len(TRUE)))
+    assert run.comments["started"] == "2026-03-02T23:50:00.000"
+
+
+def test_a_date_of_two_digits_thrice_is_asked_for(tmp_path: Path) -> None:
+    rows = [f"24-03-25 10:{i // 6:02d}:{i % 6}0,{r.pwm},{r.winding_degC}" for i, r in enumerate(TRUE.itertuples())]
+    log = write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows]))
+    with pytest.raises(
+        InputError, match="the day first, or the year in two digits; settle it by --unit Time=dmy or Time=ymd"
+    ):
+        take(log, tmp_path / "out")
+    assert taken(log, tmp_path / "a", units={"Time": "dmy"}).comments["started"].startswith("2025-03-24")
+    assert taken(log, tmp_path / "b", units={"Time": "ymd"}).comments["started"].startswith("2024-03-25")
+
+
+def test_days_that_go_on_before_a_year_of_two_digits(tmp_path: Path) -> None:
+    stamps = pd.Timestamp("2025-03-23 23:50:00") + pd.to_timedelta(10.0 * np.arange(len(TRUE)), unit="s")
+    rows = [f"{t:%d-%m-%y %H:%M:%S},{r.pwm},{r.winding_degC}" for t, r in zip(stamps, TRUE.itertuples(), strict=True)]
+    run = taken(write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 10.0 * np.arange(len(TRUE)))
+
+
+def test_times_that_lost_their_digits_are_told(tmp_path: Path) -> None:
+    """A spreadsheet saves milliseconds since 1970 so."""
+    rows = [f"1.77244E+12,{r.pwm},{r.winding_degC}" for r in TRUE.itertuples()]
+    with pytest.raises(
+        InputError, match=r"column Time: does not go on .* were its last digits lost, as in a spreadsheet"
+    ):
+        take(write(tmp_path, "\n".join(["Time,PWM,Winding [C]", *rows])), tmp_path / "out")

@@ -291,3 +291,23 @@ def test_an_oven_that_passes_1023_degrees_and_stays_there_is_believed(tmp_path: 
     kiln = np.minimum(np.round(20.0 + 12.0 * np.arange(len(TRUE))), 1023.0)
     run = taken(write(tmp_path, csv(TRUE.assign(winding_degC=kiln))), tmp_path / "runs")
     np.testing.assert_array_equal(run.temps["winding"], kiln)
+
+
+@pytest.mark.parametrize(
+    ("parts", "offered", "unit"),
+    [
+        (1000, "=0.001degC, or", "0.001degC"),
+        (100, "=0.01degC or =0.1K, or", "0.01degC"),
+        (10, "=0.1degC, or", "0.1degC"),
+    ],
+)
+def test_whole_numbers_are_asked_for_with_the_part_of_a_degree_that_fits(
+    parts: int, offered: str, unit: str, tmp_path: Path
+) -> None:
+    """Of a kernel, of converters, of controllers; 2945 may be tenths of K as well."""
+    frame = TRUE.assign(winding=np.round((TRUE["winding_degC"] + 8.0) * parts).astype(int)).drop(columns="winding_degC")
+    path = write(tmp_path, csv(frame))
+    with pytest.raises(InputError, match=f"or =K or {offered}"):
+        take(path, tmp_path / "out")
+    run = taken(path, tmp_path / "out", units={"winding": unit})
+    np.testing.assert_allclose(run.temps["winding"], TRUE["winding_degC"] + 8.0, atol=1e-9)

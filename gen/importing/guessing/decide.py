@@ -7,6 +7,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+import numpy as np
+
 from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.extreme_rows import extremes_by_turns
@@ -28,6 +30,10 @@ _LEAST_ROWS = 2
 _MOST_NAMES = 4
 """Shown of a column of them."""
 _PERCENT = 100.0
+_NEAR_REST = 0.02
+"""Of the full scale, within which a motor rests."""
+_MOST_BACK, _OFTEN = 0.95, 0.05
+"""Of the full scale, and of the rows: an input that stands at its lower end."""
 _LEAST_VALUES = 3
 """Different ones, of a column that moves."""
 _MOST_SHOWN = 3
@@ -160,7 +166,8 @@ def _suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[
     """What was taken as it stands, though something else is as likely; with the option that would correct it."""
     label = evidence.tables[0].label
     time = short_in_seconds(evidence, mapping.time, choices)
-    return [f"{label}: {said}" for said in (time, _like_percent(evidence, mapping, choices)) if said]
+    drive = _like_percent(evidence, mapping, choices) or _like_a_stick(evidence, mapping)
+    return [f"{label}: {said}" for said in (time, drive) if said]
 
 
 def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
@@ -170,6 +177,22 @@ def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str
     if not name or told or mapping.input.unit != "counts" or max(map(abs, evidence.facts[name].span)) != _PERCENT:
         return ""
     return f"{name}: the largest is {_PERCENT:g}, as in percent; if so: --unit {quoted(f'{name}=percent')}"
+
+
+def _like_a_stick(evidence: Evidence, mapping: Mapping) -> str:
+    """An input that stands at its most negative and never near 0: a stick's way, whose rest may be at that end."""
+    form = mapping.input
+    values = evidence.facts[form.column].values if form.column and not form.sign else np.zeros(0)
+    if not values.size or values.min() >= 0.0:
+        return ""
+    low = float(values.min())
+    rests = float((np.abs(values) <= _NEAR_REST * form.full_scale).mean()) == 0.0
+    if not rests or float((values == low).mean()) < _OFTEN or abs(low) < _MOST_BACK * form.full_scale:
+        return ""
+    return (
+        f"{form.column}: stands at {low:g} and never near 0, as a stick's way does, whose rest is at that end; if "
+        f"so, put (x + {-low:g}) / 2 in its place first"
+    )
 
 
 def _check_wide(evidence: Evidence, told: Collection[str]) -> None:

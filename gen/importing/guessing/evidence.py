@@ -11,7 +11,7 @@ import numpy as np
 
 from gen.importing.behind import brought, commonest
 from gen.importing.clock import kind_of
-from gen.importing.guessing.names import carried
+from gen.importing.guessing.names import AMBIENT, PARTS, carried
 from gen.importing.numbers import Parsed, parse
 from gen.importing.table import Column, FloatArray, Table
 from gen.importing.units import TEMPERATURE, Unit, split_name, unit_of
@@ -81,7 +81,9 @@ class Facts:
     @cached_property
     def _headed(self) -> tuple[str, Unit | None, str]:
         """Name without unit, and the unit that the header or a row below it says."""
-        base, unit, _ = split_name(carried(self.name))
+        base, unit, written = split_name(carried(self.name))
+        if unit is None and written and (PARTS.search(written) or AMBIENT.search(written)):
+            base = f"{base} {written}"  # `CH0(Winding)`
         if unit is not None:
             return base, unit, "name"
         row = unit_of(self.columns[0].unit) if self.columns[0].unit else None

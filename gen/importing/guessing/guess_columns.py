@@ -27,12 +27,19 @@ _COLD_C = (-40.0, 45.0)
 """degC at which a log may begin."""
 _WARM_C = 100.0
 _FEW_VALUES = 3
+_STATES = 5.0
+"""Up to which whole numbers are rather what something does than degrees."""
+_LEAST_BOUND = 5
+"""Rows, for a number that is the same in all of them to be a limit."""
 _UNSAID = 0.5
 """How sure it is that a column named after a part is its temperature."""
 _SLOW = 0.7
 _ALIKE_K = 8.0
 """How far apart sensors of one motor begin at most."""
 _SAYS_SO = re.compile(r"(?i)temp|th?ermo|°")
+_PARTS, _LEAST_PARTS_C = (0.1, 0.01, 0.001), 10.0
+_KELVIN = (260.0, 373.0)
+"""Of a motor, cold or warm; batteries tell tenths of them."""
 _LETTER = re.compile(r".*[_ ][A-Za-z]")
 
 
@@ -106,10 +113,12 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     if names.WANTED.search(base) and not target:
         return _Sorted(facts, "", unit, 0.8, "a wanted or modelled value by its name")
     if unit is not None and unit.quantity == TEMPERATURE:
-        said = "" if target else _no_temperature(base)
+        said = "" if target else _no_temperature(base) or _bound(facts, base, evidence)
         if said:
             return _Sorted(facts, "", unit, 0.8, said)
         return _by_unit(facts, unit, where, _thermal(facts, base))
+    if unit is None and not target and _thermal(facts, base) and (bound := _bound(facts, base, evidence)):
+        return _Sorted(facts, "", None, 0.8, bound)
     if unit is None and (told_unit := _told_for_all(evidence)) and _thermal(facts, base):
         return _by_unit(facts, told_unit[1], f"column {told_unit[0]}", True)
     if unit is None and target:
@@ -146,6 +155,25 @@ def _no_temperature(base: str) -> str:
     return "of moist air by its name, and the temperature of nothing" if names.MOIST.search(base) else ""
 
 
+def _bound(facts: Facts, base: str, evidence: Evidence) -> str:
+    """What is said of a limit: the same in all rows, and called so; empty where it is none.
+
+    The largest of several readings is called so, too: a limit lies beyond them.
+    """
+    low, high = facts.span
+    if low != high or facts.values.size < _LEAST_BOUND or not names.BOUND.search(base):
+        return ""
+    if names.EXTREME.search(base) and any(
+        other.span[0] < low < other.span[1]
+        for other in evidence.numbers
+        if other.in_degrees or names.is_thermal(other.name)
+    ):
+        return ""
+    if names.AMBIENT.search(base) and low < _COLD_C[1]:  # of a recorder, that of each interval
+        return ""
+    return f"{low:g} in all rows, and a limit by its name: no temperature of a part"
+
+
 def _one_of_letters(name: str, evidence: Evidence) -> bool:
     """Whether the last letter counts (`phase_A`, `phase_B`) and is no unit."""
     if not _LETTER.fullmatch(name):
@@ -158,7 +186,8 @@ def _thermal(facts: Facts, base: str) -> bool:
     """Whether a name may be that of a temperature."""
     if not (names.THERMAL.fullmatch(base) or names.PARTS.search(base) or names.AMBIENT.search(base)):
         return False
-    if _electrical(base) or names.FLAG.search(base) or _no_temperature(base):
+    last = re.split(r"[/.]", base)[-1] or base  # `/motor/state/temperature` is no state
+    if _electrical(base) or names.FLAG.search(last) or _no_temperature(base):
         return False
     if _SAYS_SO.search(base):
         return True
@@ -169,11 +198,10 @@ def _said(base: str) -> bool:
     """Whether a name says that it is a temperature, or nothing but which part, or where: `stator end 2`."""
     if names.THERMAL.fullmatch(base):
         return True
-    return all(
-        names.PARTS.search(word) or names.AMBIENT.search(word) or names.WHERE.search(word)
-        for word in re.split(r"[\W_]+", base)
-        if word
-    )
+    words = [word for word in re.split(r"[\W_]+", base) if word]
+    if len(words) > 1 and len(words[0]) == 1 and words[0] not in "tT":
+        return False  # `R_winding`: a phase, or a resistance
+    return all(names.PARTS.search(word) or names.AMBIENT.search(word) or names.WHERE.search(word) for word in words)
 
 
 def _of_a_part(facts: Facts) -> _Sorted:
@@ -197,6 +225,7 @@ def _unless_it_counts(found: _Sorted, evidence: Evidence) -> _Sorted:
     if not never_falls(facts):
         return found
     others = [entry for entry in evidence.numbers if entry is not facts and _is_temperature(entry)]
+    others = [entry for entry in others if not _bound(entry, names.apart(entry.named[0]), evidence)]
     falling = that_falls(others)
     if not falling:
         return found if found.confidence <= _UNSAID else replace(found, why=f"{found.why}; it never falls")
@@ -245,6 +274,8 @@ def _by_range(facts: Facts, told: bool) -> _Sorted:
     begin = float(np.median(starts)) if starts.size else low
     if facts.values.size and low == high == 0.0 and not told:
         return _Sorted(facts, "", None, 0.8, "0 in all rows: no sensor is there; kept as it is")
+    if facts.whole and 0.0 <= low < high <= _STATES and not told and not _SAYS_SO.search(names.apart(facts.named[0])):
+        return _Sorted(facts, "", None, 0.8, f"whole numbers {low:g}..{high:g}: states; kept as it is")
     said = f"begins at {begin:.4g}, {low:.4g}..{high:.4g}"
     celsius, kelvin = unit_of("degC"), unit_of("K")
     if facts.values.size and 260 <= begin <= 330 and low > 230 and not facts.whole:
@@ -293,7 +324,7 @@ def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool, dou
         if new:
             to = new if new.endswith("_degC") else f"{new}_degC"
         shown = quoted(f"{facts.name}=degC")
-        settle = f"--unit {shown} or =degF or =K{' or =0.1degC' if _in_tenths(facts) else ''}"
+        settle = f"--unit {shown} or =degF or =K{''.join(f' or ={unit}' for unit in _in_parts(facts))}"
         if ambient and doubtful:
             confidence, why = _UNSAID, f"{why}; the ambient, or of a part"
             settle = f"--column {quoted(f'{facts.name}={AMBIENT}')} or {quoted(f'{facts.name}=NAME_degC')}"
@@ -308,10 +339,13 @@ def _entry(found: _Sorted, choices: Choices, taken: set[str], ambient: bool, dou
     return entry, Guess(facts.name, taken_for, confidence, why, settle)
 
 
-def _in_tenths(facts: Facts) -> bool:
-    """Whether whole numbers may be tenths of degC: a converter's, or a PLC's."""
+def _in_parts(facts: Facts) -> list[str]:
+    """Of which parts of a degree whole numbers may be: a converter's, a PLC's, a kernel's (`45312`)."""
     begin = float(np.median(facts.starts)) if facts.starts.size else 0.0
-    return facts.whole and _WARM_C < begin <= 10.0 * _COLD_C[1]
+    if not facts.whole or begin <= _WARM_C:
+        return []
+    found = [f"{part:g}degC" for part in _PARTS if _LEAST_PARTS_C <= begin * part <= _WARM_C]
+    return [*found, *(["0.1K"] if _KELVIN[0] <= begin / 10.0 <= _KELVIN[1] else [])]
 
 
 def _channel(found: _Sorted, base: str, taken: set[str]) -> tuple[str, str, float]:

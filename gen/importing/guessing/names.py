@@ -26,6 +26,10 @@ OF_DAY = re.compile(
     r"hor[áa]rio|tijdstip|hh:mm|time \(?hh:mm\)?)"
 )
 """A time of day by its name, where minutes since something began would look the same."""
+DAY_FIRST = re.compile(
+    r"datum|zeit|uhrzeit|zeitstempel|fecha|hora|data|ora|heure|horodatage|tijd|tijdstip", re.IGNORECASE
+)
+"""Names of dates and times where the day is written first: `date` is not one."""
 PWM = _words(r"pwm\d*")
 DUTY = _words(languages.DUTY)
 DRIVES = _words(
@@ -42,7 +46,7 @@ RUNS = re.compile(
 )
 SERIES = re.compile(
     r"sensor|sensor.?name|sensor.?id|channel|kanal|signal|variable|field|_field|tag|tag.?name|entity.?id|metric|series|topic|"
-    r"var.?name|messstelle|messgr(?:ö|oe)(?:ß|ss)e|capteur|sensore"
+    r"tags|node|node.?id|probe|item|parameter|quantity|id|channel.?(?:id|no|nr|number)|var.?name|messstelle|messgr(?:ö|oe)(?:ß|ss)e|capteur|sensore"
 )
 _SAYS_AMBIENT = (
     r"amb|ambient|ambiance|t_?amb|surroundings?|(?:t_?)?umg|umgebung|umgebungstemp(?:eratur)?|umgebungsluft|ambiante?s?|ambiente|"
@@ -82,6 +86,13 @@ NEUTRAL = re.compile(
 )
 """What stands beside such a word and changes nothing."""
 WANTED = _words(rf"{languages.WANTED}|limit|threshold|grenze|model|estimated?|predicted")
+BOUND = _words(
+    r"limits?|max|maximum|min|minimum|alarms?|alerts?|warn|warning|trip|shut[ -]?(?:down|off)|cut[ -]?(?:off|out)|"
+    r"threshold|grenze|grenzwert|schwelle|limite|soglia|umbral|limiar|grens|rated|nominal|allowed|zul(?:ä|ae)ssig|hi|high"
+)
+"""What a part may have, where it is the same in all rows: `winding_max_C`."""
+EXTREME = _words(r"max|maximum|min|minimum|hi|high")
+"""What the largest of several readings is called as well as a limit."""
 FLAG = _words(
     r"open|opened|fault|faults|fehler|error|errors|flag|flags|alarm|alarms|alert|status|state|ok|valid|invalid|enabled?|active|"
     r"connected|missing|code|id|nr|counts?|counter|index|mode|type"
@@ -104,7 +115,7 @@ OTHER = _words(
 """Another quantity of a part: `motor_torque`, `Core 0 Clock`."""
 WHERE = _words(
     r"ends?|front|rear|back|left|right|upper|lower|inner|outer|top|bottom|middle|centre|center|drive|side|de|nde|hot|cold|spot|"
-    r"tip|slot|head|phase|avg|average|mean|mittel|max|min|vorn|vorne|hinten|links|rechts|oben|unten|innen|aussen|au(?:ß|ss)en|"
+    r"tip|slot|head|phase|ch\d+|ai\d+|avg|average|mean|mittel|max|min|vorn|vorne|hinten|links|rechts|oben|unten|innen|aussen|au(?:ß|ss)en|"
     r"nut|kopf|wickelkopf|present|actual|[a-z]|\d+|measured|meas|mess|ist|degrees?|sensor|probe|f(?:ü|ue)hler"
 )
 """Words that say which part, or where on it, and not what was measured there."""
@@ -152,6 +163,18 @@ CHARGED = _words(r"(?:milli)?(?:amp|amp[eè]re|watt|kilowatt)s?[ _-]?hours?")
 """No hours."""
 BUSY = _words(r"(?:cpu|processor|buffer)[ _-]?time")
 """What a processor worked, or what waits in a queue, s: no time of a log."""
+
+
+def is_thermal(name: str) -> bool:
+    """Whether a name may be that of a temperature, whatever its column holds.
+
+    Parameters
+    ----------
+    name
+        A column's.
+    """
+    base = apart(name)
+    return bool(THERMAL.fullmatch(base) or PARTS.search(base))
 
 
 def apart(text: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,9 +11,14 @@ from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.guess_time import decide_time
 from gen.importing.guessing.guesses import Choices
-from gen.importing.guessing.series_columns import MOST_SERIES, unit_column, value_column
+from gen.importing.guessing.series_columns import MOST_SERIES, is_plain_value, unit_column, value_column
 from gen.importing.listing import listed
 from gen.importing.table import Column, Counted, Table
+
+_LEAST_TOGETHER = 1.5
+"""Readings of each time, from which on what is the same beside all of them is of the time."""
+_MOST_TWICE = 0.1
+"""Of the readings that share name and time, those that other columns may leave so."""
 
 
 def spread_out(table: Table, choices: Choices) -> Table:
@@ -59,21 +64,86 @@ def _columns(table: Table, said: str) -> tuple[str, str]:
     return parts[0], values
 
 
-def _units(table: Table, names: str, values: str) -> dict[str, str]:
+def _of_all(table: Table, but: Collection[str], row_of: Sequence[int], count: int) -> list[Column]:
+    """Columns of numbers that say the same beside all readings of a time: an input, of which each row has one."""
+    if len(row_of) < _LEAST_TOGETHER * count:
+        return []
+    others = [column for column in table.columns if column.name not in but]
+    facts = Evidence([replace(table, columns=others)]).facts if others else {}
+    made = []
+    for column in others:
+        entry = facts[column.name]
+        if entry.kind != "number" or len(set(entry.values.tolist())) < 2:
+            continue
+        cells = [""] * count
+        same = True
+        for row, cell in zip(row_of, texts_of(column), strict=True):
+            same = same and (not cell or cells[row] in ("", cell))
+            cells[row] = cells[row] or cell
+        made += [Column(column.name, cells, column.unit)] if same else []
+    return made
+
+
+def _told_apart(
+    table: Table, names: str, used: Collection[str], when: Sequence[tuple[str, ...]]
+) -> tuple[list[str], list[str]]:
+    """The name of each row's series, with what other columns say where several readings of one name have one time.
+
+    Returns
+    -------
+    of, beside
+        And these columns. A coarse clock is none of that: other columns would not tell its readings apart.
+    """
+    plain = texts_of(table.column(names))
+    first = _twice(plain, when)
+    others = [column for column in table.columns if column.name not in {names, *used}]
+    facts = Evidence([replace(table, columns=others)]).facts if others and first else {}
+    units = unit_column(Evidence([replace(table, columns=others)])) if facts else ""
+    told = [
+        name
+        for name, entry in facts.items()
+        if entry.kind == "text" and name != units and 1 < len(set(entry.texts)) <= MOST_SERIES
+    ]
+    chosen: list[str] = []
+    of, left = plain, first
+    for name in told:
+        with_it = _joined(table, names, [*chosen, name])
+        fewer = _twice(with_it, when)
+        if fewer < left:
+            chosen, of, left = [*chosen, name], with_it, fewer
+    return (of, chosen) if left <= _MOST_TWICE * first and chosen else (plain, [])
+
+
+def _twice(of: Sequence[str], when: Sequence[tuple[str, ...]]) -> int:
+    """Readings that share name and time with another."""
+    return len(of) - len(set(zip(of, when, strict=True)))
+
+
+def _joined(table: Table, names: str, beside: Sequence[str]) -> list[str]:
+    """What names and other columns say, in the order in which they stand."""
+    said = [texts_of(column) for column in table.columns if column.name in {names, *beside}]
+    own = texts_of(table.column(names))
+    return [" ".join(filter(None, parts)) if name else "" for name, *parts in zip(own, *said, strict=True)]
+
+
+def _units(table: Table, of: Sequence[str], names: str, values: str) -> dict[str, str]:
     """The unit of each name that a column says, where it is one throughout."""
     others = [column for column in table.columns if column.name not in (names, values)]
     said = unit_column(Evidence([replace(table, columns=others)])) if others else ""
     if not said:
         return {}
     found: dict[str, set[str]] = {}
-    for name, unit in zip(texts_of(table.column(names)), texts_of(table.column(said)), strict=True):
+    for name, unit in zip(of, texts_of(table.column(said)), strict=True):
         found.setdefault(name, set()).update({unit} - {""})
     return {name: next(iter(units)) for name, units in found.items() if len(units) == 1}
 
 
 def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Table:
-    of, said = texts_of(table.column(names)), texts_of(table.column(values))
+    said = texts_of(table.column(values))
     when = list(zip(*(texts_of(table.column(name)) for name in times), strict=True))
+    of, beside = _told_apart(table, names, {values, *times}, when)
+    kind = names if is_plain_value(values) else values
+    of = [f"{kind} {name}" if name.replace(".", "").isdigit() else name for name in of]
     series = list(dict.fromkeys(name for name in of if name))
     if not 0 < len(series) <= MOST_SERIES:
         raise InputError(f"found {len(series)} names, expected {MOST_SERIES} at most", place=f"column {names}")
@@ -90,10 +160,13 @@ def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Tabl
         elif value:
             cells[name][rows[time]] = value
     counted = list(table.counted)
+    if beside:
+        counted.append(Counted(f"name of {names}, told apart by {listed(beside)}", len(series), f"column {names}"))
     if twice:
         counted.append(Counted("second reading of one name and time, left out", len(twice), table.place(twice[0])))
     columns = [Column(name, [time[k] for time in rows], table.column(name).unit) for k, name in enumerate(times)]
-    units = _units(table, names, values)
+    columns += _of_all(table, {names, values, *times, *beside}, [rows[time] for time in when], len(rows))
+    units = _units(table, of, names, values)
     columns += [Column(name, cells[name], units.get(name, "")) for name in series]
     return replace(table, columns=columns, places=first, counted=tuple(counted))
 

@@ -21,6 +21,8 @@ _MOST_STEADY = 0.8
 _LEAST_ROWS = 3
 """Of each name, on average."""
 _LEAST_UNITS = 0.9
+_MOST_SHARED = 0.5
+"""Of the rows: where a number of all sensors stays as in the row before."""
 _STATE_WORDS = (
     "on off ein aus true false yes no ja nein ok open closed fault error idle run running stop stopped heating cooling "
     "cw ccw forward backward reverse left right auto manual high low max min"
@@ -39,22 +41,56 @@ def names_and_values(evidence: Evidence, told: Collection[str]) -> tuple[str, st
         Columns of which the user says what they are.
     """
     texts = [facts for name, facts in evidence.facts.items() if name not in told and _names(facts)]
-    named = [facts for facts in texts if SERIES.fullmatch(facts.name.casefold())]
+    named = [facts for facts in texts if SERIES.fullmatch(facts.name.casefold())] or _numbered(evidence, told)
     by_turns = [facts for facts in texts if _turns(facts) and not _all_units(facts) and not _states(facts)]
-    values = value_column(evidence)
+    values = value_column(evidence, {facts.name for facts in named[:1]})
     if not named and (not values or len(by_turns) != 1):
         return None
     found = (named or by_turns)[0].name
-    return found, found if not values or values.casefold() in _VALUES else f"{found},{values}"
+    return found, found if not values or is_plain_value(values) else f"{found},{values}"
 
 
-def value_column(evidence: Evidence) -> str:
-    """The column of the values: by its name, else the only one of numbers that move; empty where nobody knows."""
-    named = [name for name in evidence.facts if name.casefold() in _VALUES]
+def value_column(evidence: Evidence, but: Collection[str] = ()) -> str:
+    """The column of the values: by its name, else the only one of numbers that move; empty where nobody knows.
+
+    Parameters
+    ----------
+    evidence
+        The columns.
+    but
+        Those that are none.
+    """
+    named = [name for name in evidence.facts if name.casefold() in _VALUES and name not in but]
     if named:
         return named[0] if len(named) == 1 else ""
-    moving = [f for f in evidence.numbers if len(np.unique(f.values)) > 1 and not _time_like(f)]
+    moving = [f for f in evidence.numbers if f.name not in but and len(np.unique(f.values)) > 1 and not _time_like(f)]
+    if len(moving) > 1:  # what all sensors share stays while they are read
+        moving = [facts for facts in moving if (facts.steps == 0).mean() < _MOST_SHARED]
     return moving[0].name if len(moving) == 1 else ""
+
+
+def is_plain_value(name: str) -> bool:
+    """Whether a column of values is called so, whatever they are of.
+
+    Parameters
+    ----------
+    name
+        Of the column.
+    """
+    return name.casefold() in _VALUES
+
+
+def _numbered(evidence: Evidence, told: Collection[str]) -> list[Facts]:
+    """Columns that call sensors by whole numbers, by turns: `sensor_id`."""
+    return [
+        facts
+        for facts in evidence.numbers
+        if facts.name not in told
+        and SERIES.fullmatch(facts.name.casefold())
+        and facts.whole
+        and 1 < len(set(facts.texts)) <= min(MOST_SERIES, len(facts.texts) // _LEAST_ROWS)
+        and _turns(facts)
+    ]
 
 
 def unit_column(evidence: Evidence) -> str:

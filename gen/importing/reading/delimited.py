@@ -14,10 +14,22 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.clock import is_time
+from gen.importing.guessing.names import TIME
 from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
-from gen.importing.reading.heads import STATISTIC, is_label, is_units, labelled_head, paired_head, with_labels
+from gen.importing.reading.annotated import of_one_head
+from gen.importing.reading.heads import (
+    STATISTIC,
+    is_label,
+    is_units,
+    labelled_head,
+    paired_head,
+    with_labels,
+    with_statistic,
+)
 from gen.importing.reading.lines import Lines
 from gen.importing.reading.logged import is_logged, logged
+from gen.importing.reading.prometheus import without_labels
+from gen.importing.reading.transposed import upright
 from gen.importing.reading.unit_columns import with_units
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 from gen.importing.units import unit_of
@@ -33,6 +45,11 @@ _FEW_HEADS = 2
 _LONGEST_PREAMBLE = 100
 """Lines that come before a header, at most."""
 _SHOWN = 40
+_LEAST_SHIFTED = 3
+_MILLIS = 3
+_RULE = re.compile(r"[-=_*~]{2,}")
+"""What stands between a header and its rows, where somebody reads them."""
+_WHOLE_SECONDS = re.compile(r"\d{1,2}:\d{2}:\d{2}$")
 MOST_COLUMNS = 2000
 _HEAD_LINES = 20
 
@@ -125,8 +142,10 @@ def split_rows(lines: Lines, delimiter: str, word: str = "line") -> tuple[list[l
     InputError
         Without a file name, with the line of a field that is too large to be one.
     """
-    if delimiter == " ":
+    if delimiter == " " and not any('"' in line for line in lines.texts[:_SAMPLE]):
         return [line.split() for line in lines.texts], lines.numbers
+    if delimiter == " ":
+        lines = Lines([" ".join(line.split()) for line in lines.texts], lines.numbers, lines.comments)
     reader = csv.reader(_closed(lines.texts), delimiter=delimiter, skipinitialspace=True)
     rows: list[list[str]] = []
     numbers: list[int] = []
@@ -184,6 +203,10 @@ def table_of_rows(
     InputError
         Without a file name, with a place: no rows, or too much that is none.
     """
+    lying = upright(rows) if not times else None
+    if lying is not None:
+        rows, numbers, word = *lying, "column"
+    rows, numbers = of_one_head(rows, numbers)
     width = _width(rows)
     if width > MOST_COLUMNS:
         raise InputError(f"found {width} columns, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")
@@ -199,6 +222,7 @@ def table_of_rows(
         names = [f"column_{i + 1}" for i in range(width)]
     if times:
         names, units, cells = ["clock", *names], ["", *units], [[times[i] for i in good], *cells]
+    names, units = _shifted(without_labels(names), units, cells)
     kept = [i for i, name in enumerate(names) if name.strip() or any(cell.strip() for cell in cells[i])]
     return Table(
         file,
@@ -217,11 +241,29 @@ def table_of_rows(
     )
 
 
+def _shifted(names: list[str], units: list[str], cells: Sequence[list[str]]) -> tuple[list[str], list[str]]:
+    """Names of a header that has one less than its rows, which is not the last one's.
+
+    It is that of the first column where that counts rows, as R writes them; or of the second where times have commas
+    before their milliseconds.
+    """
+    if len(names) < _LEAST_SHIFTED or names[-1].strip() or not names[0].strip() or not any(map(str.strip, cells[-1])):
+        return names, units
+    first, second = cells[0][:_SAMPLE], cells[1][:_SAMPLE]
+    if first in ([str(i + k) for i in range(len(first))] for k in (0, 1)) and len(first) > 1:
+        return ["row", *names[:-1]], ["", *units[:-1]]
+    if all(cell.isdigit() and len(cell) <= _MILLIS for cell in second) and all(map(_WHOLE_SECONDS.search, first)):
+        return [names[0], "ms", *names[1:-1]], [units[0], "", *units[1:-1]]
+    return names, units
+
+
 def _first_row(rows: Sequence[Sequence[str]], numbers: Sequence[int], width: int, word: str) -> int:
     """Where numbers begin."""
     for is_one in (_is_data, _is_reading):
         found = next((i for i, row in enumerate(rows) if is_one(row, width)), None)
         if found is not None:
+            while found > 0 and _is_reading(rows[found - 1], width):  # with more words than the first of numbers
+                found -= 1
             return found
     shown = " | ".join(rows[0])[:_SHOWN] if rows else "nothing"
     raise InputError(
@@ -238,6 +280,7 @@ def _titled(
     if paired is not None:
         at, names, units = paired
         return next((i for i in range(at + 1, len(rows)) if _is_data(rows[i], width)), first), names, units
+    first = _behind_labels(rows, first, width)
     names, units = _head(rows[:first], width, comments)
     if not names:
         first = _behind_a_preamble(rows, first, width)
@@ -280,10 +323,16 @@ def _is_number(cell: str) -> bool:
 
 
 def _is_data(row: Sequence[str], width: int) -> bool:
-    if len(row) != width:
+    if len(row) != width or _numbers_channels(row):
         return False
     filled = [cell for cell in row if cell.strip() and cell.strip().casefold() not in NAN_WORDS]
     return bool(filled) and 2 * sum(map(_is_number, filled)) >= len(filled)
+
+
+def _numbers_channels(row: Sequence[str]) -> bool:
+    """Whether a header calls its channels by whole numbers behind a time: `time,101,102`."""
+    first, *others = (cell.strip() for cell in row)
+    return bool(TIME.fullmatch(first.casefold())) and all(cell.isdigit() for cell in others)
 
 
 def _is_reading(row: Sequence[str], width: int) -> bool:
@@ -292,7 +341,11 @@ def _is_reading(row: Sequence[str], width: int) -> bool:
 
 
 def _is_head(row: Sequence[str]) -> bool:
+    if _numbers_channels(row):
+        return True
     filled = [cell for cell in row if cell.strip()]
+    if all(_RULE.fullmatch(cell.strip()) for cell in filled):
+        return False
     return 2 * len(filled) > len(row) and not any(plain_number(cell.strip()) is not None for cell in filled)
 
 
@@ -325,7 +378,7 @@ def _under_names(heads: Sequence[list[str]]) -> tuple[list[str], list[str]]:
     names = next((row for row in reversed(above) if not is_units(row)), [""] * len(last))
     units = next((row for row in reversed(above) if is_units(row)), [""] * len(last))
     made = [
-        f"{name.strip()} {cell.strip()}".strip() if STATISTIC.fullmatch(cell.strip()) else cell
+        with_statistic(name.strip(), cell) if STATISTIC.fullmatch(cell.strip()) else cell or name
         for name, cell in zip(names, last, strict=True)
     ]
     return made, [unit if unit_of(unit) else "" for unit in units]
@@ -339,6 +392,16 @@ def _behind_a_preamble(rows: Sequence[list[str]], first: int, width: int) -> int
         if _is_number(rows[i][0]):
             return i if i > first and abs(len(rows[i - 1]) - width) <= 1 and _is_head(rows[i - 1]) else first
     return first
+
+
+def _behind_labels(rows: Sequence[list[str]], first: int, width: int) -> int:
+    """The first row behind lines that say what they hold (`Wf_increment,1,1`) where rows say nothing there."""
+    if not any(row and is_label(row[0]) for row in rows[:first]):
+        return first
+    behind = [row[0].strip() for row in rows[first : first + _HEAD_LINES] if len(row) == width]
+    labels = next((i for i, cell in enumerate(behind) if not cell), 0)
+    told = all(re.search(r"[^\W\d_]", cell) and not _is_number(cell) for cell in behind[:labels])
+    return first + labels if told and not any(behind[labels:]) else first
 
 
 def _padded(row: list[str], width: int) -> list[str]:

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 from gen.importing.units import TIME, unit_of
 
-STATISTIC = re.compile(r"(?:min|max|mean|avg|average|ave|last|inst)\.?", re.IGNORECASE)
+STATISTIC = re.compile(r"(?:min|max|mean|avg|average|ave|last|inst|smp)\.?", re.IGNORECASE)
+"""Which value of an interval a column holds; `Smp` is a sample, of Campbell's loggers."""
 _NAMES = ("tag", "tag no.", "tag name", "name", "signal name", "label", "comment", "ch", "ch.", "channel", "kanal")
 """Which of such lines names the columns best, first of all."""
 _UNITS = ("unit", "units", "einheit", "unité", "unità", "unidad")
@@ -46,11 +47,22 @@ def labelled_head(before: Sequence[Sequence[str]], width: int) -> tuple[list[str
     kinds = next((rows[key] for key in _KINDS if key in rows and any(map(STATISTIC.fullmatch, rows[key][1:]))), None)
     names = [next((row[i] for row in named if row[i]), "") for i in range(width)]
     if kinds is not None:
-        names = [
-            f"{name} {kind}".strip() if STATISTIC.fullmatch(kind) else name
-            for name, kind in zip(names, kinds, strict=True)
-        ]
+        names = [with_statistic(name, kind) for name, kind in zip(names, kinds, strict=True)]
     return ["time", *names[1:]], ["", *(unit if unit_of(unit) else "" for unit in units[1:])]
+
+
+def with_statistic(name: str, kind: str) -> str:
+    """A name with which value of an interval its column holds, where that says more than the name does.
+
+    Parameters
+    ----------
+    name, kind
+        As they stand above each other.
+    """
+    kind = kind.strip()
+    if not STATISTIC.fullmatch(kind) or kind.casefold() == "smp" or name.casefold().endswith(kind.casefold()):
+        return name
+    return f"{name} {kind}".strip()
 
 
 def paired_head(lines: Sequence[Sequence[str]], width: int) -> tuple[int, list[str], list[str]] | None:

@@ -3,35 +3,40 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from gen.errors import InputError
 from gen.importing.listing import listed
+from gen.importing.reading import signals
 from gen.importing.reading.delimited import MOST_COLUMNS, keyed_comments
+from gen.importing.reading.flat import flat
 from gen.importing.reading.lines import Lines
-from gen.importing.reading.pairs import LONGEST, SAMPLE, kinds_of, names_in, record_of
-from gen.importing.reading.telegraf import is_tagged, of_one_time
+from gen.importing.reading.pairs import HEADS, LONGEST, SAMPLE, kinds_of, names_in, record_of
+from gen.importing.reading.prometheus import answered
+from gen.importing.reading.senml import is_senml, resolved
+from gen.importing.reading.tagged import Record, is_tagged, of_one_time
 from gen.importing.reading.told_units import units_within, with_told_units
+from gen.importing.reading.topics import is_messages, messages
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
 _ROWS = ("values", "data", "rows")
-_LABELS = ("name", "label", "sensor", "channel", "id")
-LONGEST_LABEL = 40
-"""Characters: what is longer is a text, and no name."""
 RECURRING = 0.25
 """Columns for each record, beside those of one, from which on names in lists are numbers of messages, and none."""
+_OBJECTS = re.compile(r"\s*(?:\[\s*)?\{")
 _SHOWN = 8
 """Names that a message says."""
 
 
 def is_json(lines: Sequence[str]) -> bool:
-    """Whether most lines are JSON objects."""
+    """Whether most lines are JSON objects, or arrays of them."""
     sample = lines[:SAMPLE]
-    return bool(sample) and sum(1 for line in sample if line.lstrip().startswith("{")) > 0.5 * len(sample)
+    return bool(sample) and sum(1 for line in sample if _OBJECTS.match(line)) > 0.5 * len(sample)
 
 
 def json_table(file: Path, lines: Lines, reading: Reading) -> Table:
@@ -42,25 +47,48 @@ def json_table(file: Path, lines: Lines, reading: Reading) -> Table:
     InputError
         Without a file name: no line is an object.
     """
-    records, named, numbers, bad = [], [], [], []
+    records: list[Record] = []
+    named: list[dict[str, str]] = []
+    numbers, bad, packs = [], [], []
+    special = False
     for text, number in zip(lines.texts, lines.numbers, strict=True):
-        try:
-            record = json.loads(text.strip().rstrip(","))
-            flat = _flat(record) if isinstance(record, dict) else {}
-        except (ValueError, RecursionError):
-            flat = {}
-        if flat:
-            records.append(record)
-            named.append(flat)
+        found = _objects(text)
+        if len(found) > 1 and is_senml([record for record, _ in found]):
+            packs.append([record for record, _ in found])
+        special = (
+            special or bool(packs) or (len(named) < SAMPLE and any(_may_be_special(record) for record, _ in found))
+        )
+        for record, texts in found:
+            if special or len(named) < SAMPLE:  # whole objects take more memory than all else
+                records.append(record)
+            named.append(with_told_units(texts))
             numbers.append(number)
-        else:
+        if not found:
             bad.append(number)
     if not records:
         raise InputError("no line is a JSON object", place=f"line {bad[0] if bad else 1}")
-    if is_tagged(records):
-        records, numbers = of_one_time(records, numbers)
-        named = [_flat(record) for record in records]
-    return _table(file, _recurring(named, records), numbers, bad, lines, reading, "line that is no JSON object")
+    said = "line that is no JSON object"
+    if special and (tagged := _tagged(records, numbers, packs)) is not None:
+        return _one_by_one(file, *tagged, bad, lines, reading, said)
+    return _table(file, _recurring(named, records) if special else named, numbers, bad, lines, reading, said)
+
+
+def _objects(line: str) -> list[tuple[dict[str, object], dict[str, str]]]:
+    """The objects of a line, whole and flat: one, or those of an array; none where it is no JSON."""
+    try:
+        tree = json.loads(line.strip().rstrip(","))
+        entries = tree if isinstance(tree, list) else [tree]
+        found = [(entry, flat(entry)) for entry in entries if isinstance(entry, dict)]
+    except (ValueError, RecursionError):
+        return []
+    return [(entry, texts) for entry, texts in found if texts]
+
+
+def _may_be_special(record: Record) -> bool:
+    """Whether a record may be of fields and tags, or a broker's message, or holds lists whose entries have names."""
+    if "fields" in record or "payload" in record:
+        return True
+    return any(isinstance(v, list) or (isinstance(v, dict) and _may_be_special(v)) for v in record.values())
 
 
 def array_table(file: Path, text: str, reading: Reading) -> Table | None:
@@ -77,6 +105,11 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
         tree = json.loads(text)
     except (ValueError, RecursionError):
         return None
+    samples = answered(tree) or signals.records_of(tree)
+    if samples:
+        return _one_by_one(
+            file, samples, list(range(1, len(samples) + 1)), [], Lines([], [], []), reading, "", "element"
+        )
     tree = _joined(tree)
     units = units_within(tree)
     if isinstance(tree, dict) and len(tree) > 1 and all(isinstance(v, list) and len(v) > 1 for v in tree.values()):
@@ -91,12 +124,13 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
             return None
         tree = next(iter(within.values()))
     numbers = list(range(1, len(tree) + 1))
-    if is_tagged(tree):
-        tree, numbers = of_one_time(tree, numbers)
-    flat = _recurring([_flat(record) for record in tree], tree)
+    tagged = _tagged(tree, numbers, [tree] if is_senml(tree) else [])
+    if tagged is not None:
+        return _one_by_one(file, *tagged, [], Lines([], [], []), reading, "", "element")
+    records = _recurring([flat(record) for record in tree], tree)
     return _table(
         file,
-        [units | record for record in flat],
+        [with_told_units(units | record) for record in records],
         numbers,
         [],
         Lines([], [], []),
@@ -104,6 +138,58 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
         "",
         "element",
     )
+
+
+def tagged_table(
+    file: Path,
+    found: tuple[Sequence[Record], Sequence[int], Sequence[int]],
+    lines: Lines,
+    reading: Reading,
+    untimed: str,
+) -> Table:
+    """A table of readings that come one by one, with a row for each time.
+
+    Parameters
+    ----------
+    file
+        Its name.
+    found
+        Tagged records, the line of each, and the lines that are none.
+    lines
+        The text's.
+    reading
+        How the file was read.
+    untimed
+        How to record with times, where these tell none.
+    """
+    table = _one_by_one(file, *found, lines, reading, "line that is no reading")
+    return replace(table, untimed="" if any(record.get("time") for record in found[0]) else untimed)
+
+
+def _tagged(
+    records: Sequence[Record], numbers: Sequence[int], packs: Sequence[Sequence[Record]]
+) -> tuple[Sequence[Record], Sequence[int]] | None:
+    """Tagged records of records that are such, or are messages of a broker, or of SenML; None of others."""
+    if packs and sum(map(len, packs)) == len(records):
+        found = resolved(packs)
+        return found, range(1, len(found) + 1)
+    if is_messages(records):
+        return messages(records), numbers
+    return (records, numbers) if is_tagged(records) else None
+
+
+def _one_by_one(
+    file: Path,
+    records: Sequence[Record],
+    numbers: Sequence[int],
+    bad: Sequence[int],
+    lines: Lines,
+    reading: Reading,
+    what: str,
+    word: str = "line",
+) -> Table:
+    rows, places = of_one_time(records, numbers)
+    return _table(file, [with_told_units(flat(row)) for row in rows], places, bad, lines, reading, what, word)
 
 
 def _joined(tree: object) -> object:
@@ -154,7 +240,8 @@ def _plain(values: Sequence[object]) -> bool:
 
 def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading) -> Table:
     """A table of lines such as ``T1:23.4 T2:25.1``; of several kinds of lines, each fills its own columns."""
-    records, numbers, bad = [], [], []
+    records: list[dict[str, str]] = []
+    numbers, bad = [], []
     step = max(1, len(lines.texts) // SAMPLE)
     kinds = kinds_of(lines.texts[::step])
     twice = frozenset(key for kind in kinds for key, count in Counter(kind).items() if count > 1)
@@ -163,7 +250,11 @@ def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading
     for i, (text, number) in enumerate(zip(lines.texts, lines.numbers, strict=True)):
         record = record_of(text, twice) if len(text) <= LONGEST else {}
         if any(2 * len(set(record) & kind) >= len(kind) and set(record) <= kind for kind in wanted):
-            records.append({"clock": times[i], **record} if times else record)
+            told = with_told_units({"clock": times[i], **record} if times else record)
+            if len(wanted) > 1 and records and _of_one_time(records[-1], told):
+                records[-1] |= told
+                continue
+            records.append(told)
             numbers.append(number)
         else:
             bad.append(number)
@@ -172,41 +263,17 @@ def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading
     return _table(file, records, numbers, bad, lines, reading, f"line without {shown}")
 
 
+def _of_one_time(before: Mapping[str, str], record: Mapping[str, str]) -> bool:
+    """Whether lines of two kinds, of which none names what the other does, tell the same time."""
+    shared = before.keys() & record.keys()
+    return bool(shared) and shared <= HEADS and all(before[name] == record[name] for name in shared)
+
+
 def _recurring(named: list[dict[str, str]], records: Sequence[Mapping[str, object]]) -> list[dict[str, str]]:
     """Flat records with entries of lists by what they are called; by their place if each record calls them anew."""
     names = {name for record in named for name in record}
     recur = len(names) <= max(map(len, named)) + RECURRING * len(named)
-    return named if recur else [_flat(record, named=False) for record in records]
-
-
-def _flat(record: Mapping[str, object], before: str = "", *, named: bool = True) -> dict[str, str]:
-    made: dict[str, str] = {}
-    for key, value in record.items():
-        if isinstance(value, dict):
-            made |= _flat(value, f"{before}{key}.", named=named)
-        elif isinstance(value, list):
-            labels = _labels(value) if named else _places(value)
-            made |= _flat(dict(zip(labels, value, strict=True)), f"{before}{key}.", named=named)
-        elif isinstance(value, bool):
-            made[before + key] = str(int(value))
-        else:
-            made[before + key] = "" if value is None else repr(value) if isinstance(value, float) else str(value)
-    return made
-
-
-def _labels(entries: Sequence[object]) -> list[str]:
-    """What entries of a list are called: as they say themselves, each by another name, or by their place."""
-    objects = [entry for entry in entries if isinstance(entry, dict)]
-    for key in _LABELS if len(objects) == len(entries) else ():
-        said = [entry.get(key) for entry in objects]
-        names = [name for name in said if isinstance(name, str) and 0 < len(name) <= LONGEST_LABEL]
-        if len(set(names)) == len(said):
-            return names
-    return _places(entries)
-
-
-def _places(entries: Sequence[object]) -> list[str]:
-    return [str(place) for place in range(1, len(entries) + 1)]
+    return named if recur else [with_told_units(flat(record, named=False)) for record in records]
 
 
 def _table(
@@ -219,7 +286,6 @@ def _table(
     what: str,
     word: str = "line",
 ) -> Table:
-    records = [with_told_units(record) for record in records]
     names = list(dict.fromkeys(key for record in records for key in record))
     if len(names) > MOST_COLUMNS:
         raise InputError(f"found {len(names)} names, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")

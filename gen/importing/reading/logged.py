@@ -1,4 +1,7 @@
-"""Lines of a system's log: ``Mar 02 08:15:00 pi motor[1234]: winding=21.5C``, whose dates have no year."""
+"""Lines of a system's log: ``Mar 02 08:15:00 pi motor[1234]: winding=21.5C``, whose dates have no year.
+
+Or of `ts`, which puts such a time before each line of any program.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from gen.importing.reading.lines import Lines
 _MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 _LINE = re.compile(
     rf"(?:<\d{{1,3}}>)?(?P<month>{'|'.join(_MONTHS)}) {{1,2}}(?P<day>\d{{1,2}}) "
-    r"(?P<time>\d{2}:\d{2}:\d{2}(?:\.\d+)?) \S+ [^\s:\[\]]+(?:\[\d+\])?: (?P<said>.*)"
+    r"(?P<time>\d{2}:\d{2}:\d{2}(?:\.\d+)?) (?:\S+ [^\s:\[\]={}\"]+(?:\[\d+\])?: )?(?P<said>\S.*)"
 )
 _LEAST = 0.5
 _LEAP, _COMMON = 2000, 2001

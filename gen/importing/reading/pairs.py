@@ -12,7 +12,7 @@ from gen.importing.reading.delimited import MOST_COLUMNS
 _NUMBER = r"[+-]?\d*[.,]?\d+(?:[eE][+-]?\d+)?"
 _PAIR = re.compile(
     r"(?P<key>[A-Za-zÄÖÜäöü°%µ@][\w°%µ@ ./()\[\]-]{0,40}?)\s*[:=]\s*(?P<value>" + _NUMBER + r"|nan|null)"
-    r"(?P<unit>\s?(?:[°']\s?[CFK]|degC|degF|[CFKVA%]|mA|mV|rpm|ms|s)(?=[\s,;|]|$))?"
+    r"(?P<unit>\s?(?:[°'*º]\s?[CFK]|degC|degF|[CFKVA%]|mA|mV|rpm|ms|s)(?=[\s,;|]|$))?"
     r"(?:\s?/\s?(?P<target>" + _NUMBER + r")(?=[\s,;|]|$))?",
     re.IGNORECASE,
 )
@@ -35,6 +35,8 @@ _HEADS = (
     ),
 )
 """The time that a logger, a daemon, a terminal or a firmware puts before a line."""
+HEADS = {"clock", *(name for name, _ in _HEADS)}
+"""What the times before lines are called."""
 _COUNT = re.compile(r"^\s*(?P<key>[A-Za-z]+) (?P<value>\d+(?:\.\d+)?):\s")
 """A line's own number: `Stats 420126.9: ..`."""
 _FRAME = re.compile(r"\s*\w+\s+[0-9A-F]+\s+\[\d+\]\s+(?:[0-9A-F]{2}\s+)*::\s+\w+\(", re.IGNORECASE)
@@ -74,12 +76,18 @@ def is_keyed(lines: Sequence[str]) -> bool:
         if len(names) < 2 or plain > _MOST_PLAIN * len(sample):
             return False
     alike = [line for line in sample if names_in(line) == names]
-    left = sorted(_share_left(line) for line in alike)
+    left = sorted(share_left(line) for line in alike)
     return left[len(left) // 2] < 0.3
 
 
-def _share_left(line: str) -> float:
-    """Which share of a line, without its time, is no number with a name."""
+def share_left(line: str) -> float:
+    """Which share of a line, without its time, is no number with a name.
+
+    Parameters
+    ----------
+    line
+        The line.
+    """
     body = _headed(line)[1]
     return len(_PAIR.sub("", _SECTION_MARK.sub("", body)).strip(" ,;|\t")) / max(len(body), 1)
 
@@ -109,7 +117,7 @@ def _pairs(body: str) -> list[_Pair]:
     for match in _PAIR.finditer(body):
         named = _SECTION.search(body[end : match.start()])
         section, end = named["of"] if named else section, match.end()
-        key = _SAID.sub("", match["key"].strip())
+        key = _SAID.sub("", match["key"].strip().rpartition(" - ")[2])
         found.append(_Pair(section, key, match["value"] + (match["unit"] or "")))
         if match["target"]:
             found.append(_Pair(section, f"{key} target", match["target"]))

@@ -92,11 +92,11 @@ def _tables(file: Path, data: bytes, given: Reading) -> list[Table]:
     if given.sheet:
         raise InputError(f'is no workbook; expected one with the sheet "{given.sheet}"')
     if data.startswith(b"PAR1"):
-        from gen.importing.reading.typed import read_parquet
+        from gen.importing.reading.parquet import read_parquet
 
         return [read_parquet(file, data)]
     if data.startswith(b"MATLAB ") or file.suffix.casefold() == ".mat":
-        from gen.importing.reading.typed import read_matlab
+        from gen.importing.reading.matlab import read_matlab
 
         return [read_matlab(file, data)]
     from gen.importing.reading.text import read_text

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from gen.errors import InputError
 from gen.importing.numbers import decimal_mark
+from gen.importing.reading import line_protocol, prometheus, rounds, topics
 from gen.importing.reading.delimited import (
     DELIMITERS,
     guess_delimiter,
@@ -18,12 +19,19 @@ from gen.importing.reading.delimited import (
     table_of_rows,
 )
 from gen.importing.reading.encoding import decode
-from gen.importing.reading.keyed import array_table, is_json, json_table, keyed_table
+from gen.importing.reading.keyed import array_table, is_json, json_table, keyed_table, tagged_table
+from gen.importing.reading.lines import Lines
 from gen.importing.reading.pairs import is_keyed
 from gen.importing.reading.published import is_published, published_table
 from gen.importing.table import Reading, Table
 
 _BEGINS_AS_JSON = re.compile(r'\s*\ufeff?\s*(?:\[\s*\{|\{\s*")')
+_FRAME = re.compile(
+    r"\s*(?:\(\d+\.\d+\) )?\s*\w*can\d+\s+[0-9A-F]{3,8}(?:##?[0-9A-FR]*|\s+\[\d+\](?:\s+[0-9A-F]{2})*)\s*$",
+    re.IGNORECASE,
+)
+"""candump's: `(1772439300.000123) can0 123#0011`, `can0  123   [2]  00 11`."""
+_SAMPLE = 400
 
 
 def read_text(file: Path, data: bytes, given: Reading) -> Table:
@@ -59,6 +67,8 @@ def read_text(file: Path, data: bytes, given: Reading) -> Table:
             _check_whole(text.removeprefix("\ufeff"))
     if not given.delimiter and is_published(lines.texts):
         return published_table(file, *stamped(lines), replace(reading, decimal="."))
+    if not given.delimiter and (one_by_one := _one_by_one(file, lines, replace(reading, decimal="."))):
+        return one_by_one
     lines, times = stamped(lines)
     if not given.delimiter and is_keyed(lines.texts):
         table = keyed_table(file, lines, times, reading)
@@ -69,6 +79,31 @@ def read_text(file: Path, data: bytes, given: Reading) -> Table:
     if times and len(rows) != len(times):
         raise InputError("quoted line ends in a serial monitor's lines; expected one row a line")
     return table_of_rows(file, rows, numbers, reading=reading, comments=lines.comments, times=times)
+
+
+def _one_by_one(file: Path, lines: Lines, reading: Reading) -> Table | None:
+    """A table of lines that each hold a reading, or the readings of one thing; None of others."""
+    if prometheus.is_scraped(lines):
+        return tagged_table(file, prometheus.scraped(lines), lines, reading, prometheus.UNTIMED)
+    if line_protocol.is_line_protocol(lines):
+        return tagged_table(file, line_protocol.points(lines), lines, reading, "")
+    _check_frames(lines)
+    lines, times = stamped(lines)
+    if topics.is_captured(lines):
+        return tagged_table(file, topics.captured(lines, times), lines, reading, topics.UNTIMED)
+    if rounds.is_rounds(lines.texts):
+        return tagged_table(file, rounds.rounds(lines, times), lines, reading, rounds.UNTIMED)
+    return None
+
+
+def _check_frames(lines: Lines) -> None:
+    """Refuse frames of a bus as they are: what is in them only its description tells."""
+    sample = lines.texts[:_SAMPLE]
+    if sum(1 for line in sample if _FRAME.match(line)) > 0.5 * len(sample):
+        raise InputError(
+            "holds frames of a bus that are not decoded; expected what is in them: cantools decode FILE.dbc < LOG",
+            place=f"line {lines.numbers[0]}",
+        )
 
 
 def _check_whole(text: str) -> None:

@@ -1,0 +1,64 @@
+"""The parts of dates in columns of their own (`Year | Month | Day | Hour | Minute | Second`) to timestamps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from gen.importing.guessing.names import slug
+from gen.importing.guessing.series import texts_of
+from gen.importing.numbers import parse
+from gen.importing.table import Column, Counted, FloatArray, Table
+
+_PARTS = (
+    ("year", "yyyy", "yr", "jahr", "annee", "anno", "ano", "jaar"),
+    ("month", "mon", "mo", "monat", "mois", "mese", "mes", "maand"),
+    ("day", "tag", "jour", "giorno", "dia", "dag", "day_of_month"),
+    ("hour", "hours", "hr", "hh", "stunde", "heure", "ora", "hora", "uur"),
+    ("minute", "minutes", "min", "mm", "minuto"),
+    ("second", "seconds", "sec", "ss", "sekunde", "seconde", "secondo", "segundo"),
+)
+_LEAST = 5
+"""Of the parts: whole minutes need no seconds."""
+_RANGES = ((1970, 2200), (1, 13), (1, 32), (0, 24), (0, 60), (0, 61))
+
+
+def with_dates(table: Table) -> Table:
+    """Give the parts of dates and times as one column of timestamps; a table without them stays as it is.
+
+    Parameters
+    ----------
+    table
+        As it was read.
+    """
+    found = [next((c for c in table.columns if slug(c.name).casefold() in words), None) for words in _PARTS]
+    parts = [column for column in found[:_LEAST] if column is not None]
+    if len(parts) < _LEAST:
+        return table
+    parts += [column for column in found[_LEAST:] if column is not None]
+    numbers = [_numbers(column, table.reading.decimal) for column in parts]
+    if not all(_fits(values, low, high) for values, (low, high) in zip(numbers, _RANGES, strict=False)):
+        return table
+    stamps = [_stamp(row) for row in zip(*(values.tolist() for values in numbers), strict=True)]
+    names = [column.name for column in parts]
+    told = Counted(f"timestamp put together from {', '.join(names)}", len(stamps), f"column {names[0]}")
+    left = [column for column in table.columns if column.name not in names]
+    return replace(table, columns=[Column("timestamp", stamps), *left], counted=(*table.counted, told))
+
+
+def _numbers(column: Column, mark: str) -> FloatArray:
+    return parse(texts_of(column), mark or ".").values
+
+
+def _fits(values: FloatArray, low: int, high: int) -> bool:
+    known = values[np.isfinite(values)]
+    whole = high >= _RANGES[-1][1] or bool((known == np.floor(known)).all())
+    return bool(known.size == values.size and whole and (known >= low).all() and (known < high).all())
+
+
+def _stamp(row: Sequence[float]) -> str:
+    year, month, day, hour, minute, *rest = row
+    second = rest[0] if rest else 0.0
+    return f"{year:04.0f}-{month:02.0f}-{day:02.0f}T{hour:02.0f}:{minute:02.0f}:{second:09.6f}"
