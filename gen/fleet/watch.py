@@ -42,7 +42,8 @@ class State:
     motor
         Whose.
     state
-        `ok`, `warmer`, `cooler`, `sensor differs`, `differs from its fleet` or `not enough data`.
+        `ok`, `warmer`, `cooler`, `sensor differs`, `differs from its fleet`, `differs from its model` (in a fleet too
+        small to say how) or `not enough data`.
     said
         In words.
     error_K
@@ -206,19 +207,25 @@ def _judged(
         if each is None or isinstance(each, Failed):
             made.append(State(motor, "not enough data", "it has no model" if each is None else each.message))
             continue
-        why = (
-            "its newest run taught its model"
-            if each["seen"]
-            else f"{len(fresh)} motors have a newer run than their model"
-        )
-        state, said = states.get(
-            motor, ("not enough data", f"{why}; expected {FEWEST} at least" if not each["seen"] else why)
-        )
+        state, said = states.get(motor) or _alone(each, len(fresh))
         course = tuple(float(value) if np.isfinite(value) else None for value in each["errors_K"])
         days = tuple(run.day for run in runs[motor][-SHOWN:])
         made.append(State(motor, state, said, course[-1], course, days))
     made = [replace(each, labels=tuple(f"{k}={v}" for k, v in sorted(labels[each.motor].items()))) for each in made]
     return Watched(tuple(made), tuple(common), limit, level, batches)
+
+
+def _alone(each: Arrays, fresh: int) -> tuple[str, str]:
+    """What can be said of a motor that is not judged beside others: whether its own model still explains it."""
+    if each["seen"]:
+        return "not enough data", "its newest run taught its model"
+    why = f"{fresh} motors have a newer run than their model; expected {FEWEST} at least"
+    errors_K = each["errors_K"]
+    if _explained(errors_K):
+        return "not enough data", why
+    before = errors_K[:-1][np.isfinite(errors_K[:-1])]
+    missed = f"its own model misses its newest run by {errors_K[-1]:.2g} K, those before by {np.median(before):.2g} K"
+    return "differs from its model", f"{missed}; {why} to say where, and by how much a healthy one may"
 
 
 def _apart(names: list[Hypothesis], motors: list[str], own: Judged, mean: Judged) -> tuple[Apart, ...]:

@@ -212,6 +212,20 @@ def test_a_fault_of_one_and_an_effect_of_all_are_told_apart(fleet: Store) -> Non
         assert "innerHTML" not in text
 
 
+def test_in_a_small_fleet_a_motor_is_held_against_its_own_model(fleet: Store) -> None:
+    """Two motors tell no scale, but one of them heats by half more than it did when it was identified."""
+    for number, grown in ((0, 1.0), (1, 1.5)):
+        heat, capacity = np.exp(np.random.default_rng(1000 + number).normal(0.0, 0.08, 2)).tolist()
+        fleet.add(
+            f"m{number}", "2026-02-01", "later", run_of(700 + number, heat=grown * heat, capacity=capacity, hours=3.0)
+        )
+    states = {state.motor: state for state in watch(fleet, 0.05, Workers(), silent).motors}
+    assert states["m0"].state == "not enough data"
+    assert states["m1"].state == "differs from its model"
+    assert "2 motors have a newer run than their model; expected 8" in states["m1"].said
+    assert states["m1"].last_alarm == "2026-02-01: differs from its model"
+
+
 @pytest.mark.parametrize("readings", [0, 3])
 def test_a_motor_that_was_hardly_read_is_not_judged(readings: int, fleet: Store) -> None:
     """Neither well nor different: its sensors came off, or were not wired, and nothing is known of it."""

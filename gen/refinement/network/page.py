@@ -21,8 +21,8 @@ from gen.refinement.worse import TOLD
 
 _SENTENCES = {
     "explained": "With what is below, what is left on what was left out is near the sensors' noise.",
-    "partly explained": "What is below lowers the error on what was left out by more than chance, but something is "
-    "left, or the motor is no longer the one that the file was made from: the names are the nearest, not certain.",
+    "partly explained": "What is below lowers the error on what was left out, but something is left, or the "
+    "motor is no longer the one that the file was made from: the names are the nearest, not certain.",
     "nothing missing": "The error is near the sensors' noise; no effect is added.",
     "unexplained": "Something is missing, and no effect of the library explains it on what was left out.",
 }

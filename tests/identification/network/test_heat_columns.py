@@ -106,6 +106,7 @@ def test_what_a_column_heats_is_found_and_predicted(column: str) -> None:
     fed = {heat["node"]: heat["power_W"]["value"] for heat in summary.as_json()["heats_by_column"]}
     assert fed["casing"] > 10.0 * fed.get("winding", 0.0)
     assert f"by {column}" in summary.text()
+    assert f"steady rise (K) by PWM, without the heat of {column}" in summary.text()
     assert lower(loaded, "fixed", "table").network is not None
 
 

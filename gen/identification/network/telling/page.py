@@ -14,6 +14,7 @@ from gen.coefficients import Coefficients
 from gen.identification.choice.decision import Decision
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.identify import NetworkFound, curves
+from gen.identification.network.telling.rises import steady_rise_title
 from gen.identification.network.telling.summary import Summary, in_still_air
 from gen.pages.charts import Chart, Series
 from gen.pages.environment import page_environment
@@ -49,6 +50,7 @@ def network_report(result: NetworkFound, coefficients: Coefficients, choice: Dec
             version=__version__,
             coefficients=coefficients,
             whole=whole,
+            rise_title=steady_rise_title(whole["heats_by_column"]),
             choice=choice,
             drawings=_drawings(whole),
             still_air=in_still_air(whole["natural_convection"]),

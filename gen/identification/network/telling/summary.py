@@ -19,6 +19,7 @@ from gen.identification.network.telling.coarse import coarse
 from gen.identification.network.telling.document import measured_range, rest_was_measured, turned_range
 from gen.identification.network.telling.forecast import bands
 from gen.identification.network.telling.resting import REST_S, rested
+from gen.identification.network.telling.rises import steady_rise_title
 from gen.identification.network.telling.uncertainty import Spread, Steady, spread_of, steady_of, undetermined
 from gen.identification.network.used import rms_K
 
@@ -371,7 +372,7 @@ class Summary:
             *(f"  {line}" for line in in_still_air(whole["natural_convection"])),
             "  hidden nodes  error on data left out (K)",
             *(f"  {c.hidden:>12}  {c.left_out_K:.2f}" for c in self.result.candidates),
-            "part        in the runs (K)  left out (K)  steady rise (K) by PWM",
+            f"part        in the runs (K)  left out (K)  {steady_rise_title(whole['heats_by_column'])}",
         ]
         for s, name in enumerate(self.result.data.names):
             own = float(np.sqrt(np.nanmean(self.rms_K[:, s] ** 2)))

@@ -15,6 +15,9 @@ from gen.refinement.network.writer import NetworkWriter
 
 FASTEST_S, SLOWEST_S = 30.0, 40_000.0
 LEAST_EXPONENT, MOST_EXPONENT = -0.5, 4.0
+MOST_PARTS, MOST_HEATS = 100.0, 2.0
+"""How many median capacities of the motor's nodes it may have, and how many times the motor's whole heat at full speed:
+what is more stands for something else (a fan of one run, a supply, another motor)."""
 SLOWEST = 1e-3
 """Share of full speed, of what has no logarithm."""
 
@@ -30,14 +33,14 @@ class HiddenNode(NetworkEffect):
         self._node, self._columns = node, motor.columns
         g, c, p = motor.typical_W_per_K, motor.typical_J_per_K, motor.typical_W
 
-        def by_log(name: str, start: float, mean: float, deviation: float) -> Number:
-            return Number(name, start, float(np.log(mean)), deviation, 1e-9, 1e9, log=True)
+        def by_log(name: str, start: float, mean: float, deviation: float, most: float = 1e9) -> Number:
+            return Number(name, start, float(np.log(mean)), deviation, 1e-9, most, log=True)
 
         self.numbers = (
-            by_log("capacity_J_per_K", 0.3 * c if outside else c, c, 1.5),
+            by_log("capacity_J_per_K", 0.3 * c if outside else c, c, 1.5, MOST_PARTS * c),
             by_log("conductance_W_per_K", g if outside else 0.3 * g, g, 1.5),
             by_log("to_ambient_W_per_K", 0.3 * g if outside else 0.02 * g, 0.1 * g, 2.0),
-            by_log("power_at_full_speed_W", 0.005 * p if outside else 0.02 * p, 0.03 * p, 2.0),
+            by_log("power_at_full_speed_W", 0.005 * p if outside else 0.02 * p, 0.03 * p, 2.0, MOST_HEATS * p),
             # Friction goes with w or somewhat more, iron with up to w^2, a load's current hardly changes with speed.
             Number("exponent", 1.5, 1.5, 0.7, LEAST_EXPONENT, MOST_EXPONENT),
         )
