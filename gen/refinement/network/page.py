@@ -110,9 +110,12 @@ def _drawings(found: NetworkRefinement, baseline: Coefficients, refined: Coeffic
     if refined is baseline:
         return [network_svg("network", "The network", *_drawn(old, old, set()))]
     named = {effect["component"] for effect in found.effects}
+    before, after = _drawn(old, old, set()), _drawn(new, old, named)
+    # Pictures of the same nodes are compared, so they stand in the same places.
+    arrangement = after[1] if [node.name for node in old.nodes] == [node.name for node in new.nodes] else None
     return [
-        network_svg("network-before", "The network before", *_drawn(old, old, set())),
-        network_svg("network-after", "The network as refined", *_drawn(new, old, named)),
+        network_svg("network-before", "The network before", *before, arrangement),
+        network_svg("network-after", "The network as refined", *after, arrangement),
     ]
 
 

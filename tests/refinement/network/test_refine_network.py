@@ -248,6 +248,9 @@ def test_the_command_writes_file_summary_and_report(tmp_path: Path) -> None:
     before, after = re.findall(r'<svg [^>]*class="network".*?</svg>', page, re.DOTALL)
     assert "added" not in before
     assert re.search(r'class="way out added', after)
+    places = [re.findall(r'<circle class="node[^"]*" (c[^/]*)', picture) for picture in (before, after)]
+    assert len(places[0]) == 2
+    assert places[0] == places[1]
     assert "model before" in page
 
 
