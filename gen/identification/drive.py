@@ -55,7 +55,7 @@ def agreed(comments: Iterable[tuple[str, Mapping[str, str]]]) -> Drive | None:
         if first is None:
             first = path, found
         before, drive = first
-        if (found.unit, found.full_scale) != (drive.unit, drive.full_scale):
+        if not found.agrees(drive):
             raise InputError(
                 f"found {found.text()}; expected one input for all runs, and {before} has {drive.text()}",
                 file=path,

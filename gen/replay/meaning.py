@@ -7,7 +7,7 @@ from math import isclose
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
-from gen.runs.drive import COMMENT, FULL_COUNTS, drive_of
+from gen.runs.drive import COMMENT, FULL_COUNTS, Drive, drive_of
 
 
 def check_meaning(coefficients: Coefficients, comments: Mapping[str, str], file: str) -> None:
@@ -33,8 +33,10 @@ def check_meaning(coefficients: Coefficients, comments: Mapping[str, str], file:
     told = declared.stands_for
     if told is None or found is None:
         return
-    full_scale = found.full_scale * declared.full_scale / FULL_COUNTS
-    if found.unit == told.unit and isclose(full_scale, told.full_scale, rel_tol=1e-4):
+    # What 255 counts of the file mean: a run's full scale is 255 always.
+    meant = told.full_scale * FULL_COUNTS / declared.full_scale
+    close = found.full_scale if isclose(meant, found.full_scale, rel_tol=1e-4) else meant
+    if found.agrees(Drive(told.quantity, told.unit, close)):
         return
     raise InputError(
         f"found {found.text()}; expected as in the coefficient file's $.input.stands_for, {declared.meaning}",

@@ -12,6 +12,9 @@ FULL_COUNTS = 255
 COUNTS = "counts"
 """Unit of an input that is a PWM already."""
 
+WHOLE = {COUNTS: float(FULL_COUNTS), "percent": 100.0, "permille": 1000.0, "duty": 1.0}
+"""Units of a share, and all of it in each: to say half is the same in any of them."""
+
 COMMENT = "input"
 _FORM = re.compile(rf"(.+), {FULL_COUNTS} = ([0-9][0-9.e+-]*) (.+?)(?:, sign of (.+))?")
 
@@ -41,6 +44,15 @@ class Drive:
     def is_pwm(self) -> bool:
         """Whether it was the PWM itself, in counts: then there is nothing to tell."""
         return self.unit == COUNTS
+
+    def agrees(self, other: Drive) -> bool:
+        """Whether counts of both mean the same, as far as runs tell it: names differ between loggers."""
+        alike = (self.unit, self.full_scale) == (other.unit, other.full_scale)
+        return alike or (self._is_whole and other._is_whole)
+
+    @property
+    def _is_whole(self) -> bool:
+        return WHOLE.get(self.unit) == self.full_scale
 
     def text(self) -> str:
         """The comment's value."""

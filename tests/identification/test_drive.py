@@ -148,3 +148,41 @@ def test_a_motors_own_pwm_stands_for_itself(tmp_path: Path) -> None:
     drive = drive_of(made.comments)
     assert drive is not None
     assert drive.is_pwm
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "alike"),
+    [
+        (Drive("PWM", "counts", 255.0), Drive("Duty (%)", "percent", 100.0), True),
+        (Drive("Duty (%)", "percent", 100.0), Drive("duty", "duty", 1.0), True),
+        (Drive("Duty (%)", "percent", 80.0), Drive("duty", "duty", 1.0), False),  # 80 % is all of it here
+        (Drive("Duty (%)", "percent", 80.0), Drive("Stellgrad", "percent", 80.0), True),
+        (Drive("I", "A", 100.0), Drive("Duty (%)", "percent", 100.0), False),
+        (Drive("I", "A", 12.0), Drive("I", "A", 12.5), False),
+    ],
+)
+def test_a_share_is_the_same_in_any_unit(one: Drive, other: Drive, alike: bool) -> None:
+    assert one.agrees(other) is alike
+    assert other.agrees(one) is alike
+
+
+def test_one_motor_logged_as_percent_as_share_and_as_counts_is_one_motor(tmp_path: Path) -> None:
+    paths = []
+    for name, (column, unit) in {"a": ("Duty (%)", 100.0), "b": ("duty", 1.0), "c": ("pwm", 255.0)}.items():
+        made = read_run(log(tmp_path, name, [500.0, 200.0, 0.0]))
+        table = pd.DataFrame(
+            {"time_s": made.time_s, column: made.pwm / 255.0 * unit, "block_degC": made.temps["block"]}
+        )
+        table["ambient_degC"] = 22.0
+        if column == "pwm":
+            table[column] = made.pwm
+        table.to_csv(tmp_path / f"{name}_as.csv", index=False)
+        paths += import_runs([tmp_path / f"{name}_as.csv"], tmp_path / f"runs_{name}").runs
+    assert (
+        len({(tmp_path / path).read_text(encoding="utf-8").split("255 = ")[1].split("\n")[0] for path in paths[:2]})
+        == 2
+    )
+    found = gen.identify(paths)
+    for path in paths:
+        simulated, run = gen.simulate(found.model, path), gen.read_run(path)
+        assert (simulated["block_degC"] - run["block_degC"]).abs().mean() < 0.5
