@@ -59,15 +59,21 @@ def spoiled(before: Errors, after: Errors, noise_K: float) -> list[str]:
     list of str
         Empty where no such run was given to fit.
     """
+    old, new = _all(before.fit), _all(after.fit)
+    if _worse(old, new):
+        return [
+            f"with what was found the runs that it was found in are missed by {new.rmse_K:.3g} K, before by "
+            f"{old.rmse_K:.3g} K: nothing of it is written"
+        ]
     good, worst = [], 0.0
     others = []
     for run, scores in before.fit.items():
-        old, new = total(scores.values()).rmse_K, total(after.fit[run].values()).rmse_K
-        if old > NOTHING * noise_K:
+        was, now = total(scores.values()).rmse_K, total(after.fit[run].values()).rmse_K
+        if was > NOTHING * noise_K:
             others.append(Path(run).name)
-        elif new > SPOILED * max(old, noise_K):
+        elif now > SPOILED * max(was, noise_K):
             good.append(Path(run).name)
-            worst = max(worst, new / old)
+            worst = max(worst, now / was)
     if not good:
         return []
     return [

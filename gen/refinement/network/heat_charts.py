@@ -21,6 +21,7 @@ _MEANING: dict[Pattern, str] = {
     "comes and goes": "It comes and goes at the same speed, so no number of the file is the reason: something that no "
     "column holds was on at times. Whoever was there may know it by its times.",
     "by run": "At the same speed it is another one in each run: something was otherwise in some of them.",
+    "grows": "At the same speed it goes one way from run to run: something wears, gathers dust, or is loaded more.",
     "since": "At the same speed it is another one from some time on: something changed for good.",
 }
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.fit import Bench
 from gen.refinement.network.heat_course import HeatCourse, heat_courses
 from gen.refinement.network.trace import Traced
@@ -33,6 +34,11 @@ class MissingHeat:
     places: tuple[str, ...]
     uneven: Uneven
     names: tuple[str, ...]
+
+    @property
+    def parts_runs(self) -> bool:
+        """Whether the runs do not share it: what is found in all of them is then in some of them only."""
+        return self.uneven.pattern in ("by run", "since", "grows")
 
     @property
     def comes_and_goes(self) -> bool:
@@ -83,13 +89,21 @@ def missing_heat(traced: Traced, changes: Sequence[str], names: Sequence[str]) -
     Returns
     -------
     missing
-        None where little is left, or no heat explains it.
+        Beside nothing that was found, where that parts the runs and what was found leaves much: effects that all runs
+        must share bend to what some of them have. Else beside what was found. None where little is left, or no heat
+        explains it.
     """
     if traced.final.floors <= NOTHING and not any(changes):
         return None
-    fitted = traced.final.fitted
     own = [found.effect for found, change in zip(traced.added, changes, strict=True) if not change]
-    courses = heat_courses(Bench(traced.data), fitted, fitted.shape.with_effects(*own))
+    alone = _beside(traced, [], names) if own and traced.final.floors > NOTHING else None
+    return alone if alone is not None and alone.parts_runs else _beside(traced, own, names)
+
+
+def _beside(traced: Traced, effects: Sequence[NetworkEffect], names: Sequence[str]) -> MissingHeat | None:
+    """The same beside some effects."""
+    fitted = traced.final.fitted if effects else traced.null.fitted
+    courses = heat_courses(Bench(traced.data), fitted, fitted.shape.with_effects(*effects))
     found = uneven(courses)
     if found is None:
         return None

@@ -32,6 +32,9 @@ WALLS_ALONE = (
     "ambient: walls that lag behind the air were found, but a fixed ambient predicts as well as these and the measured "
     "air together, so nothing is written"
 )
+NOT_IN_ALL = (
+    "what was found for all runs together is not written, since they differ: with --accept-change it is, as their mean"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,14 +164,15 @@ def refine_network(
     if made.text != raw:
         refined = parse(made.text.encode())
         after = _errors(refined, kept_paths, test_paths, lambda path: progress(f"judging {path} with what was found"))
-    torn = [] if accept_change else spoiled(before, after, traced.null.noise_K)
-    if torn:
-        made, after = Written(raw), before
+    parts_runs = missing is not None and missing.parts_runs and bool(kept)
+    torn = spoiled(before, after, traced.null.noise_K) + ([NOT_IN_ALL] if parts_runs else [])
+    if torn and not accept_change:
+        made, after, effects = Written(raw), before, []
         warnings += torn
     holds = not made.refused and not no_walls and not any(changes)
     holds = holds and all(found.effect.held_by_the_file for found in traced.added)
     verdict = _verdict(traced, start, anything=bool(effects), holds=holds)
-    verdict = "unexplained" if torn else lowered(verdict) if got_worse(before, after) else verdict
+    verdict = "unexplained" if torn and not accept_change else lowered(verdict) if got_worse(before, after) else verdict
     told, ignored = settled(runs, traced)
     warnings += [*ignored, *said_of(test_paths, before), *told_worse(before, after), *missed(after)]
     return NetworkRefinement(made.text, before, after, effects, verdict, made.refitted, traced, warnings, told, missing)

@@ -31,10 +31,12 @@ DEGREE = 3
 """Of the polynomial over speed."""
 AT_ONCE_H = 0.3
 """Into a run up to which a change is told as since it."""
+GROWS, FEWEST = 0.25, 3
+"""Scatter, and runs, from which heat that only grows in their order beside what goes with speed is told as such."""
 TURNS = 0.9
 """Share of a block in which the motor has to turn: at rest another heat is missing."""
 ROUNDS = 20
-Pattern = Literal["even", "comes and goes", "by run", "since"]
+Pattern = Literal["even", "comes and goes", "by run", "since", "grows"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +46,8 @@ class Uneven:
     Attributes
     ----------
     pattern
-        "even": it goes with speed. Else it "comes and goes" within runs, is another one "by run", or changed for good
-        within them ("since"), in the order of the runs.
+        "even": it goes with speed. Else it "comes and goes" within runs, is another one "by run", changed for good
+        within them ("since"), or "grows" (or falls) little by little, both in the order of the runs.
     scatter
         About its mean at each speed, over the size of that mean.
     low_W, high_W
@@ -126,7 +128,7 @@ def uneven(courses: Sequence[HeatCourse]) -> Uneven | None:
     levels = tuple(float(np.average(rest[own], weights=blocks.weight[own])) for own in blocks.by_run.T > 0.0)
     scatter = _scatter(blocks)
     plain = blocks.square(rest) > (PLAIN * blocks.deviation_W) ** 2
-    pattern, since = _pattern(blocks, rest) if plain and scatter >= UNEVEN else ("even", None)
+    pattern, since = _pattern(blocks, rest, scatter) if plain and scatter >= GROWS else ("even", None)
     return Uneven(pattern, scatter, float(low), float(high), blocks.deviation_W, levels, since)
 
 
@@ -137,19 +139,22 @@ def _scatter(blocks: _Turning) -> float:
     return float(np.sqrt(scatter / max(blocks.square(mean), 1e-12)))
 
 
-def _pattern(blocks: _Turning, rest: FloatArray) -> tuple[Pattern, tuple[int, float, float] | None]:
+def _pattern(blocks: _Turning, rest: FloatArray, scatter: float) -> tuple[Pattern, tuple[int, float, float] | None]:
     """Say what the scatter about the mean at each speed goes with, and when it changed for good."""
     total = blocks.square(rest)
     levels = blocks.mean(np.column_stack([blocks.by_speed, blocks.by_run]), blocks.heat_W)
     by_run = 1.0 - blocks.square(blocks.heat_W - levels) / total
     grown, for_good = min((_for_good(blocks, sign) for sign in (1.0, -1.0)), key=lambda one: one[1])
     for_good = 1.0 - for_good / total
+    if scatter < UNEVEN:
+        several = blocks.by_run.shape[1] >= FEWEST
+        return ("grows" if several and for_good >= SINCE else "even"), None
     if for_good >= SINCE and for_good >= by_run:
         at = int(np.searchsorted(np.abs(grown - grown[0]), 0.5 * abs(grown[-1] - grown[0])))
         run = int(blocks.run[at])
         before = float(blocks.time_s[at - 1]) if at and blocks.run[at - 1] == run else 0.0
         return "since", (run, before / 3600.0, float(blocks.time_s[at]) / 3600.0)
-    return ("by run", None) if by_run >= BY_RUN else ("comes and goes", None)
+    return ("by run" if by_run >= BY_RUN else "comes and goes"), None
 
 
 def _for_good(blocks: _Turning, sign: float) -> tuple[FloatArray, float]:
@@ -192,8 +197,14 @@ def told(found: Uneven, component: str, names: Sequence[str]) -> str:
             f"{found.high_W - found.low_W:.2g} W {known}: the motor, what it drives or what cools it has changed. "
             "Refine the runs before and after it apart"
         )
+    each = ", ".join(f"{Path(n).name} {level:+.2g} W" for n, level in zip(names, found.levels_W, strict=True))
+    if found.pattern == "grows":
+        return (
+            f"{place}: the heat that is missing at the same speed goes one way from run to run ({each}, against their "
+            "mean): something wears, gathers dust, or is loaded ever more. It is no property of the motor that all "
+            "runs share"
+        )
     if found.pattern == "by run":
-        each = ", ".join(f"{Path(n).name} {level:+.2g} W" for n, level in zip(names, found.levels_W, strict=True))
         return (
             f"{place}: the heat that is missing at the same speed is another one in each run ({each}, against their "
             "mean): something was otherwise that no column holds (a fan, a load, the supply, how it was mounted). Log "

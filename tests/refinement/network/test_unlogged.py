@@ -100,10 +100,22 @@ def test_what_is_not_in_all_runs_is_told_by_run(tmp_path: Path) -> None:
     assert summary["verdict"] == "unexplained"
 
 
+def test_what_grows_from_run_to_run_is_told_as_that_and_not_learnt(tmp_path: Path) -> None:
+    """Dust: it cools by an eighth less in each further run."""
+    motor = tree()
+    motor["network"]["channels"] = [{"column": "dust", "range": [0, 1], "neutral": 0}]
+    motor["network"]["paths"][1]["factors"] = [{"channel": "dust", "poly": [-0.6, 1.0]}]
+    summary, _, written = told(tmp_path, motor, "dust", [np.full(TIME_S.size, 0.2 * k) for k in range(1, 6)])
+    assert summary["missing_heat"]["pattern"] == "grows"
+    assert json.loads(written)["network"] == tree()["network"]
+    assert any("goes one way from run to run" in said for said in summary["warnings"])
+
+
 def test_runs_that_the_file_explains_do_not_pay_for_others(tmp_path: Path) -> None:
     """What was found in cooled runs would have the others be cool as well."""
     summary, _, written = told(tmp_path, fanned(0.3), "fan", switched((1, 2), 4))
-    assert summary["effects"]
+    assert summary["effects"] == []
+    assert any(not one["against"] for step in summary["considered"] for one in step["candidates"])
     assert json.loads(written)["network"] == tree()["network"]
     said = [warning for warning in summary["warnings"] if "explained by the file as it is" in warning]
     assert len(said) == 1
