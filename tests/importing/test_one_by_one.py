@@ -95,8 +95,9 @@ def test_states_at_the_ends_of_topics_are_no_names(tmp_path: Path) -> None:
         " ".join([at, f"{topic.removesuffix('/state')}/state", said])
         for at, topic, said in (line.split(" ", 2) for line in text.splitlines())
     )
+    text = f"{BEGIN}.000000000 node/status online\n{text}"
     run = taken(write(tmp_path, text), tmp_path / "out", units={"pwm": "counts"})
-    assert sorted(run.temps) == ["casing", "winding"]
+    assert sorted(run.temps) == ["sensor_casing", "sensor_winding"]  # only `node` stands before all
 
 
 def senml() -> list[list[dict[str, object]]]:

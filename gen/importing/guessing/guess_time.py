@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
 from gen.errors import InputError
 from gen.importing import clock
-from gen.importing.dates import MINUTES
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
-from gen.importing.guessing.names import BUSY, CHARGED, DAY_FIRST, OF_DAY, TIME
+from gen.importing.guessing.names import BUSY, CHARGED, TIME
 from gen.importing.guessing.plain_steps import plainer_unit
+from gen.importing.guessing.written_times import date_order_of, hours_or_minutes
 from gen.importing.listing import listed
 from gen.importing.local import is_zone
 from gen.importing.mapping import DATED, TimeForm
 from gen.importing.numbers import plain_number
 from gen.importing.origins import days_since, seconds_since
-from gen.importing.units import DEGF, unit_of
 from gen.importing.units import TIME as TIME_QUANTITY
+from gen.importing.units import unit_of
 
 _FORMS = "times such as 2026-04-03T23:30:00, 3.4.2026 23:30, 3 Apr 2026 23:30:00, 23:30:00, 1h30m00s, or numbers"
 _KINDS = {"instant": "timestamp", "clock": "time of day", "minutes": "mm:ss"}
@@ -36,8 +34,6 @@ _EPOCHS = (
 _ROUND_S = {60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0}
 _PLAIN = {"t", "ts", "time", "times", "zeit", "timestamp", "zeitstempel", "elapsed", "seconds", "millis", "ms"}
 """Names of a time that need nothing beside them."""
-_HOURS_OR_MINUTES = {"hh:mm": "time of day", "mm:ss": "mm:ss"}
-_LAST_HOUR = 23
 _EITHER = 0.5
 _RATIOS = tuple(x for r in (1.0, 60.0, 3600.0, 1e3, 1e6, 1e9) for x in (r, 1.0 / r))
 _SAME_LENGTH = 0.05
@@ -197,14 +193,14 @@ def _form(
     subject = ", ".join(names)
     if len(chosen) == 2 or chosen[0].kind in _KINDS or chosen[0].kind == "date":
         cells = chosen[0].texts
-        order, sure, reason = _date_order(evidence, cells, names[0]) if cells else ("ymd", CERTAIN, "")
+        order, sure, reason = date_order_of(evidence, cells, names[0]) if cells else ("ymd", CERTAIN, "")
         told = choices.units.get(names[0], "")
         if told in ("dmy", "mdy", "ymd"):
             order, sure, reason = told, CERTAIN, "--unit"
         if len(chosen) == 1 and chosen[0].kind == "date":
             raise InputError("holds dates without times; expected a time, too", place=f"column {names[0]}")
         if len(chosen) == 1 and chosen[0].kind == "minutes":
-            return _hours_or_minutes(chosen[0], told, confidence, why)
+            return hours_or_minutes(chosen[0], told, confidence, why)
         unit = "date and time" if len(chosen) == 2 else _KINDS[chosen[0].kind]
         form = TimeForm.model_validate({"columns": names, "unit": unit, "order": order})
         taken = unit if order == "ymd" else f"{unit}, {order}"
@@ -225,74 +221,6 @@ def _form(
     return form, [
         Guess(subject, f"time in {name}", min(confidence, sure), "; ".join(filter(None, (why, reason))), settle)
     ]
-
-
-def _date_order(evidence: Evidence, cells: list[str], name: str) -> tuple[str, float, str]:
-    """Whether day or month comes first; where dates do not tell, by how the rest of the log is written."""
-    order, sure, reason = clock.date_order(cells)
-    if reason not in (clock.ONE_DATE, clock.EITHER):
-        return order, sure, reason
-    found = _written(evidence, cells)
-    if found is not None:
-        return found[0], 0.85, f"{reason}; {found[1]}"
-    if reason == clock.EITHER:
-        return order, sure, reason
-    day, month = (f"{quoted(f'{name}={order}')}" for order in ("dmy", "mdy"))
-    said = {"mdy": f"the month first; if the day is: --unit {day}", "dmy": f"the day first; if not: --unit {month}"}
-    return order, sure, f"{reason}, taken with {said[order]}"
-
-
-def _written(evidence: Evidence, cells: list[str]) -> tuple[str, str] | None:
-    """The order of dates by who writes the rest so, and what tells it: commas for decimals, or °F and AM."""
-    table = evidence.tables[0]
-    degrees = {unit.name for facts in evidence.facts.values() if (unit := facts.named[1]) is not None}
-    said = [
-        ("dmy", table.reading.decimal == ",", "decimal commas"),
-        ("dmy", table.reading.delimiter == ";", "semicolons"),
-        ("dmy", any(DAY_FIRST.fullmatch(name) for name in evidence.facts), "names of no English"),
-        ("mdy", DEGF.name in degrees, "degF"),
-    ]
-    orders = {order for order, is_so, _ in said if is_so}
-    if len(orders) != 1:
-        return None
-    order = next(iter(orders))
-    whys = " and ".join(why for _, is_so, why in said if is_so)
-    return order, f"the {'day' if order == 'dmy' else 'month'} first, as in logs with {whys}"
-
-
-def _hours_or_minutes(entry: Facts, told: str, confidence: float, why: str) -> tuple[TimeForm, list[Guess]]:
-    """Whether `8:15` is a time of day or eight minutes: by where it begins and ends, by what it passes, by its name."""
-    firsts = [int(match[1]) for cell in entry.texts if (match := MINUTES.fullmatch(cell.strip()))]
-    over_midnight = any(one == _LAST_HOUR and other == 0 for one, other in pairwise(firsts))
-    if told in _HOURS_OR_MINUTES:
-        unit, sure, reason = _HOURS_OR_MINUTES[told], CERTAIN, "--unit"
-    elif said := _said_of_minutes(entry):
-        unit, sure, reason = _HOURS_OR_MINUTES[said], 0.95, f"{said} by its name"
-    elif any(cell.count(":") == 2 for cell in entry.texts):
-        unit, sure, reason = "mm:ss", 0.95, "mm:ss, then h:mm:ss"
-    elif over_midnight and max(firsts) == _LAST_HOUR:
-        unit, sure, reason = "time of day", 0.9, "hh:mm, it passes midnight"
-    elif max(firsts, default=0) > _LAST_HOUR:
-        unit, sure, reason = "mm:ss", 0.9, f"mm:ss, up to {max(firsts)}"
-    elif any("." in cell or "," in cell for cell in entry.texts):
-        unit, sure, reason = "mm:ss", 0.9, "mm:ss, with fractions"
-    elif OF_DAY.fullmatch(entry.named[0].casefold()):
-        unit, sure, reason = "time of day", 0.9, "hh:mm by its name"
-    elif firsts and firsts[0] == 0 and max(firsts) < _LAST_HOUR:
-        unit, sure, reason = "mm:ss", 0.65, "mm:ss, as it begins at 0"
-    else:
-        unit, sure, reason = "time of day", 0.4, "hh:mm, or mm:ss since something began"
-    settle = f"--unit {quoted(f'{entry.name}=hh:mm')} or {quoted(f'{entry.name}=mm:ss')}"
-    form = TimeForm.model_validate({"columns": [entry.name], "unit": unit})
-    return form, [Guess(entry.name, f"time: {unit}", min(confidence, sure), f"{why}; {reason}", settle)]
-
-
-def _said_of_minutes(entry: Facts) -> str:
-    """Whether a name, or a row of units, says `hh:mm` or `mm:ss`; empty where it says neither."""
-    said = f"{entry.name} {entry.columns[0].unit}".casefold()
-    if re.search(r"(?<![a-z:])(?:h|hh|std|hrs?):(?:m|mm|min)(?![a-z:])", said):
-        return "hh:mm"
-    return "mm:ss" if re.search(r"(?<![a-z:])(?:m|mm|min):(?:s|ss|sec|sek)(?![a-z:])", said) else ""
 
 
 def _unit(entry: Facts, choices: Choices) -> tuple[str, float, str]:
