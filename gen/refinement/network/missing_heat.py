@@ -89,15 +89,21 @@ def missing_heat(traced: Traced, changes: Sequence[str], names: Sequence[str]) -
     Returns
     -------
     missing
-        Beside nothing that was found, where that parts the runs and what was found leaves much: effects that all runs
-        must share bend to what some of them have. Else beside what was found. None where little is left, or no heat
-        explains it.
+        Beside those effects that may differ at the same speed, where it comes and goes or parts the runs: the others,
+        which all runs share, bend to what some of them have. Else beside all that was found. None where little is left,
+        or no heat explains it.
     """
     if traced.final.floors <= NOTHING and not any(changes):
         return None
     own = [found.effect for found, change in zip(traced.added, changes, strict=True) if not change]
-    alone = _beside(traced, [], names) if own and traced.final.floors > NOTHING else None
-    return alone if alone is not None and alone.parts_runs else _beside(traced, own, names)
+    beside_all = _beside(traced, own, names)
+    if traced.final.floors <= NOTHING or not any(effect.goes_with_speed for effect in own):
+        return beside_all
+    beside_some = _beside(traced, [effect for effect in own if not effect.goes_with_speed], names)
+    if beside_some is None or beside_some.uneven.pattern == "even":
+        return beside_all
+    hidden = beside_all is None or beside_all.uneven.pattern == "even"
+    return beside_some if beside_some.parts_runs or hidden else beside_all
 
 
 def _beside(traced: Traced, effects: Sequence[NetworkEffect], names: Sequence[str]) -> MissingHeat | None:

@@ -151,7 +151,8 @@ def refine_network(
         kept = []
     made = written(coefficients, raw, traced, kept, room, start.factors, accept_change=accept_change)
     anew = "" if made.refitted else offered_anew(traced)
-    warnings += [] if missing is None else missing.warnings([effect.name for effect in kept])
+    beside = [] if missing is None or missing.parts_runs else [effect.name for effect in kept]
+    warnings += [] if missing is None else missing.warnings(beside)
     warnings += [said for said in (*([] if loads else changes), made.refused, anew) if said]
     warnings += [
         f"{one.effect.component}: {one.effect.name} was found first, and is not needed beside what was found after it"

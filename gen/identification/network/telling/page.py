@@ -50,7 +50,7 @@ def network_report(result: NetworkFound, coefficients: Coefficients, choice: Dec
             version=__version__,
             coefficients=coefficients,
             whole=whole,
-            rise_title=steady_rise_title(whole["heats_by_column"]),
+            rise_title=steady_rise_title(result),
             choice=choice,
             drawings=_drawings(whole),
             still_air=in_still_air(whole["natural_convection"]),

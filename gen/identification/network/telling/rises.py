@@ -2,17 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from gen.identification.network.identify import NetworkFound
 
 
-def steady_rise_title(heats_by_column: Sequence[Mapping[str, Any]]) -> str:
-    """Name the table of steady rises: heat that a measured column brings is none of them, whatever it was in the runs.
-
-    Parameters
-    ----------
-    heats_by_column
-        As the JSON summary has them.
-    """
-    columns = dict.fromkeys(str(heat["column"]) for heat in heats_by_column)
+def steady_rise_title(result: NetworkFound) -> str:
+    """Name the table of steady rises: none of them holds heat that a measured column brings, whatever it was."""
+    columns = dict.fromkeys(result.data.driving[number].column for number, _ in result.found.structure.fed)
     return "steady rise (K) by PWM" + (f", without the heat of {', '.join(columns)}" if columns else "")

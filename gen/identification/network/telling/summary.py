@@ -372,7 +372,7 @@ class Summary:
             *(f"  {line}" for line in in_still_air(whole["natural_convection"])),
             "  hidden nodes  error on data left out (K)",
             *(f"  {c.hidden:>12}  {c.left_out_K:.2f}" for c in self.result.candidates),
-            f"part        in the runs (K)  left out (K)  {steady_rise_title(whole['heats_by_column'])}",
+            f"part        in the runs (K)  left out (K)  {steady_rise_title(self.result)}",
         ]
         for s, name in enumerate(self.result.data.names):
             own = float(np.sqrt(np.nanmean(self.rms_K[:, s] ** 2)))

@@ -174,6 +174,9 @@ class NetworkEffect(ABC):
     """Whether a coefficient file has a place for it."""
     bends_the_file = False
     """Whether it is what the file's own numbers may be off by as well: that they are is no sign of it."""
+    goes_with_speed = False
+    """Whether it heats or cools alike whenever a speed is run again: then it is not what comes and goes, or differs
+    between runs."""
     lagging: int | None = None
     """The sensor to whose lag its one number adds."""
     nodes = 0

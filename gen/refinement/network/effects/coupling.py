@@ -18,6 +18,7 @@ class Coupling(NetworkEffect):
     """A further conductance between two nodes."""
 
     name = "coupling"
+    goes_with_speed = True
 
     def __init__(self, motor: Motor, first: int, second: int) -> None:
         self.component = motor.names[first]

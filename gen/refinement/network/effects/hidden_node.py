@@ -26,6 +26,7 @@ class HiddenNode(NetworkEffect):
     """A node of its own: a capacity, a path to a node, one to the ambient, and heat that goes with a power of w."""
 
     name = "hidden_node"
+    goes_with_speed = True
     nodes = 1
 
     def __init__(self, motor: Motor, node: int, *, outside: bool) -> None:

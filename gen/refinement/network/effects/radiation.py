@@ -19,6 +19,7 @@ class Radiation(NetworkEffect):
     """A path to the ambient that radiates."""
 
     name = "radiation"
+    goes_with_speed = True
 
     def __init__(self, motor: Motor, node: int) -> None:
         self.component = motor.names[node]

@@ -42,6 +42,7 @@ class ScheduleError(NetworkEffect):
     """
 
     name = "schedule_error"
+    goes_with_speed = True
     bends_the_file = True
 
     def __init__(

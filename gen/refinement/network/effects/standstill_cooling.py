@@ -18,6 +18,7 @@ class StandstillCooling(NetworkEffect):
     """Conductances to the ambient at rest, times a factor: one for all of them, or one for each."""
 
     name = "standstill_cooling"
+    goes_with_speed = True
 
     def __init__(self, motor: Motor, paths: Sequence[int], component: str, *, alike: bool = True) -> None:
         self.component = component

@@ -19,6 +19,7 @@ class TemperatureDependentLoss(NetworkEffect):
     """All heat of a node, or of all nodes, times 1 + k (T - T_reference)."""
 
     name = "temperature_dependent_loss"
+    goes_with_speed = True
 
     def __init__(self, motor: Motor, nodes: Sequence[int], component: str, reference: Sequence[float]) -> None:
         self.component = component
