@@ -109,12 +109,17 @@ def sound(source: Source, warnings: list[str]) -> Source:
 
 
 def apart(sources: Sequence[Source]) -> list[str]:
-    """A sentence for each run that shares no component with any other: one sensor under two names."""
+    """A sentence for each run that shares no component with any other: none at all, or one sensor under two names."""
     own = [{name for name, values in s.run.temps.items() if np.isfinite(values).any()} for s in sources]
     said = []
     for k, (source, names) in enumerate(zip(sources, own, strict=True)):
         others = set().union(*own[:k], *own[k + 1 :])
-        if names and others and not names & others:
+        if not names:
+            said.append(
+                f"{source.path}: holds no temperature of a part (a column PART_degC with readings) and says nothing; "
+                "gen import names columns so"
+            )
+        elif others and not names & others:
             said.append(
                 f"{source.path}: {', '.join(sorted(names))} is in no other run, and {', '.join(sorted(others))} not in "
                 "this one: where it is the same sensor, give it the same name (gen import --column)"

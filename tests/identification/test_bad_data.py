@@ -243,3 +243,13 @@ def test_one_sensor_under_two_names_is_told() -> None:
         assert not [
             w for w in make([Source("a.csv", first), Source("b.csv", second)], None).warnings if "no other" in w
         ]
+
+
+def test_a_run_without_any_part_is_told() -> None:
+    """Its columns may only be called otherwise (`winding` for `winding_degC`)."""
+    first, second = step(), step(rise=60.0, pwm=204)
+    bare = replace(second, temps={}, extras={"winding": second.temps["brush"]})
+    for make in (make_data, make_network_data):
+        warnings = make([Source("a.csv", first), Source("b.csv", bare)], None).warnings
+        said = [warning for warning in warnings if "holds no temperature of a part" in warning]
+        assert [warning.partition(":")[0] for warning in said] == ["b.csv"]
