@@ -31,8 +31,9 @@ DEGREE = 3
 """Of the polynomial over speed."""
 AT_ONCE_H = 0.3
 """Into a run up to which a change is told as since it."""
-GROWS, FEWEST = 0.25, 3
-"""Scatter, and runs, from which heat that only grows in their order beside what goes with speed is told as such."""
+LEAST, FEWEST, MOSTLY = 0.25, 3, 0.7
+"""Scatter, runs, and share of that scatter, from which heat that goes one way in their order, or is another one in
+each, is told beside a larger heat that goes with speed."""
 TURNS = 0.9
 """Share of a block in which the motor has to turn: at rest another heat is missing."""
 ROUNDS = 20
@@ -128,7 +129,7 @@ def uneven(courses: Sequence[HeatCourse]) -> Uneven | None:
     levels = tuple(float(np.average(rest[own], weights=blocks.weight[own])) for own in blocks.by_run.T > 0.0)
     scatter = _scatter(blocks)
     plain = blocks.square(rest) > (PLAIN * blocks.deviation_W) ** 2
-    pattern, since = _pattern(blocks, rest, scatter) if plain and scatter >= GROWS else ("even", None)
+    pattern, since = _pattern(blocks, rest, scatter) if plain and scatter >= LEAST else ("even", None)
     return Uneven(pattern, scatter, float(low), float(high), blocks.deviation_W, levels, since)
 
 
@@ -148,7 +149,8 @@ def _pattern(blocks: _Turning, rest: FloatArray, scatter: float) -> tuple[Patter
     for_good = 1.0 - for_good / total
     if scatter < UNEVEN:
         several = blocks.by_run.shape[1] >= FEWEST
-        return ("grows" if several and for_good >= SINCE else "even"), None
+        told_so = max(for_good, by_run) >= MOSTLY
+        return (("grows" if for_good >= MOSTLY else "by run") if several and told_so else "even"), None
     if for_good >= SINCE and for_good >= by_run:
         at = int(np.searchsorted(np.abs(grown - grown[0]), 0.5 * abs(grown[-1] - grown[0])))
         run = int(blocks.run[at])
