@@ -223,8 +223,8 @@ def _alone(each: Arrays, fresh: int) -> tuple[str, str]:
     errors_K = each["errors_K"]
     if _explained(errors_K):
         return "not enough data", why
-    before = errors_K[:-1][np.isfinite(errors_K[:-1])]
-    missed = f"its own model misses its newest run by {errors_K[-1]:.2g} K, those before by {np.median(before):.2g} K"
+    before = float(np.median(_earlier(errors_K)))
+    missed = f"its own model misses its newest run by {errors_K[-1]:.2g} K, those before by {before:.2g} K"
     return "differs from its model", f"{missed}; {why} to say where, and by how much a healthy one may"
 
 
@@ -254,8 +254,13 @@ def _state(names: list[Hypothesis], own: Finding | None, mean: Finding | None, *
 
 def _explained(errors_K: FloatArray) -> bool:
     """Whether a motor's own model says its newest run about as well as those before, to which it was fitted."""
-    before = errors_K[:-1][np.isfinite(errors_K[:-1])]
+    before = _earlier(errors_K)
     return bool(before.size == 0 or errors_K[-1] <= max(GROWN * float(np.median(before)), LEAST_K))
+
+
+def _earlier(errors_K: FloatArray) -> FloatArray:
+    """Errors of the runs before the newest, of those that could be read."""
+    return np.asarray(errors_K[:-1][np.isfinite(errors_K[:-1])])
 
 
 def _words(names: list[Hypothesis], finding: Finding) -> str:

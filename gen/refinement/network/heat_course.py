@@ -1,9 +1,9 @@
 """Which heat over time would explain what is left: a course that nothing in the file or the runs' columns holds.
 
 Heat at one node, or all heat of the motor in the proportions of its file, is a random walk over blocks of five minutes.
-It is fitted together with all that the file leaves open, one linear step from what was found; how fast it may walk, and
-where it is, is what makes the readings most likely (Kitagawa and Gersch, Smoothness priors analysis of time series,
-Springer 1996, ch. 3). Readings count by the sensors' noise here, and not by what is left: that is what is asked for.
+It is fitted together with all that the file leaves open, by Gauss and Newton's steps from what was found; how fast it
+may walk, and where it is, is what makes the readings most likely (Kitagawa and Gersch, Smoothness priors analysis of
+time series, Springer 1996, ch. 3). Readings count by the sensors' noise here, and not by what is left: that is what is asked for.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ class _Blocks:
 
 
 def heat_courses(bench: Bench, fitted: Fitted, shape: Anchored) -> list[HeatCourse]:
-    """Give the course at each place, the likeliest first.
+    """Give the course at each place, the likeliest first; those behind the first few are of one linear step.
 
     Parameters
     ----------
@@ -128,8 +128,8 @@ def heat_courses(bench: Bench, fitted: Fitted, shape: Anchored) -> list[HeatCour
     first = [(unknown.course(name, pattern, typical, unknown.cost), pattern) for name, pattern in patterns.items()]
     first.sort(key=lambda one: -one[0][0].evidence)
     made = [_converged(unknown, *begun, pattern, typical) for begun, pattern in first[:LIKELIEST]]
-    made += [course for (course, _), _ in first[LIKELIEST:]]
-    return sorted(made, key=lambda one: -one.evidence)
+    # One linear step promises too much: the others stand behind those that were fitted to the end.
+    return [*sorted(made, key=lambda one: -one.evidence), *(course for (course, _), _ in first[LIKELIEST:])]
 
 
 def _converged(

@@ -167,13 +167,14 @@ def refine_network(
         after = _errors(refined, kept_paths, test_paths, lambda path: progress(f"judging {path} with what was found"))
     parts_runs = missing is not None and missing.parts_runs and bool(kept)
     torn = spoiled(before, after, traced.null.noise_K) + ([NOT_IN_ALL] if parts_runs else [])
-    if torn and not accept_change:
+    torn = [] if accept_change else torn
+    if torn:
         made, after, effects = Written(raw), before, []
         warnings += torn
     holds = not made.refused and not no_walls and not any(changes)
     holds = holds and all(found.effect.held_by_the_file for found in traced.added)
     verdict = _verdict(traced, start, anything=bool(effects), holds=holds)
-    verdict = "unexplained" if torn and not accept_change else lowered(verdict) if got_worse(before, after) else verdict
+    verdict = "unexplained" if torn else lowered(verdict) if got_worse(before, after) else verdict
     told, ignored = settled(runs, traced)
     warnings += [*ignored, *said_of(test_paths, before), *told_worse(before, after), *missed(after)]
     return NetworkRefinement(made.text, before, after, effects, verdict, made.refitted, traced, warnings, told, missing)

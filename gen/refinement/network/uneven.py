@@ -19,8 +19,7 @@ from gen.refinement.network.effects.base import WHOLE
 from gen.refinement.network.heat_course import HeatCourse
 
 UNEVEN = 0.6
-"""Scatter of the heat about its mean at each speed, over the size of that mean, from which it comes and goes: that of
-what files can hold came to at most 0.5, of loads to 0.6 and more (tests/refinement/network/test_heat_course.py)."""
+"""Scatter of the heat about its mean at each speed, over the size of that mean, from which it comes and goes."""
 PLAIN = 2.0
 """By how many of its standard deviations it has to scatter."""
 LEFT = 0.5

@@ -32,16 +32,17 @@ def density(inputs: Inputs, residual: FloatArray) -> FloatArray:
     """
     sensors = inputs.target.shape[1]
     found = np.empty(sensors)
+    least = [independent(run) for run in inputs.runs]
     for s in range(sensors):
         total = time = floor = 0.0
-        for run, row in zip(inputs.runs, inputs.rows, strict=True):
+        for run, row, lowest in zip(inputs.runs, inputs.rows, least, strict=True):
             window = window_s(run.duration)
             index = (inputs.begins[row] // window).astype(np.int64)
             cover = inputs.covered[row, s]
             sums = np.bincount(index, residual[row, s] * cover)
             total += float(np.sum(sums**2))
             time += float(cover.sum())
-            floor += float(cover.sum()) * float(independent(run)[s])
+            floor += float(cover.sum()) * float(lowest[s])
         found[s] = max(total, floor) / time if time > 0.0 else 1.0
     return found
 
