@@ -3,7 +3,8 @@
 Heat at one node, or all heat of the motor in the proportions of its file, is a random walk over blocks of five minutes.
 It is fitted together with all that the file leaves open, by Gauss and Newton's steps from what was found; how fast it
 may walk, and where it is, is what makes the readings most likely (Kitagawa and Gersch, Smoothness priors analysis of
-time series, Springer 1996, ch. 3). Readings count by the sensors' noise here, and not by what is left: that is what is asked for.
+time series, Springer 1996, ch. 3). Readings count by the sensors' noise here, and not by what is left: that is what is
+asked for.
 """
 
 from __future__ import annotations
