@@ -40,6 +40,9 @@ def build(
     from gen.interface import load
 
     model = load(coefficients)  # before what is slow to import: a fault in the file is told at once
+
+    from gen.firmware.alarm_text import alarm_texts, told_sleeping
+
     made = run(
         model,
         out,
@@ -52,6 +55,8 @@ def build(
     click.echo(f"{out}: {model.name}, arithmetic {arithmetic}, schedule {schedule}")
     for line in _guarantees(made.program):
         click.echo(f"  {line}")
+    if asleep := told_sleeping(alarm_texts(model.coefficients)):
+        click.echo(f"  {asleep}")
     unproven = [component.name for component in made.program.parts if component.saturates]
     if unproven:
         click.echo(f"NO GUARANTEE for {', '.join(unproven)}: as $.accuracy.unproven asks, built without a proof")

@@ -52,6 +52,7 @@ def thresholds(
             check_run(path)
 
     # Slow to import: what is wrong with a file was told before.
+    from gen.firmware.alarm_text import alarm_texts, told_sleeping
     from gen.replay import read_for
     from gen.thresholds.derive import complete, error_bands
     from gen.thresholds.healthy import compare
@@ -86,4 +87,6 @@ def thresholds(
         click.echo(f"{alarm.name}: {alarm.note or 'as written'}")
     for warning in made.warnings:
         click.echo(f"warning: {warning}", err=True)
+    if asleep := told_sleeping(alarm_texts(made)):
+        click.echo(asleep)
     click.echo(f"{out}: {len(made.document.alarms)} rules from {len(healthy)} healthy runs")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import ceil
 
 from gen.coefficients import Coefficients
 from gen.coefficients.alarm_checks import declared_deviation_K
@@ -10,6 +12,8 @@ from gen.coefficients.alarms import AlarmRule, Cusum, Deviation, MissingHeat, Ov
 from gen.coefficients.document import Document
 from gen.coefficients.protecting import protections
 from gen.lowering.alarms import LoweredRule, lower_alarms
+
+_WARM_START = "after a start from the measured temperatures of a warm motor"
 
 
 @dataclass(frozen=True)
@@ -21,7 +25,9 @@ class AlarmText:
     name, description, note
         From the coefficient file.
     condition
-        What is compared with what, and for how long.
+        What is compared with what, for how long, and from when.
+    sleeps_s
+        Seconds at its speeds that it sleeps for after a start from the measured temperatures of a warm motor.
     thresholds
         By range of |PWM|: the threshold as the board has it, beside what the file declares of a healthy motor there.
     """
@@ -30,6 +36,7 @@ class AlarmText:
     description: str
     note: str
     condition: str
+    sleeps_s: float
     thresholds: tuple[str, ...]
 
 
@@ -42,16 +49,35 @@ def alarm_texts(coefficients: Coefficients) -> tuple[AlarmText, ...]:
         A checked coefficient file.
     """
     document = coefficients.document
-    pairs = zip(document.alarms, lower_alarms(coefficients), strict=True)
-    return tuple(
-        AlarmText(
-            rule.name, rule.description, rule.note, _condition(document, rule), _thresholds(coefficients, rule, lowered)
-        )
-        for rule, lowered in pairs
-    )
+    made = []
+    for rule, lowered in zip(document.alarms, lower_alarms(coefficients), strict=True):
+        sleeps_s = lowered.start_wait * coefficients.model.sample_time
+        condition = _condition(document, rule, sleeps_s)
+        thresholds = _thresholds(coefficients, rule, lowered)
+        made.append(AlarmText(rule.name, rule.description, rule.note, condition, sleeps_s, thresholds))
+    return tuple(made)
 
 
-def _condition(document: Document, rule: AlarmRule) -> str:
+def told_sleeping(texts: Sequence[AlarmText]) -> str:
+    """One line on the rules that a warm start puts to sleep, empty where none sleeps.
+
+    Parameters
+    ----------
+    texts
+        The rules of a file in words.
+    """
+    asleep = [f"{text.name} {_lasting(text.sleeps_s)}" for text in texts if text.sleeps_s]
+    if not asleep:
+        return ""
+    return f"{_WARM_START} rules sleep, counted at their speeds: {', '.join(asleep)}"
+
+
+def _lasting(seconds: float) -> str:
+    hours, minutes = divmod(ceil(seconds / 60.0), 60)
+    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min"
+
+
+def _condition(document: Document, rule: AlarmRule, sleeps_s: float) -> str:
     low, high = rule.speed_percent
     parts = [f"{_compared(rule)}, at {low:g} to {high:g} % speed"]
     if rule.persistence_s:
@@ -59,6 +85,8 @@ def _condition(document: Document, rule: AlarmRule) -> str:
         parts.append(f"for {rule.persistence_s:g} s{sooner}")
     if rule.settle_s:
         parts.append(f"from {rule.settle_s:g} s after PWM came there")
+    if sleeps_s:
+        parts.append(f"only after {_lasting(sleeps_s)} there {_WARM_START}")
     if rule.requires is not None:
         parts.append(f"only while {rule.requires} is raised")
     if rule.unless is not None:

@@ -133,9 +133,13 @@ def test_a_bound_over_the_file_s_limit_names_the_component_and_exits_1(tmp_path:
 def test_build_says_of_each_component_what_is_proven(tmp_path: Path) -> None:
     done = gen("build", ROOT / "examples" / "my1016_rig" / "coeffs.json", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
-    lines = done.stdout.splitlines()[1:]
+    *lines, asleep = done.stdout.splitlines()[1:]
     assert [line.split(":")[0].strip() for line in lines] == ["brush", "bearing", "magnet", "casing"]
     assert all("K from the exact solution" in line for line in lines)
+    # Of the rules only this one asks what a warm start does not know: a brush's slopes.
+    assert "after a start from the measured temperatures of a warm motor rules sleep" in asleep
+    assert "brush_hot 2 h 02 min" in asleep
+    assert "casing_hot" not in asleep
 
 
 def test_build_says_that_an_effect_s_bound_is_not_proven(tmp_path: Path) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from typing import Any
 
 import pytest
 
 from gen.coefficients import parse
-from gen.firmware.alarm_text import alarm_texts
+from gen.firmware.alarm_text import alarm_texts, told_sleeping
+from gen.lowering.alarms import lower_alarms
 from tests.examples import ROOT
 
 TREE = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
@@ -61,5 +63,25 @@ def test_a_condition_says_what_the_rule_has(rule: dict[str, Any], condition: str
     if rule["kind"] == "cusum":
         del rules[1]["persistence_s"]
     made = alarm_texts(parse(json.dumps({**TREE, "alarms": rules}).encode()))
-    assert made[1].condition == condition
+    # For how long a warm start puts it to sleep has a test of its own.
+    assert re.sub(r", only after .* warm motor", "", made[1].condition) == condition
     assert bool(made[1].thresholds) == (rule["kind"] != "over_temperature")
+
+
+def test_it_is_told_for_how_long_a_warm_start_puts_rules_to_sleep() -> None:
+    # The casing is of order 1: its temperature is its state. The brush has slopes that no thermocouple tells.
+    both = [
+        {"name": part, "kind": "above_model", "component": part, "threshold_K": 3.0} for part in ("casing", "brush")
+    ]
+    rules = [{**rule, "speed_percent": [20, 100], "persistence_s": 30} for rule in both]
+    coefficients = parse(json.dumps({**TREE, "alarms": rules}).encode())
+    casing, brush = alarm_texts(coefficients)
+    assert casing.sleeps_s == 0.0
+    assert "warm motor" not in casing.condition
+    samples = lower_alarms(coefficients)[1].start_wait
+    assert brush.sleeps_s == samples * 0.25 > 3600.0
+    hours, minutes = re.search(r"only after (\d) h (\d\d) min there", brush.condition).groups()  # type: ignore[union-attr]
+    assert brush.sleeps_s <= 60 * (60 * int(hours) + int(minutes)) < brush.sleeps_s + 60.0
+    told = told_sleeping([casing, brush])
+    assert told.endswith(f"rules sleep, counted at their speeds: brush {hours} h {minutes} min")
+    assert told_sleeping([casing]) == ""
