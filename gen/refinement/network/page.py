@@ -26,6 +26,10 @@ _SENTENCES = {
     "nothing missing": "The error is near the sensors' noise; no effect is added.",
     "unexplained": "Something is missing, and no effect of the library explains it on what was left out.",
 }
+_NOT_WRITTEN = (
+    "What is below names what is missing as nearly as the runs tell it. "
+    "Nothing of it is in the file: the warnings say why."
+)
 _MOVED = 0.2
 """A conductance that changes by more than this share is drawn as changed."""
 
@@ -47,7 +51,7 @@ def network_refinement_page(found: NetworkRefinement, baseline: Coefficients, re
         name=baseline.name,
         input_meaning=baseline.document.input.meaning,
         verdict=found.verdict,
-        sentence=_SENTENCES[found.verdict] + (TOLD if found.tests_worse else ""),
+        sentence=_sentence(found) + (TOLD if found.tests_worse else ""),
         judged_on=found.judged_on,
         warnings=found.warnings,
         pictures=pictures,
@@ -60,6 +64,12 @@ def network_refinement_page(found: NetworkRefinement, baseline: Coefficients, re
         totals=totals(found.before, found.after),
         errors=error_rows(found.before, found.after, short),
     )
+
+
+def _sentence(found: NetworkRefinement) -> str:
+    """The verdict in words: that something is named is no promise that the file holds it."""
+    written = found.after is not found.before
+    return _SENTENCES[found.verdict] if written or not found.effects else _NOT_WRITTEN
 
 
 def _steps(found: NetworkRefinement) -> list[dict[str, Any]]:

@@ -124,9 +124,11 @@ def test_heat_that_has_grown_at_one_part_is_told_and_not_learnt(tmp_path: Path) 
     assert found.verdict == "partly explained"
     assert any("fault" in warning and "casing" in warning for warning in found.warnings)
     assert found.model.text == found.baseline.text
+    assert "Nothing of it is in the file" in found.html()
     one, two, three = (tmp_path / f"run_{seed}.csv" for seed in (1, 2, 3))
     accepted = gen.refine(found.baseline, fit=[one, two], test=[three], accept_change=True)
     assert error_K(accepted, tmp_path) < 1.2 * NOISE_K
+    assert "Nothing of it is in the file" not in accepted.html()
 
 
 def test_a_room_that_moves_is_read_from_its_column(tmp_path: Path) -> None:
