@@ -127,13 +127,16 @@ class Anchored:
         conductance = np.array([self._conductance_at(q, np.ones(1))[0] for q in range(len(self.network.paths))])
         outer = tuple(q for q, path in enumerate(self.network.paths) if path.second is None and path.law is None)
         heat = sum(float(self._curve(h.curve, h.factors, full)[0][0]) for h in self.network.heats)
+        heated = tuple(dict.fromkeys(self.base_heats))
+        heat_W = tuple(self._heat_at(node) for node in heated)
         return Motor(
             names=self.names[: self.base_nodes],
             sensed=self.sensors,
             outer=outer,
             paths=self.base_paths,
-            heated=tuple(dict.fromkeys(self.base_heats)),
-            heat_powers=tuple(self._heat_powers(node) for node in dict.fromkeys(self.base_heats)),
+            heated=heated,
+            heat_W=heat_W,
+            heat_powers=tuple(_powers(watts) for watts in heat_W),
             outer_powers=tuple(float(np.mean(_powers(self._conductance_at(q, SPEEDS)))) for q in outer),
             columns=self.columns,
             typical_W=max(heat, 1e-6),
@@ -154,11 +157,11 @@ class Anchored:
         settled = np.linalg.solve(-m[0], a[0] * USUAL_AMBIENT + f[0])
         return tuple(float(settled[k]) for k in self.order)
 
-    def _heat_powers(self, node: int) -> FloatArray:
-        """The power of speed that a node's heat goes with, shape (speeds,)."""
+    def _heat_at(self, node: int) -> FloatArray:
+        """A node's heat at `SPEEDS`, W, shape (speeds,)."""
         levels = self._levels_at(SPEEDS)
         own = [h for n, h in zip(self.base_heats, self.network.heats, strict=True) if n == node]
-        return _powers(sum((self._curve(h.curve, h.factors, levels)[0] for h in own), np.zeros(SPEEDS.size)))
+        return sum((self._curve(h.curve, h.factors, levels)[0] for h in own), np.zeros(SPEEDS.size))
 
     def _levels_at(self, speed: FloatArray) -> Levels:
         """Give the inputs of speeds that are held, channels neutral, shape (L,)."""

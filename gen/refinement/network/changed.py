@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gen.identification.network.fitting.bins import FloatArray
 from gen.refinement.network.data import Data
 from gen.refinement.network.effects import NetworkEffect, ScheduleError
 from gen.refinement.network.effects.base import WHOLE
@@ -16,11 +17,17 @@ GROWN_EVERYWHERE, NEARLY_ALL = 1.01, 0.1
 """The same of all heat together, which runs tell better than that of one node, at all but this share of the speeds."""
 
 
+RISES = 0.5
+"""What wear adds at the highest speed is at least this share of what it adds at any: what rubs, and the current that it
+asks for, heat more the faster it turns. A resonance does not."""
+
+
 def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Data) -> str:
     """Say why what was found may be another motor, or nothing.
 
     A wrong schedule is too high at some speeds and too low at others, or wrong at a few; a bearing or a brush that is
-    worn heats more at all of them, at one node alone; so does, everywhere, a motor that is loaded or covered with dust.
+    worn heats more at all of them, the more the faster it turns, at one node alone; so does, everywhere and with no
+    such order, a motor that is loaded or covered with dust.
 
     Parameters
     ----------
@@ -40,6 +47,8 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
         least = float(np.quantile(factor, NEARLY_ALL) if everywhere else factor.min())
         if least < (GROWN_EVERYWHERE if everywhere else GROWN):
             return ""
+        if not everywhere and _falls(effect.added_W(speed, values)):
+            return ""
         grown = f"by {least - 1.0:.0%} to {factor.max() - 1.0:.0%}"
     elif values[0] > 0.0:
         grown = f"by {values[0]:.3g} W at full speed"
@@ -55,3 +64,8 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
         f"since the file was made, or the file was wrong there: run {again} again as then. It is not written into the "
         "model without --accept-change"
     )
+
+
+def _falls(added_W: FloatArray) -> bool:
+    """Whether heat over ascending speeds, shape (L,), W, is much less at the last than at one before it."""
+    return bool(added_W[-1] < RISES * added_W.max())

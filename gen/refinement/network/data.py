@@ -30,6 +30,8 @@ is not that of |PWM|."""
 DEGREE = 3
 """What follows |PWM| does so as a polynomial of this degree, with a value of its own at rest."""
 BACKWARDS_S, RESTS_S = 120.0, 300.0
+NOT_WILD = 0.999
+"""Share of a run's readings that single wild ones are not among."""
 ROOM_MOVES_K = 0.3
 """Standard deviation of an ambient that moves."""
 
@@ -104,7 +106,11 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
         further = columns.of_run(run.pwm.astype(np.float64), told, carried, later=False)
         made.append(binned(name, run, names, ambient, full_scale, 2.0 * BIN_S, further))
     return Data(
-        inputs_of(made), len(runs), columns, _offered(runs, driven, columns, full_scale), declared_density(coefficients)
+        inputs_of(made),
+        len(runs),
+        columns,
+        _offered(runs, driven, columns, names, full_scale),
+        declared_density(coefficients),
     )
 
 
@@ -137,7 +143,13 @@ def _slow(run: Run, values: FloatArray) -> FloatArray:
     return np.asarray(uniform_filter1d(values, min(rows, values.size), mode="nearest"), dtype=np.float64)
 
 
-def _offered(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], columns: Columns, full_scale: int) -> Offered:
+def _offered(
+    runs: Sequence[tuple[str, Run]],
+    driven: Sequence[Driven],
+    columns: Columns,
+    sensed: Sequence[str],
+    full_scale: int,
+) -> Offered:
     backwards = rests = 0.0
     turned = np.zeros(101)
     for _, run in runs:
@@ -155,7 +167,13 @@ def _offered(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], columns:
         rests=rests > RESTS_S,
         room_moves=_room_moves(runs),
         turned_s=tuple(turned.tolist()),
+        hottest_degC={name: max(_hottest(run.temps[name]) for _, run in runs) for name in sensed},
     )
+
+
+def _hottest(temperature: FloatArray) -> float:
+    """The highest of readings but for single wild ones, degC."""
+    return float(np.nanquantile(temperature, NOT_WILD))
 
 
 def _room_moves(runs: Sequence[tuple[str, Run]]) -> bool:

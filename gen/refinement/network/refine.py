@@ -22,6 +22,7 @@ from gen.refinement.network.folds import described
 from gen.refinement.network.missing_heat import MissingHeat, missing_heat
 from gen.refinement.network.planned import Settled, settled
 from gen.refinement.network.prepared import prepared
+from gen.refinement.network.search import Considered
 from gen.refinement.network.trace import Traced, trace
 from gen.refinement.network.written import Written, offered_anew, written
 from gen.refinement.run_errors import compared
@@ -142,7 +143,14 @@ def refine_network(
     missing = missing_heat(traced, changes, [name for name, _ in runs])
     # What comes and goes is no change of the motor: what stood for it on average is told as what it is, and not named.
     loads = missing is not None and missing.comes_and_goes and not accept_change
-    kept = [found.effect for found, change in zip(traced.added, changes, strict=True) if accept_change or not change]
+    named = [
+        not loads or not (change or _is_a_mean(found)) for found, change in zip(traced.added, changes, strict=True)
+    ]
+    kept = [
+        found.effect
+        for found, change, told in zip(traced.added, changes, named, strict=True)
+        if accept_change or (told and not change)
+    ]
     # Walls about an ambient that the file holds for fixed would be no walls.
     fixed = room is None and coefficients.model.ambient_channel is None
     no_walls = fixed and any(isinstance(effect, Walls) for effect in kept)
@@ -158,10 +166,10 @@ def refine_network(
         f"{one.effect.component}: {one.effect.name} was found first, and is not needed beside what was found after it"
         for one in traced.dropped
     ]
-    effects = _entries(traced, changes, room, start, changes_too=not loads)
+    effects = _entries(traced, changes, named, room, start)
     kept_paths = [Path(name) for name, _ in runs]
     before = _errors(coefficients, kept_paths, test_paths, lambda path: progress(f"judging {path}"))
-    after = before
+    after, refined = before, coefficients
     if made.text != raw:
         refined = parse(made.text.encode())
         after = _errors(refined, kept_paths, test_paths, lambda path: progress(f"judging {path} with what was found"))
@@ -171,6 +179,8 @@ def refine_network(
     if torn:
         made, after, effects = Written(raw), before, []
         warnings += torn
+    elif after is not before:
+        warnings += [f"of what is written: {said}" for said in refined.warnings if said not in coefficients.warnings]
     holds = not made.refused and not no_walls and not any(changes)
     holds = holds and all(found.effect.held_by_the_file for found in traced.added)
     verdict = _verdict(traced, start, anything=bool(effects), holds=holds)
@@ -180,14 +190,19 @@ def refine_network(
     return NetworkRefinement(made.text, before, after, effects, verdict, made.refitted, traced, warnings, told, missing)
 
 
+def _is_a_mean(found: Considered) -> bool:
+    """Whether an effect is no more than other heat at each speed: so is the mean of any heat that comes and goes."""
+    return found.effect.bends_the_file
+
+
 def _entries(
-    traced: Traced, changes: Sequence[str], room: MovingAmbient | None, start: WarmStart, *, changes_too: bool
+    traced: Traced, changes: Sequence[str], named: Sequence[bool], room: MovingAmbient | None, start: WarmStart
 ) -> list[dict[str, Any]]:
-    """What was found as the summary has it; of what may be another motor only where that is told."""
+    """What was found as the summary has it, of that which is named."""
     made = [] if room is None else [ambient_entry(room)]
-    for step, change in zip(traced.steps, changes, strict=False):
+    for step, change, told in zip(traced.steps, changes, named, strict=False):
         assert step.added is not None  # the last search alone may have added nothing
-        if changes_too or not change:
+        if told:
             made.append(effect_entry(step, step.added, traced, change))
     return made + ([start_entry(start)] if start.factors else [])
 

@@ -25,6 +25,10 @@ MEND = (
     "{}: no file holds it. The numbers beside it are right beside it only, so nothing of them is written: mend or "
     "calibrate the sensor, and refine with runs from after it"
 )
+BESIDE = (
+    "{}: no file holds it. What is written was found beside it, and is right once that sensor is mended or calibrated; "
+    "refine with runs from after it"
+)
 
 
 @dataclass(frozen=True)
@@ -38,7 +42,7 @@ class Written:
     refitted
         Whether its numbers were fitted anew.
     refused
-        Why it does not hold what was found; empty if it does.
+        Why it does not hold all that was found; empty if it does.
     """
 
     text: str
@@ -84,15 +88,14 @@ def written(
     # Some files follow a room that moves only with numbers that were fitted to it.
     alone = channel if room is None or room.as_it_is else None
     outside = [*([INITIAL_STATE] if factors else []), *([] if alone is None else ["ambient"])]
-    unheld = [f"{effect.name} at {effect.component}" for effect in kept if not effect.held_by_the_file]
-    unchanged = Written(
-        raw, refused=MEND.format(", ".join(unheld)) if unheld else "" if alone == channel else NOT_ALONE
-    )
+    unheld = ", ".join(f"{effect.name} at {effect.component}" for effect in kept if not effect.held_by_the_file)
+    kept = [effect for effect in kept if effect.held_by_the_file]
+    unchanged = Written(raw, refused=MEND.format(unheld) if unheld else "" if alone == channel else NOT_ALONE)
     if outside:
         text = with_network(raw, writer.entry, f"refined: {', '.join(outside)}", alone)
         unchanged = replace(unchanged, text=text)
     sound = room is not None or accept_change or traced.null.floors <= NOTHING
-    if unheld or (not kept and (traced.added or not sound or not _file_is_worse(traced))):
+    if not kept and (unheld or traced.added or not sound or not _file_is_worse(traced)):
         return unchanged
     named = [f"{effect.name} at {effect.component}" for effect in kept] + ([] if room is None else ["ambient"])
     said = ", ".join(named) or "no effect"
@@ -104,7 +107,7 @@ def written(
         parse(text.encode())
     except InputError as error:
         return Written(unchanged.text, refused=f"{said}: found, but a file with it is none that can be built ({error})")
-    return Written(text, refitted=True)
+    return Written(text, refitted=True, refused=BESIDE.format(unheld) if unheld else "")
 
 
 def offered_anew(traced: Traced) -> str:

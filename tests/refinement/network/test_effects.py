@@ -143,3 +143,13 @@ def test_a_path_is_written_no_better_than_the_board_can_follow(end: str) -> None
     matrices, _, _ = written.model.network.matrices(np.arange(256))
     fastest = 1.0 / float(-np.diagonal(matrices, axis1=1, axis2=2).min())
     assert 10 * 0.25 < fastest < 15 * 0.25
+
+
+def test_no_heat_shrinks_below_none_at_temperatures_that_were_reached() -> None:
+    made, _ = bench()
+    hottest = made.data.offered.hottest("casing")
+    gone = -1.0 / (hottest - 25.0)
+    named = [one for one in every() if (one.name, one.component) == ("temperature_dependent_loss", "casing")]
+    effect = named[0]  # about 25 degC; the other about what the casing usually is
+    assert effect.doubts([0.9 * gone]) == []
+    assert effect.doubts([1.1 * gone]) == [f"heat would be less than none at {hottest:.0f} degC, which was reached"]

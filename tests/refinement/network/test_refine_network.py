@@ -131,6 +131,16 @@ def test_heat_that_has_grown_at_one_part_is_told_and_not_learnt(tmp_path: Path) 
     assert "Nothing of it is in the file" not in accepted.html()
 
 
+def test_grease_that_thins_as_it_warms_is_named_and_the_file_says_how_far_it_holds(tmp_path: Path) -> None:
+    motor = tree()
+    motor["network"]["heats"][1] |= {"per_K": -0.025, "reference_degC": 25}
+    found = refined(motor, tmp_path)
+    (effect,) = found.details()["effects"]
+    assert (effect["name"], effect["component"]) == ("temperature_dependent_loss", "casing")
+    assert error_K(found, tmp_path) < 1.2 * NOISE_K
+    assert any("negative at 200 degC" in warning for warning in found.warnings)
+
+
 def test_a_room_that_moves_is_read_from_its_column(tmp_path: Path) -> None:
     runs = files(tree(), tmp_path)
     fixed = tree()
@@ -174,6 +184,32 @@ def test_a_sensor_that_drifts_is_named_and_explains_nothing_of_what_the_file_pre
     # What was fitted beside it is right beside it only.
     assert found.model.text == found.baseline.text
     assert any("drift at casing" in warning and "nothing of them is written" in warning for warning in found.warnings)
+
+
+def test_what_is_found_beside_a_drift_is_written_without_it(tmp_path: Path) -> None:
+    (tmp_path / "small.json").write_text(json.dumps(tree()), encoding="utf-8")
+    motor = tree()
+    motor["network"]["paths"][1]["conductance_W_per_K"]["at_rest"] = 0.5
+    given = []
+    for seed in (1, 2, 3):
+        made = run(read(motor), seed)
+        drifting = {**made.temps, "casing": made.temps["casing"] + 0.8 * made.time_s / 3600.0}
+        given.append(write(replace(made, temps=drifting), tmp_path / f"run_{seed}.csv"))
+    found = gen.refine(gen.load(tmp_path / "small.json"), fit=given[:2], test=given[2:])
+    assert {(one["name"], one["component"]) for one in found.details()["effects"]} == {
+        ("standstill_cooling", "motor"),
+        ("drift", "casing"),
+    }
+    assert found.verdict == "partly explained"
+    assert any(
+        "drift at casing" in warning and "right once that sensor is mended" in warning for warning in found.warnings
+    )
+    # The motor without its sensor's drift is what the file is of now.
+    sound = write(run(read(motor), 4), tmp_path / "sound.csv")
+    shown = gen.simulate(found.model, sound)
+    for name, seen in gen.read_run(sound).items():
+        if name in ("winding_degC", "casing_degC"):
+            assert float(np.sqrt(np.mean((shown[name] - seen) ** 2))) < 1.5 * NOISE_K
 
 
 @pytest.mark.parametrize(

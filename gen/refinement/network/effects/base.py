@@ -77,6 +77,8 @@ class Motor:
         Those to the ambient that conduct, without a law.
     heated
         Nodes with heat.
+    heat_W
+        Of each of these: its heat at each of `SPEEDS`.
     heat_powers
         Of each of these: the power of speed that its heat goes with, at each of `SPEEDS`.
     outer_powers
@@ -96,6 +98,7 @@ class Motor:
     paths: tuple[tuple[int, int], ...]
     outer: tuple[int, ...]
     heated: tuple[int, ...]
+    heat_W: tuple[FloatArray, ...]
     heat_powers: tuple[FloatArray, ...]
     outer_powers: tuple[float, ...]
     columns: Columns

@@ -32,6 +32,8 @@ class Offered:
         Whether the ambient was measured and moves.
     turned_s
         For how long it turned at 0, 1 .. 100 % of full speed, s.
+    hottest_degC
+        How warm each sensed node became.
     """
 
     ranges: dict[str, tuple[float, float]]
@@ -40,6 +42,11 @@ class Offered:
     rests: bool
     room_moves: bool
     turned_s: tuple[float, ...]
+    hottest_degC: dict[str, float]
+
+    def hottest(self, name: str) -> float:
+        """How warm a node became, degC: one without a sensor at least as warm as the warmest that has one."""
+        return self.hottest_degC.get(name, max(self.hottest_degC.values()))
 
     @property
     def currents(self) -> list[str]:

@@ -11,7 +11,7 @@ from gen.identification.network.fitting.bends import BEND, KNOTS, WIDE, Bend
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.draft import Draft
-from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Number, Place
+from gen.refinement.network.effects.base import SPEEDS, WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
 from gen.refinement.network.writer import NetworkWriter
 
@@ -57,6 +57,9 @@ class ScheduleError(NetworkEffect):
         self._nodes, self._columns, self._bend = tuple(nodes), motor.columns, bend
         self._names = [motor.names[node] for node in nodes]
         self.replaces = all(node in motor.heated for node in nodes)
+        self._heat_W = sum(
+            (motor.heat_W[motor.heated.index(n)] for n in nodes if n in motor.heated), np.zeros(SPEEDS.size)
+        )
         if self.replaces:
             self.precision = bend.precision()
             if unknown is not None:
@@ -76,6 +79,10 @@ class ScheduleError(NetworkEffect):
     def factor(self, speed: FloatArray, values: Sequence[float]) -> FloatArray:
         """Give the factor at speeds, shape (L,), from its values at the knots."""
         return np.asarray(np.exp(self._bend(speed) @ np.log(np.asarray(values))))
+
+    def added_W(self, speed: FloatArray, values: Sequence[float]) -> FloatArray:
+        """Give what the factor adds to the file's heat at speeds, W, shape (L,)."""
+        return (self.factor(speed, values) - 1.0) * np.interp(speed, SPEEDS, self._heat_W)
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         later = self._columns.later(levels)

@@ -13,6 +13,8 @@ from gen.refinement.network.writer import NetworkWriter
 
 REFERENCE = 25.0
 """degC: what resistances are told at."""
+LEAST, MOST = -0.1, 0.05
+"""1/K. Grease thins by 3 to 7 % for each kelvin about room temperature; metals' resistance grows by 0.4 %."""
 
 
 class TemperatureDependentLoss(NetworkEffect):
@@ -21,18 +23,27 @@ class TemperatureDependentLoss(NetworkEffect):
     name = "temperature_dependent_loss"
     goes_with_speed = True
 
-    def __init__(self, motor: Motor, nodes: Sequence[int], component: str, reference: Sequence[float]) -> None:
+    def __init__(
+        self, motor: Motor, nodes: Sequence[int], component: str, reference: Sequence[float], hottest: Sequence[float]
+    ) -> None:
         self.component = component
         self._acts = tuple(nodes)
         self._reference = tuple(reference)
+        self._hottest = tuple(hottest)
         self._names = motor.names
         self._columns = motor.columns
-        self.numbers = (Number("per_K", 0.0, 0.0, 0.01, -0.02, 0.05),)
+        self.numbers = (Number("per_K", 0.0, 0.0, 0.01, LEAST, MOST),)
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         later = self._columns.later(levels)
         for node, reference in zip(self._acts, self._reference, strict=True):
             draft.grow(node, values[0] * later, reference, place.slopes(later))
+
+    def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
+        warmest = zip(self._hottest, self._reference, strict=True)
+        shares = [(1.0 + values[0] * (degC - reference), degC) for degC, reference in warmest]
+        least, degC = min(shares)
+        return [f"heat would be less than none at {degC:.0f} degC, which was reached"] if least < 0.0 else []
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         for node, reference in zip(self._acts, self._reference, strict=True):
@@ -44,8 +55,15 @@ def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
 
     What was identified without such a loss is right at usual temperatures, if the motor always had it.
     """
+    hottest = [data.hottest(name) for name in motor.names]
     for references in ([REFERENCE] * len(motor.names), motor.usual_degC):
-        yield TemperatureDependentLoss(motor, motor.heated, WHOLE, [references[node] for node in motor.heated])
-        if len(motor.heated) > 1:
-            for node in motor.heated:
-                yield TemperatureDependentLoss(motor, [node], motor.names[node], [references[node]])
+        for nodes, component in _where(motor):
+            where = [references[node] for node in nodes], [hottest[node] for node in nodes]
+            yield TemperatureDependentLoss(motor, nodes, component, *where)
+
+
+def _where(motor: Motor) -> Iterator[tuple[Sequence[int], str]]:
+    yield motor.heated, WHOLE
+    if len(motor.heated) > 1:
+        for node in motor.heated:
+            yield [node], motor.names[node]
