@@ -45,8 +45,10 @@ _SEPARATOR = r"(?:[Tt ,;_]\s*|:|-|\s+(?:at|um|à|alle|a las)\s+)"
 _ISO = r"(?P<y>\d{4})(?:[-/.:]?(?P<m>\d{2})[-/.:]?(?P<d>\d{2}))"
 _SHORT_ISO = r"(?P<y>\d{4})(?P<mark>[-/.])\s?(?P<m>\d{1,2})(?P=mark)\s?(?P<d>\d{1,2})\.?"
 _KANJI = r"(?P<y>\d{4})\s?年\s?(?P<m>\d{1,2})\s?月\s?(?P<d>\d{1,2})\s?日"
-_TRIPLE = r"(?P<a>\d{1,2})(?P<mark>[./-])\s?(?P<b>\d{1,2})(?P=mark)\s?(?P<y>\d{4}|\d{2})"
-_NAMED = rf"{_WEEKDAY}(?P<d>\d{{1,2}})\.?[-. /]\s*(?:de\s+)?{_MONTH}\.?,?[-. /]\s*(?:de\s+)?(?P<y>\d{{4}}|\d{{2}})"
+_YEAR = r"(?P<y>\d{4}|(?<!\s)\d{2}|\d{2}(?!:))"
+"""Four digits or two; behind a space, two before a colon are an hour: `02.03. 08:15`."""
+_TRIPLE = rf"(?P<a>\d{{1,2}})(?P<mark>[./-])\s?(?P<b>\d{{1,2}})(?P=mark)\s?{_YEAR}"
+_NAMED = rf"{_WEEKDAY}(?P<d>\d{{1,2}})\.?[-. /]\s*(?:de\s+)?{_MONTH}\.?,?[-. /]\s*(?:de\s+)?{_YEAR}"
 _SAS = r"(?P<d>\d{1,2})(?P<month>[^\W\d_]{3})(?P<y>\d{4}|\d{2})"
 """02Mar2026."""
 _MONTH_FIRST = rf"{_WEEKDAY}{_MONTH}\.?\s+(?P<d>\d{{1,2}})(?:st|nd|rd|th)?,?\s+(?P<y>\d{{4}})"
@@ -75,7 +77,8 @@ _STAMPS = tuple(
         *(rf"{_TIME}[ ,;]\s*{form}" for form in (_ISO, _SHORT_ISO, _TRIPLE)),
     )
 )
-_CLOCK = re.compile(_TIME.replace(r"\d{1,3}", r"\d{1,6}", 1))
+_CLOCK = re.compile(r"(?P<sign>-)?" + _TIME.replace(r"\d{1,3}", r"\d{1,6}", 1))
+"""Before a trigger, times since a beginning are negative."""
 _DAYS = re.compile(
     r"(?P<days>\d{1,5})(?:\s*(?:days?|d|Tage?|jours?|j)[ ,]*|[.:])"
     r"(?P<h>\d{1,2}):(?P<min>\d{2}):(?P<s>\d{2})(?:[.,](?P<frac>\d{1,9}))?"
@@ -92,6 +95,10 @@ MINUTES = re.compile(r"(?P<min>\d{1,3}):(?P<s>\d{2})(?:[.,](?P<frac>\d{1,9}))?",
 DOTTED = re.compile(r"\d{1,2}\.\d{2}\.\d{2}(?:[.,]\d{1,9})?", re.ASCII)
 _OF_A_CONTROLLER = re.compile(r"^(?:L?TIME|L?T|L?DATE_AND_TIME|L?DT|L?TIME_OF_DAY|L?TOD)#", re.IGNORECASE)
 """What IEC 61131 puts before times: `T#1m30s500ms`, `TOD#08:15:00`."""
+_SINCE_A_START = re.compile(r"^(?:T?\+(?=\d)|T(?=-\d))")
+"""`T+00:01:00`, `+00:01:00`."""
+_BARE = re.compile(r"(?<![\d:.])\d{1,3}:(?:\d:\d{1,2}|\d{2}:\d)(?![\d:])", re.ASCII)
+"""Numbers of a sketch as they are: `8:5:3`."""
 _ODD = str.maketrans(dict.fromkeys("\u00a0\u202f\u2009", " "))
 """Spaces that no line breaks at: before AM and PM, of Windows and of spreadsheets."""
 _NAMES_OF_MONTHS = (
@@ -127,7 +134,13 @@ _MONTHS = _prefixes()
 def plainly(cell: str) -> str:
     """A cell without what stands around it, and with plain spaces."""
     plain = cell.strip().translate(_ODD)
-    return _OF_A_CONTROLLER.sub("", plain) if "#" in plain else plain
+    if "#" in plain:
+        plain = _OF_A_CONTROLLER.sub("", plain)
+    if plain[:1] in "+T" and ":" in plain:
+        plain = _SINCE_A_START.sub("", plain)
+    if ":" in plain and _BARE.search(plain):
+        plain = _BARE.sub(lambda found: ":".join(part.zfill(2) for part in found[0].split(":")), plain)
+    return plain
 
 
 def stamp(text: str) -> re.Match[str] | None:
@@ -199,7 +212,8 @@ def duration(match: re.Match[str]) -> int | None:
     counted = match.re is _SPELT  # 90m00s is an hour and a half
     if not counted and (minute > 59 or second > 60):
         return None
-    return (
+    sign = -1 if parts.get("sign") else 1
+    return sign * (
         days * DAY_NS
         + (hour * 3600 + minute * 60 + second) * _SECOND_NS
         + fraction(parts.get("frac"))

@@ -14,6 +14,7 @@ from gen.importing.convert import Splitting, convert, with_comments
 from gen.importing.converted import Converted
 from gen.importing.guessing.compact_times import with_parted_times
 from gen.importing.guessing.date_parts import with_dates
+from gen.importing.guessing.day_times import with_days
 from gen.importing.guessing.decide import NO_PART, Decided, decide, doubts
 from gen.importing.guessing.fractions import with_fractions
 from gen.importing.guessing.guess_input import NO_INPUT
@@ -110,7 +111,10 @@ def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress
     tables: list[Table] = []
     for file in files:
         progress(f"reading {file.name}")
-        tables += [joined(with_fractions(with_dates(with_parted_times(table)))) for table in read_tables(file, given)]
+        tables += [
+            joined(with_fractions(with_dates(with_days(with_parted_times(table)))))
+            for table in read_tables(file, given)
+        ]
     if series:
         progress("a column for each name")
         tables = [spread_out(table, replace(choices, series=series)) for table in tables]

@@ -17,14 +17,11 @@ from gen.importing.table import Cells, Counted, FloatArray, IntArray
 from gen.importing.units import unit_of
 
 _DAY_S = 86_400.0
-_SINCE_1601_S = 11_644_473_600.0
 _LONGEST_S = 1e9
 _LATEST_S = 1e12
 """Run files hold no larger number."""
 _MOST_ASTRAY = 0.1
 """Of the rows: a clock that is set after a while, or garbage."""
-_WINDOWS_S = (1.16e10, 1.5e10)
-"""Of a first time since 1601, from 1968 to 2076."""
 _DAY_DIGITS = 4
 """Of s: a double holds a day of today to 10 us at best."""
 _EPOCH_DIGITS = 6
@@ -52,7 +49,7 @@ def timed(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> 
         parsed = first.parsed_in(index, unit)
         made.count("row without a time", np.flatnonzero(~np.isfinite(parsed.values)), first.name)
         count_units_apart(first, parsed, unit.name, made)
-        time, begun = _numbered(parsed.values, unit.scale)
+        time, begun = _numbered(parsed.values, unit.scale, first.name)
         return _within(time, first.name, made), begun
     ns = _instants(facts, index, form.unit, form.order, made)
     if form.zone:
@@ -90,22 +87,21 @@ def _within(time: FloatArray, column: str, made: Converted) -> FloatArray:
     return np.where(astray, np.nan, time)
 
 
-def _numbered(values: FloatArray, scale: float) -> tuple[FloatArray, str]:
-    """Numbers in a unit of time; those since 1970, or days since long before, count from the first."""
+def _numbered(values: FloatArray, scale: float, name: str) -> tuple[FloatArray, str]:
+    """Numbers in a unit of time; those since 1970, or since long before, count from the first."""
     finite = values[np.isfinite(values)]
-    if finite.size and 1e9 < finite[0] * scale < 2.5e9:
-        since = np.round(values - finite[0], _EPOCH_DIGITS) if scale == 1.0 else values - finite[0]
+    first = float(finite[0]) if finite.size else 0.0
+    counted = seconds_since(first * scale, name) if scale <= 1.0 else None
+    if counted is None and 1e9 < first * scale < 2.5e9:
+        since = np.round(values - first, _EPOCH_DIGITS) if scale == 1.0 else values - first
         return _scaled(since, scale), _iso(round(float(_scaled(finite[:1], scale)[0]) * 1e6) * 1000)
-    if finite.size and _WINDOWS_S[0] < finite[0] * scale < _WINDOWS_S[1]:
-        return _scaled(values - finite[0], scale), _iso(round((float(finite[0]) * scale - _SINCE_1601_S) * 1e3) * 10**6)
-    counted = seconds_since(float(finite[0]) * scale) if finite.size and scale <= 1.0 else None
     if counted is not None:
-        begin = round((float(finite[0]) * scale + counted[0]) * 1e3) * 10**6
-        return np.round(_scaled(values - finite[0], scale), _EPOCH_DIGITS), _iso(begin)
-    since = days_since(float(finite[0])) if finite.size and scale == _DAY_S else None
-    if since is not None:
-        begin = round((float(finite[0]) + since[0]) * _DAY_S * 1e3) * 10**6
-        return np.round((values - finite[0]) * _DAY_S, _DAY_DIGITS), _iso(begin)
+        begin = round((first * scale + counted[0]) * 1e3) * 10**6
+        return np.round(_scaled(values - first, scale), _EPOCH_DIGITS), _iso(begin)
+    of_days = days_since(first) if scale == _DAY_S else None
+    if of_days is not None:
+        begin = round((first + of_days[0]) * _DAY_S * 1e3) * 10**6
+        return np.round((values - first) * _DAY_S, _DAY_DIGITS), _iso(begin)
     return _scaled(values, scale), ""
 
 

@@ -1,6 +1,6 @@
 """Dates and times whose digits stand together: `20260302081500`, `20260302` and `081500`, a GPS's `081500.12`.
 
-As plain numbers they would be counts, of which 60 to 99 are missing in each hundred.
+Also `0815`, and `260302081500`. As plain numbers they would be counts, of which 60 to 99 are missing in each hundred.
 """
 
 from __future__ import annotations
@@ -17,9 +17,13 @@ from gen.importing.units import split_name, unit_of
 _STAMP = re.compile(
     r"(20\d{2})(0[1-9]|1[0-2])(0[1-9]|[12]\d|3[01])([01]\d|2[0-3])([0-5]\d)([0-5]\d)?(?:[.,]?(\d{1,6}))?", re.ASCII
 )
+_SHORT_STAMP = re.compile(
+    r"([1-4]\d)(0[1-9]|1[0-2])(0[1-9]|[12]\d|3[01])([01]\d|2[0-3])([0-5]\d)([0-5]\d)(?:[.,](\d{1,6}))?", re.ASCII
+)
+"""With two digits of the year."""
 _DAY = re.compile(r"(20\d{2})(0[1-9]|1[0-2])(0[1-9]|[12]\d|3[01])", re.ASCII)
 _CLOCK = re.compile(r"([01]?\d|2[0-3])([0-5]\d)([0-5]\d)(?:[.,](\d{1,6}))?", re.ASCII)
-_LEAST_ROWS, _DIGITS = 5, 6
+_LEAST_ROWS, _DIGITS, _FEW_DIGITS = 5, 6, 4
 _EVEN = 0.05
 """Of the usual step, by which even ones differ."""
 
@@ -41,10 +45,16 @@ def with_parted_times(table: Table) -> Table:
             continue
         plain = [cell.strip() for cell in cells]
         stamps = _parted(plain, _STAMP)
+        short_stamps = None if stamps else _parted(plain, _SHORT_STAMP)
+        short = all(cell.isdigit() and len(cell) <= _FEW_DIGITS for cell in plain)
         plain = [cell.zfill(_DIGITS) if cell.isdigit() else cell for cell in plain]  # a spreadsheet drops zeros
         clocks = None if stamps else _parted(plain, _CLOCK)
         if stamps is not None:
             parted = [f"{y}-{m}-{d}T{h}:{n}:{s or '00'}.{f or '0'}" for y, m, d, h, n, s, f in stamps]
+        elif short_stamps is not None:
+            parted = [f"20{y}-{m}-{d}T{h}:{n}:{s}.{f or '0'}" for y, m, d, h, n, s, f in short_stamps]
+        elif clocks is not None and short and _runs_as_clock(plain):
+            parted = [f"{n}:{s}" for _, n, s, _ in clocks]  # hours and minutes, or minutes and seconds
         elif clocks is not None and _runs_as_clock(plain):
             parted = [f"{int(h):02d}:{n}:{s}.{f or '0'}" for h, n, s, f in clocks]
             days = _days_before(made[:i])

@@ -29,10 +29,12 @@ _EPOCHS = (
     (1e15, 2.5e15, "us"),
     (1e18, 2.5e18, "ns"),
     (1.16e17, 1.5e17, "100ns"),
+    (6.2e17, 6.6e17, "100ns"),
+    (1.16e16, 1.5e16, "us"),
 )
-"""From which first number to which, and the unit; the last since 1601, as Windows counts."""
+"""From which first number to which, and the unit; the last since 1601 and the year 1, as Windows and .NET count."""
 _ROUND_S = {60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0}
-_PLAIN = {"t", "ts", "time", "times", "zeit", "timestamp", "zeitstempel", "elapsed", "seconds", "millis", "ms"}
+_PLAIN = {"t", "ts", "s", "time", "times", "zeit", "timestamp", "zeitstempel", "elapsed", "seconds", "millis", "ms"}
 """Names of a time that need nothing beside them."""
 _EITHER = 0.5
 _RATIOS = tuple(x for r in (1.0, 60.0, 3600.0, 1e3, 1e6, 1e9) for x in (r, 1.0 / r))
@@ -47,6 +49,11 @@ _SHORT_S = 900.0
 _SLOWER = (("min", 60.0, 1.0), ("h", 3600.0, 10.0))
 """Units that loggers write instead of s, and from which interval of rows on, s."""
 _SLOWEST_S = 1800.0
+_SLOW_S = 300.0
+"""Rows that would come as seldom in ms may be of a counter of us."""
+_LONGEST_UP_S = 1e8
+"""Three years, which nothing runs without being switched off."""
+_FINER = (("us", 1e-6), ("ns", 1e-9))
 _SPOKEN = ((3600.0, "h"), (60.0, "min"), (1.0, "s"))
 _SHORTEST_S = 20.0
 """A log of a motor's temperature lasts longer."""
@@ -111,6 +118,7 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
         best = next((entry for entry in instants if not _stands(entry)), instants[0])
         return [best.name], choices, 0.95, f"timestamps such as {_example(best)}"
     named = [entry for entry in numbers if _named_so(entry) and not entry.in_degrees]
+    named.sort(key=lambda entry: entry.named[0] == "T")  # beside `t`, a temperature that rises evenly
     if dates and clocks:
         return (
             [dates[0].name, clocks[0].name],
@@ -233,18 +241,32 @@ def _unit(entry: Facts, choices: Choices) -> tuple[str, float, str]:
     base, unit, where = entry.named
     if unit is None and (alone := unit_of(base)) and alone.quantity == TIME_QUANTITY:
         unit, where = alone, "name"
-    epoch = _epoch(entry)
     if unit is not None and unit.quantity == TIME_QUANTITY:
-        return unit.name, 0.95, "" if where == "name" else f"unit from the {where}"
-    if epoch:
-        return (
-            epoch,
-            0.95,
-            f"begins at {float(np.median(entry.starts)):.0f}, {epoch} since {1601 if epoch == '100ns' else 1970}",
-        )
+        said = ["" if where == "name" else f"unit from the {where}", _since(entry, unit.scale)]
+        return unit.name, 0.95, "; ".join(filter(None, said))
+    epoch = _epoch(entry)
+    if epoch and (counted := unit_of(epoch)):
+        return epoch, 0.95, f"begins at {float(np.median(entry.starts)):.0f} {epoch} {_since(entry, counted.scale)}"
     unit_name, sure, reason = _unit_by_steps(entry)
-    counted = seconds_since(entry.span[0]) if unit_name == "s" else None
-    return ("s", 0.9, f"begins at {entry.span[0]:.0f}, {counted[1]}") if counted else (unit_name, sure, reason)
+    since = _since(entry, 1.0) if unit_name == "s" else ""
+    if since:
+        return "s", 0.9, f"begins at {entry.span[0]:.0f} s {since}"
+    unknown = entry.starts.size and float(entry.starts[0]) * _scale_of(unit_name) > _LONGEST_UP_S
+    return unit_name, sure, f"{reason}, since what instant nothing tells" if unknown else reason
+
+
+def _scale_of(name: str) -> float:
+    unit = unit_of(name)
+    return 1.0 if unit is None else unit.scale
+
+
+def _since(entry: Facts, scale: float) -> str:
+    """From which instant numbers of a unit count, and the day so; empty where they count from none that is known."""
+    first = float(entry.starts[0]) * scale if entry.starts.size else 0.0
+    counted = seconds_since(first, entry.name) if scale <= 1.0 else None
+    if counted is None and _EPOCHS[0][0] < first < _EPOCHS[0][1]:
+        counted = (0, "since 1970")
+    return "" if counted is None else f"{counted[1]}: {np.datetime64(int(first + counted[0]), 's').astype(str)[:10]}"
 
 
 def _epoch(entry: Facts) -> str:
@@ -265,6 +287,11 @@ def _unit_by_steps(entry: Facts) -> tuple[str, float, str]:
     if plainer:
         return plainer, 0.45, why
     said = f"steps of {step:.6g}"
+    if entry.whole and step * 1e-3 > _SLOWEST_S:
+        finer = next(((name, part) for name, part in _FINER if step * part <= _SLOWEST_S), _FINER[-1])
+        return finer[0], 0.7, f"{said} and whole, {_lasting(step * 1e-3)} in ms: {finer[0]}"
+    if entry.whole and step * 1e-3 > _SLOW_S and step * 1e-3 not in _ROUND_S:
+        return "ms", _EITHER, f"{said} and whole: {_lasting(step * 1e-3)} in ms, {step * 1e-6:.3g} s in us"
     if entry.whole and step >= 100 and not (step in _ROUND_S and len(set(rising.tolist())) == 1):
         return "ms", 0.8, f"{said} and whole: ms"
     if entry.whole and step in _ROUND_S:

@@ -17,8 +17,8 @@ def _words(text: str) -> re.Pattern[str]:
 
 
 TIME = re.compile(
-    rf"t|ts|[uµμ]s|ns|sek|x_value|{languages.TIME}|"
-    r"(?:.*[^a-z])?(?:time|times|zeit|uhrzeit|timestamp|zeitstempel|datum|date|datetime|elapsed|epoch|unix|clock|"
+    rf"t|ts|s|[uµμ]s|ns|sek|x_value|m?jd|{languages.TIME}|"
+    r"(?:.*[^a-z])?(?:time|times|zeit|uhrzeit|timestamp|zeitstempel|datum|date|datetime|elapsed|epoch|unix|gps|ntp|clock|"
     r"millis|micros|seconds?|secs?|ms|minutes?|minuten|hours?|stunden|sekunden)(?:[^a-z].*)?|.*time|.*zeit",
 )
 OF_DAY = re.compile(
