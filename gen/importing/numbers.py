@@ -23,8 +23,8 @@ _PLAIN = str.maketrans("", "", "0123456789+-.eE \n")
 _GROUPED = re.compile(r"(?<=\d)[ \u00a0\u202f'’](?=\d{3}(?!\d))")
 _SIGN_APART = re.compile(r"^([+-])\s+(?=[\d.,])")
 """Columns of one width: `+   23.4`."""
-_LONGEST_UNIT = 10
-_WITH_UNIT = re.compile(r"(\S*\d\.?)(?:\s*([^\d\s.,+-].{0,9})|\s+(1/(?:min|s)))")
+_LONGEST_UNIT = 20
+_WITH_UNIT = re.compile(r"(\S*\d\.?)(?:\s*([^\d\s.,+-].{0,19})|\s+(1/(?:min|s)))")
 
 
 @dataclass(frozen=True)

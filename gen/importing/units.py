@@ -52,9 +52,11 @@ DUTY = Unit(SHARE, "duty", "percent", 100.0)
 PWM_COUNTS = Unit(COUNTS, "counts", "counts")
 
 _SPELT: dict[Unit, str] = {
-    DEGC: "degc degreec degreesc °c c celsius ℃ grad gradc deg ºc 'c *c @c c° ˚c ∘c â°c �c °cel gradcelsius gr.c "
+    DEGC: "degc degreec degreesc degreecelsius degreescelsius degcelsius "
+    "°c c celsius ℃ grad gradc deg ºc 'c *c @c c° ˚c ∘c â°c �c °cel gradcelsius gr.c "
     "celcius centigrade",
-    DEGF: "degf degreef degreesf °f f fahrenheit 'f ℉ gradf ºf *f @f f° ˚f ∘f â°f �f fahr",
+    DEGF: "degf degreef degreesf degreefahrenheit degreesfahrenheit degfahrenheit "
+    "°f f fahrenheit 'f ℉ gradf ºf *f @f f° ˚f ∘f â°f �f fahr",
     KELVIN: "k kelvin degk °k",
     Unit(CURRENT, "A", "A"): "a amp amps ampere amperes",
     Unit(CURRENT, "mA", "A", 1e-3): "ma milliamp milliamps",
@@ -92,6 +94,11 @@ _SPOKEN = re.compile(r"^(?P<base>.*\S)\s*(?:\s(?:in|/)\s|,\s+|\s*/\s*)(?P<unit>\
 _LABEL = re.compile(r"(?:^|[,;]\s*)(?:LBL|label|name)\s*[:=]\s*(?P<label>[^,;]*[^,;\s])", re.IGNORECASE)
 _UNIT_FIRST = re.compile(r"(?P<unit>°\s?[CFK]|℃|℉|%) (?:\[[\w.-]+\] ?)?(?P<base>\S.*)")
 """`°C [1-1] Winding`: a testo's unit, channel and name."""
+_SPELT_LAST = re.compile(
+    r"(?P<base>.*[A-Za-z])(?:[._ ]?(?P<word>(?i:celsius|fahrenheit|kelvin|deg[CF]))|(?<=emp)(?P<letter>[CFK])|"
+    r"(?<=emperature)(?P<full>[CFK])|(?<=ime|sed|amp)(?P<time>Ms|Millis|Us|Micros|Secs?|Seconds|Mins?|Minutes|Hours))"
+)
+"""A unit with nothing before it but a capital, or a point: `tempF`, `winding.fahrenheit`, `windingDegC`, `timeMs`."""
 _ALONE = {"deg", "count", "raw", "digits", "d", "min", "cnt", "duty", "perc", "fraction", "grad"}
 """No units where they only stand behind an underscore or a stroke: `cell_count`, `T_min`, `motor/duty`."""
 
@@ -105,7 +112,7 @@ def unit_of(text: str) -> Unit | None:
     text
         As in a header or an option.
     """
-    spelt = re.sub(r"\s+", "", text.strip().strip("[]()<>{}")).replace("deg.", "deg").casefold()
+    spelt = re.sub(r"[\s_]+", "", text.strip().strip("[]()<>{}")).replace("deg.", "deg").casefold()
     if spelt in _KNOWN or spelt.rstrip(".") in _KNOWN:
         return _KNOWN.get(spelt) or _KNOWN[spelt.rstrip(".")]
     scaled = _FACTOR.fullmatch(_with_factor(text.strip().strip("[]()<>{}")))
@@ -186,6 +193,10 @@ def split_name(header: str) -> tuple[str, Unit | None, str]:
     degrees = re.fullmatch(r"(.+?)[\s_]*((?:Â?°|[˚º∘\ufffd])\s?[CFK]|℃|℉|[%‰])", text)
     if degrees:
         return degrees[1], unit_of(degrees[2]), degrees[2]
+    spelt = _SPELT_LAST.fullmatch(text)
+    written = (spelt["word"] or spelt["letter"] or spelt["full"] or spelt["time"]) if spelt else ""
+    if spelt and (unit := unit_of(written)):
+        return spelt["base"], unit, written
     parts = re.split(r"[_\s]+", text)
     for count in (2, 1):  # `deg_C` is two of them
         if len(parts) <= count:

@@ -14,10 +14,11 @@ from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.extreme_rows import extremes_by_turns
 from gen.importing.guessing.guess_columns import decide_columns
 from gen.importing.guessing.guess_input import NO_INPUT, decide_input, spanned
-from gen.importing.guessing.guess_time import decide_time, short_in_seconds
+from gen.importing.guessing.guess_time import decide_time
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.guessing.names import RISE, RUNS
 from gen.importing.guessing.series_columns import names_and_values
+from gen.importing.guessing.time_unit import short_in_seconds
 from gen.importing.listing import listed
 from gen.importing.mapping import Entry, Mapping, TextForm
 from gen.importing.reading.text import shown_delimiter
@@ -312,6 +313,7 @@ def _likeliest(entries: Sequence[Entry], evidence: Evidence) -> str:
     parts = [entry.source for entry in entries if entry.to != "ambient_degC" and not RISE.search(entry.source)]
     left = [facts for name in parts if (facts := evidence.facts[name]).kind == "number"]
     left = [f for f in left if not (f.whole and (f.steps > 0).all())]  # a number of the row
+    left = [f for f in left if f.named[1] is None or f.in_degrees]
     fit = [f for f in left if len(set(f.values.tolist())) > _LEAST_VALUES and f.span[0] > -50.0 and f.span[1] < 2000.0]
     named = ", or ".join(f"--column {quoted(f'{f.name}=winding_degC')} ({spanned(f)})" for f in fit[:_MOST_SHOWN])
     return f", such as {named}" if named else ""

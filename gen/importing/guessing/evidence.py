@@ -84,6 +84,8 @@ class Facts:
         base, unit, written = split_name(carried(self.name))
         if unit is None and written and (PARTS.search(written) or AMBIENT.search(written)):
             base = f"{base} {written}"  # `CH0(Winding)`
+        elif unit is None and written.isdigit() and base:
+            base = f"{base}{written}"  # `T[0]`
         if unit is not None:
             return base, unit, "name"
         row = unit_of(self.columns[0].unit) if self.columns[0].unit else None

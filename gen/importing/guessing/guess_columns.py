@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from gen.errors import InputError
 from gen.importing.guessing import names
 from gen.importing.guessing.ambient import ambient_of
 from gen.importing.guessing.counters import counts_rows, never_falls, that_falls
+from gen.importing.guessing.doubles import told_twice
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.extremes import least_of_pairs
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
@@ -40,6 +42,7 @@ _SAYS_SO = re.compile(r"(?i)temp|th?ermo|°")
 _PARTS, _LEAST_PARTS_C = (0.1, 0.01, 0.001), 10.0
 _KELVIN = (260.0, 373.0)
 """Of a motor, cold or warm; batteries tell tenths of them."""
+_LEAST_REACHED, _FALLEN = 5.0, 3.0
 _LETTER = re.compile(r".*[_ ][A-Za-z]")
 
 
@@ -73,12 +76,13 @@ def decide_columns(evidence: Evidence, choices: Choices, used: set[str]) -> tupl
     entries: list[Entry] = []
     guesses: list[Guess] = []
     left = [_sorted(facts, evidence, choices) for name, facts in evidence.facts.items() if name not in used]
+    doubles = told_twice([e.facts for e in left if e.quantity == TEMPERATURE], {*choices.columns, *choices.units})
     pairs = least_of_pairs([e.facts for e in left if e.quantity == TEMPERATURE], {*choices.columns, *choices.units})
-    room, doubtful = _ambient([entry for entry in left if entry.facts.name not in pairs], choices)
+    room, doubtful = _ambient([entry for entry in left if entry.facts.name not in {*pairs, *doubles}], choices)
     for found in left:
-        if found.facts.name in pairs:
+        if found.facts.name in pairs or found.facts.name in doubles:
             entries.append(Entry.model_validate({"from": found.facts.name, "to": ""}))
-            guesses.append(_least(found.facts.name, pairs[found.facts.name]))
+            guesses.append(_left_out(found.facts.name, pairs, doubles))
             continue
         entry, guess = _entry(found, choices, taken, found.facts.name == room, doubtful)
         if entry.to:
@@ -89,8 +93,10 @@ def decide_columns(evidence: Evidence, choices: Choices, used: set[str]) -> tupl
     return entries, guesses
 
 
-def _least(name: str, largest: str) -> Guess:
-    return Guess(name, "left out", 0.9, f"the least of each interval, beside {quoted(largest)}, which is taken")
+def _left_out(name: str, pairs: Mapping[str, str], doubles: Mapping[str, str]) -> Guess:
+    if name in doubles:
+        return Guess(name, "left out", 0.9, f"the same as {quoted(doubles[name])}, in another unit")
+    return Guess(name, "left out", 0.9, f"the least of each interval, beside {quoted(pairs[name])}, which is taken")
 
 
 def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
@@ -126,7 +132,8 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     if unit is None and _thermal(facts, base):
         if _SAYS_SO.search(base):
             return _by_range(facts, False)
-        return _unless_it_counts(_by_range(facts, False) if _said(base) else _of_a_part(facts), evidence)
+        plain = _said(base) or _beside_such(facts, evidence)
+        return _unless_it_counts(_by_range(facts, False) if plain else _of_a_part(facts), evidence)
     if unit is not None:
         return _Sorted(facts, unit.quantity, unit, 0.9, f"in {unit.name} by its {where}")
     return _by_name(facts, base)
@@ -179,11 +186,13 @@ def _one_of_letters(name: str, evidence: Evidence) -> bool:
     if not _LETTER.fullmatch(name):
         return False
     others = {other[-1] for other in evidence.facts if other[:-1] == name[:-1]}
-    return len(others) > 1 and (others - set("CFKAVWs")) != set()
+    return len(others) > 1 and (others - set("CFKAVWs")) != set() and not others <= set("cfkCFK")
 
 
 def _thermal(facts: Facts, base: str) -> bool:
     """Whether a name may be that of a temperature."""
+    if names.SYMBOL.fullmatch(facts.named[0]) or base == "T":
+        return True
     if not (names.THERMAL.fullmatch(base) or names.PARTS.search(base) or names.AMBIENT.search(base)):
         return False
     last = re.split(r"[/.]", base)[-1] or base  # `/motor/state/temperature` is no state
@@ -196,7 +205,7 @@ def _thermal(facts: Facts, base: str) -> bool:
 
 def _said(base: str) -> bool:
     """Whether a name says that it is a temperature, or nothing but which part, or where: `stator end 2`."""
-    if names.THERMAL.fullmatch(base):
+    if names.THERMAL.fullmatch(base) or base == "T":
         return True
     words = [word for word in re.split(r"[\W_]+", base) if word]
     if len(words) > 1 and len(words[0]) == 1 and words[0] not in "tT":
@@ -204,13 +213,22 @@ def _said(base: str) -> bool:
     return all(names.PARTS.search(word) or names.AMBIENT.search(word) or names.WHERE.search(word) for word in words)
 
 
+def _beside_such(facts: Facts, evidence: Evidence) -> bool:
+    """Whether a symbol stands beside another one that begins where it does: `Tw` beside `Tg`."""
+    if not names.SYMBOL.fullmatch(facts.named[0]):
+        return False
+    others = [e for e in evidence.numbers if e is not facts and e.own is None and names.SYMBOL.fullmatch(e.named[0])]
+    return any(abs(_start_degC(other) - _start_degC(facts)) <= _ALIKE_K for other in others)
+
+
 def _of_a_part(facts: Facts) -> _Sorted:
-    """A part's name with a word that nobody knows: `motor_dither`."""
+    """A part's name with a word that nobody knows: `motor_dither`; or a symbol alone: `Tw`."""
     low, high = facts.span
     begin = float(np.median(facts.starts)) if facts.starts.size else low
     if low < _COLD_C[0] or not _COLD_C[0] <= begin <= _WARM_C or len(np.unique(facts.values)) <= _FEW_VALUES:
         return _Sorted(facts, "", None, 0.8, "kept as it is")
-    said = f"named after a part, {low:.4g}..{high:.4g}, and nothing says that it is a temperature"
+    named = "called as one" if names.SYMBOL.fullmatch(facts.named[0]) else "named after a part"
+    said = f"{named}, {low:.4g}..{high:.4g}, and nothing says that it is a temperature"
     return _Sorted(facts, TEMPERATURE, unit_of("degC"), _UNSAID, said)
 
 
@@ -277,6 +295,15 @@ def _by_range(facts: Facts, told: bool) -> _Sorted:
     if facts.whole and 0.0 <= low < high <= _STATES and not told and not _SAYS_SO.search(names.apart(facts.named[0])):
         return _Sorted(facts, "", None, 0.8, f"whole numbers {low:g}..{high:g}: states; kept as it is")
     said = f"begins at {begin:.4g}, {low:.4g}..{high:.4g}"
+    if max(abs(low), abs(high)) < _LEAST_REACHED and low != high:
+        return _Sorted(facts, TEMPERATURE, unit_of("degC"), 0.4, f"{said}: no motor in degC; volts of a sensor?")
+    if (
+        not told
+        and names.RESISTOR.search(facts.named[0])
+        and begin - low > _FALLEN
+        and high - begin < 0.2 * (begin - low)
+    ):
+        return _Sorted(facts, TEMPERATURE, unit_of("degC"), 0.4, f"{said}, and falls from there: a resistance?")
     celsius, kelvin = unit_of("degC"), unit_of("K")
     if facts.values.size and 260 <= begin <= 330 and low > 230 and not facts.whole:
         return _Sorted(facts, TEMPERATURE, kelvin, 0.8, f"{said}: K")

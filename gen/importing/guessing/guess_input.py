@@ -10,7 +10,7 @@ import numpy as np
 from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
-from gen.importing.guessing.names import DRIVES, DUTY, PWM, SIGN, WANTED, apart
+from gen.importing.guessing.names import DRIVES, DUTY, NO_DRIVE, PWM, SIGN, WANTED, apart
 from gen.importing.listing import listed
 from gen.importing.mapping import InputForm
 from gen.importing.numbers import plain_number
@@ -98,7 +98,7 @@ def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[F
         if entry.name in renamed:
             return entry, CERTAIN, "--column"
     for pattern, confidence in ((PWM, 0.95), (DUTY, 0.85)):
-        found = [entry for entry in numbers if pattern.search(_worded(entry))]
+        found = [entry for entry in numbers if pattern.search(_worded(entry)) and not NO_DRIVE.search(_worded(entry))]
         exact = [entry for entry in found if entry.named[0].casefold() in ("pwm", "duty")]
         if len(found) > 1 and len(exact) != 1:
             names = listed((f"--input {quoted(entry.name)}" for entry in found), " or ")

@@ -11,52 +11,26 @@ from gen.importing import clock
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.guessing.names import BUSY, CHARGED, TIME
-from gen.importing.guessing.plain_steps import plainer_unit
+from gen.importing.guessing.time_unit import EARLIEST_S, epoch_of, unit_of_time
 from gen.importing.guessing.written_times import date_order_of, hours_or_minutes
 from gen.importing.listing import listed
 from gen.importing.local import is_zone
 from gen.importing.mapping import DATED, TimeForm
 from gen.importing.numbers import plain_number
-from gen.importing.origins import days_since, seconds_since
 from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import unit_of
 
 _FORMS = "times such as 2026-04-03T23:30:00, 3.4.2026 23:30, 3 Apr 2026 23:30:00, 23:30:00, 1h30m00s, or numbers"
 _KINDS = {"instant": "timestamp", "clock": "time of day", "minutes": "mm:ss"}
-_EPOCHS = (
-    (1e9, 2.5e9, "s"),
-    (1e12, 2.5e12, "ms"),
-    (1e15, 2.5e15, "us"),
-    (1e18, 2.5e18, "ns"),
-    (1.16e17, 1.5e17, "100ns"),
-    (6.2e17, 6.6e17, "100ns"),
-    (1.16e16, 1.5e16, "us"),
-)
-"""From which first number to which, and the unit; the last since 1601 and the year 1, as Windows and .NET count."""
-_ROUND_S = {60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0}
 _PLAIN = {"t", "ts", "s", "time", "times", "zeit", "timestamp", "zeitstempel", "elapsed", "seconds", "millis", "ms"}
 """Names of a time that need nothing beside them."""
 _EITHER = 0.5
 _RATIOS = tuple(x for r in (1.0, 60.0, 3600.0, 1e3, 1e6, 1e9) for x in (r, 1.0 / r))
 _SAME_LENGTH = 0.05
-_IN_SECONDS = {"x_value"}
-"""LabVIEW's time, whatever its steps."""
 _EVEN = 0.8
 """Of the steps."""
 _COARSE_S = 2.0
 """By which timestamps of whole seconds may be off at both ends."""
-_SHORT_S = 900.0
-_SLOWER = (("min", 60.0, 1.0), ("h", 3600.0, 10.0))
-"""Units that loggers write instead of s, and from which interval of rows on, s."""
-_SLOWEST_S = 1800.0
-_SLOW_S = 300.0
-"""Rows that would come as seldom in ms may be of a counter of us."""
-_LONGEST_UP_S = 1e8
-"""Three years, which nothing runs without being switched off."""
-_FINER = (("us", 1e-6), ("ns", 1e-9))
-_SPOKEN = ((3600.0, "h"), (60.0, "min"), (1.0, "s"))
-_SHORTEST_S = 20.0
-"""A log of a motor's temperature lasts longer."""
 
 
 def decide_time(evidence: Evidence, choices: Choices) -> tuple[TimeForm, list[Guess]]:
@@ -132,7 +106,7 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
         return [clocks[0].name], choices, 0.85, f"times such as {_example(clocks[0])}{_parted(clocks[0])}"
     unnamed = [entry for entry in numbers if entry.name.startswith("column_")]
     if unnamed:
-        since = [entry for entry in unnamed if _epoch(entry)]
+        since = [entry for entry in unnamed if epoch_of(entry)]
         best = (since or unnamed)[0]
         return [best.name], choices, 0.7, "" if since else "the first column that rises all the way"
     words = next((entry for entry in facts if entry.kind == "text" and _called_so(entry)), None)
@@ -143,7 +117,7 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
         )
     table = evidence.tables[0]
     stands = next((entry for entry in facts if entry.kind == "number" and _called_so(entry)), None)
-    if stands is not None and not stands.in_degrees and stands.span[1] >= _EPOCHS[0][0]:
+    if stands is not None and not stands.in_degrees and stands.span[1] >= EARLIEST_S:
         raise InputError(
             f"does not go on ({stands.span[0]:g}..{stands.span[1]:g}): were its last digits lost, as in a spreadsheet? "
             "expected --time SECONDS for the interval of the rows, or another --time COLUMN",
@@ -221,7 +195,7 @@ def _form(
     if entry.kind != "number":
         shown = f' such as "{_example(entry)}"' if entry.kind == "text" else ""
         raise InputError(f"holds {entry.kind}{shown}, expected {_FORMS}", place=_first(evidence, entry))
-    name, sure, reason = _unit(entry, choices)
+    name, sure, reason = unit_of_time(entry, choices)
     form = TimeForm(columns=names, unit=name)
     settle = f"--unit {quoted(f'{entry.name}=s')}, =ms, =min, =h or =d"
     if confidence == _EITHER:
@@ -229,125 +203,6 @@ def _form(
     return form, [
         Guess(subject, f"time in {name}", min(confidence, sure), "; ".join(filter(None, (why, reason))), settle)
     ]
-
-
-def _unit(entry: Facts, choices: Choices) -> tuple[str, float, str]:
-    told = choices.units.get(entry.name) or choices.units.get("time_s")
-    if told:
-        unit = unit_of(told)
-        if unit is None or unit.quantity != TIME_QUANTITY:
-            raise InputError(f'found "{told}", expected s, ms, us, min, h or d', place=f"--unit {entry.name}")
-        return unit.name, CERTAIN, "--unit"
-    base, unit, where = entry.named
-    if unit is None and (alone := unit_of(base)) and alone.quantity == TIME_QUANTITY:
-        unit, where = alone, "name"
-    if unit is not None and unit.quantity == TIME_QUANTITY:
-        said = ["" if where == "name" else f"unit from the {where}", _since(entry, unit.scale)]
-        return unit.name, 0.95, "; ".join(filter(None, said))
-    epoch = _epoch(entry)
-    if epoch and (counted := unit_of(epoch)):
-        return epoch, 0.95, f"begins at {float(np.median(entry.starts)):.0f} {epoch} {_since(entry, counted.scale)}"
-    unit_name, sure, reason = _unit_by_steps(entry)
-    since = _since(entry, 1.0) if unit_name == "s" else ""
-    if since:
-        return "s", 0.9, f"begins at {entry.span[0]:.0f} s {since}"
-    unknown = entry.starts.size and float(entry.starts[0]) * _scale_of(unit_name) > _LONGEST_UP_S
-    return unit_name, sure, f"{reason}, since what instant nothing tells" if unknown else reason
-
-
-def _scale_of(name: str) -> float:
-    unit = unit_of(name)
-    return 1.0 if unit is None else unit.scale
-
-
-def _since(entry: Facts, scale: float) -> str:
-    """From which instant numbers of a unit count, and the day so; empty where they count from none that is known."""
-    first = float(entry.starts[0]) * scale if entry.starts.size else 0.0
-    counted = seconds_since(first, entry.name) if scale <= 1.0 else None
-    if counted is None and _EPOCHS[0][0] < first < _EPOCHS[0][1]:
-        counted = (0, "since 1970")
-    return "" if counted is None else f"{counted[1]}: {np.datetime64(int(first + counted[0]), 's').astype(str)[:10]}"
-
-
-def _epoch(entry: Facts) -> str:
-    """The unit of a time since 1970; empty where it is none."""
-    first = float(np.median(entry.starts)) if entry.starts.size else 0.0
-    return next((name for low, high, name in _EPOCHS if low < first < high), "")
-
-
-def _unit_by_steps(entry: Facts) -> tuple[str, float, str]:
-    """The unit by the usual interval: seconds are taken for granted only where nothing else is likely."""
-    rising = entry.steps[entry.steps > 0]
-    step = float(np.median(rising)) if rising.size else 0.0
-    low, high = entry.span
-    since = days_since(low)
-    if since and not entry.whole and high - low < 1000:
-        return "d", 0.85, since[1]
-    plainer, why = ("", "") if entry.whole else plainer_unit(entry.values)
-    if plainer:
-        return plainer, 0.45, why
-    said = f"steps of {step:.6g}"
-    if entry.whole and step * 1e-3 > _SLOWEST_S:
-        finer = next(((name, part) for name, part in _FINER if step * part <= _SLOWEST_S), _FINER[-1])
-        return finer[0], 0.7, f"{said} and whole, {_lasting(step * 1e-3)} in ms: {finer[0]}"
-    if entry.whole and step * 1e-3 > _SLOW_S and step * 1e-3 not in _ROUND_S:
-        return "ms", _EITHER, f"{said} and whole: {_lasting(step * 1e-3)} in ms, {step * 1e-6:.3g} s in us"
-    if entry.whole and step >= 100 and not (step in _ROUND_S and len(set(rising.tolist())) == 1):
-        return "ms", 0.8, f"{said} and whole: ms"
-    if entry.whole and step in _ROUND_S:
-        return "s", 0.65, f"{said}: s"
-    if high - low < _SHORTEST_S:
-        return "s", 0.4, f"{said}, {high - low:.4g} in all: too short for s, so it may be min or h"
-    if entry.whole and 10 <= step < 100:
-        sure = 0.65 if step in (10, 15, 20, 30) and len(set(rising.tolist())) <= 3 else 0.45
-        return "s", sure, f"{said} and whole: s or ms"
-    if 1e-3 <= step <= 60.0:
-        return "s", 0.8, f"{said}: s"
-    return "s", 0.4, f"{said}: no unit is likely"
-
-
-def short_in_seconds(evidence: Evidence, form: TimeForm, choices: Choices) -> str:
-    """What is said of a time that nothing says to be in seconds, where the log would then be short; else empty.
-
-    Parameters
-    ----------
-    evidence
-        The columns.
-    form
-        What was decided.
-    choices
-        What the user says.
-    """
-    if form.unit != "s" or not form.columns or {form.columns[0], "time_s"} & set(choices.units):
-        return ""
-    entry = evidence.facts[form.columns[0]]
-    low, high = entry.span
-    base, unit, _ = entry.named
-    said = unit is not None or unit_of(base) is not None or base.casefold() in _IN_SECONDS or bool(_epoch(entry))
-    said = said or seconds_since(low) is not None
-    if said or high - low >= _SHORT_S:
-        return ""
-    rising = entry.steps[entry.steps > 0]
-    step = float(np.median(rising)) if rising.size else 0.0
-    others = [
-        (name, scale) for name, scale, least_s in _SLOWER if step * scale >= least_s and step * scale <= _SLOWEST_S
-    ]
-    if not others:
-        return ""
-    shown = ", ".join(
-        f"{quoted(f'{entry.name}={name}')} ({_lasting((high - low) * scale)}, a row every {_lasting(step * scale)})"
-        for name, scale in others
-    )
-    return (
-        f"{entry.name}: has no unit; taken for s it lasts {_lasting(high - low)}, a row every {_lasting(step)}, which "
-        f"is short for a motor's temperature; if it is not s: --unit {shown}; if it is: --unit "
-        f"{quoted(f'{entry.name}=s')}"
-    )
-
-
-def _lasting(seconds: float) -> str:
-    """A time in the unit in which people say it."""
-    return next(f"{seconds / scale:.4g} {name}" for scale, name in _SPOKEN if seconds >= 2 * scale or scale == 1.0)
 
 
 def _timed(entry: Facts) -> bool:

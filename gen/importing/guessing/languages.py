@@ -15,7 +15,7 @@ TIME = (
 TIME_ONLY = r"tempo|tempi|tempos"
 """What looks like a temperature, and is none."""
 DUTY = (
-    r"duty|duty.?cycle|dutycycle|tastgrad|tastverh(?:ä|ae)ltnis|rapport.cyclique|ciclo.de.trabajo|ciclo.de.trabalho|"
+    r"duty|duty.?cycle|dutycycle|tastgrad|tastverh(?:ä|ae)ltnis|rapport.cyclique|mli|ciclo.de.trabajo|ciclo.de.trabalho|"
     r"ciclo.di.lavoro|arbeitszyklus|einschaltdauer|puls.?pausen?.?verh(?:ä|ae)ltnis"
 )
 COMMAND = (

@@ -31,6 +31,10 @@ DAY_FIRST = re.compile(
 )
 """Names of dates and times where the day is written first: `date` is not one."""
 PWM = _words(r"pwm\d*")
+NO_DRIVE = _words(
+    r"freq|frequency|frequenz|fr[ée]quence|frequenza|frecuencia|[km]?hz|period|periode|p[ée]riode|resolution|pin"
+)
+"""What a PWM has beside its duty: `pwm_freq`."""
 DUTY = _words(languages.DUTY)
 DRIVES = _words(
     f"{languages.COMMAND}|{languages.OUTPUT}|{languages.POWER}|{languages.CURRENT}|{languages.SPEED}|{languages.HEAT}|"
@@ -129,6 +133,12 @@ THERMAL = re.compile(
     r".*(?:temp|th?ermo|°).*|tc\d*|t\d+|t_.*|ntc\d*.*|pt\d{3,4}.*|ds18.*|max6675.*|max31855.*|.*[^a-z]t\d*",
     re.IGNORECASE,
 )
+RESISTOR = _words(r"ntc\d*|thermistor\w*|rtd\d*")
+"""What falls, or is told in ohms, where nobody converted it."""
+SYMBOL = re.compile(
+    r"T(?!im|ic|ac|or|hr|es|ot|ar|en|ur|ri|yp|rq|q|au|ag|as|og|ra|ab|op|ol|ok|wist|humb|on$|off|[sidnxyz]$)[A-Za-z]{1,4}\d*"
+)
+"""A temperature as formulas have it: `Tw`, `Tmot`, `TG`; no torque, throttle, time, total, target, tension."""
 TELLS_UNIT = re.compile(
     r"(?:(?:temp|temps|temperatures?|temperatur|temp[ée]rature|temperatura|deg)[ _.-]?)?"
     r"(?:units?|uom|scale|einheit|unit[ée]|unit[àa]|unidad|eenheid)(?:[ _-]?\d+)?",

@@ -11,7 +11,8 @@ from gen.importing.numbers import plain_number
 from gen.importing.units import unit_of
 
 _SAYS = re.compile(
-    r"(?P<of>.*?)[_ ]?(?:units?|uom|unit_?of_?meas(?:urement|ure)?|eng(?:ineering)?_?units?|measurement_?unit|einheit)",
+    r"(?P<of>.*?)[_ ]?(?:units?|uom|unit_?of_?meas(?:urement|ure)?|eng(?:ineering)?_?units?|measurement_?unit|einheit)"
+    r"|u",
     re.IGNORECASE,
 )
 _VALUE = re.compile(r"value|val|v|wert|state|reading|measured|last|raw|min|max|mean|avg|average|median", re.IGNORECASE)
