@@ -79,7 +79,9 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
     known = np.zeros(table.rows, dtype=bool)
     for _, own in series:
         known[own] = _known_from_the_first(drive[own])
-    usable = np.isfinite(time) & known
+    says = _saying(evidence, index, mapping)
+    made.count("row with a time and nothing else, left out", np.flatnonzero(np.isfinite(time) & known & ~says), "")
+    usable = np.isfinite(time) & known & says
     _left_out(usable, known, time, drive, mapping, made)
     channels = {
         entry.to: _channel(evidence.facts[entry.source], index, entry, mapping, made)
@@ -156,6 +158,19 @@ def _drive(evidence: Evidence, index: int, mapping: Mapping, made: Converted) ->
             f"scale of {form.full_scale:g} {form.unit}: --full-scale, or --unit?"
         )
     return np.asarray(values)
+
+
+def _saying(evidence: Evidence, index: int, mapping: Mapping) -> NDArray[np.bool_]:
+    """Rows that hold something beside their time and their own number: events of a logger are rows as well."""
+    names = [entry.source for entry in mapping.column if entry.to]
+    says = np.full(evidence.tables[index].rows, bool(mapping.series))  # where a row is a reading of something
+    for name in filter(None, (mapping.input.column, *names)):
+        parsed = evidence.facts[name].parsed[index]
+        steps = np.diff(parsed.values[np.isfinite(parsed.values)])
+        counts_rows = steps.size and (steps > 0).all() and evidence.facts[name].whole
+        if not counts_rows or name == mapping.input.column:
+            says |= ~parsed.empty
+    return says
 
 
 def _known_from_the_first(drive: FloatArray) -> NDArray[np.bool_]:

@@ -55,6 +55,8 @@ _MONTH_FIRST = rf"{_WEEKDAY}{_MONTH}\.?\s+(?P<d>\d{{1,2}})(?:st|nd|rd|th)?,?\s+(
 _YEAR_FIRST = rf"(?P<y>\d{{4}})[-. /]{_MONTH}\.?[-. /](?P<d>\d{{1,2}})"
 _UNIX = rf"{_WEEKDAY}{_MONTH}\s+(?P<d>\d{{1,2}})\s+{_TIME}{_ZONE}\s+(?P<y>\d{{4}})"
 """`ctime`, and `date` with a zone: Thu Apr  3 23:30:00 CEST 2025."""
+_UNIX_DAY_FIRST = rf"{_WEEKDAY}(?P<d>\d{{1,2}})\.?\s+{_MONTH}\.?\s+{_TIME}{_ZONE}\s+(?P<y>\d{{4}})"
+"""`date` in other countries: Thu  3 Apr 23:30:00 BST 2025, Do 3. Apr 23:30:00 CEST 2025."""
 _COMPACT = (
     rf"(?P<y>\d{{4}})-?(?P<m>\d{{2}})-?(?P<d>\d{{2}})[Tt_ -](?P<h>\d{{2}})(?P<min>\d{{2}})"
     rf"(?:(?P<s>\d{{2}})(?:[.,]?(?P<frac>\d{{1,9}}))?)?{_ZONE}"
@@ -72,6 +74,7 @@ _STAMPS = tuple(
             for form in (*_IN_NUMBERS, _NAMED, _SAS, _MONTH_FIRST, _YEAR_FIRST)
         ),
         _UNIX,
+        _UNIX_DAY_FIRST,
         _COMPACT,
         _DASHED,
         *(rf"{_TIME}[ ,;]\s*{form}" for form in (_ISO, _SHORT_ISO, _TRIPLE)),

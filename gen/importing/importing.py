@@ -19,6 +19,7 @@ from gen.importing.guessing.decide import NO_PART, Decided, decide, doubts
 from gen.importing.guessing.fractions import with_fractions
 from gen.importing.guessing.guess_input import NO_INPUT
 from gen.importing.guessing.guesses import Choices
+from gen.importing.guessing.header_zones import with_zones
 from gen.importing.guessing.own_times import joined
 from gen.importing.guessing.series import spread_out
 from gen.importing.guessing.sheets import choice_of_sheets, logs_among
@@ -111,10 +112,7 @@ def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress
     tables: list[Table] = []
     for file in files:
         progress(f"reading {file.name}")
-        tables += [
-            joined(with_fractions(with_dates(with_days(with_parted_times(table)))))
-            for table in read_tables(file, given)
-        ]
+        tables += [_with_marks(table) for table in read_tables(file, given)]
     if series:
         progress("a column for each name")
         tables = [spread_out(table, replace(choices, series=series)) for table in tables]
@@ -133,6 +131,12 @@ def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress
             file=second.label,
         )
     return Plan([_decided(group, tables, choices, known) for group in groups.values()], known is not None)
+
+
+def _with_marks(table: Table) -> Table:
+    """A table whose times are written as all others write them."""
+    marked = with_zones(with_dates(with_days(with_parted_times(table))))
+    return joined(with_fractions(marked))
 
 
 def _decided(group: Sequence[Table], tables: Sequence[Table], choices: Choices, known: Mapping | None) -> Decided:

@@ -92,6 +92,7 @@ _BRACKETED = re.compile(r"^(?P<base>.*?)\s*[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]\
 _BRACKETED_FROM = re.compile(r"[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]")
 _SPOKEN = re.compile(r"^(?P<base>.*\S)\s*(?:\s(?:in|/)\s|,\s+|\s*/\s*)(?P<unit>\S+)$", re.IGNORECASE)
 _LABEL = re.compile(r"(?:^|[,;]\s*)(?:LBL|label|name)\s*[:=]\s*(?P<label>[^,;]*[^,;\s])", re.IGNORECASE)
+_SENSOR = re.compile(r"SEN S/N\s*:\s*(?P<number>[\w-]+)")
 _UNIT_FIRST = re.compile(r"(?P<unit>°\s?[CFK]|℃|℉|%) (?:\[[\w.-]+\] ?)?(?P<base>\S.*)")
 """`°C [1-1] Winding`: a testo's unit, channel and name."""
 _SPELT_LAST = re.compile(
@@ -154,8 +155,10 @@ def _labelled(before: str, within: str) -> tuple[str, Unit, str] | None:
     unit = unit_of(spoken["unit"]) if spoken else None
     if spoken is None or unit is None:
         return None
-    label = _LABEL.search(within)
-    return label["label"].strip() if label else f"{spoken['base']} {within}".strip(), unit, spoken["unit"]
+    label, sensor = _LABEL.search(within), _SENSOR.search(within)
+    if label:
+        return label["label"].strip(), unit, spoken["unit"]
+    return f"{spoken['base']} {sensor['number'] if sensor else within}".strip(), unit, spoken["unit"]
 
 
 def split_name(header: str) -> tuple[str, Unit | None, str]:

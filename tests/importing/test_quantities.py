@@ -144,7 +144,7 @@ def test_a_unit_before_brackets_that_name_the_sensor_is_read_with_its_label(tmp_
 
 def test_sensors_without_a_label_keep_their_numbers_apart(tmp_path: Path) -> None:
     run = run_with(tmp_path, '"Temp, °C (SEN S/N: 12)"', RISING)
-    assert set(run.temps) == {"winding", "sen_s_n_12"}
+    assert set(run.temps) == {"winding", "temp_12"}
 
 
 @pytest.mark.parametrize(

@@ -92,7 +92,7 @@ NEUTRAL = re.compile(
 WANTED = _words(rf"{languages.WANTED}|limit|threshold|grenze|model|estimated?|predicted")
 BOUND = _words(
     r"limits?|max|maximum|min|minimum|alarms?|alerts?|warn|warning|trip|shut[ -]?(?:down|off)|cut[ -]?(?:off|out)|"
-    r"threshold|grenze|grenzwert|schwelle|limite|soglia|umbral|limiar|grens|rated|nominal|allowed|zul(?:ä|ae)ssig|hi|high"
+    r"crit|critical|lcrit|hyst|emergency|threshold|grenze|grenzwert|schwelle|limite|soglia|umbral|limiar|grens|rated|nominal|allowed|zul(?:ä|ae)ssig|hi|high"
 )
 """What a part may have, where it is the same in all rows: `winding_max_C`."""
 EXTREME = _words(r"max|maximum|min|minimum|hi|high")
@@ -216,6 +216,7 @@ def carried(name: str) -> str:
     carrier = _CARRIER.match(name)
     rest = name[carrier.end() :] if carrier else name
     plain = re.sub(r"(?i)(?<=[^.])\.(?:value|val|reading)$", "", rest)
+    plain = re.sub(r"(?<=[^.])\.temp\d+_input$", " temp", plain)  # of `sensors -j`
     return re.sub(r"(?<=[A-Za-z])\.(?=\d+$)", "", plain)
 
 

@@ -15,6 +15,7 @@ from gen.errors import InputError
 from gen.importing.listing import listed
 from gen.importing.reading import signals
 from gen.importing.reading.delimited import MOST_COLUMNS, keyed_comments
+from gen.importing.reading.entries import entries_of
 from gen.importing.reading.flat import flat
 from gen.importing.reading.lines import Lines
 from gen.importing.reading.pairs import HEADS, LONGEST, SAMPLE, kinds_of, names_in, record_of
@@ -110,7 +111,7 @@ def array_table(file: Path, text: str, reading: Reading) -> Table | None:
         return _one_by_one(
             file, samples, list(range(1, len(samples) + 1)), [], Lines([], [], []), reading, "", "element"
         )
-    tree = _joined(tree)
+    tree = _joined(entries_of(tree))
     units = units_within(tree)
     if isinstance(tree, dict) and len(tree) > 1 and all(isinstance(v, list) and len(v) > 1 for v in tree.values()):
         lengths = {len(values) for values in tree.values()}

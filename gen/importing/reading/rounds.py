@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 
@@ -16,11 +17,28 @@ _LEAST = 0.5
 _LEAST_ROUNDS = 3
 _ALIKE = 0.8
 """How often a name comes, of how often another one does."""
+_OF_TIMES = 0.1
+"""Of the lines, how many fewer than half may be readings, where a time stands before each."""
 _MOST_LEFT = 0.3
-_AROUND = " -=*#<>[](){}|:"
+_LONGEST_STAMP = 60
+AROUND = " -=*#<>[](){}|:"
 """What stands around a time that heads a round."""
+_EPOCH = re.compile(r"1\d{9}(?:\.\d+)?|1\d{12}", re.ASCII)
+"""Since 1970, in s or ms, alone in its line."""
 UNTIMED = "print millis() in a line of each round"
 """How to record with times."""
+
+
+def is_stamp(text: str) -> bool:
+    """Whether a line is a time, and nothing else.
+
+    Parameters
+    ----------
+    text
+        The line.
+    """
+    plain = text.strip(AROUND)
+    return len(plain) <= _LONGEST_STAMP and (is_time(plain) or bool(_EPOCH.fullmatch(plain)))
 
 
 def is_rounds(texts: Sequence[str]) -> bool:
@@ -32,12 +50,14 @@ def is_rounds(texts: Sequence[str]) -> bool:
         The lines.
     """
     sample = [text[:LONGEST] for text in texts[:_SAMPLE]]
-    found = [(text, names) for text in sample if len(names := names_in(text)) > 0]
+    stamps = sum(map(is_stamp, sample))
+    found = [(text, names) for text in sample if len(names := names_in(text)) > 0 and not is_stamp(text)]
     if any(len(names) > 1 or is_timed(text) for text, names in found):
         return False
     counts = Counter(names[0] for text, names in found if share_left(text) < _MOST_LEFT)
     often = [count for count in counts.values() if count >= _LEAST_ROUNDS]
-    if len(often) < 2 or sum(often) < _LEAST * len(sample):
+    by_turns = stamps >= _LEAST_ROUNDS and abs(stamps - max(often, default=0)) <= 1  # one number below each time
+    if len(often) < 2 - by_turns or sum(often) < (_LEAST - by_turns * _OF_TIMES) * len(sample):
         return False
     return min(often) >= _ALIKE * max(often) - 1
 
@@ -62,9 +82,9 @@ def rounds(lines: Lines, times: Sequence[str]) -> tuple[list[Record], list[int],
     places, bad = [], []
     first, at, begun = "", "", True
     for i, (text, number) in enumerate(zip(lines.texts, lines.numbers, strict=True)):
-        stamp = text.strip(_AROUND)
+        stamp = text.strip(AROUND)
         names = names_in(text[:LONGEST])
-        if is_time(stamp):
+        if is_stamp(text):
             at, begun = stamp, True
         elif len(names) != 1:
             bad.append(number)

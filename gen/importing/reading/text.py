@@ -9,7 +9,7 @@ from pathlib import Path
 
 from gen.errors import InputError
 from gen.importing.numbers import decimal_mark
-from gen.importing.reading import line_protocol, prometheus, rounds, topics
+from gen.importing.reading import chips, documents, line_protocol, prometheus, rounds, topics
 from gen.importing.reading.delimited import (
     DELIMITERS,
     guess_delimiter,
@@ -26,6 +26,7 @@ from gen.importing.reading.published import is_published, published_table
 from gen.importing.table import Reading, Table
 
 _BEGINS_AS_JSON = re.compile(r'\s*\ufeff?\s*(?:\[\s*\{|\{\s*")')
+_MAY_BE_DOCUMENTS = re.compile(r"^\{\s*$", re.MULTILINE)
 _FRAME = re.compile(
     r"\s*(?:\(\d+\.\d+\) )?\s*\w*can\d+\s+[0-9A-F]{3,8}(?:##?[0-9A-FR]*|\s+\[\d+\](?:\s+[0-9A-F]{2})*)\s*$",
     re.IGNORECASE,
@@ -56,15 +57,18 @@ def read_text(file: Path, data: bytes, given: Reading) -> Table:
     lines = lines_of(text.removeprefix("\ufeff"))
     if not lines.texts:
         raise InputError("there are only comments; expected a header line and rows" if lines.comments else "is empty")
-    if text.lstrip("\ufeff \t\r\n").startswith(("[", "{")):
+    whole, may_be_json = None, text.lstrip("\ufeff \t\r\n").startswith(("[", "{"))
+    if may_be_json:
         plain = replace(reading, decimal=".", delimiter="")
         whole = array_table(file, text.removeprefix("\ufeff"), plain)
         if whole is not None and (whole.rows > 1 or len(lines.texts) > 1 or not is_json(lines.texts)):
             return whole
         if is_json(lines.texts):
             return json_table(file, lines, plain)
-        if whole is None and _BEGINS_AS_JSON.match(text):
-            _check_whole(text.removeprefix("\ufeff"))
+    if _MAY_BE_DOCUMENTS.search(text) and (each := documents.one_a_line(text.removeprefix("\ufeff"))) is not None:
+        return json_table(file, each, replace(reading, decimal=".", delimiter=""))
+    if may_be_json and whole is None and _BEGINS_AS_JSON.match(text):
+        _check_whole(text.removeprefix("\ufeff"))
     if not given.delimiter and is_published(lines.texts):
         return published_table(file, *stamped(lines), replace(reading, decimal="."))
     if not given.delimiter and (one_by_one := _one_by_one(file, lines, replace(reading, decimal="."))):
@@ -87,6 +91,8 @@ def _one_by_one(file: Path, lines: Lines, reading: Reading) -> Table | None:
         return tagged_table(file, prometheus.scraped(lines), lines, reading, prometheus.UNTIMED)
     if line_protocol.is_line_protocol(lines):
         return tagged_table(file, line_protocol.points(lines), lines, reading, "")
+    if chips.is_of_chips(lines.texts):
+        return tagged_table(file, chips.of_chips(lines), lines, reading, chips.UNTIMED)
     _check_frames(lines)
     lines, times = stamped(lines)
     if topics.is_captured(lines):
