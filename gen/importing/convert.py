@@ -108,7 +108,7 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
             name = "_".join(filter(None, (label, str(number) if len(pieces) > 1 else "")))
             run = _run(kept, order.time_s[first:end], held, channels, begun)
             made.runs.append((name, run))
-    _suspect(made)
+    _suspect(made, {entry.to: entry.unit for entry in mapping.column})
     return made
 
 
@@ -334,11 +334,11 @@ def _is_part(name: str) -> bool:
     return name.endswith("_degC") and name != AMBIENT
 
 
-def _suspect(made: Converted) -> None:
+def _suspect(made: Converted, units: dict[str, str]) -> None:
     """Once for each column of a table, from the run that says it first."""
     told: set[str] = set()
     for _, run in made.runs:
-        found = suspicions({f"{name}_degC": values for name, values in run.temps.items()}, run.ambient)
+        found = suspicions({f"{name}_degC": values for name, values in run.temps.items()}, run.ambient, units)
         for name, (said, unit) in found.items():
             if name not in told:
                 told.add(name)

@@ -19,6 +19,7 @@ from gen.importing.guessing.decide import NO_PART, Decided, decide, doubts
 from gen.importing.guessing.fractions import with_fractions
 from gen.importing.guessing.guess_input import NO_INPUT
 from gen.importing.guessing.guesses import Choices
+from gen.importing.guessing.halves import with_halves
 from gen.importing.guessing.header_zones import with_zones
 from gen.importing.guessing.own_times import joined
 from gen.importing.guessing.series import spread_out
@@ -135,7 +136,7 @@ def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress
 
 def _with_marks(table: Table) -> Table:
     """A table whose times are written as all others write them."""
-    marked = with_zones(with_dates(with_days(with_parted_times(table))))
+    marked = with_zones(with_halves(with_dates(with_days(with_parted_times(table)))))
     return joined(with_fractions(marked))
 
 

@@ -20,9 +20,12 @@ NAN_WORDS = frozenset(
 _MINUS = str.maketrans(dict.fromkeys("\u2212\u2012\u2013\u2014\ufe63\uff0d", "-"))
 """Typeset minuses and dashes: of German and Norwegian settings, of what was copied out of a document."""
 _PLAIN = str.maketrans("", "", "0123456789+-.eE \n")
-_GROUPED = re.compile(r"(?<=\d)[ \u00a0\u202f'’](?=\d{3}(?!\d))")
+_GROUPED = re.compile(r"(?<=\d)[ \u00a0\u202f\u2009'’](?=\d{3}(?!\d))")
 _SIGN_APART = re.compile(r"^([+-])\s+(?=[\d.,])")
 """Columns of one width: `+   23.4`."""
+_AS_TEXT = re.compile(r"""(?:="([^"]*)"|'(?=[\d.,+-]))""")
+"""So that a spreadsheet takes it as it is: `="22.5"`, `'22.5`."""
+_OF_FORTRAN = re.compile(r"(?<=[\d.])[dD](?=[+-]\d+$)")
 _LONGEST_UNIT = 20
 _WITH_UNIT = re.compile(r"(\S*\d\.?)(?:\s*([^\d\s.,+-].{0,19})|\s+(1/(?:min|s)))")
 
@@ -108,7 +111,10 @@ def _without_unit(cells: Sequence[str]) -> tuple[Sequence[str], str]:
 
 def _signed(cell: str) -> str:
     """A cell without what stands around it, with a plain sign next to its number."""
-    return _SIGN_APART.sub(r"\1", cell.strip().translate(_MINUS))
+    text = cell.strip().translate(_MINUS)
+    if text[:1] in "='":
+        text = _AS_TEXT.sub(r"\1", text)
+    return _SIGN_APART.sub(r"\1", text)
 
 
 def _parse_fast(cells: Sequence[str], decimal: str) -> FloatArray | None:
@@ -149,7 +155,7 @@ def plain_number(text: str, decimal: str = ".") -> float | None:
         return value if math.isfinite(value) else None
     if text.isalpha():
         return None
-    plain = _GROUPED.sub("", _signed(text))
+    plain = _OF_FORTRAN.sub("E", _GROUPED.sub("", _signed(text)))
     if decimal == ",":
         plain = re.sub(r"(?<=\d)\.(?=\d{3}(?:\D|$))", "", plain).replace(",", ".")
     else:

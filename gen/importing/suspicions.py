@@ -10,11 +10,15 @@ from gen.importing.table import FloatArray
 
 _WARM_ROOM = (60.0, 95.0)
 """degC of no room in which a motor is tried, but degF of one."""
+_ROOM = (14.0, 32.0)
+"""degC of a room, but degF of frost."""
 _ALIKE_K = 2.5
 _FEW = 5
 
 
-def suspicions(temps: Mapping[str, FloatArray], ambient: FloatArray | None) -> dict[str, tuple[str, str]]:
+def suspicions(
+    temps: Mapping[str, FloatArray], ambient: FloatArray | None, units: Mapping[str, str]
+) -> dict[str, tuple[str, str]]:
     """What is suspicious of a run's temperatures.
 
     Parameters
@@ -23,6 +27,8 @@ def suspicions(temps: Mapping[str, FloatArray], ambient: FloatArray | None) -> d
         By the column of the run file, degC, NaN where missing.
     ambient
         The ambient's, likewise.
+    units
+        What each was told in.
 
     Returns
     -------
@@ -43,10 +49,18 @@ def suspicions(temps: Mapping[str, FloatArray], ambient: FloatArray | None) -> d
         others = [value for other, value in starts.items() if other != name]
         if room is not None:
             others.append(room)
-        said = _fahrenheit(begin, others) or _half(begin, others)
+        said = _celsius_after_all(begin, units.get(name, "")) or _fahrenheit(begin, others) or _half(begin, others)
         if said:
             found[name] = said
     return found
+
+
+def _celsius_after_all(begin: float, unit: str) -> tuple[str, str] | None:
+    """A motor below freezing that would be in a room, were its numbers in degC."""
+    number = begin * 1.8 + 32.0
+    if unit != "degF" or not _ROOM[0] <= number <= _ROOM[1]:
+        return None
+    return f"begins at {begin:.3g} degC, told as {number:.3g} degF, which would be a room's in degC", "degC"
 
 
 def _fahrenheit(begin: float, others: list[float]) -> tuple[str, str] | None:

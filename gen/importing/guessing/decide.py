@@ -13,7 +13,7 @@ from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.extreme_rows import extremes_by_turns
 from gen.importing.guessing.guess_columns import decide_columns
-from gen.importing.guessing.guess_input import NO_INPUT, decide_input, spanned
+from gen.importing.guessing.guess_input import FULL, NO_INPUT, decide_input, spanned
 from gen.importing.guessing.guess_time import decide_time
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.guessing.names import RISE, RUNS
@@ -35,6 +35,7 @@ _NEAR_REST = 0.02
 """Of the full scale, within which a motor rests."""
 _MOST_BACK, _OFTEN = 0.95, 0.05
 """Of the full scale, and of the rows: an input that stands at its lower end."""
+_MIDDLE = {127.0, 128.0}
 _LEAST_VALUES = 3
 """Different ones, of a column that moves."""
 _MOST_SHOWN = 3
@@ -168,6 +169,7 @@ def _suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[
     label = evidence.tables[0].label
     time = short_in_seconds(evidence, mapping.time, choices)
     drive = _like_percent(evidence, mapping, choices) or _like_a_stick(evidence, mapping)
+    drive = drive or _like_a_middle(evidence, mapping)
     return [f"{label}: {said}" for said in (time, drive) if said]
 
 
@@ -193,6 +195,22 @@ def _like_a_stick(evidence: Evidence, mapping: Mapping) -> str:
     return (
         f"{form.column}: stands at {low:g} and never near 0, as a stick's way does, whose rest is at that end; if "
         f"so, put (x + {-low:g}) / 2 in its place first"
+    )
+
+
+def _like_a_middle(evidence: Evidence, mapping: Mapping) -> str:
+    """Counts that begin and end at the middle of 255 and are never near 0: of a driver that rests there."""
+    form = mapping.input
+    if not form.column or form.sign or (form.unit, form.full_scale) != ("counts", float(FULL)):
+        return ""
+    values = evidence.facts[form.column].values
+    if not values.size or not {values[0], values[-1]} <= _MIDDLE or values.min() <= _NEAR_REST * FULL:
+        return ""
+    if values.min() == values.max():
+        return ""
+    return (
+        f"{form.column}: begins and ends at {values[0]:g} and is never near 0, as of a driver that rests at the "
+        f"middle; if so, put 2 (x - {values[0]:g}) in its place first"
     )
 
 

@@ -27,7 +27,7 @@ _CANONICAL = {
 }
 _COLD_C = (-40.0, 45.0)
 """degC at which a log may begin."""
-_WARM_C = 100.0
+_WARM_C, _FAR_C = 100.0, 150.0
 _FEW_VALUES = 3
 _STATES = 5.0
 """Up to which whole numbers are rather what something does than degrees."""
@@ -304,6 +304,9 @@ def _by_range(facts: Facts, told: bool) -> _Sorted:
         and high - begin < 0.2 * (begin - low)
     ):
         return _Sorted(facts, TEMPERATURE, unit_of("degC"), 0.4, f"{said}, and falls from there: a resistance?")
+    if starts.size and starts.min() <= _COLD_C[1] and starts.max() > _FAR_C:
+        said = f"begins at {starts.min():.4g} in one file and at {starts.max():.4g} in another: of one unit?"
+        return _Sorted(facts, TEMPERATURE, unit_of("degC"), 0.4, said)
     celsius, kelvin = unit_of("degC"), unit_of("K")
     if facts.values.size and 260 <= begin <= 330 and low > 230 and not facts.whole:
         return _Sorted(facts, TEMPERATURE, kelvin, 0.8, f"{said}: K")

@@ -37,6 +37,8 @@ _SLOW_S = 300.0
 _LONGEST_UP_S = 1e8
 """Three years, which nothing runs without being switched off."""
 _FINER = (("us", 1e-6), ("ns", 1e-9))
+_UNITS_APART = 50.0
+"""Between the intervals of one logger's files, from which on these may be in s and min, or ms and s."""
 _SPOKEN = ((3600.0, "h"), (60.0, "min"), (1.0, "s"))
 _SHORTEST_S = 20.0
 """A log of a motor's temperature lasts longer."""
@@ -77,12 +79,23 @@ def unit_of_time(entry: Facts, choices: Choices) -> tuple[str, float, str]:
     epoch = epoch_of(entry)
     if epoch and (counted := unit_of(epoch)):
         return epoch, 0.95, f"begins at {float(np.median(entry.starts)):.0f} {epoch} {_since(entry, counted.scale)}"
+    apart = _steps_apart(entry)
+    if apart:
+        return "s", 0.4, f"a row every {apart[0]:g} in one file and every {apart[1]:g} in another: of one unit?"
     unit_name, sure, reason = _unit_by_steps(entry)
     since = _since(entry, 1.0) if unit_name == "s" else ""
     if since:
         return "s", 0.9, f"begins at {entry.span[0]:.0f} s {since}"
     unknown = entry.starts.size and float(entry.starts[0]) * _scale_of(unit_name) > _LONGEST_UP_S
     return unit_name, sure, f"{reason}, since what instant nothing tells" if unknown else reason
+
+
+def _steps_apart(entry: Facts) -> tuple[float, float] | None:
+    """The least and the largest usual step of files, where they are so far apart that units may be; else None."""
+    finite = [parsed.values[np.isfinite(parsed.values)] for parsed in entry.parsed]
+    rising = [steps[steps > 0] for steps in map(np.diff, finite)]
+    usual = [float(np.median(steps)) for steps in rising if steps.size]
+    return (min(usual), max(usual)) if usual and max(usual) >= _UNITS_APART * min(usual) else None
 
 
 def _scale_of(name: str) -> float:

@@ -23,6 +23,8 @@ from gen.importing.reading.heads import (
     is_units,
     labelled_head,
     paired_head,
+    parted_decimals,
+    told_units,
     with_labels,
     with_statistic,
 )
@@ -223,6 +225,12 @@ def table_of_rows(
     if times:
         names, units, cells = ["clock", *names], ["", *units], [[times[i] for i in good], *cells]
     names, units = _shifted(without_labels(names), units, cells)
+    if reading.delimiter == "," and (number := parted_decimals(names, cells)):
+        raise InputError(
+            f"has a name less than its rows have fields: is {number} one number, with a decimal comma among the commas "
+            "between columns? expected another mark between columns, or decimal points",
+            place=f"{word} {numbers[good[0]]}",
+        )
     kept = [i for i, name in enumerate(names) if name.strip() or any(cell.strip() for cell in cells[i])]
     return Table(
         file,
@@ -285,6 +293,8 @@ def _titled(
     if not names:
         first = _behind_a_preamble(rows, first, width)
         names, units = _head(rows[:first], width, comments)
+    if names and not any(units):
+        units = told_units(rows[:first], comments, names) or units
     return first, with_labels(names, rows[: max(first - _FEW_HEADS, 0)]), units
 
 

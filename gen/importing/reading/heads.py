@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import pairwise
 
 from gen.importing.units import TIME, unit_of
 
@@ -17,8 +18,15 @@ _OTHERS = ("type", "mode", "range", "scaling", "input", "function")
 _LEAST_PAIRED = 4
 _LEAST_LABELS = 2
 _LEAST_NAMED = 0.5
+_LEAST_PARTED, _MOST_DECIMALS, _LEAST_DECIMALS = 3, 3, 5
+"""Columns, digits behind a decimal comma, and how many different ones make a fraction of them."""
+_JUMPING = 0.15
+"""Of their range, by which such digits change from row to row on average."""
 _LONGEST = 20
 """Lines above the first row, at most, among which they stand."""
+
+
+_UNITS_LISTED = re.compile(r"(?:units?|einheit(?:en)?|unit[ée]s?)\s*[:=]\s*(?P<list>\S.*)", re.IGNORECASE)
 
 
 def labelled_head(before: Sequence[Sequence[str]], width: int) -> tuple[list[str], list[str]] | None:
@@ -108,6 +116,61 @@ def with_labels(names: Sequence[str], before: Sequence[Sequence[str]]) -> list[s
     if len(said) < _LEAST_LABELS or len(set(said.values())) < len(said) or len(lines) > len({row[0] for row in lines}):
         return list(names)
     return [f"{name} {said[name]}" if name in said else name for name in names]
+
+
+def told_units(before: Sequence[Sequence[str]], comments: Sequence[str], names: Sequence[str]) -> list[str]:
+    """Units that a line above names or a comment lists, of each column: LabVIEW's `Y_Unit_Label`, `# units: s,degF`.
+
+    Parameters
+    ----------
+    before
+        Lines above the first row.
+    comments
+        The comment lines.
+    names
+        Of the columns.
+
+    Returns
+    -------
+    list of str
+        Empty where nothing does, or lists more or fewer than there are columns.
+    """
+    found: list[list[str]] = []
+    for comment in comments:
+        listed = _UNITS_LISTED.fullmatch(comment)
+        units = re.split(r"[,;|\t]", listed["list"]) if listed else []
+        found += [units] if len(units) == len(names) else []
+    if names[:1] == ["X_Value"]:
+        rows = [row for row in before if row and row[0].strip() == "Y_Unit_Label"]
+        found += [["", *row[1:], *[""] * len(names)][: len(names)] for row in rows]
+    known = next((units for units in found if any(map(unit_of, units))), [])
+    return [unit.strip() if unit_of(unit) else "" for unit in known]
+
+
+def parted_decimals(names: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
+    """A number whose decimal comma parted it in two columns, where a header lacks a name; empty where none did.
+
+    Parameters
+    ----------
+    names, cells
+        Of columns that a comma parts.
+    """
+    if len(names) < _LEAST_PARTED or names[-1].strip() or not any(map(str.strip, cells[-1])):
+        return ""
+    for whole, part in pairwise(cells):
+        width = {len(cell) for cell in part}
+        digits = all(map(str.isdigit, part)) and all(cell.lstrip("+-").isdigit() for cell in whole)
+        if digits and len(width) == 1 and max(width) <= _MOST_DECIMALS and _jumps(list(map(int, part))):
+            return f"{whole[0]},{part[0]}"
+    return ""
+
+
+def _jumps(numbers: Sequence[int]) -> bool:
+    """Whether numbers go to and fro from row to row, as the last digits of what changes slowly do."""
+    if len(set(numbers)) < _LEAST_DECIMALS:
+        return False
+    on_average = sum(abs(b - a) for a, b in pairwise(numbers)) / (len(numbers) - 1)
+    return on_average >= _JUMPING * (max(numbers) - min(numbers))
 
 
 def _is_time(text: str) -> bool:
