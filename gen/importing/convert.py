@@ -16,6 +16,7 @@ from gen.importing.local import goes_ahead_an_hour, goes_back_an_hour
 from gen.importing.mapping import DATED, Entry, Mapping
 from gen.importing.means import means
 from gen.importing.overflow import overflows
+from gen.importing.stray import stray, too_warm
 from gen.importing.suspicions import suspicions
 from gen.importing.table import Cells, Counted, FloatArray, IntArray
 from gen.importing.timing import ticks_of, timed
@@ -32,6 +33,8 @@ _MOST_BACKWARD = 0.5
 _CELSIUS = (-273.15, 5000.0)
 _HIGHEST = 1e12
 _DIGITS = 9
+_FIRST = 5
+"""Readings, by whose median a column begins."""
 _DATED_ONLY = " (which needs dates with the times)"
 
 
@@ -108,6 +111,7 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
             name = "_".join(filter(None, (label, str(number) if len(pieces) > 1 else "")))
             run = _run(kept, order.time_s[first:end], held, channels, begun)
             made.runs.append((name, run))
+    _warn_of_strays(channels, time, made)
     _suspect(made, {entry.to: entry.unit for entry in mapping.column})
     return made
 
@@ -343,6 +347,25 @@ def _suspect(made: Converted, units: dict[str, str]) -> None:
             if name not in told:
                 told.add(name)
                 made.warnings.append(f"{made.table.label}: {name}: {said}; if so: --unit {name}={unit}")
+
+
+def _warn_of_strays(channels: dict[str, FloatArray], time: FloatArray, made: Converted) -> None:
+    """Of readings that are taken as they stand, though no motor has them."""
+    temps = {name: np.where(np.isfinite(time), v, np.nan) for name, v in channels.items() if name.endswith("_degC")}
+    for name, values in temps.items():
+        found = stray(values)
+        if found is not None:
+            made.warnings.append(
+                f"{made.table.label}: {name}: {found.count} x far from the readings before and behind, first "
+                f"{found.value:g} degC at {made.table.place(found.row)}: an open sensor? taken as it stands"
+            )
+    known = {name: values[np.isfinite(values)] for name, values in temps.items()}
+    starts = {name: float(np.median(values[:_FIRST])) for name, values in known.items() if values.size}
+    for name in too_warm(starts):
+        made.warnings.append(
+            f"{made.table.label}: {name}: begins at {starts[name]:g} degC where others begin cold: no sensor there? "
+            "taken as it stands; --column with an empty name leaves it out"
+        )
 
 
 def with_comments(run: Run, comments: dict[str, str]) -> Run:

@@ -58,6 +58,12 @@ def test_a_symbol_alone_is_asked_for(tmp_path: Path) -> None:
         take(write(tmp_path, renamed(TRUE, time_s="t", winding_degC="Tw", pwm="pwm")), tmp_path / "out")
 
 
+def test_a_torque_may_be_called_as_a_temperature_is(tmp_path: Path) -> None:
+    torque = np.where(np.arange(len(TRUE)) < 10, 0.0, np.round(TRUE.pwm / 12.0 + np.sin(TRUE.time_s), 2))
+    with pytest.raises(InputError, match=r"doubtful: T: T_degC\?"):
+        take(write(tmp_path, csv(TRUE.assign(T=torque))), tmp_path / "out")
+
+
 @pytest.mark.parametrize(
     "name", ["tempF", "temp_f", "motorTemperatureF", "temp.fahrenheit", "tempFahrenheit", "Temp (degrees Fahrenheit)"]
 )

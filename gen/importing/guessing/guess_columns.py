@@ -42,7 +42,7 @@ _SAYS_SO = re.compile(r"(?i)temp|th?ermo|°")
 _PARTS, _LEAST_PARTS_C = (0.1, 0.01, 0.001), 10.0
 _KELVIN = (260.0, 373.0)
 """Of a motor, cold or warm; batteries tell tenths of them."""
-_LEAST_REACHED, _FALLEN = 5.0, 3.0
+_LEAST_REACHED, _FALLEN, _LEAST_BEGUN_C = 5.0, 3.0, 8.0
 _LETTER = re.compile(r".*[_ ][A-Za-z]")
 
 
@@ -133,6 +133,8 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
         if _SAYS_SO.search(base):
             return _by_range(facts, False)
         plain = _said(base) or _beside_such(facts, evidence)
+        if base == "T" and _start_degC(facts) < _LEAST_BEGUN_C:  # a torque is called so, too, and begins at 0
+            plain = False
         return _unless_it_counts(_by_range(facts, False) if plain else _of_a_part(facts), evidence)
     if unit is not None:
         return _Sorted(facts, unit.quantity, unit, 0.9, f"in {unit.name} by its {where}")
@@ -227,7 +229,7 @@ def _of_a_part(facts: Facts) -> _Sorted:
     begin = float(np.median(facts.starts)) if facts.starts.size else low
     if low < _COLD_C[0] or not _COLD_C[0] <= begin <= _WARM_C or len(np.unique(facts.values)) <= _FEW_VALUES:
         return _Sorted(facts, "", None, 0.8, "kept as it is")
-    named = "called as one" if names.SYMBOL.fullmatch(facts.named[0]) else "named after a part"
+    named = "called as one" if names.SYMBOL.fullmatch(facts.named[0]) or facts.named[0] == "T" else "named after a part"
     said = f"{named}, {low:.4g}..{high:.4g}, and nothing says that it is a temperature"
     return _Sorted(facts, TEMPERATURE, unit_of("degC"), _UNSAID, said)
 
