@@ -112,3 +112,12 @@ def test_a_resistance_that_falls_is_no_temperature(tmp_path: Path) -> None:
     text = csv(TRUE[["time_s", "pwm"]].assign(ntc=np.round(10.0 * np.exp(3950.0 * (1.0 / kelvin - 1.0 / 298.15)), 3)))
     with pytest.raises(InputError, match="a resistance"):
         take(write(tmp_path, text), tmp_path / "out")
+
+
+@pytest.mark.parametrize(
+    ("factor", "said"), [(0.005, "rather V than degC"), (100.0, r"no cold motor.*=0\.01degC"), (1000.0, r"=0\.001degC")]
+)
+def test_numbers_that_are_hardly_in_the_unit_of_their_name(factor: float, said: str, tmp_path: Path) -> None:
+    text = csv(TRUE.assign(winding_degC=[f"{w * factor:g}" for w in TRUE.winding_degC]))
+    with pytest.raises(InputError, match=said):
+        take(write(tmp_path, text), tmp_path / "out")

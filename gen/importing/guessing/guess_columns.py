@@ -16,6 +16,7 @@ from gen.importing.guessing.doubles import told_twice
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.extremes import least_of_pairs
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.guessing.odd_units import odd_in
 from gen.importing.mapping import Entry
 from gen.importing.units import CURRENT, DEGC, DEGF, SPEED, TEMPERATURE, VOLTAGE, Unit, split_name, unit_of
 
@@ -277,12 +278,10 @@ def _electrical(base: str) -> bool:
 
 
 def _by_unit(facts: Facts, unit: Unit, where: str, thermal: bool) -> _Sorted:
-    low, high = facts.span
-    begin = float(np.median(facts.starts)) if facts.starts.size else low
-    if unit.name == "degC" and begin > 200 and high < 700:
-        return _Sorted(facts, TEMPERATURE, unit, 0.4, f"begins at {begin:.4g}, which is rather K than degC")
-    if unit.name == "K" and begin < 150:
-        return _Sorted(facts, TEMPERATURE, unit, 0.4, f"begins at {begin:.4g}, which is no temperature in K")
+    begin = float(np.median(facts.starts)) if facts.starts.size else facts.span[0]
+    odd = odd_in(unit, facts, begin)
+    if odd:
+        return _Sorted(facts, TEMPERATURE, unit, 0.4, odd)
     said = f"{unit.name} by its {where}" if where == "name" else f"{unit.name} by the {where}"
     return _Sorted(facts, TEMPERATURE, unit, 0.95 if thermal else 0.85, said)
 
