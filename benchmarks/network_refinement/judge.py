@@ -53,6 +53,8 @@ class Judged:
         What refinement says of the test runs after it, K.
     warnings
         What it said beside.
+    pattern
+        How what is left goes over time, as refinement tells it; empty where it was not asked.
     seconds
         That refinement took.
     """
@@ -72,6 +74,7 @@ class Judged:
     after_by_run: dict[str, float] = field(default_factory=dict)
     told_K: float = float("nan")
     warnings: list[str] = field(default_factory=list)
+    pattern: str = ""
     seconds: float = 0.0
 
     @property
@@ -203,6 +206,7 @@ def _told(found: gen.Refinement, result: Judged, folder: Path) -> None:
         {str(key): value for key, value in entry.items()} | {"lookalikes": [str(name) for name in entry["lookalikes"]]}
         for entry in found.effects()[columns].to_dict("records")
     ]
+    result.pattern = str((found.details().get("missing_heat") or {}).get("pattern", ""))
     told = found.details().get("after", {}).get("test", {}).get("rmse_K")
     result.told_K = float("nan") if told is None else float(told)
 

@@ -196,7 +196,7 @@ def text(results: Sequence[Judged]) -> str:
             f"{row.fit_runs:<4d} {row.planted:<28} {row.trials:6d} {row.without:8d} {shares} | {floors} | "
             f"{row.seconds:7.1f}"
         )
-    lines += ["", *confusion(results)]
+    lines += ["", *confusion(results), "", *patterns(results)]
     for runs in sorted({result.fit_runs for result in results}):
         lines += ["", f"{runs} fit runs", *(_line(goal) for goal in goals(results, runs) if goal.of)]
     return "\n".join([*lines, "", *_without(results)])
@@ -223,6 +223,21 @@ def confusion(results: Sequence[Judged]) -> list[str]:
         lines.append(f"  {name:<32}{cells}")
     named = ", ".join(f"{head} {column}" for head, column in zip(heads, columns, strict=True))
     return [*lines, f"  {named}"]
+
+
+def patterns(results: Sequence[Judged]) -> list[str]:
+    """How what is left goes over time, as told of each kind that the library does not have, where anything was."""
+    told: dict[str, Counter[str]] = {}
+    for result in seen(results):
+        if group(result) in ("outside", "fault"):
+            told.setdefault(label(result), Counter())[result.pattern or "-"] += 1
+    if not any(set(counts) - {"-"} for counts in told.values()):
+        return []
+    columns = [*sorted({name for counts in told.values() for name in counts} - {"-"}), "-"]
+    lines = [f"{'planted, and how it goes over time':<34}" + "".join(f"{name:>16}" for name in columns)]
+    for name in (name for name in (*OUTSIDE, *FAULTS) if name in told):
+        lines.append(f"  {name:<32}" + "".join(f"{told[name][column] or '.':>16}" for column in columns))
+    return [*lines, ""]
 
 
 def _percent(share: float) -> str:

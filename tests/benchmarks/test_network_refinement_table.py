@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from benchmarks.network_refinement.judge import Judged, truth
-from benchmarks.network_refinement.table import confusion, goals, rows
+from benchmarks.network_refinement.table import confusion, goals, patterns, rows
 from benchmarks.plants.cases import bench
 from benchmarks.plants.planted.trial import setting
 from tests.benchmarks.refinement_oracle import made
@@ -116,3 +116,17 @@ def test_the_confusion_has_what_was_named_first_by_what_was_planted() -> None:
     assert drift.split() == ["drift", "1", "1", "1", "1"]
     assert nothing.split() == ["nothing", ".", ".", "1", "."]
     assert head.split()[-4:] == ["1", "2", "3", "4"]
+
+
+def test_how_what_is_left_goes_over_time_is_counted_by_what_was_planted() -> None:
+    results = [
+        made("1:sun:2", pattern="comes and goes"),
+        made("2:sun:2", pattern="even"),
+        made("1:fouling:2"),
+        made("1:drift:2", ["drift"], pattern="even"),
+    ]
+    head, sun, fouling, _ = patterns(results)
+    assert head.split()[-5:] == ["comes", "and", "goes", "even", "-"]
+    assert sun.split() == ["sun", "1", "1", "."]
+    assert fouling.split() == ["fouling", ".", ".", "1"]
+    assert patterns([made("1:sun:2")]) == []

@@ -271,6 +271,23 @@ def test_what_varies_outside_of_the_library_varies_between_its_ends() -> None:
     assert dusty == pytest.approx(21.0 + FRICTION / 0.4, abs=2e-3)
 
 
+def test_the_sun_shines_once_in_a_run_and_clouds_pass() -> None:
+    sun = outside.Sun(node=0, watts=4.0)
+    for seed in range(8):
+        along = sun.signals(np.random.default_rng(seed), 0, 14400.0)["sun"].along(np.arange(0.0, 14400.0, 60.0))
+        lit = np.flatnonzero(along > 1e-9)
+        assert 0.0 <= along.min() <= along.max() <= 1.0
+        assert 0.15 < lit.size / along.size < 0.7
+        assert np.all(np.diff(lit) == 1)
+    assert settled(NODE, sun, 200, {"sun": 1.0})[0] == pytest.approx(21.0 + (FRICTION + 4.0) / 0.5, abs=2e-3)
+
+
+def test_a_fan_that_nobody_logs_blows_as_any_other() -> None:
+    logged, unlogged = (kind((0,), 0.01, 0.05) for kind in (paths.Airflow, outside.UnloggedFan))
+    assert settled(NODE, unlogged, 200, {"air": 3.0}) == pytest.approx(settled(NODE, logged, 200, {"air": 3.0}))
+    assert unlogged.columns(np.random.default_rng(1), {"air": np.ones(3)}) == {}
+
+
 def test_a_thermometer_beside_the_motor_reads_a_share_of_its_rise() -> None:
     temperature = np.stack([np.full(TIME.size, 30.0), np.full(TIME.size, 61.0)], axis=1)
     seen = outside.WarmedThermometer(node=1, share=0.05, lag=300.0).room_seen(AIR, temperature, TIME)

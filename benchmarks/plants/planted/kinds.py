@@ -53,6 +53,16 @@ def _neighbour(rng: np.random.Generator, stand: Bench) -> Draft:
     return Draft(lambda strength: outside.Neighbour(node, strength, period, on), (0.1, 50.0))
 
 
+def _unlogged_fan(rng: np.random.Generator, stand: Bench) -> Draft:
+    nodes, diameter = tuple(surface.node for surface in stand.plant.surfaces), float(rng.uniform(0.03, 0.09))
+    return Draft(lambda strength: outside.UnloggedFan(nodes, strength, diameter), (0.0003, 0.1))
+
+
+def _sun(rng: np.random.Generator, stand: Bench) -> Draft:
+    node = int(rng.choice([surface.node for surface in stand.plant.surfaces]))
+    return Draft(lambda strength: outside.Sun(node, strength), (0.1, 50.0))
+
+
 def _stick_slip(rng: np.random.Generator, stand: Bench) -> Draft:
     which, below = tuple(sources(stand, "friction")), float(rng.uniform(0.4, 0.65))
     return Draft(lambda strength: outside.StickSlip(which, below, 1.0 + strength), (0.2, 8.0))
@@ -89,6 +99,8 @@ OUTSIDE: Mapping[str, Drafting] = {
     "load_cycle": _load_cycle,
     "warmed_thermometer": _warmed_thermometer,
     "neighbour": _neighbour,
+    "unlogged_fan": _unlogged_fan,
+    "sun": _sun,
     "stick_slip": _stick_slip,
     "ceiling": _ceiling,
     "fouling": _fouling,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -12,6 +13,7 @@ from scipy.signal import lfilter
 from benchmarks.plants.plant import Plant, Running
 from benchmarks.plants.planted.altered import scaled_sources
 from benchmarks.plants.planted.change import Act, Acting, Change, Now, Steps, jumps
+from benchmarks.plants.planted.paths import Airflow
 from benchmarks.plants.planted.sensing import SensorChange
 from benchmarks.plants.profiles import HOUR
 
@@ -200,6 +202,46 @@ class Neighbour(Change):
         heat = np.zeros(plant.size)
         if now.time >= 0.0:
             heat[self.node] = self.watts * now.signals["neighbour"]
+        return lambda temperature, own, ambient: Acting(heat)
+
+
+@dataclass(frozen=True)
+class UnloggedFan(Airflow):
+    """A fan blows at the motor at times, and nobody logs it."""
+
+    needs: ClassVar[tuple[str, ...]] = ()
+
+    def columns(self, rng: np.random.Generator, signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:  # noqa: D102
+        return {}
+
+
+@dataclass(frozen=True)
+class Sun(Change):
+    """The sun shines on a surface, once in each run, and clouds pass.
+
+    Parameters
+    ----------
+    node
+        Which.
+    watts
+        At its highest.
+    """
+
+    node: int
+    watts: float
+
+    def signals(self, rng: np.random.Generator, number: int, duration: float) -> dict[str, Steps]:  # noqa: D102
+        times = np.arange(0.0, duration, 120.0)
+        lasts = float(rng.uniform(1.0, 2.5)) * HOUR
+        rises = float(rng.uniform(-0.3 * lasts, max(duration - 0.7 * lasts, 0.0)))
+        high = np.sin(np.pi * np.clip((times - rises) / lasts, 0.0, 1.0))
+        clouded = jumps(rng, duration, (4.0, 30.0), lambda: float(rng.choice([1.0, 1.0, 0.25])), 1.0).along(times)
+        return {"sun": Steps(0.0, tuple(times.tolist()), tuple((high * clouded).tolist()))}
+
+    def act(self, plant: Plant, running: Running, now: Now) -> Act | None:  # noqa: D102
+        heat = np.zeros(plant.size)
+        if now.time >= 0.0:
+            heat[self.node] = self.watts * now.signals["sun"]
         return lambda temperature, own, ambient: Acting(heat)
 
 
