@@ -10,6 +10,7 @@ import pytest
 
 import gen
 from gen.refinement.network import refine
+from gen.refinement.network.kept import WALLS_ALONE
 from gen.runs import Run
 from tests.refinement.network.motor import NOISE_K, ROW_S, Tree, profile, tree, write
 
@@ -79,5 +80,5 @@ def test_walls_are_not_written_about_an_ambient_that_stays_fixed(
     motor["ambient"] = {"fixed_degC": 24}
     found = refined(motor, tmp_path)
     assert found.model.text == found.baseline.text
-    assert refine.WALLS_ALONE in found.warnings
+    assert WALLS_ALONE in found.warnings
     assert found.verdict == "partly explained"

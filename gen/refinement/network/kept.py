@@ -1,0 +1,94 @@
+"""Which of the effects that were found are named, and which are written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from gen.refinement.network.changed import looks_like_a_change
+from gen.refinement.network.effects import NetworkEffect
+from gen.refinement.network.effects.walls import Walls
+from gen.refinement.network.missing_heat import MissingHeat, missing_heat
+from gen.refinement.network.search import Step
+from gen.refinement.network.trace import Traced
+
+WALLS_ALONE = (
+    "ambient: walls that lag behind the air were found, but a fixed ambient predicts as well as these and the measured "
+    "air together, so nothing is written"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """What becomes of the effects that were found.
+
+    Attributes
+    ----------
+    changes
+        Of each in turn why it may be another motor; empty for an effect.
+    named
+        Of each in turn whether it is named.
+    effects
+        Those to write.
+    missing
+        The heat over time that would explain what is left, where much is.
+    alone
+        Walls were found whose air the file holds for fixed, so that nothing is written.
+    """
+
+    changes: tuple[str, ...]
+    named: tuple[bool, ...]
+    effects: tuple[NetworkEffect, ...]
+    missing: MissingHeat | None
+    alone: bool
+
+    @property
+    def parts_runs(self) -> bool:
+        """Whether what is written would be the mean of runs that do not share it."""
+        return self.missing is not None and self.missing.parts_runs and bool(self.effects)
+
+    @property
+    def holds(self) -> bool:
+        """Whether a file may hold all that was found."""
+        return not self.alone and not any(self.changes)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Why effects are not written, and what is missing beside them, a sentence each."""
+        beside = [] if self.missing is None or self.missing.parts_runs else [effect.name for effect in self.effects]
+        made = [WALLS_ALONE] if self.alone else []
+        made += [] if self.missing is None else self.missing.warnings(beside)
+        return made + [change for change, told in zip(self.changes, self.named, strict=True) if change and told]
+
+
+def kept(traced: Traced, names: Sequence[str], *, fixed_ambient: bool, accept_change: bool) -> Kept:
+    """Sort what was found.
+
+    Parameters
+    ----------
+    traced
+        It.
+    names
+        Of the later runs.
+    fixed_ambient
+        Whether the file is to hold the ambient for fixed.
+    accept_change
+        Write what looks like another motor, too.
+    """
+    changes = tuple(looks_like_a_change(found.effect, found.values, traced.data) for found in traced.added)
+    missing = missing_heat(traced, changes, names)
+    # What comes and goes is no change of the motor: what stood for it on average is told as what it is, and not named.
+    loads = missing is not None and missing.comes_and_goes and not accept_change
+    means = [_may_be_a_mean(step) for step in traced.steps if step.added is not None]
+    named = tuple(not (loads and (change or mean)) for change, mean in zip(changes, means, strict=True))
+    each = zip(traced.added, changes, named, strict=True)
+    written = tuple(found.effect for found, change, told in each if accept_change or (told and not change))
+    # Walls about an ambient that the file holds for fixed would be no walls.
+    alone = fixed_ambient and any(isinstance(effect, Walls) for effect in written)
+    return Kept(changes, named, () if alone else written, missing, alone)
+
+
+def _may_be_a_mean(step: Step) -> bool:
+    """Whether what was added cannot be told from other heat at each speed: the mean of what comes and goes is that."""
+    assert step.added is not None
+    return any(one.effect.bends_the_file for one in (step.added, *step.lookalikes))
