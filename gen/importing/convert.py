@@ -12,7 +12,7 @@ from gen.errors import InputError
 from gen.importing import sequence
 from gen.importing.converted import Converted, count_units_apart
 from gen.importing.guessing.evidence import Evidence, Facts
-from gen.importing.local import goes_ahead_an_hour, goes_back_an_hour
+from gen.importing.local import goes_ahead_an_hour, told_reset
 from gen.importing.mapping import DATED, Entry, Mapping
 from gen.importing.means import means
 from gen.importing.overflow import overflows
@@ -299,16 +299,8 @@ def _pieces(
         )
     if order.resets.size and not splitting.at_all:
         at = int(order.resets[0])
-        if ticks.local and order.resets.size == 1 and goes_back_an_hour(order.time_s, at):
-            raise InputError(
-                "the clock goes back by an hour, as where summer time ends; expected --zone with the name of its time "
-                "zone, such as Europe/Berlin, which lets it go on (dates with times only), or --split, which makes a "
-                "run of each stretch",
-                place=made.table.place(int(order.kept[at])),
-            )
         raise InputError(
-            f"the clock begins anew: {order.time_s[at]:g} s after {order.time_s[at - 1]:g} s; expected --split, which "
-            "makes a run of each stretch",
+            told_reset(order.time_s, at, local=ticks.local, single=order.resets.size == 1),
             place=made.table.place(int(order.kept[at])),
         )
     made.count("clock that begins anew: a run of its own", order.kept[order.resets])

@@ -1,4 +1,4 @@
-"""Local times: where they go back or ahead by an hour, and what instants they are in a time zone."""
+"""Local times: where they go back or ahead by hours, how that is told, and what instants they are in a time zone."""
 
 from __future__ import annotations
 
@@ -15,10 +15,16 @@ _HOUR_S = 3600.0
 _NS = 10**9
 _NOT = np.iinfo(np.int64).min
 _MOST_YEARS = 200
+_SET_BACK = {
+    12.0: "the clock goes back by 12 hours, as hours from 1 to 12 do; expected times that tell AM from PM",
+    24.0: "the clock goes back by a day, as where the date does not go on at midnight; expected --time with a column "
+    "of times of day, if it has one",
+}
+"""By hours: what --split would make of it begins at another time than it says."""
 
 
-def goes_back_an_hour(time_s: FloatArray, row: int) -> bool:
-    """Whether a row's time is an hour before what its usual interval makes of the row before.
+def goes_back(time_s: FloatArray, row: int, hours: float) -> bool:
+    """Whether a row's time is some hours before what its usual interval makes of the row before.
 
     Parameters
     ----------
@@ -26,9 +32,11 @@ def goes_back_an_hour(time_s: FloatArray, row: int) -> bool:
         Finite, s, shape (N,).
     row
         From 1 on.
+    hours
+        How many.
     """
     usual = _usual(time_s)
-    return _near(float(time_s[row] - time_s[row - 1]) + _HOUR_S, usual)
+    return _near(float(time_s[row] - time_s[row - 1]) + hours * _HOUR_S, usual)
 
 
 def goes_ahead_an_hour(time_s: FloatArray) -> IntArray:
@@ -128,3 +136,18 @@ def _change(offset: Callable[[int], int], before: int, after: int) -> int:
         middle = (before + after) // 120 * 60
         before, after = (before, middle) if offset(middle) == new else (middle, after)
     return after
+
+
+def told_reset(time_s: FloatArray, row: int, *, local: bool, single: bool) -> str:
+    """Say why a clock that begins anew at a row may do so, and what helps."""
+    if local and single and goes_back(time_s, row, 1.0):
+        return (
+            "the clock goes back by an hour, as where summer time ends; expected --zone with the name of its time "
+            "zone, such as Europe/Berlin, which lets it go on (dates with times only), or --split, which makes a "
+            "run of each stretch"
+        )
+    for hours, said in _SET_BACK.items():
+        if local and goes_back(time_s, row, hours):
+            return f"{said}, or --split, which makes a run of each stretch and leaves when the later ones began wrong"
+    begun = f"{time_s[row]:g} s after {time_s[row - 1]:g} s"
+    return f"the clock begins anew: {begun}; expected --split, which makes a run of each stretch"

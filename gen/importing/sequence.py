@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.errors import InputError
-from gen.importing.local import goes_back_an_hour
+from gen.importing.local import goes_back
 from gen.importing.table import FloatArray, IntArray
 
 _SOON = 10
@@ -177,7 +177,7 @@ def _resets(time_s: FloatArray, local: bool) -> list[int]:
     begin, peaks = 0, np.maximum.accumulate(time_s)
     for row in np.flatnonzero(np.diff(time_s) < 0) + 1:
         peak = float(peaks[row - 1 - begin])
-        summer_ends = local and goes_back_an_hour(time_s, int(row))
+        summer_ends = local and goes_back(time_s, int(row), 1.0)
         if time_s[row] >= peak or (not summer_ends and _late(time_s, int(row), peak)):
             continue
         if len(found) == _MOST_RESETS:

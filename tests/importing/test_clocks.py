@@ -137,3 +137,17 @@ def test_a_zone_that_fits_nothing_is_refused(
     with pytest.raises(InputError, match=said):
         take(log(tmp_path, times, head), tmp_path / "out", zone=zone)
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("begin", "form", "said"),
+    [
+        ("2026-03-02 11:50:00", "%Y-%m-%d %I:%M:%S", "back by 12 hours"),
+        ("2026-03-02 22:50:00", "2026-03-02 %H:%M:%S", "back by a day"),
+    ],
+)
+def test_dates_that_go_back_by_half_a_day_or_a_day_are_told_as_that(
+    begin: str, form: str, said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=f"line 22: .*{said}.*--split"):
+        take(log(tmp_path, local(begin, 30, 200, form)), tmp_path / "runs")
