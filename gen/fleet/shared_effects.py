@@ -123,5 +123,8 @@ def together(each: Sequence[Offered]) -> Offered:
         rests=any(one.rests for one in each),
         room_moves=all(one.room_moves for one in each),
         turned_s=tuple(map(sum, zip(*(one.turned_s for one in each), strict=True))),
-        hottest_degC={name: max(one.hottest_degC[name] for one in each) for name in each[0].hottest_degC},
+        hottest_degC={
+            name: max(one.hottest_degC[name] for one in each if name in one.hottest_degC)
+            for name in dict.fromkeys(name for one in each for name in one.hottest_degC)
+        },
     )

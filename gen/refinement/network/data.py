@@ -167,13 +167,19 @@ def _offered(
         rests=rests > RESTS_S,
         room_moves=_room_moves(runs),
         turned_s=tuple(turned.tolist()),
-        hottest_degC={name: max(_hottest(run.temps[name]) for _, run in runs) for name in sensed},
+        hottest_degC=_hottest([run for _, run in runs], sensed),
     )
 
 
-def _hottest(temperature: FloatArray) -> float:
-    """The highest of readings but for single wild ones, degC."""
-    return float(np.nanquantile(temperature, NOT_WILD))
+def _hottest(runs: Sequence[Run], sensed: Sequence[str]) -> dict[str, float]:
+    """The highest readings but for single wild ones, degC, of each sensor that read anything."""
+    found: dict[str, float] = {}
+    for name in sensed:
+        each = [run.temps[name][np.isfinite(run.temps[name])] for run in runs if name in run.temps]
+        highest = [float(np.quantile(readings, NOT_WILD)) for readings in each if readings.size]
+        if highest:
+            found[name] = max(highest)
+    return found
 
 
 def _room_moves(runs: Sequence[tuple[str, Run]]) -> bool:

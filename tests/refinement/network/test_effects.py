@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -153,3 +154,13 @@ def test_no_heat_shrinks_below_none_at_temperatures_that_were_reached() -> None:
     effect = named[0]  # about 25 degC; the other about what the casing usually is
     assert effect.doubts([0.9 * gone]) == []
     assert effect.doubts([1.1 * gone]) == [f"heat would be less than none at {hottest:.0f} degC, which was reached"]
+
+
+def test_what_sensors_reached_is_known_although_one_is_missing_in_a_run() -> None:
+    motor = read(tree())
+    whole, other = run(motor, 1), run(motor, 2)
+    without = replace(other, temps={"winding": other.temps["winding"]})
+    offered = make_data(motor, [("one", whole), ("two", without)]).offered
+    assert offered.hottest("casing") == pytest.approx(float(np.nanmax(whole.temps["casing"])), abs=0.5)
+    assert offered.hottest("winding") >= float(np.quantile(other.temps["winding"], 0.99))
+    assert offered.hottest("rotor, which has no sensor") == max(offered.hottest_degC.values())

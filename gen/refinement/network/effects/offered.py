@@ -33,7 +33,7 @@ class Offered:
     turned_s
         For how long it turned at 0, 1 .. 100 % of full speed, s.
     hottest_degC
-        How warm each sensed node became.
+        How warm each node became whose sensor read anything.
     """
 
     ranges: dict[str, tuple[float, float]]
@@ -46,7 +46,7 @@ class Offered:
 
     def hottest(self, name: str) -> float:
         """How warm a node became, degC: one without a sensor at least as warm as the warmest that has one."""
-        return self.hottest_degC.get(name, max(self.hottest_degC.values()))
+        return self.hottest_degC.get(name, max(self.hottest_degC.values(), default=-np.inf))
 
     @property
     def currents(self) -> list[str]:
