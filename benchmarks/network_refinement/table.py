@@ -196,7 +196,9 @@ def text(results: Sequence[Judged]) -> str:
             f"{row.fit_runs:<4d} {row.planted:<28} {row.trials:6d} {row.without:8d} {shares} | {floors} | "
             f"{row.seconds:7.1f}"
         )
-    lines += ["", *confusion(results), "", *patterns(results)]
+    lines += ["", *confusion(results)]
+    if told := patterns(results):
+        lines += ["", *told]
     for runs in sorted({result.fit_runs for result in results}):
         lines += ["", f"{runs} fit runs", *(_line(goal) for goal in goals(results, runs) if goal.of)]
     return "\n".join([*lines, "", *_without(results)])
@@ -237,7 +239,7 @@ def patterns(results: Sequence[Judged]) -> list[str]:
     lines = [f"{'planted, and how it goes over time':<34}" + "".join(f"{name:>16}" for name in columns)]
     for name in (name for name in (*OUTSIDE, *FAULTS) if name in told):
         lines.append(f"  {name:<32}" + "".join(f"{told[name][column] or '.':>16}" for column in columns))
-    return [*lines, ""]
+    return lines
 
 
 def _percent(share: float) -> str:

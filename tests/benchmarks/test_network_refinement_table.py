@@ -125,7 +125,7 @@ def test_how_what_is_left_goes_over_time_is_counted_by_what_was_planted() -> Non
         made("1:fouling:2"),
         made("1:drift:2", ["drift"], pattern="even"),
     ]
-    head, sun, fouling, _ = patterns(results)
+    head, sun, fouling = patterns(results)
     assert head.split()[-5:] == ["comes", "and", "goes", "even", "-"]
     assert sun.split() == ["sun", "1", "1", "."]
     assert fouling.split() == ["fouling", ".", ".", "1"]

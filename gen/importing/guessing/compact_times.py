@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from gen.importing.guessing.names import TIME
-from gen.importing.table import Column, Counted, FloatArray, Table
+from gen.importing.guessing.plain_steps import evenness
+from gen.importing.table import Column, Counted, Table
 from gen.importing.units import split_name, unit_of
 
 _STAMP = re.compile(
@@ -24,8 +25,6 @@ _SHORT_STAMP = re.compile(
 _DAY = re.compile(r"(20\d{2})(0[1-9]|1[0-2])(0[1-9]|[12]\d|3[01])", re.ASCII)
 _CLOCK = re.compile(r"([01]?\d|2[0-3])([0-5]\d)([0-5]\d)(?:[.,](\d{1,6}))?", re.ASCII)
 _LEAST_ROWS, _DIGITS, _FEW_DIGITS = 5, 6, 4
-_EVEN = 0.05
-"""Of the usual step, by which even ones differ."""
 
 
 def with_parted_times(table: Table) -> Table:
@@ -88,13 +87,7 @@ def _runs_as_clock(cells: list[str]) -> bool:
     hours, rest = np.divmod(counts, 10_000)
     minutes, seconds = np.divmod(rest, 100)
     time = hours * 3600 + minutes * 60 + seconds
-    return bool(_evenness(np.diff(time) % 86_400.0) > _evenness(np.diff(counts)))
-
-
-def _evenness(steps: FloatArray) -> float:
-    """Which share of steps is the usual one."""
-    usual = float(np.median(steps))
-    return float((np.abs(steps - usual) <= _EVEN * abs(usual)).mean()) if usual > 0 else 0.0
+    return bool(evenness(np.diff(time) % 86_400.0) > evenness(np.diff(counts)))
 
 
 def _days_before(columns: list[Column]) -> tuple[int, list[str]] | None:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 import numpy as np
 
-from gen.importing.table import Column, Counted, FloatArray, Table
+from gen.importing.guessing.plain_steps import evenness
+from gen.importing.guessing.rewriting import each_rewritten
+from gen.importing.table import Column, FloatArray, Table
 
 _FOUR = re.compile(r"(\d{1,4}):(\d{1,2}):(\d{2}):(\d{2})(?:[.,](\d{1,9}))?", re.ASCII)
 _LEAST_ROWS = 3
 _SOUND = 0.95
 """Of the cells; others are damaged."""
-_EVEN = 0.05
-"""Of the usual step, by which even ones differ."""
 _HOURS, _SIXTY = 24, 60
 
 
@@ -26,21 +25,20 @@ def with_days(table: Table) -> Table:
     table
         As it was read.
     """
-    made, told = list(table.columns), list(table.counted)
-    for i, column in enumerate(table.columns):
-        parts = _parts(column)
-        if parts is None:
-            continue
-        if _has_days(parts):
-            cells = [str(cell).strip() for cell in column.cells]
-            made[i] = replace(column, cells=[c.replace(":", ".", 1) if _FOUR.fullmatch(c) else c for c in cells])
-            what = f"time of {column.name} taken for days, hours, minutes and seconds"
-        elif len(set(parts[:, 3].tolist())) > 1:
-            what = f"time of {column.name} whose last two digits were taken for hundredths of a second"
-        else:
-            continue
-        told.append(Counted(what, len(parts), f"column {column.name}"))
-    return replace(table, columns=made, counted=tuple(told)) if len(told) > len(table.counted) else table
+    return each_rewritten(table, _with_day)
+
+
+def _with_day(column: Column) -> tuple[list[str], str] | None:
+    parts = _parts(column)
+    if parts is None:
+        return None
+    cells = [str(cell).strip() for cell in column.cells]
+    if _has_days(parts):
+        parted = [cell.replace(":", ".", 1) if _FOUR.fullmatch(cell) else cell for cell in cells]
+        return parted, f"time of {column.name} taken for days, hours, minutes and seconds"
+    if len(set(parts[:, 3].tolist())) > 1:
+        return cells, f"time of {column.name} whose last two digits were taken for hundredths of a second"
+    return None
 
 
 def _parts(column: Column) -> FloatArray | None:
@@ -63,11 +61,4 @@ def _has_days(parts: FloatArray) -> bool:
         return False
     with_days = ((days * _HOURS + hours) * _SIXTY + minutes) * _SIXTY + seconds
     without = (days * _SIXTY + hours) * _SIXTY + minutes + seconds / 100.0
-    return _evenness(with_days) >= _evenness(without)
-
-
-def _evenness(time: FloatArray) -> float:
-    """Which share of steps is the usual one."""
-    steps = np.diff(time)
-    usual = float(np.median(steps))
-    return float((np.abs(steps - usual) <= _EVEN * abs(usual)).mean()) if usual > 0 else 0.0
+    return evenness(np.diff(with_days)) >= evenness(np.diff(without))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from gen.importing import clock
+from gen.importing.guessing.rewriting import first_joined
 from gen.importing.numbers import parse
-from gen.importing.table import Column, Counted, FloatArray, IntArray, Table
+from gen.importing.table import Column, FloatArray, IntArray, Table
 from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import split_name, unit_of
 
@@ -29,23 +29,22 @@ def with_fractions(table: Table) -> Table:
     table
         As it was read.
     """
-    columns = list(table.columns)
-    for i, (before, column) in enumerate(pairwise(columns), start=1):
-        scale = _scale(column)
-        if not scale or not isinstance(before.cells, list) or clock.kind_of(before.cells) not in ("instant", "clock"):
-            continue
-        found = _fractions(column, scale, table.reading.decimal)
-        if found is None or not all(_WHOLE.search(cell) for cell in before.cells if cell.strip()):
-            continue
-        if not _rise_within(before.cells, found):
-            continue
-        digits = 3 if not (found % 1000).any() else 6
-        shown = (f"{part:06d}"[:digits] for part in found.tolist())
-        cells = [_WHOLE.sub(rf"\g<0>.{part}", cell, count=1) for cell, part in zip(before.cells, shown, strict=True)]
-        told = Counted(f"fraction of a second from {column.name}", len(cells), f"column {column.name}")
-        columns[i - 1] = replace(before, cells=cells)
-        return replace(table, columns=[*columns[:i], *columns[i + 1 :]], counted=(*table.counted, told))
-    return table
+    return first_joined(table, lambda before, column: _in_one(before, column, table.reading.decimal))
+
+
+def _in_one(before: Column, column: Column, mark: str) -> tuple[list[str], str] | None:
+    scale = _scale(column)
+    if not scale or not isinstance(before.cells, list) or clock.kind_of(before.cells) not in ("instant", "clock"):
+        return None
+    found = _fractions(column, scale, mark)
+    if found is None or not all(_WHOLE.search(cell) for cell in before.cells if cell.strip()):
+        return None
+    if not _rise_within(before.cells, found):
+        return None
+    digits = 3 if not (found % 1000).any() else 6
+    shown = (f"{part:06d}"[:digits] for part in found.tolist())
+    cells = [_WHOLE.sub(rf"\g<0>.{part}", cell, count=1) for cell, part in zip(before.cells, shown, strict=True)]
+    return cells, f"fraction of a second from {column.name}"
 
 
 def _rise_within(cells: Sequence[str], parts: IntArray) -> bool:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
-from itertools import pairwise
 
 from gen.importing import clock
-from gen.importing.table import Counted, Table
+from gen.importing.guessing.rewriting import first_joined
+from gen.importing.table import Column, Table
 
 _HALF = re.compile(r"[AaPp]\.?\s?[Mm]\.?")
 
@@ -20,17 +19,16 @@ def with_halves(table: Table) -> Table:
     table
         As it was read.
     """
-    columns = list(table.columns)
-    for i, (before, column) in enumerate(pairwise(columns), start=1):
-        halves, times = column.cells, before.cells
-        if not isinstance(halves, list) or not isinstance(times, list) or not halves:
-            continue
-        if not all(_HALF.fullmatch(half.strip()) or not half.strip() for half in halves) or not any(halves):
-            continue
-        if clock.kind_of(times) not in ("instant", "clock", "minutes"):
-            continue
-        cells = [f"{time.strip()} {half.strip()}".strip() for time, half in zip(times, halves, strict=True)]
-        told = Counted(f"AM or PM from {column.name}", len(cells), f"column {column.name}")
-        columns[i - 1] = replace(before, cells=cells)
-        return replace(table, columns=[*columns[:i], *columns[i + 1 :]], counted=(*table.counted, told))
-    return table
+    return first_joined(table, _in_one)
+
+
+def _in_one(before: Column, column: Column) -> tuple[list[str], str] | None:
+    halves, times = column.cells, before.cells
+    if not isinstance(halves, list) or not isinstance(times, list) or not halves:
+        return None
+    if not all(_HALF.fullmatch(half.strip()) or not half.strip() for half in halves) or not any(halves):
+        return None
+    if clock.kind_of(times) not in ("instant", "clock", "minutes"):
+        return None
+    cells = [f"{time.strip()} {half.strip()}".strip() for time, half in zip(times, halves, strict=True)]
+    return cells, f"AM or PM from {column.name}"

@@ -1,4 +1,4 @@
-"""Steps of a time without a unit: which are plain in minutes or hours, and in seconds are not."""
+"""Steps of a time: how even they are, and which are plain in minutes or hours, and in seconds are not."""
 
 from __future__ import annotations
 
@@ -8,9 +8,23 @@ from gen.importing.table import FloatArray
 
 _EVEN = 0.8
 """Of the steps, those that are alike in a log whose rows come at one interval."""
+_ALIKE = 0.05
+"""Of the usual step, by which even ones differ."""
 _MOST_DECIMALS = 9
 _UNITS = (("min", 60.0, 4.0), ("h", 3600.0, 1.0))
 """Seconds in it, and how many parts of a second a plain step may have."""
+
+
+def evenness(steps: FloatArray) -> float:
+    """Which share of steps is the usual one.
+
+    Parameters
+    ----------
+    steps
+        From row to row, shape (n,).
+    """
+    usual = float(np.median(steps))
+    return float((np.abs(steps - usual) <= _ALIKE * abs(usual)).mean()) if usual > 0 else 0.0
 
 
 def plainer_unit(values: FloatArray) -> tuple[str, str]:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 
 from gen.importing.reading.lines import Lines
-from gen.importing.reading.rounds import AROUND, is_stamp
+from gen.importing.reading.stamps import AROUND, is_stamp
 from gen.importing.reading.tagged import Record
 
 _ADAPTER = "Adapter: "

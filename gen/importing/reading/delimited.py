@@ -22,9 +22,9 @@ from gen.importing.reading.heads import (
     is_label,
     is_units,
     labelled_head,
+    listed_units,
     paired_head,
     parted_decimals,
-    told_units,
     with_labels,
     with_statistic,
 )
@@ -170,7 +170,7 @@ def _titled(
         first = _behind_a_preamble(rows, first, width)
         names, units = _head(rows[:first], width, comments)
     if names and not any(units):
-        units = told_units(rows[:first], comments, names) or units
+        units = listed_units(rows[:first], comments, names) or units
     return first, with_labels(names, rows[: max(first - _FEW_HEADS, 0)]), units
 
 

@@ -6,7 +6,7 @@ import json
 from json.decoder import JSONDecoder
 
 from gen.importing.reading.lines import Lines
-from gen.importing.reading.rounds import AROUND, is_stamp
+from gen.importing.reading.stamps import AROUND, is_stamp
 
 _LEAST = 3
 

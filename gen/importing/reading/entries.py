@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import re
-
-from gen.importing.clock import is_time
+from gen.importing.reading.stamps import is_stamp
 
 _LEAST = 5
 _LEAST_ALIKE = 20
 """Of keys that are no times: fewer objects with the same names are parts, and no rows."""
-_EPOCH = re.compile(r"1\d{9}(?:\.\d+)?|1\d{12}", re.ASCII)
 
 
 def entries_of(tree: object) -> object:
@@ -29,7 +26,7 @@ def entries_of(tree: object) -> object:
     entries = list(tree.values())
     if len(entries) < _LEAST or not all(isinstance(entry, dict) and entry for entry in entries):
         return tree
-    if all(is_time(key) or _EPOCH.fullmatch(key) for key in tree):
+    if all(map(is_stamp, tree)):
         return [{"time": key, **entry} for key, entry in tree.items()]
     alike = {tuple(sorted(entry)) for entry in entries}
     return entries if len(entries) >= _LEAST_ALIKE and len(alike) == 1 else tree

@@ -25,7 +25,6 @@ _JUMPING = 0.15
 _LONGEST = 20
 """Lines above the first row, at most, among which they stand."""
 
-
 _UNITS_LISTED = re.compile(r"(?:units?|einheit(?:en)?|unit[ée]s?)\s*[:=]\s*(?P<list>\S.*)", re.IGNORECASE)
 
 
@@ -118,7 +117,7 @@ def with_labels(names: Sequence[str], before: Sequence[Sequence[str]]) -> list[s
     return [f"{name} {said[name]}" if name in said else name for name in names]
 
 
-def told_units(before: Sequence[Sequence[str]], comments: Sequence[str], names: Sequence[str]) -> list[str]:
+def listed_units(before: Sequence[Sequence[str]], comments: Sequence[str], names: Sequence[str]) -> list[str]:
     """Units that a line above names or a comment lists, of each column: LabVIEW's `Y_Unit_Label`, `# units: s,degF`.
 
     Parameters

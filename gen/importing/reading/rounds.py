@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Sequence
 
-from gen.importing.clock import is_time
 from gen.importing.reading.lines import Lines
 from gen.importing.reading.pairs import LONGEST, is_timed, names_in, record_of, share_left
+from gen.importing.reading.stamps import AROUND, is_stamp
 from gen.importing.reading.tagged import Record
 
 _SAMPLE = 400
@@ -20,25 +19,8 @@ _ALIKE = 0.8
 _OF_TIMES = 0.1
 """Of the lines, how many fewer than half may be readings, where a time stands before each."""
 _MOST_LEFT = 0.3
-_LONGEST_STAMP = 60
-AROUND = " -=*#<>[](){}|:"
-"""What stands around a time that heads a round."""
-_EPOCH = re.compile(r"1\d{9}(?:\.\d+)?|1\d{12}", re.ASCII)
-"""Since 1970, in s or ms, alone in its line."""
 UNTIMED = "print millis() in a line of each round"
 """How to record with times."""
-
-
-def is_stamp(text: str) -> bool:
-    """Whether a line is a time, and nothing else.
-
-    Parameters
-    ----------
-    text
-        The line.
-    """
-    plain = text.strip(AROUND)
-    return len(plain) <= _LONGEST_STAMP and (is_time(plain) or bool(_EPOCH.fullmatch(plain)))
 
 
 def is_rounds(texts: Sequence[str]) -> bool:
