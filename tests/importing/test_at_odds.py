@@ -67,9 +67,7 @@ def test_units_in_a_labview_file_s_preamble(tmp_path: Path) -> None:
         for i, (pwm, w) in enumerate(zip(TRUE.pwm, TRUE.winding_degC, strict=True))
     ]
     run = taken(write(tmp_path, "\n".join([*head, *rows, ""]), name="log.lvm"), tmp_path / "out")
-    np.testing.assert_allclose(
-        run.temps["Winding"] if "Winding" in run.temps else run.temps["winding"], TRUE.winding_degC
-    )
+    np.testing.assert_allclose(run.temps["winding"], TRUE.winding_degC)
     same(run, LONG[["time_s", "pwm"]])
 
 
