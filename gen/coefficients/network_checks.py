@@ -162,9 +162,10 @@ def _cooling_warnings(network: Network, model: ThermalModel) -> tuple[str, ...]:
         share = {degC: 1.0 + heat.per_K * (degC - heat.reference) for degC in model.domain_temperature}
         worst = min(share, key=lambda degC: share[degC])
         if share[worst] < 0.0:
+            none = heat.reference - 1.0 / heat.per_K
             warnings.append(
-                f'$.network.heats[{i}].per_K: the heat of "{heat.node}" is negative at {worst:g} degC, '
-                "inside the domain: it would cool there"
+                f'$.network.heats[{i}].per_K: the heat of "{heat.node}" is none at {none:.4g} degC and negative at '
+                f"{worst:g} degC, inside the domain: it would cool there"
             )
     return tuple(warnings)
 

@@ -157,11 +157,16 @@ def test_a_table_that_does_not_cover_the_validity_range_is_warned_of() -> None:
 
 
 def test_a_heat_that_would_cool_in_the_domain_is_warned_of() -> None:
-    for per_K, expected in ((-0.01, "140 degC"), (0.04, "-10 degC"), (0.0039, None)):
+    for per_K, expected in ((-0.01, (125, 140)), (0.04, (0, -10)), (0.0039, None)):
         heat = {"node": "a", "power_W": poly(1), "per_K": per_K, "reference_degC": 25}
         warnings = parse(json.dumps(bare({"a": 500.0}, [(("a", "ambient"), poly(1))], [heat])).encode()).warnings
-        said = [f'$.network.heats[0].per_K: the heat of "a" is negative at {expected}, inside the domain']
-        assert [warning.rsplit(":", 1)[0] for warning in warnings] == (said if expected else [])
+        told = [warning.rsplit(":", 1)[0] for warning in warnings]
+        if expected is None:
+            assert told == []
+            continue
+        none, worst = expected
+        where = f"is none at {none} degC and negative at {worst} degC, inside the domain"
+        assert told == [f'$.network.heats[0].per_K: the heat of "a" {where}']
 
 
 def test_what_is_outside_of_the_validity_range_is_held_or_continued() -> None:

@@ -138,7 +138,8 @@ def test_grease_that_thins_as_it_warms_is_named_and_the_file_says_how_far_it_hol
     (effect,) = found.details()["effects"]
     assert (effect["name"], effect["component"]) == ("temperature_dependent_loss", "casing")
     assert error_K(found, tmp_path) < 1.2 * NOISE_K
-    assert any("negative at 200 degC" in warning for warning in found.warnings)
+    told = [re.search(r"is none at ([\d.]+) degC and negative at 200 degC", warning) for warning in found.warnings]
+    assert [float(said[1]) for said in told if said] == [pytest.approx(65.0, abs=1.0)]
 
 
 def test_a_room_that_moves_is_read_from_its_column(tmp_path: Path) -> None:
