@@ -268,3 +268,24 @@ def test_frames_that_are_not_decoded_are_told_from_a_table(frame: str, tmp_path:
     log = write(tmp_path, "\n".join(frame.format(i=i) for i in range(50)), name="candump.log")
     with pytest.raises(InputError, match=r"line 1: holds frames of a bus that are not decoded; expected .* cantools"):
         take(log, tmp_path / "out")
+
+
+RISING = "\n".join(["time_s;pwm;winding_degC", *(f"{2 * i};128;{25.0 + 0.1 * i:.2f}" for i in range(80))])
+
+
+@pytest.mark.parametrize("lost", range(1, 5))
+def test_a_log_that_ends_within_a_number_loses_that_row(lost: int, tmp_path: Path) -> None:
+    found = take(file(tmp_path, RISING[:-lost]), tmp_path / "runs")
+    assert read_run(found.runs[0]).time_s.size == 79
+    (said,) = [what for what in found.counted().index if "breaks off" in what]
+    assert found.counted().loc[said, "first"] == "line 81"
+
+
+@pytest.mark.parametrize("text", [RISING, RISING + "\n", RISING[:-1] + "\n", RISING.replace(".", ",")])
+def test_a_log_that_ends_with_a_whole_line_loses_nothing(text: str, tmp_path: Path) -> None:
+    assert read_run(take(file(tmp_path, text), tmp_path / "runs").runs[0]).time_s.size == 80
+
+
+def test_where_numbers_are_of_any_length_the_last_one_may_be_whole(tmp_path: Path) -> None:
+    text = "\n".join(["time_s,pwm,winding_degC", *(f"{2 * i},128,{25.0 + 0.1 * i:g}" for i in range(81))])
+    assert read_run(take(file(tmp_path, text), tmp_path / "runs").runs[0]).time_s.size == 81

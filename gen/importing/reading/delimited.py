@@ -16,6 +16,7 @@ from gen.importing.clock import is_time
 from gen.importing.guessing.names import TIME
 from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
 from gen.importing.reading.annotated import of_one_head
+from gen.importing.reading.broken_off import broken_off
 from gen.importing.reading.cells import DELIMITERS
 from gen.importing.reading.heads import (
     STATISTIC,
@@ -60,6 +61,7 @@ def table_of_rows(
     part: str = "",
     comments: Sequence[str] = (),
     times: Sequence[str] = (),
+    ended: bool = True,
 ) -> Table:
     """Find header, units and rows, and count what is none of them.
 
@@ -75,6 +77,8 @@ def table_of_rows(
         The comment lines.
     times
         Time of day of each row, where a serial monitor wrote one.
+    ended
+        Whether the last line has an end.
 
     Raises
     ------
@@ -83,13 +87,15 @@ def table_of_rows(
     """
     lying = upright(rows) if not times else None
     if lying is not None:
-        rows, numbers, word = *lying, "column"
+        rows, numbers, word, ended = *lying, "column", True
     rows, numbers = of_one_head(rows, numbers)
     width = _width(rows)
     if width > MOST_COLUMNS:
         raise InputError(f"found {width} columns, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")
     first, names, units = _titled(rows, _first_row(rows, numbers, width, word), width, comments)
     good, counted = _sorted_out(rows, numbers, first, width, names, word)
+    if not ended and (cut := broken_off(rows, good, word, numbers[-1])):
+        good, counted = good[:-1], [*counted, cut]
     if len(good) < _MOST_LOST * (len(rows) - first):
         raise InputError(
             f"only {len(good)} of {len(rows) - first} lines are rows of {width} columns; expected one table",

@@ -76,7 +76,8 @@ def read_text(file: Path, data: bytes, given: Reading) -> Table:
     rows, numbers = split_rows(lines, reading.delimiter)
     if times and len(rows) != len(times):
         raise InputError("quoted line ends in a serial monitor's lines; expected one row a line")
-    return table_of_rows(file, rows, numbers, reading=reading, comments=lines.comments, times=times)
+    ended = text.endswith(("\n", "\r"))
+    return table_of_rows(file, rows, numbers, reading=reading, comments=lines.comments, times=times, ended=ended)
 
 
 def _one_by_one(file: Path, lines: Lines, reading: Reading) -> Table | None:
