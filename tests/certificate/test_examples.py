@@ -10,6 +10,7 @@ import pytest
 
 import gen
 from gen.lowering.kinds import Arithmetic, ScheduleKind
+from tests.campaign import FULL
 from tests.certificate.projects import ROOT
 from tests.examples import WITH_TRANSFER_FUNCTIONS
 
@@ -19,12 +20,12 @@ OTHERS: list[tuple[str, Arithmetic, ScheduleKind]] = [
     ("my1016", "float", "table"),
     ("two_mass", "fixed", "onboard"),
 ]
+EACH = [(name, *form) for name in WITH_TRANSFER_FUNCTIONS for form in FORMS]
+BY_TURNS = [(name, *FORMS[number % 2]) for number, name in enumerate(WITH_TRANSFER_FUNCTIONS)]
 
 
-@pytest.mark.parametrize(
-    ("name", "arithmetic", "schedule"),
-    [*((name, *form) for name in WITH_TRANSFER_FUNCTIONS for form in FORMS), *OTHERS],
-)
+@pytest.mark.campaign
+@pytest.mark.parametrize(("name", "arithmetic", "schedule"), [*(EACH if FULL else BY_TURNS), *OTHERS])
 def test_an_example_is_proven(tmp_path: Path, name: str, arithmetic: Arithmetic, schedule: ScheduleKind) -> None:
     model = gen.load(ROOT / "examples" / name / "coeffs.json")
     built = gen.build(model, tmp_path / "project", arithmetic=arithmetic, schedule=schedule)

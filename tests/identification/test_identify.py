@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from pathlib import Path
 
@@ -24,6 +23,7 @@ from gen.model import ExactSolution
 from gen.rig import Setup, make_run, sensors
 from gen.rig.profiles import cut_off
 from gen.runs import Run, read_run
+from tests.campaign import FULL
 
 COUNTS = np.arange(256)
 
@@ -239,9 +239,6 @@ def test_a_speed_that_did_not_settle_is_warned_of_with_its_own_uncertainty() -> 
     for pwm, told in found:
         low, high = whole["components"]["part"]["speeds"][pwm]["steady_rise_K"]["interval"]
         assert float(told) == pytest.approx((high - low) / 2.0, rel=0.05)  # two digits of it are told
-
-
-FULL = os.environ.get("GEN_CAMPAIGN") == "full"
 
 
 @pytest.mark.campaign

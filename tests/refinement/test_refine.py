@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -22,11 +21,11 @@ from gen.refinement.condense import check_apart, check_measured, condense, free_
 from gen.refinement.page import page
 from gen.refinement.refine import Refinement, refine
 from gen.runs import Run, read_run, write_run
+from tests.campaign import FULL
 from tests.refinement.plant import COEFFICIENTS, NAMES
 from tests.refinement.plant_effects import LIBRARY, OUTSIDE, make
 
 FAN = {"name": "airflow", "component": "casing", "parameters": {"channel": "fan", "cooling_per_s": 0.001}}
-FULL = os.environ.get("GEN_CAMPAIGN") == "full"
 CAMPAIGN = (
     [((name,), seed) for name in (*LIBRARY, *OUTSIDE) for seed in range(2)] + [((), seed) for seed in range(5)]
     if FULL

@@ -1,6 +1,5 @@
 """Run files: what is read, what is written, and where a fault is said to be."""
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +11,7 @@ from hypothesis import strategies as st
 
 from gen.errors import InputError
 from gen.runs import Run, read_run, write_columns, write_run
+from tests.campaign import FULL
 from tests.work import lines
 
 GOOD = "time_s,pwm,brush_degC,ambient_degC,current_A\n0,0,30.25,30,\n0.25,-255,,30.5,0.7\n1e1,51,31,,.5\n"
@@ -337,7 +337,7 @@ print(peak() - before)
 @pytest.mark.campaign
 def test_memory_of_a_long_log(file: Path) -> None:
     """Thirty bytes a row for time, PWM, ambient and four temperatures: a third of a gigabyte for ten million rows."""
-    n = 10_000_000 if os.environ.get("GEN_CAMPAIGN") == "full" else 500_000
+    n = 10_000_000 if FULL else 500_000
     row = b",12,30.25,41.5,40,39.75,30\n"
     with file.open("wb") as stream:
         stream.write(b"time_s,pwm,brush_degC,bearing_degC,magnet_degC,casing_degC,ambient_degC\n")

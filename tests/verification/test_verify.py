@@ -10,6 +10,7 @@ import pytest
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.verification.runners import HOST_BUILDS
 from gen.verification.verify import CombinationResult, Target, summary, verify
+from tests.campaign import FULL
 from tests.examples import EXAMPLES, example
 
 Files = dict[str, str]
@@ -48,9 +49,7 @@ def test_every_combination_of_every_example_is_equal(name: str, arithmetic: Arit
 
 @pytest.mark.campaign
 def test_the_full_campaign_on_every_host_compiler() -> None:
-    import os
-
-    scale = 1.0 if os.environ.get("GEN_CAMPAIGN") == "full" else 0.15
+    scale = 1.0 if FULL else 0.15
     results = verify(example("my1016"), ["fixed"], ["table"], "all", scale=scale)
     assert summary(example("my1016"), results)["verdict"] == "equal"
     builds = [*HOST_BUILDS, "ATmega2560 (simavr)"]

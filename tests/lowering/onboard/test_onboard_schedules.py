@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
@@ -28,12 +27,12 @@ from gen.lowering.recursion import bounds, increments
 from gen.lowering.recursion.dynamics import TOWARDS_SETTLED, dynamics
 from gen.model import ExponentialSum, Polynomial
 from gen.model.dynamics import Pole
+from tests.campaign import FULL
 from tests.lowering.onboard import harness
 from tests.lowering.onboard.harness import PWM
 from tests.model.examples import model
 
 EXAMPLES_FOLDER = Path(__file__).parents[3] / "examples"
-FULL = os.environ.get("GEN_CAMPAIGN") == "full"
 EXAMPLES = ("my1016", "two_mass", "my1016_averaged")
 ARITHMETICS: tuple[Arithmetic, ...] = ("fixed", "float")
 #: Cycles of a PWM change: the goal of 15 000 less the step's own 1 300.
