@@ -7,17 +7,16 @@ symbols are what the state is made of; a noise symbol has a range and stands for
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 from math import ceil, frexp, isfinite
 from typing import Protocol
 
 import numpy as np
 
-from gen.certificate.exact import ROUGHLY, Floats, Ratios, floats, zeros
+from gen.certificate.exact import ROUGHLY, Floats, Ratio, Ratios, floats, zeros
 from gen.certificate.refuted import Refuted
 
 #: Least positive float32.
-_TINY = Fraction(1, 1 << 149)
+_TINY = Ratio(1, 1 << 149)
 #: Ends of the whole numbers that the C++ computes with.
 _ENDS = {"int32_t": 1 << 31, "int64_t": 1 << 63}
 #: Grid on which ranges of roundings are rounded up, so that their ratios stay short.
@@ -57,9 +56,9 @@ class Affine:
         return replace(self, linear=self.linear + other.linear, constant=self.constant + other.constant, noise=noise)
 
     def __sub__(self, other: Affine) -> Affine:
-        return self + other.times(Fraction(-1))
+        return self + other.times(Ratio(-1))
 
-    def times(self, factor: Fraction | Ratios) -> Affine:
+    def times(self, factor: Ratio | Ratios) -> Affine:
         """The product with a known number, the same or one for each |PWM|."""
         noise = {symbol: value * factor for symbol, value in self.noise.items()}
         return replace(self, linear=self.linear * factor, constant=self.constant * factor, noise=noise)
@@ -97,7 +96,7 @@ class Space:
         self._reach = reach
         self.ranges: list[tuple[Ratios, Ratios]] = []
 
-    def number(self, value: Fraction | int | Ratios, kind: str) -> Affine:
+    def number(self, value: Ratio | int | Ratios, kind: str) -> Affine:
         """A known number."""
         constant = zeros(self.rows) + value
         return Affine(kind, zeros(self.symbols, self.rows), constant)
@@ -105,10 +104,10 @@ class Space:
     def symbol(self, place: int, kind: str) -> Affine:
         """One of the state's symbols."""
         linear = zeros(self.symbols, self.rows)
-        linear[place] = Fraction(1)
+        linear[place] = Ratio(1)
         return Affine(kind, linear, zeros(self.rows))
 
-    def uncertain(self, value: Affine, low: Fraction | Ratios, high: Fraction | Ratios) -> Affine:
+    def uncertain(self, value: Affine, low: Ratio | Ratios, high: Ratio | Ratios) -> Affine:
         """The number plus a rounding between ``low`` and ``high``."""
         if self._reach is None:
             return value
@@ -159,11 +158,11 @@ class Space:
 
     def shifted(self, value: Affine, bits: int) -> Affine:
         """A whole number shifted right, which rounds down."""
-        unit = Fraction(1, 1 << bits)
+        unit = Ratio(1, 1 << bits)
         if value.known:
-            floor = np.frompyfunc(lambda number: Fraction(number // (1 << bits)), 1, 1)
+            floor = np.frompyfunc(lambda number: Ratio(number // (1 << bits)), 1, 1)
             return replace(value, constant=floor(value.constant))
-        return self.uncertain(value.times(unit), unit - 1, Fraction(0))
+        return self.uncertain(value.times(unit), unit - 1, Ratio(0))
 
     def as_float(self, value: Affine) -> Affine:
         """The number rounded to nearest float32."""
@@ -174,15 +173,15 @@ class Space:
         return self.uncertain(value, -half, half)
 
 
-def _half_ulp(largest: float) -> Fraction:
+def _half_ulp(largest: float) -> Ratio:
     """Half the distance of float32 numbers of at most this magnitude."""
     if not isfinite(largest):
         raise Refuted("a number of the board has no bound")
     if largest == 0.0:
-        return Fraction(0)
-    return max(Fraction(2) ** (frexp(largest)[1] - 25), _TINY / 2)
+        return Ratio(0)
+    return max(Ratio(2) ** (frexp(largest)[1] - 25), _TINY / 2)
 
 
-def outward(value: Fraction) -> Fraction:
+def outward(value: Ratio) -> Ratio:
     """A short ratio, not below the given one."""
-    return Fraction(ceil(value * _GRID), _GRID)
+    return Ratio(ceil(value * _GRID), _GRID)

@@ -11,7 +11,6 @@ is read follow. docs/proof.md has the lemmas by their numbers.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,7 @@ from gen.certificate.affine import Reach, outward
 from gen.certificate.disturbance import along_directions, linear_part
 from gen.certificate.document import LOW_BITS, AnyCertificate, Certificate, Part
 from gen.certificate.equation import Enclosure, enclose
-from gen.certificate.exact import BITS, ROUGHLY, Floats, Ratios, floats, inverse, ratios, zeros
+from gen.certificate.exact import BITS, ROUGHLY, Floats, Ratio, Ratios, floats, inverse, ratios, zeros
 from gen.certificate.measured import Measured, measure
 from gen.certificate.network.check import prove
 from gen.certificate.network.document import NetworkCertificate
@@ -83,14 +82,14 @@ class _Reach:
         heights: Ratios,
         to_words: Ratios,
         word: Ratios,
-        centre: Fraction,
-        q: Fraction,
+        centre: Ratio,
+        q: Ratio,
         ambient: tuple[int, int],
     ) -> None:
         self._directions, self._heights = directions, heights
         self._to_words: Ratios = to_words / word[:, None]
         self._centre, self._q = centre, q
-        self._ambient, self._around = Fraction(sum(ambient), 2), Fraction(ambient[1] - ambient[0], 2)
+        self._ambient, self._around = Ratio(sum(ambient), 2), Ratio(ambient[1] - ambient[0], 2)
 
     def enclose(self, linear: Ratios) -> tuple[Ratios, Ratios]:
         """See :class:`gen.certificate.affine.Reach`."""
@@ -147,11 +146,11 @@ class PartProof:
             self._back = inverse(self._map)
         except ZeroDivisionError as error:
             raise Refuted("the map has no inverse") from error
-        self._unit = Fraction(1, 1 << part.fraction_bits[0])  # of what is read
+        self._unit = Ratio(1, 1 << part.fraction_bits[0])  # of what is read
         low_bits = LOW_BITS[certificate.arithmetic]
-        self._word = ratios(Fraction(1, 1 << bits + low_bits) for bits in part.fraction_bits)
+        self._word = ratios(Ratio(1, 1 << bits + low_bits) for bits in part.fraction_bits)
         over = certificate.ambient.over_mK if certificate.ambient is not None else (0, 0)
-        self._over = ratios(Fraction(end, 1000) for end in over)  # of the ambient, in K
+        self._over = ratios(Ratio(end, 1000) for end in over)  # of the ambient, in K
         self._away = np.abs(self._exact.steady[:, None] + self._over[None, :] - part.centre).max(axis=1)
         self.recursion = Recursion(
             project, certificate.arithmetic, part, measured.table, ambient=certificate.ambient is not None
@@ -178,7 +177,7 @@ class PartProof:
             )
         return Verdict(self._part.name, self._part.bound_K, self._part.reading_K, bound, count)
 
-    def enclosing(self, q: Fraction) -> Reach:
+    def enclosing(self, q: Ratio) -> Reach:
         """What the state ranges over, the old q being at most ``q``."""
         return _Reach(self._directions, self._both, self._map, self._word, self._part.centre, q, self._measured.ambient)
 
@@ -186,7 +185,7 @@ class PartProof:
         """Lemma 4: at rest at any rise of the range both polytopes hold the state."""
         part = self._part
         along = np.abs(ratios(row[0] for row in part.directions))
-        low, high = (Fraction(end, 1000) for end in part.start_mK)
+        low, high = (Ratio(end, 1000) for end in part.start_mK)
         away = max(high - part.centre, part.centre - low)
         if np.any(along * away > self._reach):
             raise Refuted("a start lies outside of the states' polytope")
@@ -201,12 +200,12 @@ class PartProof:
         images = Images(self._directions, floats(exact.transition) * 2.0**-BITS)
         away = self._away
         # What the enclosure of E and S leaves open: |c| (E's radius (|u| + |e| + |S - centre|) + S's (1 + |E|)).
-        radius = exact.radius * Fraction(1, 1 << BITS)
-        size = np.abs(exact.transition).sum(axis=(1, 2)) * Fraction(1, 1 << BITS)
+        radius = exact.radius * Ratio(1, 1 << BITS)
+        size = np.abs(exact.transition).sum(axis=(1, 2)) * Ratio(1, 1 << BITS)
         open_K = radius * (self._directions.box(self._both).sum() + away) + exact.steady_radius * (2 + size)
         slack = np.abs(along).sum(axis=1)[None, :] * floats(open_K)[:, None] * (1.0 + ROUGHLY)
         identity = np.eye(self._part.order, dtype=object) * (1 << BITS)
-        towards = floats((identity - exact.transition)[:, :, 0] * Fraction(1, 1 << BITS) * away[:, None])
+        towards = floats((identity - exact.transition)[:, :, 0] * Ratio(1, 1 << BITS) * away[:, None])
         driven = np.abs(towards @ along.T) + ROUGHLY * (np.abs(towards) @ np.abs(along).T)
         self._decide(images, self._reach, driven + slack, "states'", "")
         held: tuple[Ratios, Floats] | None = None
@@ -237,7 +236,7 @@ class PartProof:
         first = np.zeros(self._part.order, dtype=object)
         first[0] = 1
         at_rest = matrix[:, :, 0] * exact.steady[:, None] + constant - first[None, :] * exact.steady[:, None]
-        return matrix - exact.transition * Fraction(1, 1 << BITS), at_rest
+        return matrix - exact.transition * Ratio(1, 1 << BITS), at_rest
 
     def _linear(self, differs: Ratios) -> Floats:
         own_q = (self.recursion.drive.linear / self._word[:, None]).T @ self._map
@@ -265,16 +264,16 @@ class PartProof:
         sizes = np.concatenate([np.abs(run.columns) @ np.abs(back), np.abs(beside)], axis=1)
         return along_directions(self._directions, columns, sizes)
 
-    def _bound(self, q: Fraction) -> Fraction:
+    def _bound(self, q: Ratio) -> Ratio:
         """Lemma 7: what is read is x1's upper bits, rounded down."""
         n = self._part.order
         first = zeros(1, n)
-        first[0, 0] = Fraction(1)
+        first[0, 0] = Ratio(1)
         bound = largest(self._directions, self._error, first)[0]
         beside = self._map[:1].copy()
-        beside[0, 0] = Fraction(0)
+        beside[0, 0] = Ratio(0)
         if beside.any():
             bound += largest(self._directions, self._both, beside)[0]
         if n == 2:
             bound += abs(self.recursion.drive.share) * q * self._word[0]
-        return Fraction(bound + self._unit)
+        return Ratio(bound + self._unit)

@@ -6,10 +6,10 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 
 from gen.certificate.document import AnyCertificate
+from gen.certificate.exact import Ratio
 from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.refuted import Refuted
 from gen.certificate.verdict import Verdict
@@ -22,7 +22,7 @@ _COMMENT = re.compile(r"^// (\w+), proven for every sequence of PWM:.*?never mor
 class Claims:
     """Bounds of components by name, K, as each place has them."""
 
-    places: dict[str, dict[str, Fraction]]
+    places: dict[str, dict[str, Ratio]]
 
     @classmethod
     def of(cls, folder: Path, certificate: AnyCertificate) -> Claims:
@@ -41,7 +41,7 @@ class Claims:
             text = step.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"cannot be read: {error}", file=str(step)) from error
-        comments = {name: Fraction(bound) for name, bound in _COMMENT.findall(text)}
+        comments = {name: Ratio(bound) for name, bound in _COMMENT.findall(text)}
         return cls({**manifest, step.name: comments})
 
     def check(self, verdicts: Sequence[Verdict]) -> None:
@@ -62,9 +62,9 @@ class Claims:
                     raise Refuted(f"{part.name}: {where} claims {found:.6g} K, proven are {proven_K:.6g} K")
 
 
-def _manifest(path: Path) -> dict[str, Fraction]:
+def _manifest(path: Path) -> dict[str, Ratio]:
     try:
         components = json.loads(path.read_text(encoding="utf-8"))["components"]
-        return {part["name"]: Fraction(part["proof"]["bound_K"]) for part in components if part["proof"] is not None}
+        return {part["name"]: Ratio(part["proof"]["bound_K"]) for part in components if part["proof"] is not None}
     except (OSError, ValueError, KeyError, TypeError, OverflowError) as error:
         raise InputError(f"is not what `gen build` writes: {error}", file=str(path)) from error

@@ -6,13 +6,13 @@ nothing.
 
 from __future__ import annotations
 
-from fractions import Fraction
 from math import isfinite
 from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
+from gen.certificate.exact import Ratio
 from gen.certificate.network.document import NetworkCertificate
 from gen.errors import InputError
 
@@ -21,16 +21,16 @@ FILE = "certificate.json"
 LOW_BITS = {"fixed": 16, "float": 8}
 
 
-def _exact(value: object) -> Fraction:
+def _exact(value: object) -> Ratio:
     """A number of the file without rounding: JSON's numbers are read as float64."""
-    if isinstance(value, bool) or not isinstance(value, int | float | Fraction):
+    if isinstance(value, bool) or not isinstance(value, int | float | Ratio):
         raise ValueError("expected a number")
     if isinstance(value, float) and not isfinite(value):
         raise ValueError("expected a finite number")
-    return Fraction(value)
+    return Ratio(value)
 
 
-Number = Annotated[Fraction, BeforeValidator(_exact)]
+Number = Annotated[Ratio, BeforeValidator(_exact)]
 Width = Annotated[Number, Field(ge=0)]
 Identifier = Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")]
 #: A |PWM|.

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from pycparser import c_ast
 
 from gen.certificate.affine import Affine, Space
 from gen.certificate.document import LOW_BITS
-from gen.certificate.exact import Ratios
+from gen.certificate.exact import Ratio, Ratios
 from gen.certificate.primitives import Cell, primitive
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
@@ -142,13 +141,13 @@ class Machine:
             case c_ast.Constant(type="int", value=text) if text.isdecimal():
                 return space.number(int(text), "int32_t")
             case c_ast.Constant(type="float", value=text) if text.endswith("f"):
-                return space.number(Fraction(float(np.float32(text[:-1]))), "float")
+                return space.number(Ratio(float(np.float32(text[:-1]))), "float")
             case c_ast.ID(name=name) if name in variables:
                 return variables[name]
             case c_ast.UnaryOp(op="&", expr=inner):
                 return self._value(inner, variables)
             case c_ast.UnaryOp(op="-", expr=inner):
-                return self._fitted(self._value(inner, variables).times(Fraction(-1)))
+                return self._fitted(self._value(inner, variables).times(Ratio(-1)))
             case c_ast.Cast(to_type=c_ast.Typename(type=c_ast.TypeDecl(type=c_ast.IdentifierType(names=[kind])))):
                 return self._converted(self._value(node.expr, variables), kind)
             case c_ast.BinaryOp(op=op, left=left, right=right):

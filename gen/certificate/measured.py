@@ -6,11 +6,10 @@ The library is compiled for this computer without its effects, which come after 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 
 from gen.certificate.compiled import printed, scratch
 from gen.certificate.document import LOW_BITS, Certificate
-from gen.certificate.exact import Ratios, ratios
+from gen.certificate.exact import Ratio, Ratios, ratios
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
 
@@ -42,6 +41,7 @@ int main() {{
 
 #: Bits after the binary point of a word that is read.
 _MOST_BITS = 31
+_NONE = Ratio(0)
 _TABLE = """\
         for (int i = 0; i < {order}; ++i) std::printf("%a ", (double)now.{at}.rate[i]);
         std::printf("%a ", (double)now.{at}.steady);
@@ -180,10 +180,10 @@ class Measured:
 
     table: Ratios
     first_pwm: int
-    start_K: Fraction
-    reading_K: Fraction
+    start_K: Ratio
+    reading_K: Ratio
     ambient: tuple[int, int] = (0, 0)
-    ambient_K: Fraction = Fraction(0)
+    ambient_K: Ratio = _NONE
 
 
 def measure(project: Project, certificate: Certificate) -> dict[str, Measured]:
@@ -239,9 +239,9 @@ def measure(project: Project, certificate: Certificate) -> dict[str, Measured]:
             words[k] = lowest, highest, most
         rows += len(parts)
     for part, line, (lowest, highest, most) in zip(parts, lines[rows:], words, strict=True):
-        start, reading = (int(text) * Fraction(1, 1000 << part.fraction_bits[0]) for text in line.split())
+        start, reading = (int(text) * Ratio(1, 1000 << part.fraction_bits[0]) for text in line.split())
         start /= 1 << LOW_BITS[certificate.arithmetic]
-        off = most * Fraction(1, 1000 << part.fraction_bits[0])
+        off = most * Ratio(1, 1000 << part.fraction_bits[0])
         own = table[:, first : first + part.order + 1]
         found[part.name] = Measured(own, low, start, reading, (lowest, highest), off)
         first += part.order + 1

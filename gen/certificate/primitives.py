@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
 from gen.certificate.affine import Affine, Space
 from gen.certificate.document import LOW_BITS
+from gen.certificate.exact import Ratio
 from gen.certificate.refuted import Refuted
 
 
@@ -57,13 +57,13 @@ def _product(space: Space, d: Affine, a: Affine, columns: int) -> Affine:
         raise Refuted("a product of two numbers that depend on the state")
     value = d.times(a.constant).as_kind("int64_t")
     most = np.frompyfunc(lambda rate: _most_dropped(int(rate), columns), 1, 1)(a.constant)
-    return space.uncertain(value, -most, Fraction(0))
+    return space.uncertain(value, -most, Ratio(0))
 
 
-def _most_dropped(rate: int, columns: int) -> Fraction:
+def _most_dropped(rate: int, columns: int) -> Ratio:
     """What the byte products left out can be, the bytes of d at most 255."""
     low = [rate >> 8 * j & 0xFF for j in range(columns)]
-    return Fraction(sum(255 * low[j] << 8 * (i + j) for i in range(columns) for j in range(columns - i)))
+    return Ratio(sum(255 * low[j] << 8 * (i + j) for i in range(columns) for j in range(columns - i)))
 
 
 def _high(space: Space, shift: int, columns: int, d: Affine, a: Affine) -> Affine:
@@ -79,20 +79,18 @@ def _add_word(space: Space, word: Cell, term: Cell) -> None:
 
 
 def _carry(space: Space, word: Cell, change: Affine, place: Affine) -> None:
-    part = space.fits(
-        space.shifted(change.times(Fraction(5461)), 16).as_kind("int32_t"), None, "a twelfth of q's change"
-    )
+    part = space.fits(space.shifted(change.times(Ratio(5461)), 16).as_kind("int32_t"), None, "a twelfth of q's change")
     bits = _whole(place)
     if not (bits in (0, 8, 16) or -31 <= bits < 0):
         raise Refuted(f"a carry in place {bits}")
-    moved = part.times(Fraction(1 << bits)) if bits >= 0 else space.shifted(part, -bits)
+    moved = part.times(Ratio(1 << bits)) if bits >= 0 else space.shifted(part, -bits)
     word.put(space, word.value + moved, "a sum")
 
 
 def _add_float(space: Space, word: Cell, value: Affine, shift: Affine) -> None:
-    scaled = value.times(Fraction(1 << ACCUMULATOR_BITS, 1 << _whole(shift))).as_kind("word")
+    scaled = value.times(Ratio(1 << ACCUMULATOR_BITS, 1 << _whole(shift))).as_kind("word")
     space.fits(scaled, 1 << 31 + ACCUMULATOR_BITS, "what is added to a word")
-    word.put(space, word.value + space.uncertain(scaled, Fraction(-1), Fraction(1)), "a sum")  # rounded towards zero
+    word.put(space, word.value + space.uncertain(scaled, Ratio(-1), Ratio(1)), "a sum")  # rounded towards zero
 
 
 def _whole(number: Affine) -> int:

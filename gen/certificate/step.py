@@ -13,13 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
 
 from gen.certificate.affine import Affine, Reach, Space
 from gen.certificate.document import Part
-from gen.certificate.exact import Floats, Ratios, floats
+from gen.certificate.exact import Floats, Ratio, Ratios, floats
 from gen.certificate.machine import Coefficients, Machine, State
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
@@ -40,7 +39,7 @@ class Drive:
     linear: Ratios
     ambient: Ratios
     constant: Ratios
-    share: Fraction
+    share: Ratio
 
 
 @dataclass(frozen=True)
@@ -92,7 +91,7 @@ class Recursion:
             raise Refuted(f"{part.name}: its functions are not those of one form")
         self.drive, self._factor = self._ideal_drive()
 
-    def runs(self, reach: Callable[[Fraction], Reach]) -> tuple[list[Run], Fraction]:
+    def runs(self, reach: Callable[[Ratio], Reach]) -> tuple[list[Run], Ratio]:
         """The run of the recursion with a PWM held, and the one after a change; and the largest |q|, in its unit.
 
         Parameters
@@ -105,7 +104,7 @@ class Recursion:
         Refuted
             If a number may leave its type.
         """
-        without = Space(self._symbols, self._rows, reach(Fraction(0)))
+        without = Space(self._symbols, self._rows, reach(Ratio(0)))
         largest = max(np.abs(end).max() for end in without.ends(self._q_of_w(without)))
         space = Space(self._symbols, self._rows, reach(largest))
         machine = Machine(self._project, self._arithmetic, space)
@@ -120,7 +119,7 @@ class Recursion:
             found.append(self._changed(space, machine, before))
         return found, largest
 
-    def _ideal_drive(self) -> tuple[Drive, Fraction]:
+    def _ideal_drive(self) -> tuple[Drive, Ratio]:
         """q, its share, and the units of what the carry is given of it in a unit of q."""
         n, space = self._order, Space(self._symbols, self._rows)
         machine = Machine(self._project, self._arithmetic, space)
@@ -128,7 +127,7 @@ class Recursion:
         q = self._q(machine, state)
         linear, ambient, constant = q.linear[:n], q.linear[self._place], q.constant
         if not self.carries:
-            return Drive(linear, ambient, constant, Fraction(0)), Fraction(1)
+            return Drive(linear, ambient, constant, Ratio(0)), Ratio(1)
         given = self._before(machine, state)
         factor = given.linear[0, 0] / linear[0, 0]
         if np.any(given.linear != factor * q.linear) or np.any(given.constant != factor * constant):
@@ -211,13 +210,13 @@ class Recursion:
         old = space.uncertain(space.symbol(n, before.kind).times(self._factor), low, high)
         return self._run(space, self._advanced(machine, state, self._carry(machine, state, old)))
 
-    def _rounding_of(self, space: Space, before: Affine) -> tuple[Fraction, Fraction]:
+    def _rounding_of(self, space: Space, before: Affine) -> tuple[Ratio, Ratio]:
         ideal = self._q_of_w(space).times(self._factor)
         rest = before - ideal.as_kind(before.kind)
         if rest.linear.any():
             raise Refuted(f"{self._part.name}: q is not the same for the carry as for the run")
         low, high = space.ends(rest)
-        return min(low.min(), Fraction(0)), max(high.max(), Fraction(0))
+        return min(low.min(), Ratio(0)), max(high.max(), Ratio(0))
 
     def _run(self, space: Space, state: State) -> Run:
         """W after the run, from x after it."""

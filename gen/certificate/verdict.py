@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
+
+from gen.certificate.exact import Ratio
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,7 @@ class Verdict:
     """
 
     name: str
-    bound_K: Fraction
-    reading_K: Fraction
-    proven_K: Fraction
+    bound_K: Ratio
+    reading_K: Ratio
+    proven_K: Ratio
     inequalities: int

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -115,13 +114,14 @@ def _proven(place: Path, certificate: AnyCertificate, progress: Callable[[str], 
 def _check_statement(certificate: AnyCertificate, coefficients: Model) -> None:
     """Whether a certificate is about a coefficient file's own equations."""
     from gen.certificate.document import Ambient, Equation
+    from gen.certificate.exact import Ratio
     from gen.certificate.network.document import NetworkCertificate
     from gen.firmware.certificate import ambient_of, equations
 
     model = coefficients.coefficients.model
     if (certificate.model, certificate.domain_pwm) != (model.name, model.domain_pwm):
         raise CheckFailed("the certificate is about another model or domain")
-    if certificate.sample_time_s != Fraction(model.sample_time):
+    if certificate.sample_time_s != Ratio(model.sample_time):
         raise CheckFailed("the certificate is about another sample time")
     if isinstance(certificate, NetworkCertificate) != (model.network is not None):
         raise CheckFailed("the certificate is about another kind of model")

@@ -15,7 +15,7 @@ from gen.certificate import document
 from gen.certificate.check import PartProof
 from gen.certificate.document import Equation, Pole, Schedule
 from gen.certificate.equation import enclose
-from gen.certificate.exact import BITS, Ratios, inverse, ratios
+from gen.certificate.exact import BITS, Ratio, Ratios, inverse, ratios
 from gen.certificate.measured import measure
 from gen.certificate.polytope import Directions, Images, largest
 from gen.certificate.refuted import Refuted
@@ -31,7 +31,7 @@ from tests.certificate.projects import DOMAIN, built, small
 
 
 def constant(value: float) -> Schedule:
-    return Schedule(pieces=[(0, 255, [Fraction(value)])])
+    return Schedule(pieces=[(0, 255, [Ratio(value)])])
 
 
 def test_distinct_real_poles_have_their_closed_form() -> None:
@@ -70,7 +70,7 @@ def test_a_triple_pole_has_its_closed_form() -> None:
 
 
 def test_a_negative_gain_is_taken_as_zero_outside() -> None:
-    gain = Schedule(pieces=[(0, 255, [Fraction(1), Fraction(-100)])])  # |PWM| - 100
+    gain = Schedule(pieces=[(0, 255, [Ratio(1), Ratio(-100)])])  # |PWM| - 100
     equation = Equation(poles=[Pole(real=constant(-1.0))], gain=gain, held=(0, 255), no_gain_outside=(80, 255))
     found = enclose(equation, (70, 90), Fraction(1, 4))
     assert all(value == 0 for value in found.steady[:10])

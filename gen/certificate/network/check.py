@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,7 @@ from typing import Any
 import numpy as np
 from pycparser import c_ast
 
-from gen.certificate.exact import ROUGHLY, Floats
+from gen.certificate.exact import ROUGHLY, Floats, Ratio
 from gen.certificate.network.arithmetic import Arithmetic, Number
 from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.network.evaluated import SLOPE_BITS, evaluated
@@ -320,7 +319,7 @@ class NetworkProof:
             raise Refuted(
                 f"{part.name}: what rise_mK gives may be off by {reading:.6g} K, claimed are {part.reading_K:.6g} K"
             )
-        return Verdict(part.name, Fraction(part.bound_K), Fraction(part.reading_K), Fraction(bound), inequalities)
+        return Verdict(part.name, Ratio(part.bound_K), Ratio(part.reading_K), Ratio(bound), inequalities)
 
 
 def _degrees(thousandths: int, towards: float) -> float:

@@ -9,16 +9,17 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import pairwise
 from math import inf, nextafter
 
 from gen.certificate.compiled import printed, scratch
+from gen.certificate.exact import Ratio
 from gen.certificate.network.document import Factor, NetworkCertificate
 from gen.certificate.source import Project
 
 _LONG = re.compile(r"\b(\d+)(U?)L\b")
-_FLAGS = ["-std=gnu++11", "-O2", "-ffp-contract=off", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]
+#: Compiled once and run once: optimising takes longer than it saves.
+_FLAGS = ["-std=gnu++11", "-O0", "-ffp-contract=off", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]
 #: Share by which long double results may be off: thirty operations of 2^-64 each.
 _LONG_DOUBLE = 2.0**-59
 
@@ -264,9 +265,7 @@ def measure(project: Project, certificate: NetworkCertificate, low_bits: int) ->
     count = len(certificate.components)
     sensors = {part.name: _sensor(line) for part, line in zip(certificate.components, lines[:count], strict=True)}
     told, start = (_up(int(word) / 1000) for word in lines[count].split())
-    return Measured(
-        told, start, sensors, _up(float(Fraction(int(lines[count + 1]), 1000 << certificate.fraction_bits)))
-    )
+    return Measured(told, start, sensors, _up(float(Ratio(int(lines[count + 1]), 1000 << certificate.fraction_bits))))
 
 
 def _sensor(line: str) -> Shown:
@@ -336,7 +335,7 @@ def _exact(number: int, factor: Factor) -> str:
     lines.append("    }")
     points = list(zip(factor.at, factor.value, strict=True))
     for (a, y), (b, z) in pairwise(points):
-        steep = abs(float((Fraction(z) - Fraction(y)) / (Fraction(b) - Fraction(a)))) * (1.0 + 2.0**-40)
+        steep = abs(float((Ratio(z) - Ratio(y)) / (Ratio(b) - Ratio(a)))) * (1.0 + 2.0**-40)
         size = abs(y) + abs(z) + 2.0 * steep * max(abs(a), abs(b))
         lines.append(f"    if (x <= {_literal(b)}) {{")
         lines.append(f"        *size = {_literal(_up(size))};")

@@ -7,11 +7,10 @@ at x - g / (1 + g) (x - base). The C++ has a product with an unsigned word for e
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
 
-from gen.certificate.exact import ROUGHLY
+from gen.certificate.exact import ROUGHLY, Ratio
 from gen.certificate.network.arithmetic import Arithmetic, Number
 from gen.certificate.network.document import Component
 from gen.certificate.network.forms import Form, Space
@@ -73,7 +72,7 @@ class Sensors:
         for reading in (made, made - room):
             if not np.all(reading.largest * (1.0 + ROUGHLY) < 2.0**31 - 8.0):
                 raise Refuted(f"{part.name}: what is read may overflow")
-        exact = self._exact(part, space, Fraction(part.shown_per_K or 0.0)) + space.number(part.shown_K)
+        exact = self._exact(part, space, Ratio(part.shown_per_K or 0.0)) + space.number(part.shown_K)
         return self._away(made, exact)
 
     def start(self, part: Component, asked: tuple[float, float]) -> tuple[tuple[float, float], float]:
@@ -98,9 +97,9 @@ class Sensors:
         """
         own = self.measured.sensors[part.name]
         ends = (asked[0] - part.shown_K, asked[1] - part.shown_K)
-        back = Fraction(part.shown_per_K or 0.0) / (1 + Fraction(part.shown_per_K or 0.0))
+        back = Ratio(part.shown_per_K or 0.0) / (1 + Ratio(part.shown_per_K or 0.0))
         bases = self.ambient if part.shown_about == "ambient" else (0.0,)
-        corners = [float((1 - back) * Fraction(x) + back * Fraction(base)) for x in ends for base in bases]
+        corners = [float((1 - back) * Ratio(x) + back * Ratio(base)) for x in ends for base in bases]
         space = Space([ends, self.ambient], [], 1)
         wrong = self.measured.start + abs(own.offset - part.shown_K / self.word_K)
         seen = self._words(space.temperature(_FIRST)).within(wrong * (1.0 + ROUGHLY))
@@ -125,7 +124,7 @@ class Sensors:
         return made
 
     @staticmethod
-    def _exact(part: Component, space: Space, weight: Fraction) -> Form:
+    def _exact(part: Component, space: Space, weight: Ratio) -> Form:
         """A temperature, and a share of its distance from the base, degC."""
         at = space.temperature(_FIRST)
         over = at - space.temperature(_AMBIENT) if part.shown_about == "ambient" else at

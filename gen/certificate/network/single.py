@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from fractions import Fraction
 
 import numpy as np
 
+from gen.certificate.exact import Ratio
 from gen.certificate.refuted import Refuted
 
 _LITERAL = re.compile(r"\d+\.?\d*(?:e[+-]?\d+)?f")
@@ -23,12 +23,12 @@ def single(literal: str) -> float:
     if not _LITERAL.fullmatch(literal):
         raise Refuted(f"{literal} is no number of float32")
     with np.errstate(over="ignore"):
-        exact, found = Fraction(literal[:-1]), np.float32(literal[:-1])
+        exact, found = Ratio(literal[:-1]), np.float32(literal[:-1])
     if not np.isfinite(found):
         raise Refuted(f"{literal} is no number of float32")
-    off = abs(exact - Fraction(float(found)))
+    off = abs(exact - Ratio(float(found)))
     beside = [float(np.nextafter(found, np.float32(end))) for end in (-np.inf, np.inf)]
     # Read by way of float64, which could round twice.
-    if any(np.isfinite(other) and abs(exact - Fraction(other)) <= off for other in beside):
+    if any(np.isfinite(other) and abs(exact - Ratio(other)) <= off for other in beside):
         raise Refuted(f"{literal} lies between two numbers of float32")
     return float(found)
