@@ -10,6 +10,7 @@ from gen.identification.network.fitting.bins import FloatArray
 from gen.refinement.judgement import p_of_gains
 from gen.refinement.network.data import Data
 from gen.refinement.network.fit import Fitted
+from gen.refinement.verdict import EXPLAINED, NOTHING
 
 LEAST_NOISE_K = 0.05
 BLOCK_S = 1800.0
@@ -74,6 +75,20 @@ def blocks(data: Data, error: FloatArray) -> FloatArray:
 def p_better(data: Data, worse: Judged, better: Judged) -> float:
     """One-sided p-value that one predicts what was left out better than another, by blocks."""
     return p_of_gains(blocks(data, worse.error) - blocks(data, better.error))
+
+
+def worst_sensor(data: Data, of: Judged) -> float:
+    """The largest left-out error of one sensor in its noise floors."""
+    cover = np.where(np.isfinite(of.error), data.inputs.covered, 0.0)
+    square = np.sum(cover * np.nan_to_num(of.error) ** 2, axis=0) / np.maximum(cover.sum(axis=0), 1e-9)
+    noise = np.mean([run.noise_K**2 for run in data.inputs.runs[: data.later]], axis=0)
+    noise = np.maximum(noise, LEAST_NOISE_K**2)
+    return float(np.sqrt(np.max((square + noise) / noise)))
+
+
+def is_explained(data: Data, of: Judged) -> bool:
+    """Whether so little is left that a verdict would call it explained."""
+    return of.floors <= EXPLAINED and worst_sensor(data, of) <= NOTHING
 
 
 def doubts(fitted: Fitted) -> list[str]:

@@ -9,7 +9,7 @@ from gen.refinement.network.anchored import Anchored
 from gen.refinement.network.data import Data
 from gen.refinement.network.effects import candidates
 from gen.refinement.network.fit import Bench
-from gen.refinement.network.judged import Judged, judged
+from gen.refinement.network.judged import Judged, is_explained, judged
 from gen.refinement.network.paths import exchanged, followed, from_another_beginning
 from gen.refinement.network.search import LEAST_GAIN_BESIDE, Considered, Step
 
@@ -53,13 +53,15 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
     progress("the network without any effect")
     base = bench.first(shape)
     null = judged(data, base, bench.left_out(base))
-    every = candidates(shape.motor(), data.offered)
+    file = judged(data, base, bench.as_it_is(shape))
+    # What the file holds as it is needs no effect, however much its numbers would like to be others.
+    every = () if is_explained(data, file) else candidates(shape.motor(), data.offered)
     path = followed(bench, (), null, every, progress)
     path = from_another_beginning(bench, path, every, progress)
     path = exchanged(bench, path, every, progress)
     left, now = needed(bench, list(path.steps), path.now, progress)
     dropped = tuple(step.added for step in path.steps if step.added is not None and step not in left)
-    return Traced(data, judged(data, base, bench.as_it_is(shape)), null, tuple(left), now, dropped)
+    return Traced(data, file, null, tuple(left), now, dropped)
 
 
 def needed(

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from gen.refinement.network.effects.warm_start import WarmStart
+from gen.refinement.network.judged import worst_sensor
 from gen.refinement.network.trace import Traced
 from gen.refinement.verdict import EXPLAINED, NOTHING, Verdict
 
@@ -23,17 +22,8 @@ def network_verdict(traced: Traced, start: WarmStart, *, anything: bool, holds: 
     holds
         Whether the file may hold all of it: what it does not hold it does not explain.
     """
-    worst = _worst_sensor(traced)
+    worst = worst_sensor(traced.data, traced.final)
     if not anything:
         return "nothing missing" if max(traced.null.floors, start.floors, worst) <= NOTHING else "unexplained"
     near = max(traced.final.floors, start.floors) <= EXPLAINED and worst <= NOTHING
     return "explained" if near and holds else "partly explained"
-
-
-def _worst_sensor(traced: Traced) -> float:
-    """The largest left-out error of one sensor in its noise floors."""
-    data, error = traced.data, traced.final.error
-    cover = np.where(np.isfinite(error), data.inputs.covered, 0.0)
-    square = np.sum(cover * np.nan_to_num(error) ** 2, axis=0) / np.maximum(cover.sum(axis=0), 1e-9)
-    noise = np.maximum(np.mean([run.noise_K**2 for run in data.inputs.runs[: data.later]], axis=0), 0.05**2)
-    return float(np.sqrt(np.max((square + noise) / noise)))
