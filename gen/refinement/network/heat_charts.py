@@ -1,4 +1,4 @@
-"""The heat that would explain what is left, over time, as the report draws it."""
+"""The heat or cooling that would explain what is left, over time, as the report draws it."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from gen.pages.panels import Course, Panel, Panels
 from gen.refinement.errors import Errors
+from gen.refinement.network.courses import Quantity, RunCourse
 from gen.refinement.network.effects.base import WHOLE
-from gen.refinement.network.heat_course import RunHeat
 from gen.refinement.network.missing_heat import MissingHeat
 from gen.refinement.network.uneven import Pattern
 from gen.refinement.run_charts import LONG_S
@@ -24,6 +24,11 @@ _MEANING: dict[Pattern, str] = {
     "grows": "At the same speed it goes one way from run to run: something wears, gathers dust, or is loaded more.",
     "since": "At the same speed it is another one from some time on: something changed for good.",
 }
+_TITLES: dict[Quantity, str] = {
+    "heat": "Heat that would explain what is left",
+    "conductance": "Cooling that would explain what is left",
+}
+_WHATS: dict[Quantity, str] = {"heat": "a heat", "conductance": "a conductance that is added"}
 
 
 @dataclass(frozen=True)
@@ -32,8 +37,10 @@ class HeatStory:
 
     Attributes
     ----------
+    title, what
+        Whether it is heat or cooling, as a heading and in a sentence.
     place, beside
-        Where the heat is, and where else it may be.
+        Where it is, and where else, or what else, it may be.
     meaning
         A sentence.
     charts
@@ -42,6 +49,8 @@ class HeatStory:
         A sentence where there are more runs than are drawn.
     """
 
+    title: str
+    what: str
     place: str
     beside: str
     meaning: str
@@ -63,44 +72,49 @@ def heat_story(missing: MissingHeat, errors: Errors, short: dict[str, str]) -> H
     """
     courses = missing.course.runs
     # One scale for all: runs are compared.
-    ends = [one.heat_W + sign * one.deviation_W for one in courses for sign in (-1.0, 1.0)]
+    ends = [one.value + sign * one.deviation for one in courses for sign in (-1.0, 1.0)]
     low, high = min(float(end.min()) for end in ends), max(float(end.max()) for end in ends)
     charts = tuple(_chart(one, missing, errors, short, (low, high)) for one in courses[:MOST_CHARTS])
     more = len(courses) - len(charts)
+    others = [_place(name, missing.course.quantity) for name in missing.places]
     return HeatStory(
-        place=_place(missing.course.component),
-        beside=f" (or, nearly as likely, {', '.join(_place(name) for name in missing.places)})" * bool(missing.places),
+        title=_TITLES[missing.course.quantity],
+        what=_WHATS[missing.course.quantity],
+        place=_place(missing.course.component, missing.course.quantity),
+        beside=f" (or, nearly as likely, {', '.join(others)})" * bool(others),
         meaning=_MEANING[missing.uneven.pattern],
         charts=charts,
         not_drawn=f"{more} more runs are in the JSON summary." if more else "",
     )
 
 
-def _place(component: str) -> str:
-    return "in all parts, as the file's heats are" if component == WHOLE else f"at {component}"
+def _place(component: str, quantity: Quantity) -> str:
+    if component == WHOLE:
+        return "in all parts, as the file's heats are" if quantity == "heat" else "on all paths to the ambient together"
+    return f"at {component}" if quantity == "heat" else f"from {component} to the ambient"
 
 
 def _chart(
-    one: RunHeat, missing: MissingHeat, errors: Errors, short: dict[str, str], ends: tuple[float, float]
+    one: RunCourse, missing: MissingHeat, errors: Errors, short: dict[str, str], ends: tuple[float, float]
 ) -> Panels:
     name = missing.names[one.run]
     curve = errors.curves[name]
     unit, seconds = ("h", 3600.0) if curve.span_s > LONG_S else ("min", 60.0)
     time = one.time_s / seconds
-    outline = np.concatenate([one.heat_W + one.deviation_W, (one.heat_W - one.deviation_W)[::-1]])
+    outline = np.concatenate([one.value + one.deviation, (one.value - one.deviation)[::-1]])
     pwm = curve.pwm.thinned(MOST_POINTS)
     return Panels(
         identifier=f"heat-{one.run}",
         title=short[name],
-        description=f"Missing heat of {missing.course.component}, from {one.heat_W.min():.3g} to "
-        f"{one.heat_W.max():.3g} W; below, PWM.",
+        description=f"Missing {missing.course.quantity} of {missing.course.component}, from {one.value.min():.3g} to "
+        f"{one.value.max():.3g} {missing.course.unit}; below, PWM.",
         x_label=f"time ({unit})",
         panels=(
             Panel(
-                "W",
+                missing.course.unit,
                 (
                     Course("band", np.concatenate([time, time[::-1]]).tolist(), outline.tolist(), "area"),
-                    Course("after", time.tolist(), one.heat_W.tolist()),
+                    Course("after", time.tolist(), one.value.tolist()),
                 ),
                 110.0,
                 from_zero=True,

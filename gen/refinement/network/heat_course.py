@@ -1,37 +1,35 @@
-"""Which heat over time would explain what is left: a course that nothing in the file or the runs' columns holds.
+"""Which course over time would explain what is left: one that nothing in the file or the runs' columns holds.
 
-Heat at one node, or all heat of the motor in the proportions of its file, is a random walk over blocks of five minutes.
-It is fitted together with all that the file leaves open, by Gauss and Newton's steps from what was found; how fast it
-may walk, and where it is, is what makes the readings most likely (Kitagawa and Gersch, Smoothness priors analysis of
-time series, Springer 1996, ch. 3). Readings count by the sensors' noise here, and not by what is left: that is what is
-asked for.
+Heat at one node, or all heat of the motor in the proportions of its file; or conductance to the ambient at one node, or
+at all, in the proportions of the file's. It is a random walk over blocks of five minutes, fitted together with all that
+the file leaves open, by Gauss and Newton's steps from what was found; how fast it may walk, what it is, and where, is
+what makes the readings most likely. Readings count by the sensors' noise here, and not by what is left: that is what
+is asked for.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import cho_factor, cho_solve
 
-from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.simulation import steps_of
 from gen.identification.network.fitting.weights import independent
 from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.courses import Blocks, Course, along, blocks_of
 from gen.refinement.network.data import Data
 from gen.refinement.network.effects.base import WHOLE
 from gen.refinement.network.fit import Bench, Fitted
+from gen.refinement.network.moving import Moving, MovingCooling, MovingHeat, given, with_course
+from gen.refinement.network.walk import walked
 
-BLOCK_S, MOST_BLOCKS = 300.0, 400
-"""Length of a block, and how many all runs together may have: then blocks are longer."""
-WALKS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0)
-"""How far heat may walk within `WALKED_S`, as shares of the motor's whole heat at full speed: standard deviations."""
-WALKED_S = 600.0
 ROUNDS, SAME, LIKELIEST = 8, 1.0, 3
 """Linearisations, the gain of evidence below which there is no further one, and how many places are worth more than
-one: what was found was fitted without the heat, and is bent by it."""
+one: what was found was fitted without the course, and is bent by it."""
 FARTHEST = 0.7
 """By which no capacity, conductance or heat changes in one of them, as a logarithm."""
 _TINY = 1e-9
@@ -39,73 +37,44 @@ _TINY = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class RunHeat:
-    """One run's course, block by block, shape (k,) each.
+class _Asked:
+    """What may be missing.
 
     Attributes
     ----------
-    run
-        Which of the later runs.
-    time_s
-        The middles of the blocks, from the run's first row.
-    heat_W, deviation_W
-        What is missing, and its standard deviation.
-    turning
-        The share of the block in which the motor turns.
-    speed
-        Mean |PWM| over full scale while it does.
+    term
+        It, in the network.
+    typical
+        What it may be at the start: W, or what the network has of conductance itself where it is None.
     """
 
-    run: int
-    time_s: FloatArray
-    heat_W: FloatArray
-    deviation_W: FloatArray
-    turning: FloatArray
-    speed: FloatArray
+    term: Moving
+    typical: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
-class HeatCourse:
-    """Heat at one place, over all runs.
+class _Stage:
+    """One linearised fit of a course: it, and where the next one begins.
 
     Attributes
     ----------
-    component
-        A node, or the whole motor.
-    likelihood
-        Logarithm of the readings' likelihood with it, but for a constant that all courses of the same runs share.
-    evidence
-        By how much that is more than without any heat.
-    left
-        Weighed squares that are left with it, over those without.
-    runs
-        The later runs.
+    course
+        The course.
+    vector
+        All other numbers beside it.
+    value
+        Of each block, in the unit of its typical one, shape (K,).
     """
 
-    component: str
-    likelihood: float
-    evidence: float
-    left: float
-    runs: tuple[RunHeat, ...]
+    course: Course
+    vector: FloatArray
+    value: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class _Blocks:
-    """Blocks of one run: its bins, the block of each, and where the first block stands among all."""
+def fitted_courses(bench: Bench, fitted: Fitted, shape: Anchored) -> list[Course]:
+    """Give the course of each quantity at each place, the likeliest first.
 
-    rows: IntArray
-    block: IntArray
-    first: int
-    count: int
-
-    def mean(self, values: FloatArray, weight: FloatArray) -> FloatArray:
-        """Average over each block, values and weights by bin; 0 where all weights are."""
-        total = np.bincount(self.block, weight, self.count)
-        return np.asarray(np.bincount(self.block, values * weight, self.count) / np.maximum(total, 1e-9))
-
-
-def heat_courses(bench: Bench, fitted: Fitted, shape: Anchored) -> list[HeatCourse]:
-    """Give the course at each place, the likeliest first; those behind the first few are of one linear step.
+    Those behind the first few of each quantity are of one linear step.
 
     Parameters
     ----------
@@ -118,32 +87,56 @@ def heat_courses(bench: Bench, fitted: Fitted, shape: Anchored) -> list[HeatCour
     """
     problem, vector = bench.begin(shape, fitted)
     problem = problem.weighed(_weights(bench.data))
-    unknown = _Unknown(problem, vector, _blocks(problem, bench.data.later))
-    heat = np.maximum(unknown.heat, 0.0)
-    patterns = {}
-    for node in range(shape.base_nodes):
-        patterns[shape.names[node]] = np.zeros_like(heat)
-        patterns[shape.names[node]][:, node] = 1.0
-    patterns[WHOLE] = heat / np.maximum(heat.sum(axis=1, keepdims=True), _TINY)
+    blocks = blocks_of(problem.inputs, bench.data.later)
+    begun = _Unknown(problem, vector, blocks)
+    made: list[Course] = []
+    for offered in (_heats(shape), _coolings(shape)):
+        none = np.zeros(sum(one.count for one in blocks))
+        first = [(begun.course(one, none, begun.cost), one) for one in offered]
+        first.sort(key=lambda pair: -pair[0].course.evidence)
+        made += [_converged(problem, blocks, stage, one, begun.cost) for stage, one in first[:LIKELIEST]]
+        # One linear step promises too much: the others stand behind those that were fitted to the end.
+        least = min((one.evidence for one in made), default=0.0)
+        made += [_no_more(stage.course, least) for stage, _ in first[LIKELIEST:]]
+    return sorted(made, key=lambda one: -one.evidence)
+
+
+def _no_more(course: Course, least: float) -> Course:
+    over = max(course.evidence - least, 0.0)
+    return replace(course, evidence=course.evidence - over, likelihood=course.likelihood - over)
+
+
+def _heats(shape: Anchored) -> list[_Asked]:
+    terms = [MovingHeat(shape.names[node], node) for node in range(shape.base_nodes)] + [MovingHeat(WHOLE, None)]
     typical = shape.motor().typical_W
-    first = [(unknown.course(name, pattern, typical, unknown.cost), pattern) for name, pattern in patterns.items()]
-    first.sort(key=lambda one: -one[0][0].evidence)
-    made = [_converged(unknown, *begun, pattern, typical) for begun, pattern in first[:LIKELIEST]]
-    # One linear step promises too much: the others stand behind those that were fitted to the end.
-    return [*sorted(made, key=lambda one: -one.evidence), *(course for (course, _), _ in first[LIKELIEST:])]
+    return [_Asked(term, typical) for term in terms]
+
+
+def _coolings(shape: Anchored) -> list[_Asked]:
+    outer = shape.motor().outer
+    terms = [MovingCooling(shape.names[shape.base_paths[q][0]], [q], [outer]) for q in outer]
+    if len(outer) > 1:
+        terms.append(MovingCooling(WHOLE, outer, [[q] for q in outer]))
+    return [_Asked(term) for term in terms]
 
 
 def _converged(
-    unknown: _Unknown, course: HeatCourse, vector: FloatArray, pattern: FloatArray, typical: float
-) -> HeatCourse:
-    """Fit the heat of one place from where the fit before it ended, until the readings get no likelier."""
-    none = unknown.cost
+    problem: Problem[Anchored], blocks: Sequence[Blocks], stage: _Stage, asked: _Asked, none: float
+) -> Course:
+    """Fit the course of one place from where the fit before it ended, until the readings get no likelier."""
     for _ in range(ROUNDS - 1):
-        unknown, last = unknown.at(vector), course
-        course, vector = unknown.course(course.component, pattern, typical, none)
-        if abs(course.evidence - last.evidence) < SAME:
+        last = stage.course
+        stage = _at(problem, stage, blocks, asked).course(asked, stage.value, none)
+        if abs(stage.course.evidence - last.evidence) < SAME:
             break
-    return course
+    return stage.course
+
+
+def _at(problem: Problem[Anchored], stage: _Stage, blocks: Sequence[Blocks], asked: _Asked) -> _Unknown:
+    """Linearise at what was found, the course included: all other numbers act on temperatures as they are with it."""
+    inputs = with_course(problem.inputs, along(blocks, stage.value, problem.inputs.level.size))
+    shape = problem.structure.with_effects(*problem.structure.effects, asked.term)
+    return _Unknown(replace(problem, structure=shape, inputs=inputs), stage.vector, blocks)
 
 
 def _weights(data: Data) -> FloatArray:
@@ -154,21 +147,8 @@ def _weights(data: Data) -> FloatArray:
     return np.where(inputs.covered > 0.0, inputs.covered / np.where(density > 0.0, density, np.inf), 0.0)
 
 
-def _blocks(problem: Problem[Anchored], later: int) -> list[_Blocks]:
-    inputs = problem.inputs
-    length = max(BLOCK_S, sum(run.duration for run in inputs.runs[:later]) / MOST_BLOCKS)
-    made: list[_Blocks] = []
-    first = 0
-    for rows in inputs.rows[:later]:
-        middle = inputs.begins[rows] + 0.5 * inputs.width[rows]
-        distinct, block = np.unique((middle // length).astype(np.int64), return_inverse=True)
-        made.append(_Blocks(rows, np.ravel(block), first, distinct.size))
-        first += distinct.size
-    return made
-
-
 class _Unknown:
-    """The normal equations of all numbers at once, to which the heat of one place is added.
+    """The normal equations of all numbers at once, to which the course of one place is added.
 
     Parameters
     ----------
@@ -178,72 +158,90 @@ class _Unknown:
         Of the later runs.
     """
 
-    def __init__(self, problem: Problem[Anchored], vector: FloatArray, blocks: Sequence[_Blocks]) -> None:
+    def __init__(self, problem: Problem[Anchored], vector: FloatArray, blocks: Sequence[Blocks]) -> None:
         self._problem, self._vector, self._blocks = problem, vector, blocks
         found = problem.structure.physical(problem.inputs.levels, vector)
-        #: Of each node at each distinct input, W, shape (L, n).
-        self.heat = found.heat
         self._steps = steps_of(problem.structure, problem.inputs.levels, found)
         evaluated, slopes = problem.slopes(vector)
-        self._residual, self._slopes = evaluated.residual, slopes
-        matrix, right = problem.assembled(problem.linearised(vector)[1], vector)
+        self._residual, self._slopes, self._after = evaluated.residual, slopes, evaluated.after
+        matrix, self._right = problem.assembled(problem.linearised(vector)[1], vector)
         self._numbers = cho_factor(matrix + _TINY * np.diag(np.diag(matrix)), check_finite=False)
-        self._alone = cho_solve(self._numbers, right, check_finite=False)
-        #: Weighed squares at the minimum without any heat.
-        self.cost = evaluated.cost + problem.penalty(vector) - float(right @ self._alone)
+        self._begun = evaluated.cost + problem.penalty(vector)
+        alone = cho_solve(self._numbers, self._right, check_finite=False)
+        #: Weighed squares at the minimum without a further course.
+        self.cost = self._begun - float(self._right @ alone)
 
-    def at(self, vector: FloatArray) -> _Unknown:
-        """The same, linearised elsewhere."""
-        return _Unknown(self._problem, vector, self._blocks)
-
-    def course(self, name: str, pattern: FloatArray, typical: float, none: float) -> tuple[HeatCourse, FloatArray]:
-        """Fit the heat of one place.
+    def course(self, asked: _Asked, value: FloatArray, none: float) -> _Stage:
+        """Fit the course of one place.
 
         Parameters
         ----------
-        name
-            What to call it.
-        pattern
-            Heat at each node for one watt of it, at each distinct input, shape (L, n).
-        typical
-            The motor's whole heat at full speed, W: what heat may be at the start.
+        asked
+            What, and where.
+        value
+            Its values in the present model, shape (K,), units of the term.
         none
-            Weighed squares without any heat.
-
-        Returns
-        -------
-        course, vector
-            And all other numbers beside it.
+            Weighed squares without any course.
         """
-        size = sum(one.count for one in self._blocks)
-        own, beside = np.zeros((size, size)), np.zeros((size, self._problem.size))
-        right = np.zeros(size)
+        own, beside = np.zeros((value.size, value.size)), np.zeros((value.size, self._problem.size))
+        right = np.zeros(value.size)
+        unit, pattern = self._unit_and_pattern(asked.term)
         answers = self._answers(pattern)
         for number, blocks in enumerate(self._blocks):
-            at, weight = slice(blocks.first, blocks.first + blocks.count), self._problem.inputs.weight[blocks.rows]
+            at, weight = blocks.at, self._problem.inputs.weight[blocks.rows]
             lines = answers[blocks.rows, :, : blocks.count]
             weighed = (lines * weight[:, :, None]).reshape(-1, blocks.count)
             slopes = self._slopes[blocks.rows].astype(np.float64)
             own[at, at] = weighed.T @ lines.reshape(-1, blocks.count)
             beside[at, self._problem.columns(number)] = weighed.T @ slopes.reshape(-1, slopes.shape[-1])
             right[at] = weighed.T @ self._residual[blocks.rows].ravel()
+        # What would be left, to first order, without what the model already has of it.
+        begun = self._begun + float(value @ (2.0 * right + own @ value))
+        right = right + own @ value
+        numbers = self._right + value @ beside
         # All other numbers at what is best for each course.
-        by_heat = cho_solve(self._numbers, beside.T, check_finite=False)
-        own -= beside @ by_heat
-        right -= beside @ self._alone
-        walked = [self._walked(own, right, share * typical, typical) for share in WALKS]
-        likely, heat, variance, relief = max(walked, key=lambda one: one[0])
-        deviation = np.sqrt(np.maximum(variance, 0.0))
-        runs = tuple(self._of_run(number, blocks, heat, deviation) for number, blocks in enumerate(self._blocks))
-        left = self.cost - relief
-        likelihood = likely - 0.5 * self.cost
-        course = HeatCourse(name, likelihood, likelihood + 0.5 * none, max(left, 0.0) / max(none, _TINY), runs)
-        step = self._alone - by_heat @ heat
+        by_course = cho_solve(self._numbers, beside.T, check_finite=False)
+        alone = cho_solve(self._numbers, numbers, check_finite=False)
+        own = own - beside @ by_course
+        right = right - beside @ alone
+        cost = begun - float(numbers @ alone)
+        typical = 1.0 if asked.typical is None else asked.typical / max(unit, _TINY)
+        found = walked(own, right, self._problem.inputs, self._blocks, typical)
+        deviation = unit * np.sqrt(np.maximum(found.variance, 0.0))
+        inputs = self._problem.inputs
+        runs = tuple(b.course(number, inputs, unit * found.value, deviation) for number, b in enumerate(self._blocks))
+        likelihood = found.evidence - 0.5 * cost
+        left = max(cost - found.relief, 0.0) / max(none, _TINY)
+        term = asked.term
+        course = Course(term.quantity, term.component, likelihood, likelihood + 0.5 * none, left, runs, usual=unit)
+        step = alone - by_course @ found.value
         most = float(np.abs(step[: self._problem.structure.offsets[0]]).max())
-        return course, self._vector + step * min(1.0, FARTHEST / max(most, _TINY))
+        step *= min(1.0, FARTHEST / max(most, _TINY))
+        return _Stage(course, self._vector + step, found.value)
+
+    def _unit_and_pattern(self, term: Moving) -> tuple[float, FloatArray]:
+        """What one unit of a course is, W or W/K, and its heat at each node in each bin, shape (N, n), W."""
+        problem, inputs = self._problem, self._problem.inputs
+        shape, levels = problem.structure, inputs.levels
+        if term not in shape.effects:
+            shape = shape.with_effects(*shape.effects, term)
+            levels = replace(levels, further=np.column_stack([levels.further, np.zeros(levels.count)]))
+        none, one = (shape.physical(given(levels, value), self._vector) for value in (0.0, 1.0))
+        heat, conductance = one.heat - none.heat, one.conductance - none.conductance
+        made = heat[inputs.level]
+        # A conductance takes heat by the node's excess over the ambient: by its mean over the bin.
+        before = self._after.copy()
+        for rows in inputs.rows:
+            before[rows[1:]] = self._after[rows[:-1]]
+        excess = 0.5 * (before + self._after) - problem.ambient(self._vector)[:, None]
+        for q in term.acts_on:
+            node = shape.base_paths[q][0]
+            made[:, node] -= conductance[inputs.level, q] * excess[:, node]
+        each = heat if term.quantity == "heat" else conductance
+        return float(each.sum(axis=1).max()), made
 
     def _answers(self, pattern: FloatArray) -> FloatArray:
-        """What sensors show of one watt in each block of the bin's run, shape (N, S, k), K."""
+        """What sensors show of a heat at each node in each bin, by the block of the bin's run, shape (N, S, k), K."""
         problem, steps = self._problem, self._steps
         structure, inputs = problem.structure, problem.inputs
         most = max(one.count for one in self._blocks)
@@ -255,45 +253,10 @@ class _Unknown:
             for row, block in zip(blocks.rows, blocks.block, strict=True):
                 level = inputs.level[row]
                 after = steps.matrix[level] @ before
-                after[:, block] += steps.gain[level] @ pattern[level]
+                after[:, block] += steps.gain[level] @ pattern[row]
                 change = (after - before)[: structure.sensors]
                 made[row] = before[: structure.sensors] + inputs.share[row][:, None] * change
                 changes[row] = change[lagging] / inputs.width[row]
                 before = after
         structure.through_sensors(inputs, self._vector, made, changes)
         return made
-
-    def _walked(
-        self, own: FloatArray, right: FloatArray, walks: float, typical: float
-    ) -> tuple[float, FloatArray, FloatArray, float]:
-        """Fit with one speed of the walk: evidence, heat (W), its variance (W^2), and decrease of the cost."""
-        prior = np.zeros_like(own)
-        logarithm = 0.0  # of the prior's determinant: that of a walk is the product over its steps
-        inputs = self._problem.inputs
-        for blocks in self._blocks:
-            middle = blocks.mean(inputs.begins[blocks.rows], np.ones(blocks.rows.size))
-            precision = WALKED_S / (walks**2 * np.maximum(np.diff(middle), 1.0))
-            steps = np.diff(np.eye(blocks.count), axis=0)
-            at = slice(blocks.first, blocks.first + blocks.count)
-            prior[at, at] = steps.T @ (precision[:, None] * steps)
-            prior[blocks.first, blocks.first] += typical**-2
-            logarithm += float(np.log(precision).sum()) - 2.0 * np.log(typical)
-        lower = np.linalg.cholesky(own + prior)
-        half = solve_triangular(lower, right, lower=True, check_finite=False)
-        relief = float(half @ half)
-        evidence = 0.5 * (relief + logarithm) - float(np.log(np.diag(lower)).sum())
-        heat = solve_triangular(lower.T, half, lower=False, check_finite=False)
-        inverse = solve_triangular(lower, np.eye(right.size), lower=True, check_finite=False)
-        return evidence, heat, np.sum(inverse**2, axis=0), relief
-
-    def _of_run(self, number: int, blocks: _Blocks, heat: FloatArray, deviation: FloatArray) -> RunHeat:
-        inputs, at = self._problem.inputs, slice(blocks.first, blocks.first + blocks.count)
-        width, turns = inputs.width[blocks.rows], 1.0 - inputs.rest[blocks.rows]
-        return RunHeat(
-            number,
-            blocks.mean(inputs.begins[blocks.rows] + 0.5 * width, width),
-            heat[at],
-            deviation[at],
-            blocks.mean(turns, width),
-            blocks.mean(inputs.speed[blocks.rows], turns * width),
-        )

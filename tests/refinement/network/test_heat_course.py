@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 
 from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.courses import Course
 from gen.refinement.network.data import make_data
 from gen.refinement.network.fit import Bench
-from gen.refinement.network.heat_course import HeatCourse, heat_courses
-from gen.refinement.network.uneven import Uneven, told, uneven
+from gen.refinement.network.heat_course import fitted_courses
+from gen.refinement.network.missing_heat import likeliest
+from gen.refinement.network.told_course import told
+from gen.refinement.network.uneven import Uneven, uneven
 from gen.runs import Run
 from tests.refinement.network.motor import HOURS, ROW_S, FloatArray, Tree, read, run, tree
 
@@ -33,7 +36,7 @@ def loaded(where: str) -> Tree:
     return motor
 
 
-def courses(motor: Tree, loads: list[FloatArray] | None = None) -> list[HeatCourse]:
+def courses(motor: Tree, loads: list[FloatArray] | None = None) -> list[Course]:
     """What is missing in runs of a motor, with the small motor's file."""
     runs: list[tuple[str, Run]] = []
     for number, name in enumerate(NAMES):
@@ -43,10 +46,10 @@ def courses(motor: Tree, loads: list[FloatArray] | None = None) -> list[HeatCour
     network = read(tree()).model.network
     assert network is not None
     base = bench.first(Anchored(network, 255, bench.data.columns))
-    return heat_courses(bench, base, base.shape)
+    return likeliest(fitted_courses(bench, base, base.shape))
 
 
-def judged(found: list[HeatCourse]) -> Uneven:
+def judged(found: list[Course]) -> Uneven:
     made = uneven(found)
     assert made is not None
     return made
@@ -68,14 +71,14 @@ def test_a_load_that_nobody_logged_is_seen_where_and_when_it_was(where: str) -> 
     for one, load in zip(found[0].runs, loads, strict=True):
         true = np.array([load[np.abs(time_s() - middle) < 150.0].mean() for middle in one.time_s])
         held = (true == 0.0) | (true == LOAD_W)  # blocks in which it does not change
-        assert np.corrcoef(one.heat_W, true)[0, 1] > 0.9
-        away = (one.heat_W - true)[held]
+        assert np.corrcoef(one.value, true)[0, 1] > 0.9
+        away = (one.value - true)[held]
         assert np.abs(np.median(away)) < 0.05 * LOAD_W  # all heats together are known to some percent
-        assert np.mean(np.abs(away) < 3.0 * one.deviation_W[held] + 0.2) > 0.9
+        assert np.mean(np.abs(away) < 3.0 * one.deviation[held] + 0.2) > 0.9
     said = judged(found)
     assert said.pattern == "comes and goes"
-    assert said.high_W - said.low_W == pytest.approx(LOAD_W, rel=0.1)
-    assert where in told(said, found[0].component, NAMES)
+    assert said.high - said.low == pytest.approx(LOAD_W, rel=0.1)
+    assert where in told(said, found[0], NAMES)
 
 
 def test_heat_of_one_run_alone_is_told_by_run() -> None:
@@ -83,8 +86,8 @@ def test_heat_of_one_run_alone_is_told_by_run() -> None:
     found = courses(loaded("casing"), [still, still + LOAD_W, still])
     said = judged(found)
     assert said.pattern == "by run"
-    assert said.levels_W[1] - said.levels_W[0] == pytest.approx(LOAD_W, rel=0.1)
-    assert "two.csv +" in told(said, found[0].component, NAMES)
+    assert said.levels[1] - said.levels[0] == pytest.approx(LOAD_W, rel=0.1)
+    assert "two.csv +" in told(said, found[0], NAMES)
 
 
 def test_heat_that_begins_and_stays_is_told_since_when() -> None:
@@ -98,7 +101,7 @@ def test_heat_that_begins_and_stays_is_told_since_when() -> None:
     run_number, earliest_h, latest_h = said.since  # in between it stood still
     assert run_number == 1
     assert earliest_h < since < latest_h
-    assert "into two.csv" in told(said, "winding", NAMES)
+    assert "into two.csv" in told(said, found[0], NAMES)
 
 
 def worn() -> Tree:
@@ -125,9 +128,10 @@ def slack() -> Tree:
 
 @pytest.mark.parametrize("motor", [worn(), finned(), slack()], ids=["worn", "a mass more", "a loose joint"])
 def test_what_a_file_can_hold_goes_with_speed(motor: Tree) -> None:
-    said = uneven(courses(motor))
+    found = courses(motor)
+    said = uneven(found)
     assert said is None or said.pattern == "even"
-    assert said is None or told(said, "winding", NAMES) == ""
+    assert said is None or told(said, found[0], NAMES) == ""
 
 
 def test_of_a_healthy_motor_no_heat_is_missing() -> None:

@@ -12,6 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from gen.cli import cli
+from gen.refinement.network.effects import Motor, NetworkEffect, Offered, candidates
 from tests.refinement.network.motor import HOURS, ROW_S, FloatArray, Tree, read, run, tree, write
 
 TIME_S: FloatArray = ROW_S * np.arange(int(HOURS * 3600.0 / ROW_S), dtype=np.float64)
@@ -86,6 +87,31 @@ def fanned(gain: float) -> Tree:
     motor["network"]["channels"] = [{"column": "fan", "range": [0, 1], "neutral": 0}]
     motor["network"]["paths"][1]["factors"] = [{"channel": "fan", "poly": [gain, 1.0]}]
     return motor
+
+
+def test_a_fan_that_comes_and_goes_is_told_as_cooling(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def few(motor: Motor, offered: Offered) -> list[NetworkEffect]:
+        """The search among all effects takes far longer than what is asked for here."""
+        return [one for one in candidates(motor, offered) if one.name == "sensor_lag"]
+
+    monkeypatch.setattr("gen.refinement.network.trace.candidates", few)
+    on = [np.where((TIME_S + 900.0 * k) % 4000.0 < 1800.0, 1.0, 0.0) for k in range(3)]
+    summary, page, written = told(tmp_path, fanned(0.9), "fan", on)
+    missing = summary["missing_heat"]
+    assert (missing["quantity"], missing["component"]) == ("conductance", "casing")
+    assert missing["pattern"] == "comes and goes"
+    for blows, one in zip(on, missing["runs"].values(), strict=False):
+        time, value = np.array(one["time_s"]), np.array(one["conductance_W_per_K"])
+        blown = np.array([blows[np.abs(TIME_S - middle) < 150.0].mean() for middle in time])
+        assert np.median(value[blown == 1.0]) > np.median(value[blown == 0.0]) + 0.1
+        assert len(one["deviation_W_per_K"]) == time.size
+    assert "Cooling that would explain what is left" in page
+    drawn = re.findall(r'<svg [^>]*aria-labelledby="heat-\d-title.*?</svg>', page, re.DOTALL)
+    assert len(drawn) == 2
+    assert all(">W/K<" in one for one in drawn)
+    assert any("cooling comes and goes" in said for said in summary["warnings"])
+    assert json.loads(written)["network"] == tree()["network"]
+    assert (summary["verdict"], summary["effects"]) == ("unexplained", [])
 
 
 def switched(on: tuple[int, ...], runs: int) -> list[FloatArray]:
