@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     Ratio: TypeAlias = Fraction  # which it is like, in all that is asked of it here
 else:
-    #: A ratio of two whole numbers, exactly: GMP's, with which a proof takes a fifth of the time.
+    #: A ratio of two whole numbers, exactly: GMP's, with which a proof takes about a third of the time.
     Ratio = gmpy2.mpq
 
 #: Arrays of Python's int and of `Ratio`: numpy's object arrays.
