@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from gen.refinement.network.course_fit import fitted_courses
 from gen.refinement.network.courses import Course, Quantity
 from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.fit import Bench
-from gen.refinement.network.heat_course import fitted_courses
 from gen.refinement.network.told_course import told
 from gen.refinement.network.trace import Traced
 from gen.refinement.network.uneven import LEFT, PARTING, TURNS, Uneven, uneven

@@ -33,10 +33,11 @@ def told(found: Uneven, course: Course, names: Sequence[str]) -> str:
     if found.pattern == "even":
         return ""
     place = "the motor" if course.component == WHOLE else course.component
-    return f"{place}: {(_cooling if course.quantity == 'conductance' else _heat)(found, names, course.usual)}"
+    said = _heat(found, names) if course.quantity == "heat" else _cooling(found, names, course.usual)
+    return f"{place}: {said}"
 
 
-def _heat(found: Uneven, names: Sequence[str], usual: float) -> str:
+def _heat(found: Uneven, names: Sequence[str]) -> str:
     """Heat that is missing, W."""
     known = f"(each known to {found.deviation:.2g} W)"
     if found.pattern == "since":

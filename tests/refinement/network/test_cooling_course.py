@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.course_fit import fitted_courses
 from gen.refinement.network.courses import Course, Quantity, RunCourse
 from gen.refinement.network.data import make_data
 from gen.refinement.network.fit import Bench
-from gen.refinement.network.heat_course import fitted_courses
 from gen.refinement.network.missing_heat import likeliest
 from gen.refinement.network.told_course import told
 from gen.refinement.network.uneven import Pattern, Uneven, uneven
