@@ -17,15 +17,15 @@ import numpy as np
 from gen.coefficients import parse, with_rules
 from gen.coefficients.rules import read_rules
 from gen.errors import CheckFailed, InputError
+from gen.fleet.chosen import evenly
 from gen.fleet.identify import runs_of
 from gen.fleet.models import Model, in_use, model_path, paths_in_use, read_model, sound, with_model
-from gen.fleet.motor_data import read
+from gen.fleet.motor_data import is_healthy, read
 from gen.fleet.residuals import learnt_by
 from gen.fleet.store import Kept, Store
 from gen.fleet.watch import QUIET, read_watched
 from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
 from gen.reference.heat_blocks import Blocks
-from gen.runs.faults import called_unhealthy, declared_faults
 from gen.thresholds.derive import complete, error_bands
 from gen.thresholds.healthy import HealthyRun, compare
 
@@ -62,7 +62,7 @@ def healthy_residuals(store: Store, *, motor: str, run: list[str], model: str) -
     if f"{kept.name}.parquet" in learnt_by(coefficients):
         raise CheckFailed(f"{kept.path}: the model was fitted to it")
     measured = read(store, kept)
-    if declared_faults(measured.comments) or called_unhealthy(measured.comments):
+    if not is_healthy(measured.comments):
         raise CheckFailed(f"{kept.path}: it says a fault")
     found = compare(coefficients, measured, kept.path)
     assert found.blocks is not None
@@ -182,8 +182,7 @@ def with_thresholds(model: Model, rules: Path, hours: float, runs: Sequence[Heal
 def _others(healthy: Mapping[str, Sequence[HealthyRun]], motor: str) -> list[HealthyRun]:
     """Runs of other motors, evenly over the sorted list: the same ones each time."""
     every = [run for other in sorted(healthy) if other != motor for run in healthy[other]]
-    places = np.unique(np.linspace(0, len(every) - 1, min(OTHERS, len(every))).round().astype(np.int64))
-    return [every[place] for place in places]
+    return evenly(every, OTHERS)
 
 
 def _different(store: Store) -> set[str]:

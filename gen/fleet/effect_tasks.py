@@ -22,12 +22,12 @@ from gen.identification.network.fitting.fit import settle
 from gen.identification.network.fitting.priors import Prior
 from gen.identification.sources import Source
 from gen.refinement.condense import measured_in
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import Data, make_data
 from gen.refinement.network.effects import NetworkEffect, Offered, candidates
-from gen.refinement.network.fit import AT_EACH, GOOD, Bench, Fitted
-from gen.refinement.network.judged import Judged, judged
-from gen.refinement.network.search import PRICE, leaves_some
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import Data, make_data
+from gen.refinement.network.fitting.fit import AT_EACH, GOOD, Bench, Fitted
+from gen.refinement.network.tracing.judged import Judged, judged
+from gen.refinement.network.tracing.search import PRICE, leaves_some
 
 HELD = 1e-6
 """Standard deviation of what a file says, while an effect on top of it is measured."""

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from gen.errors import CheckFailed, InputError
+from gen.fleet.chosen import evenly
 from gen.fleet.common import Common, keep, kept
 from gen.fleet.fitting import fitted_in_common, mean_model, model_in_common
 from gen.fleet.models import COMMON, model_path, remove_identified, with_model, write_identified
@@ -104,7 +105,7 @@ def identify_fleet(store: Store, options: Options, workers: Workers, progress: P
         else:
             scouts = scouts_of(runs, options.scouts)
             common, lines = common_form(store, runs, scouts, options.ambient, options.max_hidden, client, progress)
-            some = evenly(runs, MOST_POOLED)
+            some = {motor: runs[motor] for motor in evenly(sorted(runs), MOST_POOLED)}
             common = in_rounds(partial(_fits, store, some, options, client, progress), common)
             progress("common model")
             sources = [s for motor in scouts for s in usable(store, runs[motor]).sources[-SHOWN_RUNS:]]
@@ -135,13 +136,6 @@ def runs_of(store: Store, until: str | None = None) -> dict[str, list[Kept]]:
         when = "" if until is None else f" up to {until}"
         raise InputError(f"there are no runs{when}; expected a store that gen fleet add has filled", file=store.url)
     return chosen
-
-
-def evenly(runs: dict[str, list[Kept]], most: int) -> dict[str, list[Kept]]:
-    """Give some motors, evenly taken by name: all of them, where there are no more."""
-    names = sorted(runs)
-    taken = np.unique(np.linspace(0, len(names) - 1, min(most, len(names))).round().astype(int))
-    return {names[k]: runs[names[k]] for k in taken.tolist()}
 
 
 def in_rounds(fits_of: Callable[[Common], list[Arrays]], common: Common) -> Common:

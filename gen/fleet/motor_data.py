@@ -43,7 +43,7 @@ def usable(store: Store, kept: Sequence[Kept]) -> Usable:
         except InputError as error:
             lines.append(str(error))
             continue
-        if not healthy(run.comments):
+        if not is_healthy(run.comments):
             faults = declared_faults(run.comments)
             lines.append(f"{each.path}: is left out: it says fault {', '.join(faults) or 'without a name'}")
         else:
@@ -51,7 +51,7 @@ def usable(store: Store, kept: Sequence[Kept]) -> Usable:
     return Usable(tuple(sources), tuple(lines))
 
 
-def healthy(comments: Mapping[str, str]) -> bool:
+def is_healthy(comments: Mapping[str, str]) -> bool:
     """Whether a run does not say that its motor had a fault."""
     return not declared_faults(comments) and not called_unhealthy(comments)
 
@@ -68,7 +68,7 @@ def check_inputs(store: Store, runs: Mapping[str, Sequence[Kept]]) -> None:
         (f"{store.url}/{kept.path}", comments)
         for motor in sorted(runs)
         for kept in runs[motor]
-        if healthy(comments := _comments(store, kept))
+        if is_healthy(comments := _comments(store, kept))
     )
 
 

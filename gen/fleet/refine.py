@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed, InputError
+from gen.fleet.chosen import evenly
 from gen.fleet.effect_tasks import compared, errors_with, numbers_told, promised
 from gen.fleet.identify import runs_of
 from gen.fleet.models import COMMON, identified_paths, model_path, read_model, refined_path, sound
@@ -30,8 +31,8 @@ from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
 from gen.refinement.judgement import LEAST_GAIN, LEVEL, p_of_gains
 from gen.refinement.network.effects import Offered
-from gen.refinement.network.paths import MOST_EFFECTS
-from gen.refinement.network.search import LEAST_GAIN_BESIDE
+from gen.refinement.network.tracing.paths import MOST_EFFECTS
+from gen.refinement.network.tracing.search import LEAST_GAIN_BESIDE
 
 FEWEST = 6
 """Motors that are needed to tell what is in common: fewer say no p-value that is small enough."""
@@ -134,7 +135,7 @@ def refine_fleet(store: Store, scouts: int, workers: Workers, progress: Progress
     tasks = {
         motor: {"motor": motor, "runs": as_lists(own), "model": models[motor].hash} for motor, own in newer.items()
     }
-    chosen = _evenly(sorted(newer), max(scouts, FEWEST))
+    chosen = evenly(sorted(newer), max(scouts, FEWEST))
     with workers_of(store, workers) as client:
         fleet = _Fleet(store, tasks, client, progress)
         common, offered, refused = fleet.search(chosen)
@@ -241,11 +242,6 @@ def _newer(model: Coefficients, runs: Sequence[Kept]) -> list[Kept]:
     """A motor's runs that did not teach its model."""
     seen = learnt_by(model)
     return [run for run in runs if f"{run.name}.parquet" not in seen]
-
-
-def _evenly(motors: Sequence[str], most: int) -> list[str]:
-    places = np.unique(np.linspace(0, len(motors) - 1, min(most, len(motors))).round().astype(np.int64))
-    return [motors[place] for place in places.tolist()]
 
 
 def _promising(good: Sequence[Arrays], found: Sequence[Key]) -> list[Key]:

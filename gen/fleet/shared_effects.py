@@ -12,11 +12,11 @@ from gen.coefficients.messages import building
 from gen.errors import CheckFailed
 from gen.fleet.pooling import FloatArray
 from gen.model.network import Network
-from gen.refinement.network import excess
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.columns import Columns
+from gen.refinement.network.changing import excess
+from gen.refinement.network.changing.columns import Columns
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects import NetworkEffect, Offered, candidates
-from gen.refinement.network.writer import NetworkWriter
+from gen.refinement.network.fitting.anchored import Anchored
 
 Key = dict[str, Any]
 """An effect: `what` it is, `where`, and what it `acts_by`; and whether a coefficient file can hold it (`held`)."""

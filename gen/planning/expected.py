@@ -23,7 +23,7 @@ from gen.identification.network.fitting.problem import Problem
 from gen.planning.hypotheses import Remaining
 from gen.planning.march import March, Predicted, problem_of
 from gen.planning.stage import PwmArray, Stage
-from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.fitting.anchored import Anchored
 
 REFITS, ENOUGH = 8, 1e-3
 """Linearisations of a hypothesis that is fitted to another one's readings, and decrease of the cost that ends it."""

@@ -10,14 +10,14 @@ import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.refinement.judgement import LEAST_GAIN, LEVEL
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import Data
 from gen.refinement.network.effects import NetworkEffect
-from gen.refinement.network.fit import AT_EACH, GOOD, Bench, Fitted
-from gen.refinement.network.judged import doubts, p_better
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import Data
+from gen.refinement.network.fitting.fit import AT_EACH, GOOD, Bench, Fitted
 from gen.refinement.network.planned import NONE
-from gen.refinement.network.search import IN_DOUBT, Considered, Step
-from gen.refinement.network.trace import Traced
+from gen.refinement.network.tracing.judged import doubts, p_better
+from gen.refinement.network.tracing.search import IN_DOUBT, Considered, Step
+from gen.refinement.network.tracing.trace import Traced
 
 MOST = 5
 """Hypotheses that a run is planned for."""

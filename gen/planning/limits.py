@@ -14,8 +14,8 @@ from gen.identification.network.fitting.bins import FloatArray
 from gen.model.network import Network
 from gen.model.network_parts import PWM
 from gen.planning.hypotheses import Remaining
-from gen.refinement.network.anchors import USUAL_AMBIENT
-from gen.refinement.network.data import Data
+from gen.refinement.network.fitting.anchors import USUAL_AMBIENT
+from gen.refinement.network.fitting.data import Data
 
 SLOWEST = 0.15
 """Share of the greatest PWM below which no motor is asked to turn."""

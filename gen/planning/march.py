@@ -17,7 +17,7 @@ from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.simulation import sources_of, steps_of
 from gen.planning.hypotheses import Hypothesis
 from gen.planning.stage import PwmArray, Stage
-from gen.refinement.network.anchored import Anchored
+from gen.refinement.network.fitting.anchored import Anchored
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from gen.planning.planned_run import Plan, Told
 from gen.planning.search import BINS, Search, grid_of, time_constants
 from gen.planning.stage import PwmArray, Stage
 from gen.refinement.network.prepared import prepared
-from gen.refinement.network.trace import trace
+from gen.refinement.network.tracing.trace import trace
 
 TIGHT = 2.0
 """Noise floors within which all predicted readings of the one hypothesis that is left must be known (95 %) for nothing

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from gen.identification.network.fitting.bins import Binned, FloatArray
 from gen.identification.network.fitting.inputs import Inputs, Levels
 from gen.model.network_parts import PWM
-from gen.refinement.network.columns import POWERS
-from gen.refinement.network.data import DEGREE, Data
+from gen.refinement.network.changing.columns import POWERS
+from gen.refinement.network.fitting.data import DEGREE, Data
 
 PwmArray = NDArray[np.int64]
 

@@ -1,11 +1,9 @@
-"""Run the commands as a user and a script do."""
+"""Files that the commands are given, right and wrong."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 from tests.examples import ROOT
@@ -13,11 +11,6 @@ from tests.examples import ROOT
 COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"
 OLD = "old"
 MANIFEST = json.dumps({"tool": "gen 0.1.0", "files": {"a/b.txt": hashlib.sha256(OLD.encode()).hexdigest()}})
-GEN = [sys.executable, "-m", "gen"]
-
-
-def gen(*arguments: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([*GEN, *map(str, arguments)], capture_output=True, text=True, check=False, cwd=cwd)
 
 
 def broken(tmp_path: Path, old: str, new: str) -> Path:

@@ -13,7 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.commands import COEFFICIENTS, GEN, gen
+from tests.cli.commands import COEFFICIENTS
+from tests.command import GEN, gen
 from tests.examples import ROOT
 
 

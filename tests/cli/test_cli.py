@@ -15,7 +15,8 @@ import pytest
 
 from gen.cli import main
 from gen.verification import verify as verification
-from tests.cli.commands import COEFFICIENTS, GEN, broken, gen
+from tests.cli.commands import COEFFICIENTS, broken
+from tests.command import GEN, gen
 from tests.examples import ROOT
 
 

@@ -13,8 +13,8 @@ import pytest
 import gen as package
 from gen.cli import cli
 from gen.errors import InputError
-from tests.cli.commands import gen
 from tests.cli.test_light import ended
+from tests.command import gen
 from tests.examples import NETWORKS, ROOT
 
 PAGE = (ROOT / "docs" / "format.md").read_text(encoding="utf-8")

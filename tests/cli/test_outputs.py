@@ -14,7 +14,8 @@ import pytest
 
 from gen.errors import InputError
 from gen.files import check_outputs, replace_folder, replacing, write_text
-from tests.cli.commands import COEFFICIENTS, GEN, MANIFEST, OLD, gen, run_file
+from tests.cli.commands import COEFFICIENTS, MANIFEST, OLD, run_file
+from tests.command import GEN, gen
 
 
 def test_build_refuses_a_folder_that_is_not_its_own(tmp_path: Path) -> None:

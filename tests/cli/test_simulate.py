@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from tests.cli.commands import COEFFICIENTS, gen, run_file
+from tests.cli.commands import COEFFICIENTS, run_file
+from tests.command import gen
 
 
 def test_a_run_goes_through_a_pipe(tmp_path: Path) -> None:
@@ -66,7 +65,7 @@ def test_simulate_measured_start_needs_a_measurement(tmp_path: Path) -> None:
     ],
 )
 def test_a_number_that_is_none_is_refused_as_an_option(arguments: list[str], tmp_path: Path) -> None:
-    done = subprocess.run([sys.executable, "-m", "gen", *arguments], cwd=tmp_path, capture_output=True, text=True)
+    done = gen(*arguments, cwd=tmp_path)
     assert done.returncode == 2
     option = next(word for word in arguments if word.startswith("--"))
     command = rf"\(python -m gen {arguments[0]} --help\)"

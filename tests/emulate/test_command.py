@@ -19,6 +19,7 @@ from gen.cli import main
 from gen.commands.emulate import _title
 from gen.emulate.progress import Milestones
 from gen.runs import read_run
+from tests.command import GEN
 from tests.examples import ROOT
 
 Refuse = Callable[..., str]
@@ -46,7 +47,7 @@ def refuse(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) 
 
 
 def emulate(home: dict[str, str], *arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "gen", "emulate", *map(str, arguments)]
+    command = [*GEN, "emulate", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, check=False, env=home)
 
 
@@ -134,7 +135,7 @@ def told(stderr: str) -> list[str]:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interruption_keeps_what_was_simulated(home: dict[str, str], tmp_path: Path, number: signal.Signals) -> None:
     run, found, plot = (tmp_path / name for name in ("run.csv", "run.json", "run.svg"))
-    command = [sys.executable, "-m", "gen", "emulate", str(COEFFICIENTS), "--out", str(run)]
+    command = [*GEN, "emulate", str(COEFFICIENTS), "--out", str(run)]
     command += ["--duration", "1000000", "--json", str(found), "--plot", str(plot)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=home) as running:
         assert running.stderr is not None
@@ -167,7 +168,7 @@ def test_a_run_says_what_the_profile_that_it_follows_is_to_decide(home: dict[str
 
 def test_an_interruption_before_the_first_row_leaves_nothing(home: dict[str, str], tmp_path: Path) -> None:
     port = tmp_path / "port"
-    command = [sys.executable, "-m", "gen", "emulate", str(COEFFICIENTS), "--out", str(tmp_path / "run.csv")]
+    command = [*GEN, "emulate", str(COEFFICIENTS), "--out", str(tmp_path / "run.csv")]
     command += ["--pty", str(port)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=home) as running:
         assert running.stderr is not None
@@ -182,12 +183,12 @@ def test_an_interruption_before_the_first_row_leaves_nothing(home: dict[str, str
 def test_the_line_s_end_ends_a_recording_in_order(home: dict[str, str], tmp_path: Path) -> None:
     """What `gen log` says when the emulator that it records has come to its end."""
     port = tmp_path / "port"
-    command = [sys.executable, "-m", "gen", "emulate", str(COEFFICIENTS), "--out", str(tmp_path / "run.csv")]
+    command = [*GEN, "emulate", str(COEFFICIENTS), "--out", str(tmp_path / "run.csv")]
     command += ["--pty", str(port), "--duration", "20", "--time-lapse", "20"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=home) as running:
         assert running.stderr is not None
         running.stderr.readline()
-        log = [sys.executable, "-m", "gen", "log", str(port), "--out", str(tmp_path / "log.csv")]
+        log = [*GEN, "log", str(port), "--out", str(tmp_path / "log.csv")]
         done = subprocess.run(log, capture_output=True, text=True, check=False, timeout=120.0)
         running.communicate(timeout=60.0)
     assert (done.returncode, done.stderr) == (0, "")
@@ -197,12 +198,12 @@ def test_the_line_s_end_ends_a_recording_in_order(home: dict[str, str], tmp_path
 
 def test_a_profile_that_is_recorded_drives_a_board_that_nobody_has_armed(home: dict[str, str], tmp_path: Path) -> None:
     port, out = tmp_path / "port", tmp_path / "log.csv"
-    command = [sys.executable, "-m", "gen", "emulate", str(COEFFICIENTS), "--out", str(tmp_path / "run.csv")]
+    command = [*GEN, "emulate", str(COEFFICIENTS), "--out", str(tmp_path / "run.csv")]
     command += ["--pty", str(port), "--duration", "60", "--time-lapse", "10", "--profile", "0:0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=home) as running:
         assert running.stderr is not None
         running.stderr.readline()
-        log = [sys.executable, "-m", "gen", "log", str(port), "--out", str(out), "--profile", "0:0,1:153"]
+        log = [*GEN, "log", str(port), "--out", str(out), "--profile", "0:0,1:153"]
         done = subprocess.run(log, capture_output=True, text=True, check=False, timeout=120.0)
         running.communicate(timeout=60.0)
     assert (done.returncode, done.stderr) == (0, "")

@@ -26,6 +26,7 @@ from gen.emulate.rig import RigPlant
 from gen.emulate.session import Event, EventKind, Session, _Runner, run_session
 from gen.emulate.terminal import PseudoTerminal
 from gen.runs import read_run
+from tests.command import GEN
 from tests.device.variants import variant
 from tests.examples import ROOT
 from tests.work import HANGS_S, lines
@@ -166,7 +167,7 @@ def test_simulated_time_costs_few_executed_cycles_and_lines(make_board: MakeBoar
 def test_gen_log_hears_every_row_of_the_emulated_board(make_board: MakeBoard, tmp_path: Path) -> None:
     out = tmp_path / "logged.csv"
     with PseudoTerminal(tmp_path / "port") as terminal:
-        command = [sys.executable, "-m", "gen", "log", str(tmp_path / "port"), "--out", str(out)]
+        command = [*GEN, "log", str(tmp_path / "port"), "--out", str(out)]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as log:
             terminal.wait()
             while b"?" not in terminal.read():  # it asks a silent board, so it hears by now

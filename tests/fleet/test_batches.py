@@ -11,7 +11,7 @@ from gen.fleet.labels import Labels
 from gen.fleet.report import pages_of
 from gen.fleet.store import Store
 from gen.fleet.watch import read_watched
-from tests.cli.commands import gen
+from tests.command import gen
 from tests.fleet.conftest import MOTORS
 from tests.fleet.made import run_of
 from tests.fleet.test_judging import judged, products

@@ -13,7 +13,8 @@ from gen.commands.fleet import fleet as group
 from gen.fleet.labels import labels_of, read_labels
 from gen.fleet.store import Store
 from gen.runs import read_run, write_run
-from tests.cli.commands import GEN, gen, run_file
+from tests.cli.commands import run_file
+from tests.command import GEN, gen
 from tests.fleet.made import run_of
 
 

@@ -16,9 +16,10 @@ import pytest
 from gen.coefficients import parse
 from gen.errors import InputError
 from gen.fleet import identify
+from gen.fleet.chosen import evenly
 from gen.fleet.common import Common, common_of, kept, structure_json, structure_of
 from gen.fleet.fitting import model_name
-from gen.fleet.identify import Identified, evenly, identify_fleet, in_rounds, runs_of
+from gen.fleet.identify import Identified, identify_fleet, in_rounds, runs_of
 from gen.fleet.models import COMMON, model_path, refined_path, with_model
 from gen.fleet.motor_data import check_inputs
 from gen.fleet.report import pages_of
@@ -94,8 +95,9 @@ def test_again_gives_the_same_bytes_and_computes_nothing(fleet: Store) -> None:
 
 def test_of_many_motors_some_make_the_mean_and_all_get_a_model(fleet: Store, monkeypatch: pytest.MonkeyPatch) -> None:
     runs = runs_of(fleet)
-    assert list(evenly(runs, 3)) == [sorted(runs)[0], sorted(runs)[(MOTORS - 1) // 2], sorted(runs)[-1]]
-    assert evenly(runs, 100) == runs
+    names = sorted(runs)
+    assert evenly(names, 3) == [names[0], names[(MOTORS - 1) // 2], names[-1]]
+    assert evenly(names, 100) == names
     before = set(fleet.names(TASKS))
     monkeypatch.setattr(identify, "MOST_POOLED", 3)
     found = identify_fleet(fleet, OPTIONS, Workers(), silent)

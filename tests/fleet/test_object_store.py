@@ -20,7 +20,7 @@ from gen.fleet.store import INCOMING, MODELS, Store
 from gen.fleet.watch import FILE, watch
 from gen.fleet.work import Workers
 from gen.runs import Run, write_run
-from tests.cli.commands import gen
+from tests.command import gen
 from tests.fleet.conftest import MOTORS
 from tests.fleet.made import run_of
 

@@ -17,7 +17,7 @@ from gen.fleet.watch import Watched, watch
 from gen.fleet.work import Workers
 from gen.reference.simulate import simulate_run
 from gen.runs import Run
-from tests.cli.commands import gen
+from tests.command import gen
 from tests.fleet.conftest import MOTORS, OPTIONS
 from tests.fleet.made import run_of
 

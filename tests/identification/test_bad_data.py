@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +17,7 @@ from gen.identification.identify import identify
 from gen.identification.network.data import make_network_data
 from gen.identification.sources import Source
 from gen.runs import Run, write_run
+from tests.command import gen
 
 TIME = np.arange(0.0, 7200.0, 4.0)
 
@@ -34,9 +34,7 @@ def step(tau: float = 1200.0, rise: float = 40.0, pwm: int = 102, ambient: float
 
 
 def gen_identify(tmp_path: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    out = tmp_path / "coeffs.json"
-    command = [sys.executable, "-m", "gen", "identify", *map(str, arguments), "--out", str(out)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    return gen("identify", *arguments, "--out", tmp_path / "coeffs.json")
 
 
 def edit(line: int, change: Callable[[list[str]], list[str]]) -> Callable[[list[str]], list[str]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -18,15 +17,10 @@ from gen.identification import joint
 from gen.identification.output_error import OutputErrorProblem
 from gen.model import ExactSolution
 from gen.runs import Run, write_run
+from tests.command import gen
 from tests.model.examples import model
 
 NAMES = ("brush", "bearing", "magnet", "casing")
-
-
-def gen(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "gen", *map(str, arguments)], capture_output=True, text=True, check=False
-    )
 
 
 @pytest.fixture(scope="module")

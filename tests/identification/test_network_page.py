@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 import gen
-from tests.cli.commands import gen as command
+from tests.command import gen as command
 
 NAMES = ("rotor", "shell")
 

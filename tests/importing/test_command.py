@@ -15,7 +15,8 @@ import pytest
 
 from gen.interface import import_runs, load, simulate
 from gen.runs import read_run
-from tests.cli.commands import COEFFICIENTS, GEN, gen
+from tests.cli.commands import COEFFICIENTS
+from tests.command import GEN, gen
 from tests.importing.logs import truth
 
 TEXT = str(truth().to_csv(index=False, lineterminator="\n"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from tests.cli.commands import gen
+from tests.command import gen
 from tests.examples import ROOT
 
 PAGE = (ROOT / "docs" / "import.md").read_text(encoding="utf-8")

@@ -6,7 +6,6 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import urllib.error
 import urllib.request
 from http.cookiejar import CookieJar
@@ -15,11 +14,12 @@ from pathlib import Path
 import pytest
 
 from gen.runs import read_run
+from tests.command import GEN
 from tests.examples import ROOT
 from tests.live.serving import wait_until
 
 EXAMPLE = ROOT / "examples" / "my1016_rig" / "coeffs.json"
-GEN = [sys.executable, "-m", "gen", "live"]
+GEN = [*GEN, "live"]
 RUN = "time_s,pwm,coil_degC\n" + "".join(f"{k},100,{30 + k}\n" for k in range(50))
 
 

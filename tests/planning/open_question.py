@@ -13,10 +13,10 @@ from gen.planning.hypotheses import Hypothesis, Remaining
 from gen.planning.limits import Limits, Wishes, limits_of
 from gen.planning.search import Grid, Search, Sought, grid_of
 from gen.planning.stage import Stage
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import Data, make_data
 from gen.refinement.network.effects import NetworkEffect, candidates
-from gen.refinement.network.fit import Bench
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import Data, make_data
+from gen.refinement.network.fitting.fit import Bench
 from gen.runs import Run
 from tests.refinement.network.motor import ROW_S, Tree, read, run, tree
 

@@ -9,7 +9,6 @@ import pty
 import select
 import signal
 import subprocess
-import sys
 import termios
 import threading
 import time
@@ -30,6 +29,7 @@ from gen.record.lines import Recorder
 from gen.record.port import Commander, Recording, _listen, record_port, write_parts
 from gen.record.profile import parse_profile
 from gen.runs import read_run
+from tests.command import GEN
 from tests.work import HANGS_S
 
 HEAD = b"# model: my1016\r\ntime_s,pwm,brush_degC,flags\r\n"
@@ -89,7 +89,7 @@ def row(i: int) -> bytes:
 
 
 def log(port: str, out: Path, *options: str) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "gen", "log", port, "--out", str(out), *options]
+    command = [*GEN, "log", port, "--out", str(out), *options]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 

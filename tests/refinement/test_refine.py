@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 from dataclasses import replace
 from functools import partial
@@ -22,6 +21,7 @@ from gen.refinement.page import page
 from gen.refinement.refine import Refinement, refine
 from gen.runs import Run, read_run, write_run
 from tests.campaign import FULL
+from tests.command import gen
 from tests.refinement.plant import COEFFICIENTS, NAMES
 from tests.refinement.plant_effects import LIBRARY, OUTSIDE, make
 
@@ -307,16 +307,11 @@ def test_a_relative_rule_looks_at_the_difference(tmp_path: Path, warm_K: dict[st
     assert len(_warnings(tmp_path, {"threshold_K": 4.0, "relative_to": "bearing"}, warm_K)) == said
 
 
-def _gen(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "gen", *arguments]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-
-
 def test_command_writes_all_that_users_rely_on(tmp_path: Path) -> None:
     fit, test, _ = make(tmp_path, ("sensor_gain",), 5)
     names = ["--fit", *(path.name for path in fit), "--test", *(path.name for path in test)]
     out = ["--out", "refined.json", "--json", "summary.json", "--report", "report.html"]
-    done = _gen(tmp_path, "refine", str(COEFFICIENTS), *names, *out)
+    done = gen("refine", COEFFICIENTS, *names, *out, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
     for when in ("before", "after"):
@@ -344,7 +339,7 @@ def test_command_writes_all_that_users_rely_on(tmp_path: Path) -> None:
 
 def _check_by_simulation(folder: Path, run: str, summary: dict[str, Any]) -> None:
     """`gen simulate` with the refined file gives the error that the summary states, but for the noise of the start."""
-    assert _gen(folder, "simulate", "refined.json", run, "--out", "model.csv").returncode == 0
+    assert gen("simulate", "refined.json", run, "--out", "model.csv", cwd=folder).returncode == 0
     measured = read_run(folder / run, load(COEFFICIENTS).model.component_names)
     model = np.genfromtxt(folder / "model.csv", delimiter=",", names=True, skip_header=2)
     for name, errors in summary["after"]["per_run"][run].items():
@@ -363,7 +358,7 @@ def _check_by_simulation(folder: Path, run: str, summary: dict[str, Any]) -> Non
 )
 def test_bad_usage_is_one_message_and_status_2(tmp_path: Path, arguments: list[str], message: str) -> None:
     (tmp_path / "run.csv").write_text("time_s,pwm,casing_degC\n0,0,30\n1,0,30\n", encoding="utf-8")
-    done = _gen(tmp_path, "refine", str(COEFFICIENTS), *arguments)
+    done = gen("refine", COEFFICIENTS, *arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert message in done.stderr
     assert "Traceback" not in done.stderr

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from gen.coefficients import Coefficients
 from gen.refinement.judgement import LEAST_GAIN, LEVEL
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import Data, make_data
 from gen.refinement.network.effects.walls import Walls
-from gen.refinement.network.fit import Bench
-from gen.refinement.network.judged import Judged, judged, p_better
-from gen.refinement.network.trace import Traced
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import Data, make_data
+from gen.refinement.network.fitting.fit import Bench
+from gen.refinement.network.tracing.judged import Judged, judged, p_better
+from gen.refinement.network.tracing.trace import Traced
 from gen.runs import AMBIENT, Run
 
 

@@ -10,12 +10,12 @@ from gen.model.effects import registry
 from gen.refinement.judgement import LEVEL
 from gen.refinement.network.ambient import MovingAmbient
 from gen.refinement.network.effects.base import WHOLE
-from gen.refinement.network.effects.warm_start import NAME as INITIAL_STATE
-from gen.refinement.network.effects.warm_start import WarmStart
-from gen.refinement.network.fit import Fitted
-from gen.refinement.network.folds import described
-from gen.refinement.network.search import Considered, Step
-from gen.refinement.network.trace import Traced
+from gen.refinement.network.fitting.fit import Fitted
+from gen.refinement.network.fitting.folds import described
+from gen.refinement.network.tracing.search import Considered, Step
+from gen.refinement.network.tracing.trace import Traced
+from gen.refinement.network.tracing.warm_start import NAME as INITIAL_STATE
+from gen.refinement.network.tracing.warm_start import WarmStart
 
 INTERVAL = 1.96
 AMBIENT = "ambient"

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from gen.refinement.network.changed import looks_like_a_change
 from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.effects.walls import Walls
-from gen.refinement.network.missing_heat import MissingHeat, missing_heat
-from gen.refinement.network.search import Step
-from gen.refinement.network.trace import Traced
+from gen.refinement.network.over_time.missing_heat import MissingHeat, missing_heat
+from gen.refinement.network.tracing.changed import looks_like_a_change
+from gen.refinement.network.tracing.search import Step
+from gen.refinement.network.tracing.trace import Traced
 
 WALLS_ALONE = (
     "ambient: walls that lag behind the air were found, but a fixed ambient predicts as well as these and the measured "

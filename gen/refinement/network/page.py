@@ -12,9 +12,9 @@ from gen.model.network import Network
 from gen.pages.environment import page_environment
 from gen.pages.network_drawing import DrawnNode, DrawnPath, network_svg
 from gen.pages.panels import panels_svg
-from gen.refinement.network.heat_charts import heat_story
+from gen.refinement.network.over_time.heat_charts import heat_story
 from gen.refinement.network.refine import NetworkRefinement
-from gen.refinement.network.search import Step
+from gen.refinement.network.tracing.search import Step
 from gen.refinement.run_charts import run_pictures
 from gen.refinement.run_tables import error_rows, short_names, totals
 from gen.refinement.worse import TOLD

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from gen.refinement.network.judged import Judged
-from gen.refinement.network.search import Considered, Step
-from gen.refinement.network.trace import Traced
+from gen.refinement.network.tracing.judged import Judged
+from gen.refinement.network.tracing.search import Considered, Step
+from gen.refinement.network.tracing.trace import Traced
 from gen.runs import EXPECTS, Run
 
 NONE = "none"

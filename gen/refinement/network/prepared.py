@@ -8,8 +8,8 @@ from pathlib import Path
 from gen.coefficients import Coefficients
 from gen.refinement.admission import healthy
 from gen.refinement.condense import read_measured
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import Data, make_data
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import Data, make_data
 from gen.runs import Run
 
 

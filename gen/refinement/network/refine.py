@@ -14,14 +14,14 @@ from gen.reference.simulate import simulate_run
 from gen.refinement.condense import check_apart, check_measured, read_measured
 from gen.refinement.errors import Errors, missed, said_of
 from gen.refinement.network.ambient import MovingAmbient, moving_ambient
-from gen.refinement.network.effects.warm_start import WarmStart, warm_start
 from gen.refinement.network.entries import ambient_entry, considered_entry, effect_entry, start_entry
-from gen.refinement.network.folds import described
+from gen.refinement.network.fitting.folds import described
 from gen.refinement.network.kept import Kept, kept
-from gen.refinement.network.missing_heat import MissingHeat
+from gen.refinement.network.over_time.missing_heat import MissingHeat
 from gen.refinement.network.planned import Settled, settled
 from gen.refinement.network.prepared import prepared
-from gen.refinement.network.trace import Traced, trace
+from gen.refinement.network.tracing.trace import Traced, trace
+from gen.refinement.network.tracing.warm_start import WarmStart, warm_start
 from gen.refinement.network.verdict import network_verdict
 from gen.refinement.network.written import Written, offered_anew, written
 from gen.refinement.run_errors import compared

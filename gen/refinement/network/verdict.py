@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from gen.refinement.network.effects.warm_start import WarmStart
-from gen.refinement.network.judged import worst_sensor
-from gen.refinement.network.trace import Traced
+from gen.refinement.network.tracing.judged import worst_sensor
+from gen.refinement.network.tracing.trace import Traced
+from gen.refinement.network.tracing.warm_start import WarmStart
 from gen.refinement.verdict import EXPLAINED, NOTHING, Verdict
 
 

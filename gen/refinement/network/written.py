@@ -10,11 +10,11 @@ from gen.coefficients.messages import building
 from gen.errors import InputError
 from gen.refinement.judgement import LEAST_GAIN, LEVEL
 from gen.refinement.network.ambient import MovingAmbient
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects import NetworkEffect
-from gen.refinement.network.effects.warm_start import NAME as INITIAL_STATE
-from gen.refinement.network.judged import p_better
-from gen.refinement.network.trace import Traced
-from gen.refinement.network.writer import NetworkWriter
+from gen.refinement.network.tracing.judged import p_better
+from gen.refinement.network.tracing.trace import Traced
+from gen.refinement.network.tracing.warm_start import NAME as INITIAL_STATE
 from gen.refinement.verdict import NOTHING
 
 NOT_ALONE = (

@@ -10,8 +10,8 @@ import pytest
 
 from gen.identification.network.fitting.bins import binned
 from gen.identification.network.fitting.inputs import inputs_of
-from gen.refinement.network.data import Data
-from gen.refinement.network.fit import Bench, Fitted, _masked
+from gen.refinement.network.fitting.data import Data
+from gen.refinement.network.fitting.fit import Bench, Fitted, _masked
 from gen.runs import Run
 
 LATER = np.array([True, False, False])

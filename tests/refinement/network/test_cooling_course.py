@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.course_fit import fitted_courses
-from gen.refinement.network.courses import Course, Quantity, RunCourse
-from gen.refinement.network.data import make_data
-from gen.refinement.network.fit import Bench
-from gen.refinement.network.missing_heat import likeliest
-from gen.refinement.network.told_course import told
-from gen.refinement.network.uneven import Pattern, Uneven, uneven
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import make_data
+from gen.refinement.network.fitting.fit import Bench
+from gen.refinement.network.over_time.course_fit import fitted_courses
+from gen.refinement.network.over_time.courses import Course, Quantity, RunCourse
+from gen.refinement.network.over_time.missing_heat import likeliest
+from gen.refinement.network.over_time.told_course import told
+from gen.refinement.network.over_time.uneven import Pattern, Uneven, uneven
 from gen.runs import Run
 from tests.refinement.network.motor import HOURS, ROW_S, FloatArray, Tree, read, run, tree
 

@@ -12,12 +12,12 @@ import pytest
 
 from gen.coefficients import parse, with_network
 from gen.model.network_solution import NetworkSolution
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import make_data
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects import NetworkEffect, candidates
 from gen.refinement.network.effects.sensors import SensorEffect
-from gen.refinement.network.fit import Bench
-from gen.refinement.network.writer import NetworkWriter
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import make_data
+from gen.refinement.network.fitting.fit import Bench
 from tests.refinement.network.motor import read, run, tree, wave
 
 CHANNELS = {"fan_mps": (0.0, 6.0), "current_A": (1.0, 5.0), "supply_V": (20.0, 26.0)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.refinement.network.excess import REFERENCE, excesses
+from gen.refinement.network.changing.excess import REFERENCE, excesses
 from gen.replay import Inputs
 from gen.runs import Run
 from tests.examples import example

@@ -12,13 +12,13 @@ from gen.coefficients import Coefficients, parse, with_network
 from gen.errors import InputError
 from gen.lowering.lower import lower
 from gen.model.network_solution import NetworkSolution
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import make_data
+from gen.refinement.network.changing.freed import freed
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.sensors import SensorGain, SensorOffset
-from gen.refinement.network.fit import Bench
-from gen.refinement.network.freed import freed
-from gen.refinement.network.judged import judged
-from gen.refinement.network.writer import NetworkWriter
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import make_data
+from gen.refinement.network.fitting.fit import Bench
+from gen.refinement.network.tracing.judged import judged
 from tests.refinement.network.motor import read, run, tree
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from gen.identification.network.fitting.bins import FloatArray, binned
 from gen.identification.network.fitting.inputs import Inputs, inputs_of
-from gen.refinement.network.lagged import Lagged
+from gen.refinement.network.changing.lagged import Lagged
 from gen.runs import Run
 
 LAG_S = 40.0

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import gen
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import make_data
+from gen.refinement.network.changing.excess import REFERENCE
 from gen.refinement.network.effects.radiation import Radiation
-from gen.refinement.network.excess import REFERENCE
-from gen.refinement.network.fit import Bench
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import make_data
+from gen.refinement.network.fitting.fit import Bench
 from tests.refinement.network.motor import NOISE_K, Tree, read, run, tree
 from tests.refinement.network.test_refine_network import error_K, files
 

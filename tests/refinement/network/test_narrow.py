@@ -9,11 +9,11 @@ import pytest
 
 from gen.fleet.shared_effects import together
 from gen.model.network_solution import NetworkSolution
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import make_data
 from gen.refinement.network.effects.base import WHOLE
 from gen.refinement.network.effects.schedule_error import NARROW, ScheduleError, offered
-from gen.refinement.network.fit import Bench
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import make_data
+from gen.refinement.network.fitting.fit import Bench
 from gen.runs import Run
 from tests.refinement.network.motor import NOISE_K, ROW_S, read, tree
 

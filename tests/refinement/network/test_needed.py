@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import make_data
 from gen.refinement.network.effects import NetworkEffect, candidates
 from gen.refinement.network.effects.schedule_error import ScheduleError
 from gen.refinement.network.effects.sensors import SensorOffset
-from gen.refinement.network.fit import Bench, Fitted
-from gen.refinement.network.judged import Judged, judged
-from gen.refinement.network.search import PRICE, Considered, Step, may_be_a_fault
-from gen.refinement.network.trace import needed
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import make_data
+from gen.refinement.network.fitting.fit import Bench, Fitted
+from gen.refinement.network.tracing.judged import Judged, judged
+from gen.refinement.network.tracing.search import PRICE, Considered, Step, may_be_a_fault
+from gen.refinement.network.tracing.trace import needed
 from tests.refinement.network.motor import read, run, tree, wave
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.changed import looks_like_a_change
-from gen.refinement.network.data import Data, make_data
 from gen.refinement.network.effects.base import WHOLE
 from gen.refinement.network.effects.schedule_error import ScheduleError
-from gen.refinement.network.folds import described, folds_of
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import Data, make_data
+from gen.refinement.network.fitting.folds import described, folds_of
+from gen.refinement.network.tracing.changed import looks_like_a_change
 from tests.refinement.network.motor import profile, read, run, tree, wave
 
 

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import make_data
 from gen.refinement.network.effects import NetworkEffect, candidates
-from gen.refinement.network.fit import Bench
-from gen.refinement.network.judged import Judged, judged
-from gen.refinement.network.paths import Path, exchanged, from_another_beginning
-from gen.refinement.network.search import Considered, Step
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import make_data
+from gen.refinement.network.fitting.fit import Bench
+from gen.refinement.network.tracing.judged import Judged, judged
+from gen.refinement.network.tracing.paths import Path, exchanged, from_another_beginning
+from gen.refinement.network.tracing.search import Considered, Step
 from tests.refinement.network.motor import read, run, tree, wave
 
 BOTH = {"airflow", "sensor_offset"}

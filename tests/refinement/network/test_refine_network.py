@@ -52,7 +52,7 @@ def test_a_healthy_motor_lacks_nothing(tmp_path: Path) -> None:
 
 def test_nothing_is_sought_where_the_file_explains_its_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """However little it takes to begin a search: its numbers might be others, and each name is one too many."""
-    monkeypatch.setattr("gen.refinement.network.search.ENOUGH", 0.0)
+    monkeypatch.setattr("gen.refinement.network.tracing.search.ENOUGH", 0.0)
     found = refined(tree(), tmp_path)
     assert found.verdict == "nothing missing"
     assert [step["candidates"] for step in found.details()["considered"]] == [[]]

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import make_data
 from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.effects.sensors import Drift, SensorGain, SensorOffset
-from gen.refinement.network.fit import Bench
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import make_data
+from gen.refinement.network.fitting.fit import Bench
 from tests.refinement.network.motor import read, run, tree
 
 OFF_K = 6.0

@@ -94,7 +94,7 @@ def test_a_fan_that_comes_and_goes_is_told_as_cooling(tmp_path: Path, monkeypatc
         """The search among all effects takes far longer than what is asked for here."""
         return [one for one in candidates(motor, offered) if one.name == "sensor_lag"]
 
-    monkeypatch.setattr("gen.refinement.network.trace.candidates", few)
+    monkeypatch.setattr("gen.refinement.network.tracing.trace.candidates", few)
     on = [np.where((TIME_S + 900.0 * k) % 4000.0 < 1800.0, 1.0, 0.0) for k in range(3)]
     summary, page, written = told(tmp_path, fanned(0.9), "fan", on)
     missing = summary["missing_heat"]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import make_data
-from gen.refinement.network.search import NOT_BY_THE_CHANNEL
-from gen.refinement.network.trace import Traced, trace
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import make_data
+from gen.refinement.network.tracing.search import NOT_BY_THE_CHANNEL
+from gen.refinement.network.tracing.trace import Traced, trace
 from tests.refinement.network.motor import HOURS, ROW_S, Tree, read, run, tree
 
 ROWS = int(HOURS * 3600.0 / ROW_S)

@@ -9,13 +9,13 @@ import pytest
 
 from gen.coefficients import parse
 from gen.refinement.network.ambient import MovingAmbient
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import make_data
 from gen.refinement.network.effects.schedule_error import ScheduleError
-from gen.refinement.network.fit import Bench
-from gen.refinement.network.judged import judged
-from gen.refinement.network.search import Considered, Step
-from gen.refinement.network.trace import Traced
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import make_data
+from gen.refinement.network.fitting.fit import Bench
+from gen.refinement.network.tracing.judged import judged
+from gen.refinement.network.tracing.search import Considered, Step
+from gen.refinement.network.tracing.trace import Traced
 from gen.refinement.network.written import offered_anew, written
 from tests.refinement.network.motor import read, run, tree
 

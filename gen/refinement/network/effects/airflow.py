@@ -10,11 +10,11 @@ from gen.coefficients.network import FactorEntry, FactorPoints
 from gen.coefficients.network_curves import six_digits
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
-from gen.refinement.network.columns import Columns
-from gen.refinement.network.draft import Draft
+from gen.refinement.network.changing.columns import Columns
+from gen.refinement.network.changing.draft import Draft
+from gen.refinement.network.changing.writer import NetworkWriter, ends
 from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.writer import NetworkWriter, ends
 
 POINTS = 9
 """Of the table that a file holds for a root."""

@@ -11,9 +11,9 @@ import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Levels
-from gen.refinement.network.columns import Columns
-from gen.refinement.network.draft import Draft, Slope
-from gen.refinement.network.writer import NetworkWriter
+from gen.refinement.network.changing.columns import Columns
+from gen.refinement.network.changing.draft import Draft, Slope
+from gen.refinement.network.changing.writer import NetworkWriter
 
 WHOLE = "motor"
 """The component of an effect that acts on the whole motor."""

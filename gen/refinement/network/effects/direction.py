@@ -9,10 +9,10 @@ from gen.coefficients.network_curves import six_digits
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.model.network_parts import PWM
-from gen.refinement.network.draft import Draft
+from gen.refinement.network.changing.draft import Draft
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.writer import NetworkWriter
 
 
 class Direction(NetworkEffect):

@@ -8,10 +8,10 @@ import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
-from gen.refinement.network.draft import Draft
+from gen.refinement.network.changing.draft import Draft
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import OWN, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.writer import NetworkWriter
 
 FASTEST_S, SLOWEST_S = 30.0, 40_000.0
 LEAST_EXPONENT, MOST_EXPONENT = -0.5, 4.0

@@ -10,10 +10,10 @@ from gen.coefficients.network import FactorEntry
 from gen.coefficients.network_curves import six_digits
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
-from gen.refinement.network.draft import Draft
+from gen.refinement.network.changing.draft import Draft
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.writer import NetworkWriter
 
 
 class LoadHeating(NetworkEffect):

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from gen.identification.network.fitting.bends import BEND, KNOTS, WIDE, Bend
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
-from gen.refinement.network.draft import Draft
+from gen.refinement.network.changing.draft import Draft
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import SPEEDS, WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.writer import NetworkWriter
 
 MOST_FACTOR = 3.0
 

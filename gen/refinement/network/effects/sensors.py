@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Seen
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.writer import NetworkWriter
 
 
 class SensorEffect(NetworkEffect):
@@ -67,7 +67,7 @@ class SensorGain(SensorEffect):
 
 
 class SensorLag(SensorEffect):
-    """A time constant with which readings follow (`gen.refinement.network.lagged`)."""
+    """A time constant with which readings follow (`gen.refinement.network.changing.lagged`)."""
 
     name = "sensor_lag"
     numbers = (Number("lag_s", 0.0, 0.0, 600.0, 0.0, 3600.0),)

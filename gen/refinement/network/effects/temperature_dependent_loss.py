@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
-from gen.refinement.network.draft import Draft
+from gen.refinement.network.changing.draft import Draft
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-from gen.refinement.network.writer import NetworkWriter
 
 REFERENCE = 25.0
 """degC: what resistances are told at."""

@@ -1,7 +1,7 @@
 """Runs as sensors would have shown them whose gains are right: what a file says of a gain is taken off beforehand.
 
 All that is fitted is then linear in temperatures, and what is found of a sensor lies between the motor and its gain:
-the file's writer (:mod:`gen.refinement.network.writer`) passes it through the gain again.
+the file's writer (:mod:`gen.refinement.network.changing.writer`) passes it through the gain again.
 """
 
 from __future__ import annotations

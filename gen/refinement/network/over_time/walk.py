@@ -13,7 +13,7 @@ from scipy.linalg import solve_triangular
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Inputs
-from gen.refinement.network.courses import Blocks
+from gen.refinement.network.over_time.courses import Blocks
 
 WALKS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0)
 """How far it may walk within `WALKED_S`, as shares of what is typical: standard deviations."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from gen.refinement.network.courses import Course
 from gen.refinement.network.effects.base import WHOLE
-from gen.refinement.network.uneven import Uneven
+from gen.refinement.network.over_time.courses import Course
+from gen.refinement.network.over_time.uneven import Uneven
 
 AT_ONCE_H = 0.3
 """Into a run up to which a change is told as since it."""

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from gen.refinement.network.course_fit import fitted_courses
-from gen.refinement.network.courses import Course, Quantity
 from gen.refinement.network.effects import NetworkEffect
-from gen.refinement.network.fit import Bench
-from gen.refinement.network.told_course import told
-from gen.refinement.network.trace import Traced
-from gen.refinement.network.uneven import LEFT, PARTING, TURNS, Uneven, uneven
+from gen.refinement.network.fitting.fit import Bench
+from gen.refinement.network.over_time.course_fit import fitted_courses
+from gen.refinement.network.over_time.courses import Course, Quantity
+from gen.refinement.network.over_time.told_course import told
+from gen.refinement.network.over_time.uneven import LEFT, PARTING, TURNS, Uneven, uneven
+from gen.refinement.network.tracing.trace import Traced
 from gen.refinement.verdict import NOTHING
 
 PLAINLY, AGAINST = 20.0, 0.1

@@ -13,10 +13,10 @@ from gen.identification.network.fitting.inputs import Inputs
 from gen.identification.network.fitting.priors import Prior
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.weights import density
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import Data
 from gen.refinement.network.effects.base import Seen
-from gen.refinement.network.folds import folds_of
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import Data
+from gen.refinement.network.fitting.folds import folds_of
 
 AT_FIRST, AT_EACH, AT_LAST, AT_LEFT_OUT, AT_TRIAL = 20, 16, 40, 4, 6
 """Linearisations: of the file alone, of an effect beside it, of one that is compared with others by its cost, of a

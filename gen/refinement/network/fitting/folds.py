@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.refinement.network.data import Data
+from gen.refinement.network.fitting.data import Data
 
 FEW = 3
 """Up to so many later runs are cut."""

@@ -19,13 +19,13 @@ from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.simulation import steps_of
 from gen.identification.network.fitting.weights import independent
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.courses import Blocks, Course, along, blocks_of
-from gen.refinement.network.data import Data
 from gen.refinement.network.effects.base import WHOLE
-from gen.refinement.network.fit import Bench, Fitted
-from gen.refinement.network.moving import Moving, MovingCooling, MovingHeat, given, with_course
-from gen.refinement.network.walk import walked
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import Data
+from gen.refinement.network.fitting.fit import Bench, Fitted
+from gen.refinement.network.over_time.courses import Blocks, Course, along, blocks_of
+from gen.refinement.network.over_time.moving import Moving, MovingCooling, MovingHeat, given, with_course
+from gen.refinement.network.over_time.walk import walked
 
 ROUNDS, SAME, LIKELIEST = 8, 1.0, 3
 """Linearisations, the gain of evidence below which there is no further one, and how many places are worth more than

@@ -8,10 +8,10 @@ import numpy as np
 
 from gen.pages.panels import Course, Panel, Panels
 from gen.refinement.errors import Errors
-from gen.refinement.network.courses import Quantity, RunCourse
 from gen.refinement.network.effects.base import WHOLE
-from gen.refinement.network.missing_heat import MissingHeat
-from gen.refinement.network.uneven import Pattern
+from gen.refinement.network.over_time.courses import Quantity, RunCourse
+from gen.refinement.network.over_time.missing_heat import MissingHeat
+from gen.refinement.network.over_time.uneven import Pattern
 from gen.refinement.run_charts import LONG_S
 
 MOST_CHARTS, MOST_POINTS = 12, 300

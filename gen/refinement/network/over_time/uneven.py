@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import isotonic_regression
 
 from gen.identification.network.fitting.bins import FloatArray
-from gen.refinement.network.courses import Course
+from gen.refinement.network.over_time.courses import Course
 
 UNEVEN = 0.45
 """Scatter of it about its mean at each speed, over the size of that mean, from which it comes and goes."""

@@ -14,16 +14,15 @@ from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Inputs, Levels
 from gen.identification.network.fitting.physics import Physical, incidence_of, outer_of
 from gen.model.network import Network
-from gen.model.network_parts import Curve, Factor
-from gen.refinement.network import excess
-from gen.refinement.network.anchors import USUAL_AMBIENT
-from gen.refinement.network.columns import Columns
-from gen.refinement.network.draft import Draft, Slope
+from gen.refinement.network.changing import excess
+from gen.refinement.network.changing.columns import Columns
+from gen.refinement.network.changing.draft import Draft, Slope
+from gen.refinement.network.changing.lagged import Lagged
+from gen.refinement.network.changing.writer import NetworkWriter, Scale
 from gen.refinement.network.effects import Motor, NetworkEffect
-from gen.refinement.network.effects.base import OWN, SPEEDS, Place, Seen
-from gen.refinement.network.forms import HEAT, OUTSIDE, WITHIN, Form
-from gen.refinement.network.lagged import Lagged
-from gen.refinement.network.writer import NetworkWriter, Scale
+from gen.refinement.network.effects.base import OWN, Place, Seen
+from gen.refinement.network.fitting.file_curves import FileCurves, motor_of
+from gen.refinement.network.fitting.forms import HEAT, OUTSIDE, WITHIN, Form
 
 CAPACITY, LEVEL, LEVEL_WITHIN, BEND_SHARE, AT_REST, SLOPE_OVER_SPEED, OFFSET_K = 0.15, 0.15, 0.4, 0.15, 0.05, 0.2, 0.15
 """Standard deviations of what the file may be off by: logarithms of capacities, of levels, of those of paths within
@@ -121,55 +120,14 @@ class Anchored:
         """1 for each path to the ambient, shape (Q,)."""
         return outer_of(self.paths)
 
+    @cached_property
+    def curves(self) -> FileCurves:
+        """Conductances and heats as the file has them."""
+        return FileCurves(self.network, self.full_scale, self.columns)
+
     def motor(self) -> Motor:
         """What effects need to know of the file's network."""
-        full = self._levels_at(np.ones(1))
-        conductance = np.array([self._conductance_at(q, np.ones(1))[0] for q in range(len(self.network.paths))])
-        outer = tuple(q for q, path in enumerate(self.network.paths) if path.second is None and path.law is None)
-        heat = sum(float(self._curve(h.curve, h.factors, full)[0][0]) for h in self.network.heats)
-        heated = tuple(dict.fromkeys(self.base_heats))
-        heat_W = tuple(self._heat_at(node) for node in heated)
-        return Motor(
-            names=self.names[: self.base_nodes],
-            sensed=self.sensors,
-            outer=outer,
-            paths=self.base_paths,
-            heated=heated,
-            heat_W=heat_W,
-            heat_powers=tuple(_powers(watts) for watts in heat_W),
-            outer_powers=tuple(float(np.mean(_powers(self._conductance_at(q, SPEEDS)))) for q in outer),
-            columns=self.columns,
-            typical_W=max(heat, 1e-6),
-            typical_W_per_K=float(np.median(conductance[conductance > 0.0])),
-            typical_J_per_K=float(np.median(self.network.capacities)),
-            usual_degC=self._usual(),
-            radiates=tuple(excess.radiation_of(self.network, node) for node in range(self.base_nodes)),
-        )
-
-    def _conductance_at(self, path: int, speed: FloatArray) -> FloatArray:
-        """A path's conductance while it turns at speeds, shape (L,), W/K."""
-        own = self.network.paths[path]
-        return self._curve(own.curve, own.factors, self._levels_at(speed))[0]
-
-    def _usual(self) -> tuple[float, ...]:
-        """Where the nodes settle at half speed, degC."""
-        m, a, f = self.network.matrices(np.array([self.full_scale // 2]))
-        settled = np.linalg.solve(-m[0], a[0] * USUAL_AMBIENT + f[0])
-        return tuple(float(settled[k]) for k in self.order)
-
-    def _heat_at(self, node: int) -> FloatArray:
-        """A node's heat at `SPEEDS`, W, shape (speeds,)."""
-        levels = self._levels_at(SPEEDS)
-        own = [h for n, h in zip(self.base_heats, self.network.heats, strict=True) if n == node]
-        return sum((self._curve(h.curve, h.factors, levels)[0] for h in own), np.zeros(SPEEDS.size))
-
-    def _levels_at(self, speed: FloatArray) -> Levels:
-        """Give the inputs of speeds that are held, channels neutral, shape (L,)."""
-        neutral = self.network.neutral()
-        usual = {name: np.full(speed.size, neutral.get(name, 0.0)) for name in self.columns.channels}
-        none = [np.zeros(speed.size)] * self.columns.excesses
-        further = np.column_stack(self.columns.of_run(speed, usual, none, later=False))
-        return Levels(np.ones_like(speed), np.zeros_like(speed), speed, speed**2, further)
+        return motor_of(self.curves, self.order, self.base_paths, self.base_heats)
 
     # Places in the vector.
 
@@ -259,27 +217,9 @@ class Anchored:
         ]
 
     def begun(self, vector: FloatArray, sensed: FloatArray, ambient: FloatArray) -> None:
-        """None: each run's starts are its own (see `effects.warm_start`)."""
+        """None: each run's starts are its own (see `tracing.warm_start`)."""
 
     # The network at distinct inputs.
-
-    def _told(self, factors: Sequence[Factor], levels: Levels) -> FloatArray:
-        made = np.ones(levels.count)
-        for factor in factors:
-            channel = self.network.channel(factor.channel)
-            value = self.columns.power(levels, factor.channel, 1)
-            made = made * factor(np.clip(value, channel.low, channel.high))
-        return made
-
-    def _curve(self, curve: Curve, factors: Sequence[Factor], levels: Levels) -> tuple[FloatArray, FloatArray]:
-        """What a curve of the file gives while turning and at rest, factors included, shape (L,) each."""
-        pwm = levels.speed * self.full_scale
-        held = pwm if self.network.held is None else np.clip(pwm, *self.network.held)
-        still = curve.at_rest
-        if still is None:
-            still = float(curve.turning(np.array([float(self.network.held[0]) if self.network.held else 0.0]))[0])
-        told = self._told(factors, levels)
-        return np.maximum(curve.turning(held), 0.0) * told, still * told
 
     def physical(self, levels: Levels, vector: FloatArray) -> Physical:
         """Evaluate capacities, conductances and heats at each distinct input."""
@@ -287,13 +227,13 @@ class Anchored:
         rest, turn = levels.rest, 1.0 - levels.rest
         paths, heats, _ = self._firsts
         for q, (path, form, first) in enumerate(zip(self.network.paths, self.forms, paths, strict=True)):
-            turning, still = self._curve(path.curve, path.factors, levels)
+            turning, still = self.curves.at(path.curve, path.factors, levels)
             value, slopes = _off(form, int(first), turn * turning, rest * still, levels, vector)
             draft.conductance.add(q, value, slopes)
         for k, (q, _) in enumerate(self.network.laws):
             draft.law(q, self.base_paths[q], self.columns.excess(levels, k))
         for node, heat, first in zip(self.base_heats, self.network.heats, heats, strict=True):
-            turning, still = self._curve(heat.curve, heat.factors, levels)
+            turning, still = self.curves.at(heat.curve, heat.factors, levels)
             value, slopes = _off(
                 HEAT, int(first), turn * turning + rest * still, np.zeros(levels.count), levels, vector
             )
@@ -381,13 +321,6 @@ class Anchored:
         for effect, values in zip(self.effects, self.values(vector), strict=True):
             if effect in kept:
                 effect.write(entry, values)
-
-
-def _powers(value: FloatArray) -> FloatArray:
-    """Give the power of speed that a curve over `SPEEDS` goes with, shape (speeds,); 1 where it is not above 0."""
-    if not np.all(value > 0.0):
-        return np.ones(SPEEDS.size)
-    return np.asarray(np.gradient(np.log(value), np.log(SPEEDS)))
 
 
 def _scale(form: Form, own: FloatArray) -> Scale:

@@ -12,7 +12,7 @@ import numpy as np
 from gen.coefficients import Coefficients
 from gen.identification.network.fitting.bins import FloatArray
 from gen.model.network_solution import NetworkSolution
-from gen.refinement.network.freed import gains
+from gen.refinement.network.changing.freed import gains
 from gen.runs import Run
 
 SPEEDS = 5

@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from gen.refinement.network.changed import looks_like_a_change
 from gen.refinement.network.effects import NetworkEffect
-from gen.refinement.network.fit import Bench
-from gen.refinement.network.judged import Judged, judged, p_better
-from gen.refinement.network.search import (
+from gen.refinement.network.fitting.fit import Bench
+from gen.refinement.network.tracing.changed import looks_like_a_change
+from gen.refinement.network.tracing.judged import Judged, judged, p_better
+from gen.refinement.network.tracing.search import (
     ENOUGH_BESIDE,
     LEAST_GAIN_BESIDE,
     PRICE,

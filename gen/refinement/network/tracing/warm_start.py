@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.refinement.judgement import LEAST_GAIN, LEVEL
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import Data
-from gen.refinement.network.fit import Fitted
-from gen.refinement.network.judged import Judged, judged, p_better
-from gen.refinement.network.search import PLAIN, PLAIN_LEVEL
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import Data
+from gen.refinement.network.fitting.fit import Fitted
+from gen.refinement.network.tracing.judged import Judged, judged, p_better
+from gen.refinement.network.tracing.search import PLAIN, PLAIN_LEVEL
 
 NAME = "initial_state"
 """In the library of effects."""

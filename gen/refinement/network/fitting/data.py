@@ -13,11 +13,11 @@ from gen.coefficients import Coefficients
 from gen.identification.network.fitting.bins import Binned, FloatArray, binned
 from gen.identification.network.fitting.inputs import Inputs, inputs_of
 from gen.model.dynamics import MAX_PWM
-from gen.refinement.network import excess
-from gen.refinement.network.anchors import anchors, declared_density
-from gen.refinement.network.columns import Columns
+from gen.refinement.network.changing import excess
+from gen.refinement.network.changing.columns import Columns
+from gen.refinement.network.changing.freed import freed
 from gen.refinement.network.effects import Offered
-from gen.refinement.network.freed import freed
+from gen.refinement.network.fitting.anchors import anchors, declared_density
 from gen.replay import Inputs as Driven
 from gen.replay import inputs_of as driven_by
 from gen.runs import Run

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
-from gen.refinement.network.data import Data
 from gen.refinement.network.effects import NetworkEffect, ScheduleError
 from gen.refinement.network.effects.base import WHOLE
+from gen.refinement.network.fitting.data import Data
 
 GROWN = 1.03
 """Heat that has grown by more than this at every speed that was run is a fault's pattern: no curve errs like that."""

@@ -10,11 +10,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from gen.refinement.judgement import LEAST_GAIN, LEVEL, TOO_LITTLE
-from gen.refinement.network.changed import looks_like_a_change
-from gen.refinement.network.data import Data
 from gen.refinement.network.effects import NetworkEffect
-from gen.refinement.network.fit import Bench, Fitted
-from gen.refinement.network.judged import Judged, doubts, judged, p_better
+from gen.refinement.network.fitting.data import Data
+from gen.refinement.network.fitting.fit import Bench, Fitted
+from gen.refinement.network.tracing.changed import looks_like_a_change
+from gen.refinement.network.tracing.judged import Judged, doubts, judged, p_better
 
 PLAIN, PLAIN_LEVEL, LEAST_DECREASE = 0.75, 0.2, 25.0
 """Left-out error over that without it, p-value, and decrease of the weighed squares, of what is plain."""

@@ -10,11 +10,11 @@ import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Inputs, Levels
-from gen.refinement.network.courses import Quantity
-from gen.refinement.network.draft import Draft
-from gen.refinement.network.draft import Quantity as Drafted
+from gen.refinement.network.changing.draft import Draft
+from gen.refinement.network.changing.draft import Quantity as Drafted
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import NetworkEffect, Place
-from gen.refinement.network.writer import NetworkWriter
+from gen.refinement.network.over_time.courses import Quantity
 
 LEAST = 0.1
 """Share of its conductance that a path keeps: a cover does not insulate it entirely."""

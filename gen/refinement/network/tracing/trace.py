@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from gen.refinement.network.anchored import Anchored
-from gen.refinement.network.data import Data
 from gen.refinement.network.effects import candidates
-from gen.refinement.network.fit import Bench
-from gen.refinement.network.judged import Judged, is_explained, judged
-from gen.refinement.network.paths import exchanged, followed, from_another_beginning
-from gen.refinement.network.search import LEAST_GAIN_BESIDE, Considered, Step
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import Data
+from gen.refinement.network.fitting.fit import Bench
+from gen.refinement.network.tracing.judged import Judged, is_explained, judged
+from gen.refinement.network.tracing.paths import exchanged, followed, from_another_beginning
+from gen.refinement.network.tracing.search import LEAST_GAIN_BESIDE, Considered, Step
 
 
 @dataclass(frozen=True, eq=False)

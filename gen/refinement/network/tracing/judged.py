@@ -8,8 +8,8 @@ import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.refinement.judgement import p_of_gains
-from gen.refinement.network.data import Data
-from gen.refinement.network.fit import Fitted
+from gen.refinement.network.fitting.data import Data
+from gen.refinement.network.fitting.fit import Fitted
 from gen.refinement.verdict import EXPLAINED, NOTHING
 
 LEAST_NOISE_K = 0.05

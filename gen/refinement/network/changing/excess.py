@@ -45,7 +45,8 @@ def excesses(coefficients: Coefficients, run: Run, inputs: Inputs) -> list[Float
     coefficients
         The file.
     run, inputs
-        The run, freed of wrong gains (:func:`~gen.refinement.network.freed.freed`), and what drives the model along it.
+        The run, freed of wrong gains (:func:`~gen.refinement.network.changing.freed.freed`), and what drives the model
+        along it.
     """
     network = coefficients.model.network
     assert network is not None
