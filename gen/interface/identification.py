@@ -130,9 +130,10 @@ class NetworkIdentification(Reported):
 
     def details(self) -> dict[str, Any]:
         """All that was found as plain numbers and words, as ``gen identify --json`` writes it."""
+        from gen.identification.network.telling.as_json import as_json
         from gen.identification.summary import without_nan
 
-        details: dict[str, Any] = without_nan(self._said.as_json() | _choice(self.choice))
+        details: dict[str, Any] = without_nan(as_json(self._said) | _choice(self.choice))
         return details
 
     @property
@@ -189,7 +190,9 @@ class NetworkIdentification(Reported):
 
     def text(self) -> str:
         """What the command prints."""
-        return _with_choice(self._said.text(), self.choice)
+        from gen.identification.network.telling.text import text
+
+        return _with_choice(text(self._said), self.choice)
 
     def html(self) -> str:
         """The report as one HTML page."""

@@ -45,7 +45,8 @@ OTHER_FORMATS = {
         "power_W",
     },
     "identification/summary.py": {"components", "value", "model_minus_measured_K"},
-    "identification/network/telling/summary.py": {"value"},
+    "identification/network/telling/as_json.py": {"value"},
+    "identification/network/telling/text.py": {"value"},
     # what a part may follow: another part of the run, or the room
     "identification/room_followers.py": {"ambient"},
     # times and lines as loggers write them, the mapping file of `gen import`, comments of a run file
@@ -70,7 +71,8 @@ OTHER_FORMATS = {
     "emulate/results.py": {"alarms", "protection"},
     # contexts of templates, and lists of names in them
     "firmware/context.py": {"name", "channels"},
-    "firmware/contexts/network.py": {"constant", "heats", "note"},
+    "firmware/contexts/network.py": {"constant"},
+    "firmware/contexts/network_terms.py": {"constant", "heats", "note"},
     "firmware/contexts/network_words.py": {"note"},
     "firmware/contexts/effects.py": {"name", "heats"},
     "firmware/sketch/device.py": {"board", "channels", "encoder", "observe", "memory", "supply", "zero"},
@@ -102,7 +104,7 @@ VALUES = ("airflow", "load_heating", "sensor_offset", "supply_voltage")
 OTHER_DICTS = {f"model/effects/catalogue/{name}.py" for name in VALUES} | {
     "firmware/certificate.py",  # the certificate's own form of an equation
     "firmware/network_certificate.py",
-    "identification/network/telling/summary.py",  # the JSON summary of `gen identify`
+    "identification/network/telling/as_json.py",  # the JSON summary of `gen identify`
     # the JSON summary of `gen refine`: a channel that an effect reads, an effect
     *(f"refinement/network/effects/{name}.py" for name in ("airflow", "load_heating", "supply_voltage")),
     "refinement/network/entries.py",

@@ -17,7 +17,8 @@ from gen.lowering.fixed.formats import nested_ranges
 from gen.lowering.lower import lower
 from gen.lowering.recursion import bounds
 from gen.lowering.recursion.dynamics import Dynamics, dynamics
-from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
+from gen.lowering.recursion.no_proof import NoProofError
+from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.reference.fixed import FixedStep, product
 from tests.examples import example
 

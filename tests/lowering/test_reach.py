@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gen.lowering.recursion import reach
 from gen.lowering.recursion.dynamics import dynamics
-from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
+from gen.lowering.recursion.fan import Fan
+from gen.lowering.recursion.no_proof import NoProofError
+from gen.lowering.recursion.reach import SwitchedRecursion
 from tests.examples import example
 
 
@@ -62,13 +63,13 @@ def test_weights_that_leave_something_of_an_image_do_not_make_the_bound_smaller(
     short: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As rounding may; here all of them are too small, in the inequalities and in the extents."""
-    usual = reach._Fan.of
+    usual = Fan.of
 
-    def planted(order: int, shape: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> reach._Fan:
+    def planted(order: int, shape: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> Fan:
         fan = usual(order, shape)
         return replace(fan, inverse=fan.inverse * (1.0 - short))
 
-    monkeypatch.setattr(reach._Fan, "of", planted)
+    monkeypatch.setattr(Fan, "of", planted)
     rates = np.array([1e-5, 2e-4, 1e-3])
     recursion = SwitchedRecursion((1.0 - rates)[:, None, None])
     try:

@@ -13,7 +13,8 @@ from gen.lowering.fixed.formats import RESIDUE_BITS
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.recursion import increments
 from gen.lowering.recursion.dynamics import Dynamics, dynamics
-from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
+from gen.lowering.recursion.no_proof import NoProofError
+from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.model import Component, ThermalModel
 
 Array = NDArray[np.float64]

@@ -25,7 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.lowering.recursion.guarantee import rounded_up
-from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
+from gen.lowering.recursion.no_proof import NoProofError
+from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.model import ThermalModel
 from gen.model.effects import Applied
 from gen.model.effects.gains import Domain, PartGains, contracts, gains, in_loops, largest_loop, steady_loops

@@ -13,7 +13,8 @@ from gen.lowering.fixed.proof import prove, prove_corrected
 from gen.lowering.kinds import Integers
 from gen.lowering.recursion import bounds
 from gen.lowering.recursion.dynamics import TOWARDS_SETTLED, Dynamics, LoweringError, dynamics
-from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
+from gen.lowering.recursion.no_proof import NoProofError
+from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.lowering.recursion.substeps import fewest_substeps
 from gen.model import Component, ThermalModel
 

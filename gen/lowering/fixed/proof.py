@@ -12,7 +12,8 @@ from gen.lowering.recursion import bounds, increments
 from gen.lowering.recursion.bounds import Array, InnerRanges, StateRanges, WorstError
 from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Proof
-from gen.lowering.recursion.reach import NoProofError, SwitchedRecursion
+from gen.lowering.recursion.no_proof import NoProofError
+from gen.lowering.recursion.reach import SwitchedRecursion
 
 _OVERFLOW = "the ranges that its states can reach do not fit their words"
 

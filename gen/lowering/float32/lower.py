@@ -11,7 +11,7 @@ from gen.lowering.float32.packing import packed, packed_steady
 from gen.lowering.float32.proof import prove, word_ranges
 from gen.lowering.float32.ranges import Magnitudes, Reachable, proven_magnitudes, unproven_magnitudes
 from gen.lowering.recursion.dynamics import TOWARDS_SETTLED, Dynamics, dynamics
-from gen.lowering.recursion.reach import NoProofError
+from gen.lowering.recursion.no_proof import NoProofError
 from gen.lowering.recursion.substeps import fewest_substeps
 from gen.model import Component, ThermalModel
 

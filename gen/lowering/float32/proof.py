@@ -18,7 +18,7 @@ from gen.lowering.recursion import bounds, increments
 from gen.lowering.recursion.bounds import WorstError
 from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Proof
-from gen.lowering.recursion.reach import NoProofError
+from gen.lowering.recursion.no_proof import NoProofError
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from gen.lowering.recursion import bounds, increments
 from gen.lowering.recursion.dynamics import Dynamics
-from gen.lowering.recursion.reach import ReachSet, SwitchedRecursion
+from gen.lowering.recursion.reach import SwitchedRecursion
+from gen.lowering.recursion.reach_set import ReachSet
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,9 @@ from numpy.typing import NDArray
 from gen.lowering.recursion import increments
 from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Invariant
-from gen.lowering.recursion.reach import NoProofError, ReachSet, SwitchedRecursion
+from gen.lowering.recursion.no_proof import NoProofError
+from gen.lowering.recursion.reach import SwitchedRecursion
+from gen.lowering.recursion.reach_set import ReachSet
 
 Array = NDArray[np.float64]
 

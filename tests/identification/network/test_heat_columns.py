@@ -20,8 +20,10 @@ from gen.errors import InputError
 from gen.identification.coefficient_file import Settings
 from gen.identification.network.data import make_network_data
 from gen.identification.network.identify import identify_network
+from gen.identification.network.telling.as_json import as_json
 from gen.identification.network.telling.document import network_text
 from gen.identification.network.telling.summary import Summary
+from gen.identification.network.telling.text import text
 from gen.identification.sources import Source
 from gen.lowering.lower import lower
 from gen.model.network_solution import NetworkSolution
@@ -103,10 +105,10 @@ def test_what_a_column_heats_is_found_and_predicted(column: str) -> None:
     assert network is not None
     assert [channel.column for channel in network.channels] == [column]
     # Nearly all of it at the casing, by the column's largest.
-    fed = {heat["node"]: heat["power_W"]["value"] for heat in summary.as_json()["heats_by_column"]}
+    fed = {heat["node"]: heat["power_W"]["value"] for heat in as_json(summary)["heats_by_column"]}
     assert fed["casing"] > 10.0 * fed.get("winding", 0.0)
-    assert f"by {column}" in summary.text()
-    assert f"steady rise (K) by PWM, without the heat of {column}" in summary.text()
+    assert f"by {column}" in text(summary)
+    assert f"steady rise (K) by PWM, without the heat of {column}" in text(summary)
     assert lower(loaded, "fixed", "table").network is not None
 
 
@@ -120,9 +122,7 @@ def test_a_column_that_heats_nothing_does_no_harm() -> None:
 def test_columns_that_might_heat_are_told() -> None:
     """Not one without any value, which is let pass without a word."""
     _, summary = identified([])
-    assert (
-        "not used: heater_W; what else heats the motor, and the board can measure, tell with --heat" in summary.text()
-    )
+    assert "not used: heater_W; what else heats the motor, and the board can measure, tell with --heat" in text(summary)
 
 
 @pytest.mark.parametrize(
@@ -158,7 +158,7 @@ def test_a_meter_may_read_a_little_below_nothing_and_heat_go_with_value_and_squa
     assert [(channel.column, channel.low) for channel in network.channels] == [("heater_W", 0.0)]
     fresh = logged(FRESH, 77)
     assert off(loaded, fresh, fresh.extras["heater_W"]) < 4.0 * FLOOR  # what is cut off at nothing is a mean of 0.16 W
-    assert "heats nothing that is seen" not in Summary(result).text()
+    assert "heats nothing that is seen" not in text(Summary(result))
 
 
 def test_a_column_that_never_changes_is_refused() -> None:

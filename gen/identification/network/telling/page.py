@@ -14,8 +14,10 @@ from gen.coefficients import Coefficients
 from gen.identification.choice.decision import Decision
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.identify import NetworkFound, curves
+from gen.identification.network.telling.as_json import as_json
 from gen.identification.network.telling.rises import steady_rise_title
-from gen.identification.network.telling.summary import Summary, in_still_air
+from gen.identification.network.telling.summary import Summary
+from gen.identification.network.telling.text import in_still_air
 from gen.pages.charts import Chart, Series
 from gen.pages.environment import page_environment
 from gen.pages.network_drawing import DrawnNode, DrawnPath, network_svg
@@ -42,7 +44,7 @@ def network_report(result: NetworkFound, coefficients: Coefficients, choice: Dec
     choice
         Why it is this kind of model, where that was not asked for.
     """
-    whole = Summary(result).as_json()
+    whole = as_json(Summary(result))
     return (
         _environment()
         .get_template("network_identification.html.j2")

@@ -1,26 +1,19 @@
-"""What was found, as JSON and as text for the terminal."""
+"""What there is to say of an identified network: how good it is, for what, and what to beware of."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from gen.identification.grades import GOOD_K, NOISES, Grade, Miss, told, worse_than
-from gen.identification.network.fitting.bends import BEND
 from gen.identification.network.fitting.bins import FloatArray
-from gen.identification.network.fitting.inputs import held
-from gen.identification.network.fitting.natural import USUAL_K
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.left_out import each_alone
 from gen.identification.network.telling.coarse import coarse
 from gen.identification.network.telling.document import measured_range, rest_was_measured, turned_range
-from gen.identification.network.telling.forecast import bands
 from gen.identification.network.telling.resting import REST_S, rested
-from gen.identification.network.telling.rises import steady_rise_title
-from gen.identification.network.telling.uncertainty import Spread, Steady, spread_of, steady_of, undetermined
+from gen.identification.network.telling.uncertainty import Spread, Steady, spread_of, steady_of
 from gen.identification.network.used import rms_K
 
 SETTLED = 3.0
@@ -30,10 +23,6 @@ OFFSET_SURE = 3.0
 OTHERWISE = 2.0
 """Times the error from starts of its own: a run that the file misses by more begins otherwise than the file says."""
 MOST_SPEEDS = 12
-HEATING = ("_A", "_W", "_Nm", "_percent")
-"""Ends of the names of columns that may heat a motor."""
-BENDING = "bend by more than sums of powers do, as the runs ask for or as they do not exclude"
-POWERS = "are sums of powers: the runs ask for none that bends more"
 
 
 class Summary:
@@ -227,216 +216,8 @@ class Summary:
             f"runs show beside it (up to {most:.1f} K) is no part of the model; a room that moves moves the parts"
         ]
 
-    def as_json(self) -> dict[str, Any]:
-        """Everything as plain numbers and words."""
-        result = self.result
-        structure = result.found.structure
-        names = (*structure.names, "ambient")
-        longest, slowest = self.span_s
-        return {
-            "model": "network",
-            "runs": [source.path for source in result.data.sources],
-            "ambient": {
-                "fixed_degC": result.data.ambient_fixed,
-                "measured": result.data.ambient_measured,
-                "unsure_K": result.data.ambient_unsure_K,
-            },
-            "verdict": self.verdict,
-            "warnings": self.warnings(),
-            "hidden_nodes": structure.hidden,
-            "curves_bend": structure.bend == BEND,
-            "natural_convection": self._natural(),
-            "candidates": [vars(candidate) for candidate in result.candidates],
-            "left_out_K": result.judged.score_K,
-            "longest_hold_s": longest,
-            "slowest_time_constant_s": slowest,
-            "components": {name: self._component(s) for s, name in enumerate(result.data.names)},
-            "nodes": self._nodes(),
-            "paths": self._paths(names),
-            "heats": self._heats(names),
-            "heats_by_column": self._heats_by_column(names),
-            "not_determined": [
-                "the scale of all capacities, conductances and heats together",
-                *undetermined(result.found, self.spread, [one.column for one in result.data.driving]),
-            ],
-        }
-
-    def _natural(self) -> dict[str, Any] | None:
-        """Natural convection's share of what surfaces lose at rest, or None where no part of it is told apart."""
-        found = self.result.found
-        if not found.structure.natural:
-            return None
-        place = found.structure.still[0]
-        logit, deviation = float(found.vector[place]), float(self.spread.deviation[place])
-        middle, low, high = (1.0 / (1.0 + np.exp(-(logit + by * deviation))) for by in (0.0, -INTERVAL, INTERVAL))
-        return {"share_at_rest": {"value": float(middle), "interval": [float(low), float(high)]}, "at_K": USUAL_K}
-
-    def _component(self, s: int) -> dict[str, Any]:
-        result, steady = self.result, self.steady
-        place = result.found.structure.offsets[s]
-        speeds = {
-            str(pwm): {
-                "steady_rise_K": {
-                    "value": float(steady.rise[k, s]),
-                    "interval": _interval(float(steady.rise[k, s]), float(steady.deviation[k, s])),
-                }
-            }
-            for k, pwm in enumerate(self.speeds)
-        }
-        errors = [
-            {
-                "pwm": list(band.pwm),
-                "model_minus_measured_K": [float(band.low[s]), float(band.high[s])],
-                "rms_K": float(band.rms[s]),
-            }
-            for band in bands(result.inputs, result.judged, result.data.full_scale)
-        ]
-        offset = float(result.found.vector[place])
-        return {
-            "rms_K": {run.name: float(self.rms_K[r, s]) for r, run in enumerate(result.data.fine)},
-            "left_out_rms_K": float(self.left_out_K[s]),
-            "left_out": errors,
-            "sensor_offset_K": {"value": offset, "interval": _interval(offset, float(self.spread.deviation[place]))},
-            "speeds": speeds,
-        }
-
-    def _nodes(self) -> list[dict[str, Any]]:
-        structure, vector = self.result.found.structure, self.result.found.vector
-        return [
-            {
-                "name": name,
-                "sensed": i < len(structure.sensed),
-                "capacity_J_per_K": _factor(float(vector[i]), float(self.spread.deviation[i])),
-                "determined_share": float(1.0 - min(self.spread.share[i], 1.0)),
-                **self._start(i),
-            }
-            for i, name in enumerate(structure.names)
-        ]
-
-    def _start(self, node: int) -> dict[str, Any]:
-        """By how much more than it would rest at a hidden node begins; nothing where no run says."""
-        found, hidden = self.result.found, node - self.result.found.structure.sensors
-        if hidden < 0 or not found.structure.factors.size:
-            return {}
-        place = found.structure.factors[hidden]
-        return {"start_factor": _factor(float(found.vector[place]), float(self.spread.deviation[place]))}
-
-    def _paths(self, names: tuple[str, ...]) -> list[dict[str, Any]]:
-        structure, vector = self.result.found.structure, self.result.found.vector
-        levels = held(np.array([0.0, 127.5, 255.0]), 255)
-        conductance = structure.physical(levels, vector).conductance
-        made = []
-        for q, (i, j) in enumerate(structure.paths):
-            level = structure.conductances[q].start + structure.laws[q].level
-            made.append(
-                {
-                    "between": [names[i], names[j]],
-                    "conductance_W_per_K": dict(
-                        zip(("at_rest", "at_half_speed", "at_full_speed"), conductance[:, q].tolist(), strict=True)
-                    ),
-                    "determined_share": float(1.0 - min(self.spread.share[level], 1.0)),
-                }
-            )
-        return made
-
-    def _heats(self, names: tuple[str, ...]) -> list[dict[str, Any]]:
-        structure, vector = self.result.found.structure, self.result.found.vector
-        heat = structure.physical(held(np.array([127.5, 255.0]), 255), vector).heat
-        return [
-            {"node": names[i], "power_W": {"at_half_speed": float(heat[0, i]), "at_full_speed": float(heat[1, i])}}
-            for i in structure.heated
-        ]
-
-    def _heats_by_column(self, names: tuple[str, ...]) -> list[dict[str, Any]]:
-        structure, vector = self.result.found.structure, self.result.found.vector
-        driving = self.result.data.driving
-        return [
-            {
-                "node": names[i],
-                "column": driving[number].column,
-                "power": driving[number].power,
-                "at": driving[number].largest,
-                "power_W": _factor(float(vector[at]), float(self.spread.deviation[at])),
-            }
-            for (number, i), at in zip(structure.fed, structure.feeds.tolist(), strict=True)
-        ]
-
-    def text(self) -> str:
-        """What the command prints."""
-        whole = self.as_json()
-        structure = self.result.found.structure
-        lines = [
-            f"network of {structure.nodes} nodes, {structure.hidden} of them hidden, {len(structure.paths)} paths, "
-            f"{len(structure.heated) + len(structure.fed)} heats{self._by_columns()}",
-            f"  over speed they {BENDING if structure.bend == BEND else POWERS}",
-            *(f"  {line}" for line in in_still_air(whole["natural_convection"])),
-            "  hidden nodes  error on data left out (K)",
-            *(f"  {c.hidden:>12}  {c.left_out_K:.2f}" for c in self.result.candidates),
-            f"part        in the runs (K)  left out (K)  {steady_rise_title(self.result)}",
-        ]
-        for s, name in enumerate(self.result.data.names):
-            own = float(np.sqrt(np.nanmean(self.rms_K[:, s] ** 2)))
-            rises = ", ".join(
-                f"{pwm}: {self.steady.rise[k, s]:.1f} ±{INTERVAL * self.steady.deviation[k, s]:.1f}"
-                for k, pwm in enumerate(self.speeds)
-            )
-            lines.append(f"{name:<10}  {own:<15.2f}  {self.left_out_K[s]:<12.2f}  {rises}")
-        lines += self._not_used()
-        lines.append(whole["verdict"])
-        lines += [f"warning: {warning}" for warning in whole["warnings"]]
-        return "\n".join(lines)
-
-    def _by_columns(self) -> str:
-        """Which of the heats come by measured columns."""
-        driving = self.result.data.driving
-        used = dict.fromkeys(driving[number].column for number, _ in self.result.found.structure.fed)
-        unused = dict.fromkeys(one.column for one in driving if one.column not in used)
-        said = f", {len(self.result.found.structure.fed)} of them by {', '.join(used)}" if used else ""
-        return said + (f" ({', '.join(unused)} heats nothing that is seen)" if unused else "")
-
-    def _not_used(self) -> list[str]:
-        """Columns that could heat the motor, too: every run has them, and they change."""
-        sources, taken = self.result.data.sources, {one.column for one in self.result.data.driving}
-        common = set.intersection(*(set(source.run.extras) for source in sources)) - taken
-        moving = [
-            column
-            for column in sorted(common)
-            if column.endswith(HEATING) and any(_moves(source.run.extras[column]) for source in sources)
-        ]
-        if not moving:
-            return []
-        return [
-            f"not used: {', '.join(moving)}; what else heats the motor, and the board can measure, tell with --heat"
-        ]
-
-
-def _moves(values: FloatArray) -> bool:
-    """Whether a column changes; one without values does not."""
-    return np.unique(values[np.isfinite(values)]).size > 1
-
 
 def _time(seconds: float) -> str:
     if seconds < 120.0:
         return f"{seconds:.0f} s"
     return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"
-
-
-def _interval(value: float, sd: float) -> list[float]:
-    return [value - INTERVAL * sd, value + INTERVAL * sd]
-
-
-def _factor(log: float, sd: float) -> dict[str, Any]:
-    bound = INTERVAL * min(sd, 5.0)
-    return {"value": float(np.exp(log)), "interval": [float(np.exp(log - bound)), float(np.exp(log + bound))]}
-
-
-def in_still_air(natural: Mapping[str, Any] | None) -> list[str]:
-    """Say what goes by natural convection; nothing where none was found."""
-    if natural is None:
-        return []
-    share = natural["share_at_rest"]
-    low, high = share["interval"]
-    return [
-        f"{share['value']:.0%} ({low:.0%} to {high:.0%}) of what surfaces lose at rest goes by natural convection, "
-        "which grows with their rise"
-    ]
