@@ -54,7 +54,7 @@ def network_of(coefficients: Coefficients) -> Network:
 
 def bare(coefficients: Coefficients, columns: Columns) -> Anchored:
     """Give a file without any effect."""
-    return Anchored(network_of(coefficients), coefficients.document.input.full_scale, columns)
+    return Anchored.of(network_of(coefficients), coefficients.document.input.full_scale, columns)
 
 
 def variants(every: Sequence[NetworkEffect], key: Key) -> list[NetworkEffect]:

@@ -61,7 +61,7 @@ def question(names: tuple[str, ...] = ("standstill_cooling", "none")) -> tuple[C
     data = make_data(coefficients, [("short", short_run())])
     network = coefficients.model.network
     assert network is not None
-    shape = Anchored(network, 255, data.columns)
+    shape = Anchored.of(network, 255, data.columns)
     bench = Bench(data)
     density = np.full(2, DENSITY)
     base = bench.first(shape)

@@ -95,6 +95,7 @@ def left_out(found: Found, folds: list[Mask]) -> LeftOut:
     structure = problem.structure
     error = np.full(inputs.target.shape, np.nan)
     by_fold = np.full((len(folds), len(structure.sensed)), np.nan)
+    known = problem.slopes(found.vector)
     for f, mask in enumerate(folds):
         without = problem.weighed(np.where(mask[:, None], 0.0, inputs.weight))
         start = found.vector.copy()
@@ -103,7 +104,9 @@ def left_out(found: Found, folds: list[Mask]) -> LeftOut:
                 # A new run: nothing is known of it but where it begins.
                 own = without.columns(r)[structure.size :]
                 start[own] = problem.prior.mean[own]
-        evaluated = problem.evaluate(settle(without, start, AT_EACH).vector)
+        # Another start of runs that are left out changes nothing of the others.
+        begun = without.weighed_up(*known)
+        evaluated = problem.evaluate(settle(without, start, AT_EACH, begun=begun).vector)
         cover = np.where(mask[:, None], inputs.covered, 0.0)
         error[cover > 0.0] = evaluated.residual[cover > 0.0]
         total = cover.sum(axis=0)

@@ -67,7 +67,7 @@ def moving_ambient(
         return None
     fixed = make_data(coefficients, runs, as_declared=True)
     bench = Bench(fixed)
-    shape = Anchored(traced.null.fitted.shape.network, traced.null.fitted.shape.full_scale, fixed.columns)
+    shape = Anchored.of(traced.null.fitted.shape.network, traced.null.fitted.shape.full_scale, fixed.columns)
     base = bench.first(shape)
     found = traced.final.fitted.shape.effects
     others = [effect for effect in found if not isinstance(effect, Walls)]

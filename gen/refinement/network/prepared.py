@@ -46,4 +46,4 @@ def prepared(
     runs, warnings = healthy(runs)
     warnings += [f"{name}: {run.left_out}" for name, run in runs if run.left_out]
     data = make_data(coefficients, runs)
-    return runs, data, Anchored(network, coefficients.document.input.full_scale, data.columns), warnings
+    return runs, data, Anchored.of(network, coefficients.document.input.full_scale, data.columns), warnings

@@ -48,7 +48,7 @@ def found(air: list[FloatArray]) -> list[Course]:
     bench = Bench(make_data(read(still()), runs))
     network = read(still()).model.network
     assert network is not None
-    base = bench.first(Anchored(network, 255, bench.data.columns))
+    base = bench.first(Anchored.of(network, 255, bench.data.columns))
     return fitted_courses(bench, base, base.shape)
 
 

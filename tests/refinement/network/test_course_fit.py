@@ -45,7 +45,7 @@ def courses(motor: Tree, loads: list[FloatArray] | None = None) -> list[Course]:
     bench = Bench(make_data(read(tree()), runs))
     network = read(tree()).model.network
     assert network is not None
-    base = bench.first(Anchored(network, 255, bench.data.columns))
+    base = bench.first(Anchored.of(network, 255, bench.data.columns))
     return likeliest(fitted_courses(bench, base, base.shape))
 
 

@@ -49,7 +49,7 @@ def bench() -> tuple[Bench, Anchored]:
     assert motor.model.network is not None
     made = Bench(data)
     made.weigh(np.full(2, 10.0))
-    return made, Anchored(motor.model.network, 255, data.columns)
+    return made, Anchored.of(motor.model.network, 255, data.columns)
 
 
 def every() -> list[NetworkEffect]:

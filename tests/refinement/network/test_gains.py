@@ -94,7 +94,7 @@ def test_a_file_with_a_gain_predicts_runs_with_it_and_a_further_gain_is_found_be
     network = file.model.network
     assert network is not None
     same = make_data(file, [("one", run(file, 1)), ("two", run(file, 2))])
-    shape = Anchored(network, 255, same.columns)
+    shape = Anchored.of(network, 255, same.columns)
     bench = Bench(same)
     assert judged(same, bench.first(shape), bench.as_it_is(shape)).floors < 1.1
     further = with_sensor(gain_error=0.7 * 0.85 - 1.0, gain_about=about, offset_K=0.4 + 0.7 * 2.0)

@@ -44,7 +44,7 @@ def away_K(motor: Tree, file: Tree, *conductances: float) -> float:
     bench = Bench(data)
     bench.weigh(np.full(2, 10.0))
     assert known.model.network is not None
-    base = Anchored(known.model.network, 255, data.columns)
+    base = Anchored.of(known.model.network, 255, data.columns)
     if not conductances:
         return float(np.nanmax(np.abs(bench.as_it_is(base))))
     shape = base.with_effects(Radiation(base.motor(), 1))

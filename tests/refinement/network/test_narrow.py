@@ -53,7 +53,7 @@ def test_runs_say_at_which_speeds_they_were(bench: Bench) -> None:
 def test_what_no_run_says_stays_what_the_file_says(bench: Bench) -> None:
     network = read(tree()).model.network
     assert network is not None
-    base = bench.first(Anchored(network, 255, bench.data.columns))
+    base = bench.first(Anchored.of(network, 255, bench.data.columns))
     motor = base.shape.motor()
     (narrow,) = (
         effect

@@ -51,7 +51,7 @@ def found(bench: Bench, base: Fitted, names: tuple[str, ...]) -> tuple[list[Step
 def test_what_stood_for_the_second_goes_when_the_second_is_there(bench: Bench, names: tuple[str, ...]) -> None:
     network = read(tree()).model.network
     assert network is not None
-    base = bench.first(Anchored(network, 255, bench.data.columns))
+    base = bench.first(Anchored.of(network, 255, bench.data.columns))
     steps, final = found(bench, base, names)
     left, judged_left = needed(bench, steps, final, lambda _: None)
     assert [step.added.effect.name for step in left if step.added] == ["airflow"]
@@ -62,7 +62,7 @@ def test_what_stood_for_the_second_goes_when_the_second_is_there(bench: Bench, n
 def test_a_first_effect_that_is_needed_stays(bench: Bench) -> None:
     network = read(tree()).model.network
     assert network is not None
-    base = bench.first(Anchored(network, 255, bench.data.columns))
+    base = bench.first(Anchored.of(network, 255, bench.data.columns))
     steps, final = found(bench, base, ("airflow", "coupling"))
     left, judged_left = needed(bench, steps, final, lambda _: None)
     assert (left, judged_left) == (steps, final)
@@ -72,7 +72,7 @@ def test_a_first_effect_that_is_needed_stays(bench: Bench) -> None:
 def test_wear_in_doubt_is_wear_unless_all_runs_speak_against_it(bench: Bench, more: float, doubt: bool) -> None:
     network = read(tree()).model.network
     assert network is not None
-    base = bench.first(Anchored(network, 255, bench.data.columns))
+    base = bench.first(Anchored.of(network, 255, bench.data.columns))
     motor = base.shape.motor()
     wear, other = ScheduleError(motor, [motor.names.index("winding")], "winding"), SensorOffset(motor, 0)
     error = bench.left_out(base)

@@ -68,7 +68,7 @@ def test_heat_that_has_grown_at_every_speed_is_a_fault_s_pattern(values: tuple[f
     made = data(2)
     network = read(tree()).model.network
     assert network is not None
-    motor = Anchored(network, 255, made.columns).motor()
+    motor = Anchored.of(network, 255, made.columns).motor()
     for effect in (ScheduleError(motor, [0], "winding"), ScheduleError(motor, [0, 1], WHOLE)):
         said = looks_like_a_change(effect, values, made)
         assert bool(said) == fault
@@ -80,7 +80,7 @@ def test_heat_that_has_grown_most_at_slow_speeds_is_no_wear_of_one_part() -> Non
     made = data(2)
     network = read(tree()).model.network
     assert network is not None
-    motor = Anchored(network, 255, made.columns).motor()
+    motor = Anchored.of(network, 255, made.columns).motor()
     resonance = (1.2, 1.4, 2.4, 1.2, 1.06, 1.04)
     assert not looks_like_a_change(ScheduleError(motor, [0], "winding"), resonance, made)
     assert looks_like_a_change(ScheduleError(motor, [0, 1], WHOLE), resonance, made)  # a cover may do that

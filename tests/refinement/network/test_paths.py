@@ -32,7 +32,7 @@ class Later:
         self.bench = Bench(make_data(read(tree()), runs))
         network = read(tree()).model.network
         assert network is not None
-        self.base = self.bench.first(Anchored(network, 255, self.bench.data.columns))
+        self.base = self.bench.first(Anchored.of(network, 255, self.bench.data.columns))
         self.null = self.judged(())
         self.every = candidates(self.base.shape.motor(), self.bench.data.offered)
 

@@ -28,7 +28,7 @@ def benched() -> tuple[Bench, Anchored]:
     assert motor.model.network is not None
     bench = Bench(data)
     bench.weigh(np.full(2, 10.0))
-    return bench, Anchored(motor.model.network, 255, data.columns)
+    return bench, Anchored.of(motor.model.network, 255, data.columns)
 
 
 def effects_at_the_casing(shape: Anchored) -> dict[str, NetworkEffect]:

@@ -36,7 +36,7 @@ def traced(other: Tree, column: str, values: list[NDArray[np.float64]]) -> Trace
     assert file.model.network is not None
     runs = [(f"run {k}", run(read(other), k, {column: each})) for k, each in enumerate(values, start=1)]
     data = make_data(file, runs)
-    return trace(data, Anchored(file.model.network, 255, data.columns), lambda _: None)
+    return trace(data, Anchored.of(file.model.network, 255, data.columns), lambda _: None)
 
 
 def test_a_humidity_is_no_flow_although_more_of_it_would_cool() -> None:

@@ -30,7 +30,7 @@ def test_beside_wear_the_room_is_read_only_where_the_file_as_it_is_gains_by_it(h
     assert network is not None
     data = make_data(coefficients, [(f"run {seed}", run(read(tree()), seed)) for seed in (1, 2)])
     bench = Bench(data)
-    shape = Anchored(network, 255, data.columns)
+    shape = Anchored.of(network, 255, data.columns)
     wear = ScheduleError(shape.motor(), [0], "winding")
     base, found = bench.first(shape), bench.first(shape.with_effects(wear))
     null = judged(data, base, bench.left_out(base))
@@ -59,7 +59,7 @@ def test_numbers_that_leave_more_than_noise_are_offered_and_written_only_on_dema
     other["network"]["paths"][1]["conductance_W_per_K"]["power"] = {"constant": 0.22, "forced": 0.33, "exponent": 0.8}
     data = make_data(coefficients, [(f"run {seed}", run(read(other), seed)) for seed in (1, 2)])
     bench = Bench(data)
-    shape = Anchored(network, 255, data.columns)
+    shape = Anchored.of(network, 255, data.columns)
     base = bench.first(shape)
     null, file = judged(data, base, bench.left_out(base)), judged(data, base, bench.as_it_is(shape))
     # As if sensors were so good that the rest is no noise.

@@ -76,7 +76,8 @@ def approach(problem: Problem[Shape], start: FloatArray, most: int, tolerance: f
             factor = cho_factor(matrix + np.diag(damping * np.diag(matrix)), check_finite=False)
             step = np.clip(cho_solve(factor, right, check_finite=False), -unit, unit)
             trial = problem.prior.within(vector + step)
-            new = problem.evaluate(trial).cost + problem.penalty(trial)
+            passage = problem.passage(trial)
+            new = problem.compared(passage).cost + problem.penalty(trial)
             expected = float(step @ (2.0 * right - matrix @ step))
             ratio = (cost - new) / expected if expected > 0.0 else -1.0
             improved = bool(new < cost and ratio > WORTH)
@@ -89,17 +90,31 @@ def approach(problem: Problem[Shape], start: FloatArray, most: int, tolerance: f
         damping, growth = max(damping * max(0.2, 1.0 - (2.0 * ratio - 1.0) ** 3), 1e-8), 2.0
         small = cost - new < tolerance * cost
         vector, cost = trial, new
-        evaluated, normal = problem.linearised(vector)
+        evaluated, normal = problem.linearised_along(passage)
         iteration += 1
         if small:
             break
     return Fit(vector, cost, evaluated, normal, iteration)
 
 
-def settle(problem: Problem[Shape], start: FloatArray, most: int, tolerance: float = TOLERANCE) -> Fit:
-    """Go to the minimum; parameters as for :func:`approach`."""
+def settle(
+    problem: Problem[Shape],
+    start: FloatArray,
+    most: int,
+    tolerance: float = TOLERANCE,
+    begun: tuple[Evaluated, Normal] | None = None,
+) -> Fit:
+    """Go to the minimum.
+
+    Parameters
+    ----------
+    problem, start, most, tolerance
+        As for :func:`approach`.
+    begun
+        What `linearised` gives at the start, where that is known.
+    """
     vector = start
-    evaluated, normal = problem.linearised(vector)
+    evaluated, normal = begun or problem.linearised(vector)
     cost = evaluated.cost + problem.penalty(vector)
     radius = FIRST_RADIUS
     deviation = problem.prior.deviation
@@ -113,8 +128,8 @@ def settle(problem: Problem[Shape], start: FloatArray, most: int, tolerance: flo
             step = trust.step(radius)
             trial = problem.prior.within(vector + step)
             step = trial - vector
-            tried = problem.evaluate(trial)
-            new = tried.cost + problem.penalty(trial)
+            passage = problem.passage(trial)
+            new = problem.compared(passage).cost + problem.penalty(trial)
             expected = float(step @ (2.0 * right - matrix @ step))
             ratio = (cost - new) / expected if expected > 0.0 and np.isfinite(new) else -1.0
             length = float(np.max(np.abs(step) / deviation))
@@ -129,7 +144,7 @@ def settle(problem: Problem[Shape], start: FloatArray, most: int, tolerance: flo
             break
         small = small + 1 if cost - new < tolerance * cost else 0
         vector, cost = trial, new
-        evaluated, normal = problem.linearised(vector)
+        evaluated, normal = problem.linearised_along(passage)
         iteration += 1
         if small >= 2:
             break

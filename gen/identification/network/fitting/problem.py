@@ -15,9 +15,9 @@ from scipy.linalg.blas import dsyrk
 from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Inputs
 from gen.identification.network.fitting.marching import Slopes
-from gen.identification.network.fitting.physics import Begun, Shape
+from gen.identification.network.fitting.physics import Begun, Physical, Shape
 from gen.identification.network.fitting.priors import Prior
-from gen.identification.network.fitting.simulation import sensitivities, simulate, steps_of
+from gen.identification.network.fitting.simulation import Steps, sensitivities, simulate, steps_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +37,33 @@ class Evaluated:
     residual: FloatArray
     cost: float
     after: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """All runs simulated with one vector of parameters, before anything is compared with readings.
+
+    Attributes
+    ----------
+    vector
+        Shape (P,).
+    found, steps
+        The network at each distinct input, and its steps over the bins.
+    before, after
+        Temperatures at the beginnings and at the ends of the bins, shape (N, n) each, degC.
+    room
+        The unknown part of the ambient, shape (N,), K.
+    begun
+        Starts of hidden nodes, where these follow from others.
+    """
+
+    vector: FloatArray
+    found: Physical
+    steps: Steps
+    before: FloatArray
+    after: FloatArray
+    room: FloatArray
+    begun: Begun | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,23 +165,43 @@ class Problem(Generic[S_co]):
         return self.inputs.ambient + self._begin(vector)[1]
 
     def evaluate(self, vector: FloatArray) -> Evaluated:
+        """Simulate all runs, and compare."""
+        return self.compared(self.passage(vector))
+
+    def passage(self, vector: FloatArray) -> Passage:
         """Simulate all runs."""
         found = self.structure.physical(self.inputs.levels, vector)
         steps = steps_of(self.structure, self.inputs.levels, found)
-        start, room, _ = self._begin(vector)
-        return self._evaluated(vector, *simulate(self.inputs, steps, found, start, room))
+        start, room, begun = self._begin(vector)
+        return Passage(vector, found, steps, *simulate(self.inputs, steps, found, start, room), room, begun)
 
-    def _evaluated(self, vector: FloatArray, before: FloatArray, after: FloatArray) -> Evaluated:
-        inputs, sensors = self.inputs, self.structure.sensors
-        old, new = before[:, :sensors], after[:, :sensors]
-        at, change = old + inputs.share * (new - old), (new - old) / inputs.width[:, None]
-        model = self.structure.shown(inputs, vector, at, change)
+    def compared(self, passage: Passage) -> Evaluated:
+        """Compare runs that were simulated with their readings."""
+        inputs = self.inputs
+        model = self.structure.shown(inputs, passage.vector, *self._at_readings(passage))
         residual = np.where(inputs.covered > 0.0, inputs.target - model, 0.0)
-        return Evaluated(residual, float(np.einsum("ns,ns->", inputs.weight, residual**2)), after)
+        return Evaluated(residual, self._cost(residual), passage.after)
+
+    def _at_readings(self, passage: Passage) -> tuple[FloatArray, FloatArray]:
+        """Sensed nodes' temperatures at the readings' time, and their changes, shape (N, S) each, degC and K/s."""
+        sensors = self.structure.sensors
+        old, new = passage.before[:, :sensors], passage.after[:, :sensors]
+        return old + self.inputs.share * (new - old), (new - old) / self.inputs.width[:, None]
+
+    def _cost(self, residual: FloatArray) -> float:
+        return float(np.einsum("ns,ns->", self.inputs.weight, residual**2))
 
     def linearised(self, vector: FloatArray) -> tuple[Evaluated, Normal]:
         """Simulate, and give the normal equations."""
-        evaluated, slopes = self.slopes(vector)
+        return self.linearised_along(self.passage(vector))
+
+    def linearised_along(self, passage: Passage) -> tuple[Evaluated, Normal]:
+        """Give the normal equations of runs that were simulated."""
+        return self.weighed_up(self.compared(passage), self.slopes_along(passage))
+
+    def weighed_up(self, evaluated: Evaluated, slopes: Slopes) -> tuple[Evaluated, Normal]:
+        """Give the normal equations with this problem's weights, of whatever weights the same runs were evaluated."""
+        evaluated = replace(evaluated, cost=self._cost(evaluated.residual))
         root = np.sqrt(self.inputs.weight)
         count = self.structure.size + self.own
         matrix, right = np.zeros((self.runs, count, count)), np.zeros((self.runs, count))
@@ -175,20 +222,20 @@ class Problem(Generic[S_co]):
         evaluated, slopes
             Derivatives by the shared parameters and the own ones of the bin's run, shape (N, S, p).
         """
-        structure, inputs = self.structure, self.inputs
-        found = structure.physical(inputs.levels, vector)
-        steps = steps_of(structure, inputs.levels, found)
-        start, room, begun = self._begin(vector)
-        before, after = simulate(inputs, steps, found, start, room)
-        slopes, changes = sensitivities(structure, inputs, found, steps, (before, after), room)
-        if begun is not None:
-            self._with_starts(slopes, begun)
-        old, new = before[:, : structure.sensors], after[:, : structure.sensors]
-        at, change = old + inputs.share * (new - old), (new - old) / inputs.width[:, None]
+        passage = self.passage(vector)
+        return self.compared(passage), self.slopes_along(passage)
+
+    def slopes_along(self, passage: Passage) -> Slopes:
+        """Give the derivatives alone, of runs that were simulated."""
+        structure, inputs, vector = self.structure, self.inputs, passage.vector
+        path = passage.before, passage.after
+        slopes, changes = sensitivities(structure, inputs, passage.found, passage.steps, path, passage.room)
+        if passage.begun is not None:
+            self._with_starts(slopes, passage.begun)
         structure.through_sensors(inputs, vector, slopes, changes)
-        for sensor, column, each in structure.by_reading(inputs, vector, at, change):
+        for sensor, column, each in structure.by_reading(inputs, vector, *self._at_readings(passage)):
             slopes[:, sensor, column] += each
-        return self._evaluated(vector, before, after), slopes
+        return slopes
 
     def assembled(self, normal: Normal, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Normal equations of all parameters with priors.

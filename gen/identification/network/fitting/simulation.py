@@ -52,12 +52,13 @@ def steps_of(structure: Shape, levels: Levels, found: Physical) -> Steps:
     """Discretise the network at each distinct input."""
     incidence, root = structure.incidence, np.sqrt(found.capacity)
     scaled = incidence / root
-    matrix = -(scaled.T * found.conductance[:, None, :]) @ scaled
+    kinds, kind = _kinds(found)
+    matrix = -(scaled.T * found.conductance[kinds][:, None, :]) @ scaled
     if found.growth is not None:
         nodes = np.arange(structure.nodes)
-        matrix[:, nodes, nodes] += found.growth / found.capacity
+        matrix[:, nodes, nodes] += found.growth[kinds] / found.capacity
     rates, vectors = np.linalg.eigh(matrix)
-    rates = np.minimum(rates, -1e-12)
+    rates, vectors = np.minimum(rates, -1e-12)[kind], vectors[kind]
     exponent = rates * levels.width[:, None]
     decay = np.exp(exponent)
     phi = np.expm1(exponent) / rates
@@ -74,6 +75,17 @@ def steps_of(structure: Shape, levels: Levels, found: Physical) -> Steps:
         gain=gain / (root * root[:, None]),
         outside=outside,
     )
+
+
+def _kinds(found: Physical) -> tuple[IntArray, IntArray]:
+    """One place of each kind of network among the inputs, shape (K,), and which kind each is of, shape (L,).
+
+    Inputs differ by the lengths of bins and by heats as well, which modes do not depend on.
+    """
+    whole = found.conductance if found.growth is None else np.hstack([found.conductance, found.growth])
+    rows = np.ascontiguousarray(whole).view(np.dtype((np.void, whole.itemsize * whole.shape[1]))).ravel()
+    _, kinds, kind = np.unique(rows, return_index=True, return_inverse=True)
+    return kinds, kind.ravel()
 
 
 def simulate(

@@ -22,7 +22,7 @@ from gen.refinement.network.changing.writer import NetworkWriter, Scale
 from gen.refinement.network.effects import Motor, NetworkEffect
 from gen.refinement.network.effects.base import OWN, Place, Seen
 from gen.refinement.network.fitting.file_curves import FileCurves, motor_of
-from gen.refinement.network.fitting.forms import HEAT, OUTSIDE, WITHIN, Form
+from gen.refinement.network.fitting.forms import HEAT, OUTSIDE, WITHIN, Form, turning_at
 
 CAPACITY, LEVEL, LEVEL_WITHIN, BEND_SHARE, AT_REST, SLOPE_OVER_SPEED, OFFSET_K = 0.15, 0.15, 0.4, 0.15, 0.05, 0.2, 0.15
 """Standard deviations of what the file may be off by: logarithms of capacities, of levels, of those of paths within
@@ -41,24 +41,38 @@ class Anchored:
 
     Attributes
     ----------
-    network
-        The file's.
-    full_scale
-        The count that is 100 %.
-    columns
-        What else drives the motor.
+    curves
+        Conductances and heats as the file has them.
     effects
         On top.
     """
 
-    network: Network
-    full_scale: int
-    columns: Columns
+    curves: FileCurves
     effects: tuple[NetworkEffect, ...] = ()
+
+    @classmethod
+    def of(cls, network: Network, full_scale: int, columns: Columns) -> Anchored:
+        """Without any effect: the file's network, the count that is 100 %, and what else drives the motor."""
+        return cls(FileCurves(network, full_scale, columns))
 
     def with_effects(self, *effects: NetworkEffect) -> Anchored:
         """The same with these effects alone."""
-        return Anchored(self.network, self.full_scale, self.columns, effects)
+        return Anchored(self.curves, effects)
+
+    @property
+    def network(self) -> Network:
+        """The file's."""
+        return self.curves.network
+
+    @property
+    def full_scale(self) -> int:
+        """The count that is 100 %."""
+        return self.curves.full_scale
+
+    @property
+    def columns(self) -> Columns:
+        """What else drives the motor."""
+        return self.curves.columns
 
     # Nodes and paths.
 
@@ -119,11 +133,6 @@ class Anchored:
     def outer(self) -> FloatArray:
         """1 for each path to the ambient, shape (Q,)."""
         return outer_of(self.paths)
-
-    @cached_property
-    def curves(self) -> FileCurves:
-        """Conductances and heats as the file has them."""
-        return FileCurves(self.network, self.full_scale, self.columns)
 
     def motor(self) -> Motor:
         """What effects need to know of the file's network."""
@@ -226,14 +235,14 @@ class Anchored:
         draft = Draft(np.exp(np.clip(vector[: self.nodes], -60.0, 60.0)), levels.count, len(self.paths))
         rest, turn = levels.rest, 1.0 - levels.rest
         paths, heats, _ = self._firsts
-        for q, (path, form, first) in enumerate(zip(self.network.paths, self.forms, paths, strict=True)):
-            turning, still = self.curves.at(path.curve, path.factors, levels)
+        for q, (form, first) in enumerate(zip(self.forms, paths, strict=True)):
+            turning, still = self.curves.path(q, levels)
             value, slopes = _off(form, int(first), turn * turning, rest * still, levels, vector)
             draft.conductance.add(q, value, slopes)
         for k, (q, _) in enumerate(self.network.laws):
             draft.law(q, self.base_paths[q], self.columns.excess(levels, k))
-        for node, heat, first in zip(self.base_heats, self.network.heats, heats, strict=True):
-            turning, still = self.curves.at(heat.curve, heat.factors, levels)
+        for h, (node, heat, first) in enumerate(zip(self.base_heats, self.network.heats, heats, strict=True)):
+            turning, still = self.curves.heat(h, levels)
             value, slopes = _off(
                 HEAT, int(first), turn * turning + rest * still, np.zeros(levels.count), levels, vector
             )
@@ -266,6 +275,8 @@ class Anchored:
 
     def _lagged(self, inputs: Inputs, vector: FloatArray) -> list[Lagged]:
         """The lagging sensors, with the lag in each bin: effects act in later runs alone."""
+        if not self.lagging:
+            return []
         later = self.columns.later(inputs.levels)[inputs.level]
         made = []
         for s in self.lagging:
@@ -333,7 +344,7 @@ def _off(
 ) -> tuple[FloatArray, list[Slope]]:
     """A curve of the file, off by what its numbers say, and derivatives by them."""
     own = vector[first : first + form.size]
-    functions = form.turning(levels.speed)
+    functions = turning_at(form, levels)
     moved = turning * np.exp(np.clip(functions @ own, -60.0, 60.0))
     made, slopes = moved, [moved * functions[:, k] for k in range(form.size)]
     if form is not HEAT:

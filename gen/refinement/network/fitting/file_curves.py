@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.model.network import Network
-from gen.model.network_parts import Curve, Factor
+from gen.model.network_parts import Curve, Factor, Heat, Path
 from gen.refinement.network.changing import excess
 from gen.refinement.network.changing.columns import Columns
 from gen.refinement.network.effects import Motor
@@ -35,9 +35,25 @@ class FileCurves:
     network: Network
     full_scale: int
     columns: Columns
+    _kept: dict[tuple[str, int, Levels], tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
 
-    def at(self, curve: Curve, factors: Sequence[Factor], levels: Levels) -> tuple[FloatArray, FloatArray]:
-        """Give what a curve of the file gives while turning and at rest, factors included, shape (L,) each."""
+    def path(self, number: int, levels: Levels) -> tuple[FloatArray, FloatArray]:
+        """Give a path's conductance while turning and at rest, factors included, shape (L,) each, W/K."""
+        return self._once("path", number, levels, self.network.paths[number])
+
+    def heat(self, number: int, levels: Levels) -> tuple[FloatArray, FloatArray]:
+        """Give a heat likewise, W."""
+        return self._once("heat", number, levels, self.network.heats[number])
+
+    def _once(self, kind: str, number: int, levels: Levels, own: Path | Heat) -> tuple[FloatArray, FloatArray]:
+        """A search asks for the same inputs many hundred times."""
+        key = (kind, number, levels)
+        if key not in self._kept:
+            self._kept[key] = self._at(own.curve, own.factors, levels)
+        return self._kept[key]
+
+    def _at(self, curve: Curve, factors: Sequence[Factor], levels: Levels) -> tuple[FloatArray, FloatArray]:
+        """What a curve of the file gives while turning and at rest, factors included, shape (L,) each."""
         pwm = levels.speed * self.full_scale
         held = pwm if self.network.held is None else np.clip(pwm, *self.network.held)
         still = curve.at_rest
@@ -54,15 +70,15 @@ class FileCurves:
             made = made * factor(np.clip(value, channel.low, channel.high))
         return made
 
-    def conductance(self, path: int, speed: FloatArray) -> FloatArray:
+    def conductance_at(self, path: int, speed: FloatArray) -> FloatArray:
         """Give a path's conductance while the motor turns at speeds, channels neutral, shape (L,), W/K."""
         own = self.network.paths[path]
-        return self.at(own.curve, own.factors, self._levels(speed))[0]
+        return self._at(own.curve, own.factors, self._levels(speed))[0]
 
-    def heat(self, heat: int, speed: FloatArray) -> FloatArray:
+    def heat_at(self, heat: int, speed: FloatArray) -> FloatArray:
         """Give one heat of the file likewise, shape (L,), W."""
         own = self.network.heats[heat]
-        return self.at(own.curve, own.factors, self._levels(speed))[0]
+        return self._at(own.curve, own.factors, self._levels(speed))[0]
 
     def _levels(self, speed: FloatArray) -> Levels:
         """The inputs of speeds that are held, channels neutral, shape (L,)."""
@@ -90,12 +106,12 @@ def motor_of(
         Nodes of its heats.
     """
     network, full = curves.network, np.ones(1)
-    conductance = np.array([curves.conductance(q, full)[0] for q in range(len(network.paths))])
+    conductance = np.array([curves.conductance_at(q, full)[0] for q in range(len(network.paths))])
     outer = tuple(q for q, path in enumerate(network.paths) if path.second is None and path.law is None)
     heated = tuple(dict.fromkeys(heats))
     own = {node: [h for h, other in enumerate(heats) if other == node] for node in heated}
-    heat_W = tuple(sum((curves.heat(h, SPEEDS) for h in own[node]), np.zeros(SPEEDS.size)) for node in heated)
-    total = sum(float(curves.heat(h, full)[0]) for h in range(len(network.heats)))
+    heat_W = tuple(sum((curves.heat_at(h, SPEEDS) for h in own[node]), np.zeros(SPEEDS.size)) for node in heated)
+    total = sum(float(curves.heat_at(h, full)[0]) for h in range(len(network.heats)))
     return Motor(
         names=tuple(network.nodes[k].name for k in order),
         sensed=len(network.sensed),
@@ -104,7 +120,7 @@ def motor_of(
         heated=heated,
         heat_W=heat_W,
         heat_powers=tuple(_powers(watts) for watts in heat_W),
-        outer_powers=tuple(float(np.mean(_powers(curves.conductance(q, SPEEDS)))) for q in outer),
+        outer_powers=tuple(float(np.mean(_powers(curves.conductance_at(q, SPEEDS)))) for q in outer),
         columns=curves.columns,
         typical_W=max(total, 1e-6),
         typical_W_per_K=float(np.median(conductance[conductance > 0.0])),

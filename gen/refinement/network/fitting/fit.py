@@ -200,9 +200,11 @@ class Bench:
         """Fit without each fold and predict it: errors, shape (N, S), K; NaN where nothing was predicted."""
         problem, inputs = fitted.problem, self.data.inputs
         error = np.full(inputs.covered.shape, np.nan)
+        known = problem.slopes(fitted.vector)  # folds differ by their weights alone
         for mask in self.folds:
             without = problem.weighed(np.where(mask[:, None], 0.0, problem.inputs.weight))
-            evaluated = problem.evaluate(settle(without, fitted.vector, AT_LEFT_OUT).vector)
+            begun = without.weighed_up(*known)
+            evaluated = problem.evaluate(settle(without, fitted.vector, AT_LEFT_OUT, begun=begun).vector)
             seen = mask[:, None] & (inputs.covered > 0.0)
             error[seen] = evaluated.residual[seen]
         return error

@@ -7,11 +7,13 @@ level, and what bends it (`gen.identification.network.fitting.bends`).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from gen.identification.network.fitting.bends import KNOTS, bend_precision, spline
 from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import Levels
 
 SLOW = 0.2
 """Speed to which the conductance at rest is compared."""
@@ -53,6 +55,12 @@ class Form:
             return np.column_stack([np.ones_like(w), w - 0.5])
         first = [np.zeros_like(w)] if self is OUTSIDE else []
         return np.column_stack([*first, np.ones_like(w), spline(w)])
+
+
+@lru_cache(maxsize=16)
+def turning_at(form: Form, levels: Levels) -> FloatArray:
+    """Give a form's functions at inputs, shape (L, k): a search asks for those of the same ones many hundred times."""
+    return form.turning(levels.speed)
 
 
 def _last(size: int, block: FloatArray) -> FloatArray:
