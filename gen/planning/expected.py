@@ -211,12 +211,13 @@ def _refit(problem: Problem[Anchored]) -> tuple[float, float]:
         step, before = np.linalg.solve(matrix, right), cost
         for share in SHARES:
             trial = vector + share * step
-            new = problem.evaluate(trial).cost + problem.penalty(trial)
+            passage = problem.passage(trial)
+            new = problem.compared(passage).cost + problem.penalty(trial)
             if new < cost:
                 vector, cost = trial, new
                 break
         if cost > (1.0 - ENOUGH) * before:
             break
-        evaluated, normal = problem.linearised(vector)
+        _, normal = problem.linearised_along(passage)
     left = problem.evaluate(vector).residual
     return cost, float(np.sqrt(np.mean(left**2)))

@@ -37,7 +37,7 @@ def test_nothing_planted_is_the_motor_as_it_was() -> None:
 
 def test_later_runs_last_four_hours_with_stops_and_reversals() -> None:
     levels = []
-    for name in (*FIT_NAMES, *TEST_NAMES):
+    for name in (*FIT_NAMES[:6], *TEST_NAMES):
         profile = follow(bench(3), (), name, 60.0).profile
         assert profile.duration == 4 * 3600.0
         assert all(240.0 <= seconds <= 2400.0 for _, seconds in profile.holds[:-1])
@@ -151,7 +151,7 @@ def test_a_trials_files_are_read_and_are_the_same_with_two_fit_runs_or_six(tmp_p
     trial = Trial(1, ("airflow", "sensor_offset"), 2)
     small, large = write_trial(trial, two), write_trial(replace(trial, fit_runs=6), six)
     assert [path.stem for path in small.fit] == list(FIT_NAMES[:2])
-    assert [path.stem for path in large.fit] == list(FIT_NAMES)
+    assert [path.stem for path in large.fit] == list(FIT_NAMES[:6])
     for path in (*small.fit, *small.test):
         assert path.read_bytes() == (six / path.name).read_bytes()
     assert small.floor_K == large.floor_K

@@ -18,8 +18,10 @@ from benchmarks.plants.profiles import Profile, later
 from benchmarks.plants.rooms import Room, RoomKind, random_room
 
 FloatArray = NDArray[np.float64]
-FIT_NAMES = tuple(f"later_{i}" for i in range(1, 7))
+FIT_NAMES = tuple(f"later_{i}" for i in range(1, 21))
 TEST_NAMES = ("test_1", "test_2")
+ALL_NAMES = (*FIT_NAMES[:6], *TEST_NAMES, *FIT_NAMES[6:])
+"""By number: what happens in a run may go with it."""
 SOMETIMES = ("current_A", "voltage_V", "airflow_mps")
 """Channels that a bench may log of its later runs, whatever happens there: that one is logged tells nothing."""
 
@@ -72,7 +74,7 @@ def follow(
         What is done in the place of the run's own profile; its room and its signals stay.
     """
     profile = used(stand, name) if instead is None else instead
-    number = (*FIT_NAMES, *TEST_NAMES).index(name)
+    number = ALL_NAMES.index(name)
     for change in planted:
         profile = change.profile(stand.chance("before", name, type(change).__name__), profile)
     kind = RoomKind.HELD if stand.chance("later room").random() < 0.5 else RoomKind.MOVING

@@ -33,7 +33,7 @@ class Trial:
     names
         Of what is planted; none for nothing.
     fit_runs
-        Two or six.
+        Two or six; up to 20 to see how long that takes.
     """
 
     seed: int

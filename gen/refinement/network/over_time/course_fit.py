@@ -17,7 +17,6 @@ from scipy.linalg import cho_factor, cho_solve
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.problem import Problem
-from gen.identification.network.fitting.simulation import steps_of
 from gen.identification.network.fitting.weights import independent
 from gen.refinement.network.effects.base import WHOLE
 from gen.refinement.network.fitting.anchored import Anchored
@@ -160,11 +159,15 @@ class _Unknown:
 
     def __init__(self, problem: Problem[Anchored], vector: FloatArray, blocks: Sequence[Blocks]) -> None:
         self._problem, self._vector, self._blocks = problem, vector, blocks
-        found = problem.structure.physical(problem.inputs.levels, vector)
-        self._steps = steps_of(problem.structure, problem.inputs.levels, found)
-        evaluated, slopes = problem.slopes(vector)
-        self._residual, self._slopes, self._after = evaluated.residual, slopes, evaluated.after
-        matrix, self._right = problem.assembled(problem.linearised(vector)[1], vector)
+        passage = problem.passage(vector)
+        evaluated, slopes = problem.compared(passage), problem.slopes_along(passage)
+        self._steps, self._residual, self._slopes, self._after = (
+            passage.steps,
+            evaluated.residual,
+            slopes,
+            evaluated.after,
+        )
+        matrix, self._right = problem.assembled(problem.weighed_up(evaluated, slopes)[1], vector)
         self._numbers = cho_factor(matrix + _TINY * np.diag(np.diag(matrix)), check_finite=False)
         self._begun = evaluated.cost + problem.penalty(vector)
         alone = cho_solve(self._numbers, self._right, check_finite=False)
