@@ -40,8 +40,8 @@ from gen.fleet.pooling import Pool, Told, pooled
 from gen.fleet.store import MODELS, RUNS, TASKS, Store
 from gen.fleet.watch import QUIET, read_watched
 from gen.identification.choice.models import Options, network_of
-from gen.identification.coefficient_file import Settings
-from gen.identification.sources import Source
+from gen.identification.logs.sources import Source
+from gen.identification.settings import Settings
 from gen.reference.simulate import simulate_run
 from gen.runs import Run
 

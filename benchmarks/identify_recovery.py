@@ -17,10 +17,11 @@ import numpy as np
 
 from benchmarks.scheduled_plants import AMBIENT, QUANTUM, Plant, fresh_profile, random_plant, simulate, step_runs
 from gen.coefficients import Coefficients
-from gen.identification.coefficient_file import Settings, coefficient_text
-from gen.identification.data import make_data
-from gen.identification.identify import Identified, identify
-from gen.identification.sources import Source
+from gen.identification.logs.data import make_data
+from gen.identification.logs.sources import Source
+from gen.identification.parts.coefficient_file import coefficient_text
+from gen.identification.parts.identify import Identified, identify
+from gen.identification.settings import Settings
 from gen.model import ExactSolution
 
 

@@ -22,10 +22,11 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from benchmarks.scheduled_plants import AMBIENT, Plant, fresh_profile, random_plant, simulate, step_runs
-from gen.identification.coefficient_file import Settings, coefficient_text
-from gen.identification.data import make_data
-from gen.identification.identify import identify
-from gen.identification.sources import Source
+from gen.identification.logs.data import make_data
+from gen.identification.logs.sources import Source
+from gen.identification.parts.coefficient_file import coefficient_text
+from gen.identification.parts.identify import identify
+from gen.identification.settings import Settings
 from gen.model import ExactSolution
 from gen.runs import Run
 

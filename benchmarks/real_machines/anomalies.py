@@ -26,7 +26,7 @@ import pandas as pd
 
 import gen
 from benchmarks.real_machines.logs import FloatArray, stalled_runs
-from gen.identification.believed import believed
+from gen.identification.logs.believed import believed
 from gen.runs import Run, write_run
 
 LOG = "tass_bldc_stall"

@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import gen
-from gen.identification.coefficient_file import Settings, coefficient_text, usable
-from gen.identification.data import read_data
-from gen.identification.identify import identify
+from gen.identification.logs.data import read_data
+from gen.identification.parts.coefficient_file import coefficient_text, usable
+from gen.identification.parts.identify import identify
+from gen.identification.settings import Settings
 from gen.reference.simulate import simulate_run
 from gen.runs import read_run
 

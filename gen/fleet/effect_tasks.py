@@ -18,9 +18,9 @@ from gen.fleet.pooling import integrated_out
 from gen.fleet.shared_effects import Key, bare, key_of, network_of, variants, with_means
 from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays
+from gen.identification.logs.sources import Source
 from gen.identification.network.fitting.fit import settle
 from gen.identification.network.fitting.priors import Prior
-from gen.identification.sources import Source
 from gen.refinement.condense import measured_in
 from gen.refinement.network.effects import NetworkEffect, Offered, candidates
 from gen.refinement.network.fitting.anchored import Anchored

@@ -15,7 +15,7 @@ from gen.fleet.motor_data import data_of, usable
 from gen.fleet.pooling import FloatArray, integrated_out
 from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays
-from gen.identification.coefficient_file import Settings
+from gen.identification.logs.sources import Source
 from gen.identification.network.data import NetworkData
 from gen.identification.network.fitting.bins import Binned
 from gen.identification.network.fitting.inputs import inputs_of
@@ -24,7 +24,7 @@ from gen.identification.network.left_out import LeftOut, folds_of, left_out
 from gen.identification.network.search import Found, tightened
 from gen.identification.network.starts import taken_over
 from gen.identification.network.telling.document import network_text
-from gen.identification.sources import Source
+from gen.identification.settings import Settings
 
 AT_FIRST, AT_LAST = 14, 8
 """Linearisations, on the coarse bins and then on the fine ones."""

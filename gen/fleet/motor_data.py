@@ -10,9 +10,9 @@ import numpy as np
 from gen.errors import CheckFailed, InputError
 from gen.fleet.store import Kept, Store
 from gen.identification.drive import agreed
+from gen.identification.logs.sources import MOST_ROWS, Source
 from gen.identification.network.data import NetworkData, make_network_data
 from gen.identification.network.fitting.bins import Binned
-from gen.identification.sources import MOST_ROWS, Source
 from gen.runs import Run
 from gen.runs.faults import called_unhealthy, declared_faults
 from gen.runs.thinning import thinned

@@ -1,6 +1,5 @@
-"""Identification: from measured runs to a speed-scheduled model with evidence that it is good enough.
+"""Identification: from measured runs to a model, with evidence that it is good enough.
 
-The way of the data: runs -> `records` (condensed) -> `output_error` (transfer functions per speed) -> `orders` (which
-order) -> `linearity` -> `general` (schedules over speed) -> `joint` (refined on the runs) -> `schedule_entries` and
-`coefficient_file`.
+Runs are read and condensed (`logs`); a motor is identified part by part (`parts`) or as one thermal network
+(`network`), and which of them is better is decided by the error on what was left out (`choice`).
 """

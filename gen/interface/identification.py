@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
     from gen.identification.choice.decision import Decision
     from gen.identification.choice.models import NetworkModel, PartsModel
-    from gen.identification.data import Data
-    from gen.identification.identify import Identified
+    from gen.identification.logs.data import Data
     from gen.identification.network.identify import NetworkFound
     from gen.identification.network.telling.summary import Summary
+    from gen.identification.parts.identify import Identified
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Identification(Reported):
 
     def details(self) -> dict[str, Any]:
         """All that was found as plain numbers and words, as ``gen identify --json`` writes it."""
-        from gen.identification.summary import summary, without_nan
+        from gen.identification.parts.summary import summary, without_nan
 
         details: dict[str, Any] = without_nan(summary(self.data, self.found) | _choice(self.choice))
         return details
@@ -53,7 +53,7 @@ class Identification(Reported):
     @property
     def verdict(self) -> str:
         """Whether the model is good to be built, in one line."""
-        from gen.identification.summary import verdict
+        from gen.identification.parts.summary import verdict
 
         return verdict(self.found)
 
@@ -93,13 +93,13 @@ class Identification(Reported):
 
     def text(self) -> str:
         """What the command prints."""
-        from gen.identification.summary import text
+        from gen.identification.parts.summary import text
 
         return _with_choice(text(self.data, self.found), self.choice)
 
     def html(self) -> str:
         """The report as one HTML page."""
-        from gen.identification.page import report_html
+        from gen.identification.parts.page import report_html
 
         return report_html(self.data, self.found, self.model.coefficients, self.choice)
 
@@ -131,7 +131,7 @@ class NetworkIdentification(Reported):
     def details(self) -> dict[str, Any]:
         """All that was found as plain numbers and words, as ``gen identify --json`` writes it."""
         from gen.identification.network.telling.as_json import as_json
-        from gen.identification.summary import without_nan
+        from gen.identification.parts.summary import without_nan
 
         details: dict[str, Any] = without_nan(as_json(self._said) | _choice(self.choice))
         return details
@@ -321,8 +321,8 @@ def identify(
     from gen.coefficients.names import name_fault
     from gen.identification.choice.choose import choose
     from gen.identification.choice.models import Options, network_of, parts_of
-    from gen.identification.coefficient_file import Settings
-    from gen.identification.sources import read_sources
+    from gen.identification.logs.sources import read_sources
+    from gen.identification.settings import Settings
 
     several("runs", runs)
     one_of("model", model, ("auto", "parts", "network"))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
-from gen.identification.believed import believed_run
+from gen.identification.logs.believed import believed_run
 from gen.model.dynamics import PWM_LEVELS, ThermalModel
 from gen.model.exact import ExactSolution
 from gen.model.extended import FINEST_S, ExtendedSolution, own_rate

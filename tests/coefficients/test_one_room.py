@@ -33,7 +33,7 @@ OTHER_FORMATS = {
     "refinement/network/page.py": {"name", "component", "parameters", "evidence", "note"},
     "refinement/residual_charts.py": {"component"},
     # the JSON summary of `gen identify`: a measured error by speed, a fitted number with its interval
-    "identification/page.py": {"components"},
+    "identification/parts/page.py": {"components"},
     "identification/network/telling/page.py": {
         "between",
         "conductance_W_per_K",
@@ -44,11 +44,11 @@ OTHER_FORMATS = {
         "paths",
         "power_W",
     },
-    "identification/summary.py": {"components", "value", "model_minus_measured_K"},
+    "identification/parts/summary.py": {"components", "value", "model_minus_measured_K"},
     "identification/network/telling/as_json.py": {"value"},
     "identification/network/telling/text.py": {"value"},
     # what a part may follow: another part of the run, or the room
-    "identification/room_followers.py": {"ambient"},
+    "identification/logs/room_followers.py": {"ambient"},
     # times and lines as loggers write them, the mapping file of `gen import`, comments of a run file
     "importing/clock.py": {"min"},
     "importing/guessing/evidence.py": {"unit"},
@@ -93,7 +93,7 @@ OTHER_FORMATS = {
     # a frame's attributes, parameters of an optimiser, fields of the study's targets, the rig's own paths, columns of a
     # verification
     "interface/files.py": {"name"},
-    "identification/output_error.py": {"value"},
+    "identification/parts/output_error.py": {"value"},
     "rig/calibrate/targets.py": {"speed_percent", "duration_s"},
     "rig/calibrate/unknowns.py": {"forced"},
     "verification/profiles.py": {"channels"},

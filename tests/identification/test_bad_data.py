@@ -12,10 +12,10 @@ import pytest
 
 from gen.coefficients import load
 from gen.errors import InputError
-from gen.identification.data import make_data, read_data
-from gen.identification.identify import identify
+from gen.identification.logs.data import make_data, read_data
+from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
-from gen.identification.sources import Source
+from gen.identification.parts.identify import identify
 from gen.runs import Run, write_run
 from tests.command import gen
 

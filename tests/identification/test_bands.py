@@ -6,12 +6,12 @@ from typing import cast
 import numpy as np
 from pytest import approx
 
-from gen.identification.bands import COMPARABLE, band
-from gen.identification.curves import Shape
-from gen.identification.forms import Form
-from gen.identification.general import General
-from gen.identification.joint import Model
-from gen.identification.structure import Structure
+from gen.identification.parts.bands import COMPARABLE, band
+from gen.identification.parts.curves import Shape
+from gen.identification.parts.forms import Form
+from gen.identification.parts.general import General
+from gen.identification.parts.joint import Model
+from gen.identification.parts.structure import Structure
 
 
 def test_bands_come_back_from_parameters_that_hardly_determine_themselves() -> None:

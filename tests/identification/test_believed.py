@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 import gen
 from gen.coefficients.wiring import Thermocouple
-from gen.identification import believed as module
-from gen.identification.alone import standing_alone
-from gen.identification.believed import NOISE_K, RATE_K_PER_S, believed, believed_run, scatter_K
+from gen.identification.logs import believed as module
+from gen.identification.logs.alone import standing_alone
+from gen.identification.logs.believed import NOISE_K, RATE_K_PER_S, believed, believed_run, scatter_K
 from gen.lowering.sensors import COUNT_K, NOISE_COUNTS
 from gen.runs import Run
 from gen.runs.run import FloatArray

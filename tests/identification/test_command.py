@@ -13,8 +13,8 @@ import pytest
 
 from benchmarks.real_machines.shipped import predict
 from gen.cli import main
-from gen.identification import joint
-from gen.identification.output_error import OutputErrorProblem
+from gen.identification.parts import joint
+from gen.identification.parts.output_error import OutputErrorProblem
 from gen.model import ExactSolution
 from gen.runs import Run, write_run
 from tests.command import gen

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gen.identification.bands import NEAREST, Band, next_speed
-from gen.identification.forms import GAIN_FORMS, TIME_FORMS, Form
-from gen.identification.linearity import linearity
-from gen.identification.orders import StructureCandidate, _held_out, beats
-from gen.identification.output_error import OutputErrorFit, OutputErrorProblem
-from gen.identification.records import Record, condense
-from gen.identification.structure import Structure
-from gen.identification.uncertainty import Uncertainty, criteria, residual_noise, residual_tests
+from gen.identification.logs.records import Record, condense
+from gen.identification.parts.bands import NEAREST, Band, next_speed
+from gen.identification.parts.forms import GAIN_FORMS, TIME_FORMS, Form
+from gen.identification.parts.linearity import linearity
+from gen.identification.parts.orders import StructureCandidate, _held_out, beats
+from gen.identification.parts.output_error import OutputErrorFit, OutputErrorProblem
+from gen.identification.parts.structure import Structure
+from gen.identification.parts.uncertainty import Uncertainty, criteria, residual_noise, residual_tests
 
 Array = NDArray[np.float64]
 

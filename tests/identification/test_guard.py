@@ -8,9 +8,9 @@ from typing import cast
 import numpy as np
 import pytest
 
-from gen.identification.curves import Shape
-from gen.identification.general import guard
-from gen.identification.output_error import OutputErrorFit
+from gen.identification.parts.curves import Shape
+from gen.identification.parts.general import guard
+from gen.identification.parts.output_error import OutputErrorFit
 
 
 def shape(steady: list[float]) -> Shape:

@@ -12,13 +12,14 @@ from benchmarks.identify_recovery import Trial, trial
 from benchmarks.scheduled_plants import AMBIENT, Plant, fresh_profile, measured, random_plant, simulate
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
-from gen.identification.coefficient_file import Settings, coefficient_text, usable
-from gen.identification.data import make_data
-from gen.identification.general import guard
-from gen.identification.identify import Identified, identify
-from gen.identification.page import report_html
-from gen.identification.sources import Source
-from gen.identification.summary import summary
+from gen.identification.logs.data import make_data
+from gen.identification.logs.sources import Source
+from gen.identification.parts.coefficient_file import coefficient_text, usable
+from gen.identification.parts.general import guard
+from gen.identification.parts.identify import Identified, identify
+from gen.identification.parts.page import report_html
+from gen.identification.parts.summary import summary
+from gen.identification.settings import Settings
 from gen.model import ExactSolution
 from gen.rig import Setup, make_run, sensors
 from gen.rig.profiles import cut_off

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 
 from gen.coefficients.base import Part
 from gen.coefficients.schedule import Exp1, Poly, Tabulated
-from gen.identification.forms import Form
-from gen.identification.output_error import OutputErrorProblem, Simulator
-from gen.identification.records import MOST_SEGMENTS, condense, levels_of, quantiser_bias, resolution, scatter
-from gen.identification.schedule_entries import schedule_entry
-from gen.identification.structure import Structure
-from gen.identification.uncertainty import autocorrelation, positive_sequence
+from gen.identification.logs.records import MOST_SEGMENTS, condense, levels_of, quantiser_bias, resolution, scatter
+from gen.identification.parts.forms import Form
+from gen.identification.parts.output_error import OutputErrorProblem, Simulator
+from gen.identification.parts.schedule_entries import schedule_entry
+from gen.identification.parts.structure import Structure
+from gen.identification.parts.uncertainty import autocorrelation, positive_sequence
 from gen.model import Component, ExactSolution, Pole, Table, ThermalModel
 
 LEVELS = np.array([0, 80, 160, 255])

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gen.identification.data import make_data
+from gen.identification.logs.data import make_data
+from gen.identification.logs.room_followers import followers
+from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
-from gen.identification.room_followers import followers
-from gen.identification.sources import Source
 from gen.runs import Run
 from tests.identification.network.plant import TWO, holds
 

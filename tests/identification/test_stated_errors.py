@@ -8,10 +8,10 @@ from typing import cast
 import numpy as np
 import pytest
 
-from gen.identification.bands import Band
-from gen.identification.coefficient_file import error_bands, measured_error
-from gen.identification.identify import Identified
-from gen.identification.records import condense
+from gen.identification.logs.records import condense
+from gen.identification.parts.bands import Band
+from gen.identification.parts.coefficient_file import error_bands, measured_error
+from gen.identification.parts.identify import Identified
 
 
 def identified(unknown_K: float) -> Identified:

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gen.identification.general import General, Option
-from gen.identification.output_error import OutputErrorFit, OutputErrorProblem
-from gen.identification.records import Record
-from gen.identification.uncertainty import residual_noise, uncertainty
+from gen.identification.logs.records import Record
+from gen.identification.parts.general import General, Option
+from gen.identification.parts.output_error import OutputErrorFit, OutputErrorProblem
+from gen.identification.parts.uncertainty import residual_noise, uncertainty
 
 SAMPLE_S, WIDTH_S = 2.0, 40.0
 

@@ -8,8 +8,8 @@ from typing import cast
 import numpy as np
 import pytest
 
-from gen.identification.identify import Identified
-from gen.identification.summary import verdict
+from gen.identification.parts.identify import Identified
+from gen.identification.parts.summary import verdict
 
 
 def part(error_K: float, left_out_K: float = 0.1) -> dict[str, Identified]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 import gen
 from examples.my1016.study.reproduce import rises
 from examples.my1016.study.tables import STEADY_S, Study, counts
-from gen.identification.forms import FULL, Form
+from gen.identification.parts.forms import FULL, Form
 from gen.model import Component, ExponentialSum, Pole, Polynomial, Schedule, ThermalModel
 
 FloatArray = NDArray[np.float64]

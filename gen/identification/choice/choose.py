@@ -12,7 +12,7 @@ from gen.identification.choice.decision import Decision, Tried, decided, good_en
 from gen.identification.choice.folds import Fold, folds_of
 from gen.identification.choice.left_out import errors
 from gen.identification.choice.models import NetworkModel, Options, PartsModel, Progress, network_of, parts_of
-from gen.identification.sources import Source
+from gen.identification.logs.sources import Source
 
 Fitted = PartsModel | NetworkModel
 Fit = Callable[[Sequence[Source], Options, Progress], Fitted]

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from gen.identification.choice.left_out import Judged
-from gen.identification.structure import FloatArray
+from gen.identification.parts.structure import FloatArray
 
 Kind = Literal["parts", "network"]
 NETWORK: Kind = "network"

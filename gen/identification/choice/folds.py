@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.sources import Source
+from gen.identification.logs.sources import Source
 
 MOST_FOLDS = 3
 """Each costs a fit of both kinds, so a choice costs this many more."""

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.identification.choice.folds import Fold
-from gen.identification.data import sound
-from gen.identification.structure import FloatArray
+from gen.identification.logs.data import sound
+from gen.identification.parts.structure import FloatArray
 from gen.reference.simulate import simulate_run
 
 BLOCKS = 8

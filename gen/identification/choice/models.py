@@ -7,14 +7,15 @@ from dataclasses import dataclass, replace
 
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
-from gen.identification.coefficient_file import Settings, coefficient_text, usable
-from gen.identification.data import Data, components_of, make_data
-from gen.identification.identify import Identified, identify
+from gen.identification.logs.data import Data, components_of, make_data
+from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.identify import NetworkFound, identify_network, without_convection
 from gen.identification.network.telling.document import network_text
 from gen.identification.network.telling.summary import Summary
-from gen.identification.sources import Source
+from gen.identification.parts.coefficient_file import coefficient_text, usable
+from gen.identification.parts.identify import Identified, identify
+from gen.identification.settings import Settings
 from gen.lowering.network.lower import lower_network
 
 Progress = Callable[[str], None]

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen.errors import InputError
-from gen.identification.ambients import ambients_of
-from gen.identification.data import FEWEST, MOVES_K, apart, components_of, sound
 from gen.identification.drive import common_drive
+from gen.identification.logs.ambients import ambients_of
+from gen.identification.logs.data import FEWEST, MOVES_K, apart, components_of, sound
+from gen.identification.logs.records import resolution
+from gen.identification.logs.room_followers import followers
+from gen.identification.logs.sources import Source
 from gen.identification.network.driving import Driving, driving_of, values_of
 from gen.identification.network.fitting.bins import Binned, FloatArray, binned, longest_bin
 from gen.identification.network.fitting.driven import KINDS
-from gen.identification.records import resolution
-from gen.identification.room_followers import followers
-from gen.identification.sources import Source
 from gen.runs import Run
 
 MARGIN, LEAST_RISE_K = 0.5, 40.0

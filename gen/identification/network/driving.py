@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gen.errors import InputError
+from gen.identification.logs.sources import Source
 from gen.identification.network.fitting.bins import FloatArray
-from gen.identification.sources import Source
 
 _WRITTEN = re.compile(r"(?P<column>[A-Za-z]\w*?)(\^(?P<power>[12]))?", re.ASCII)
 _SQUARED = ("_A", "_Nm")

@@ -19,9 +19,9 @@ from gen.identification.choice.choose import choose
 from gen.identification.choice.folds import MOST_FOLDS, STRETCHES, Fold, folds_of
 from gen.identification.choice.left_out import BLOCKS, Judged, errors
 from gen.identification.choice.models import NetworkModel, Options, Progress, network_of, parts_of
-from gen.identification.coefficient_file import Settings
-from gen.identification.sources import Source
-from gen.identification.structure import FloatArray
+from gen.identification.logs.sources import Source
+from gen.identification.parts.structure import FloatArray
+from gen.identification.settings import Settings
 from gen.runs import Run, write_run
 from tests.identification.network.plant import TWO, holds
 

@@ -11,7 +11,7 @@ from scipy.stats import ttest_1samp
 from gen.identification.choice.compared import KINDS, NETWORK, PARTS, Comparison, comparison
 from gen.identification.choice.decision import Tried, decided, told_without_folds
 from gen.identification.choice.left_out import BLOCKS, Judged
-from gen.identification.structure import FloatArray
+from gen.identification.parts.structure import FloatArray
 
 
 def of(logs: FloatArray | list[float]) -> Comparison:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gen.identification.choice.folds import STRETCHES, folds_of
-from gen.identification.sources import Source
+from gen.identification.logs.sources import Source
 from gen.runs import Run
 
 

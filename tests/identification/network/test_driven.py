@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import gen
+from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.fitting.driven import known
 from gen.identification.network.fitting.speed_laws import HEAT
 from gen.identification.network.fitting.structure import full
-from gen.identification.sources import Source
 from gen.runs import Run, write_run
 from tests.identification.network.plant import Plant, holds
 

@@ -17,14 +17,14 @@ import gen
 from gen.cli import cli
 from gen.coefficients import Coefficients
 from gen.errors import InputError
-from gen.identification.coefficient_file import Settings
+from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.identify import identify_network
 from gen.identification.network.telling.as_json import as_json
 from gen.identification.network.telling.document import network_text
 from gen.identification.network.telling.summary import Summary
 from gen.identification.network.telling.text import text
-from gen.identification.sources import Source
+from gen.identification.settings import Settings
 from gen.lowering.lower import lower
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run, write_run

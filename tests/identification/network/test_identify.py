@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients
 from gen.errors import InputError
-from gen.identification.coefficient_file import Settings
+from gen.identification.logs.sources import Source, read_sources
 from gen.identification.network.data import make_network_data
 from gen.identification.network.identify import NetworkFound, identify_network
 from gen.identification.network.telling.document import network_text
 from gen.identification.network.telling.summary import Summary
-from gen.identification.sources import Source, read_sources
+from gen.identification.settings import Settings
 from gen.model.network_solution import NetworkSolution
 from gen.rig import Setup, make_run, sensors
 from gen.rig.profiles import cut_off

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import gen
 from gen.identification.choice.models import Options, network_of
-from gen.identification.coefficient_file import Settings
+from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.fitting.bins import FloatArray, binned
 from gen.identification.network.fitting.inputs import held, inputs_of
@@ -25,7 +25,7 @@ from gen.identification.network.fitting.structure import Structure, full
 from gen.identification.network.identify import identify_network
 from gen.identification.network.telling.document import network_text
 from gen.identification.network.telling.page import network_report
-from gen.identification.sources import Source
+from gen.identification.settings import Settings
 from gen.lowering.network.lower import lower_network
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from gen.identification.coefficient_file import Settings
+from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.fitting.speed_laws import HEAT, OUTSIDE, WITHIN, Law
 from gen.identification.network.identify import NetworkFound, identify_network
@@ -16,7 +16,7 @@ from gen.identification.network.telling.document import network_text, turned_ran
 from gen.identification.network.telling.resting import Rested, rested
 from gen.identification.network.telling.summary import Summary
 from gen.identification.network.telling.uncertainty import UNREACHED, spread_of, steady_of
-from gen.identification.sources import Source
+from gen.identification.settings import Settings
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
 from tests.identification.network.plant import ROOM, TWO, holds

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from gen.identification.coefficient_file import Settings
+from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.fitting.bins import binned
 from gen.identification.network.fitting.inputs import inputs_of
@@ -21,7 +21,7 @@ from gen.identification.network.fitting.structure import Structure, full
 from gen.identification.network.fitting.weights import weights
 from gen.identification.network.identify import curves, identify_network
 from gen.identification.network.telling.document import network_text
-from gen.identification.sources import Source
+from gen.identification.settings import Settings
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
 from tests.identification.network.plant import ROOM, TWO, holds

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.identify import NetworkFound, identify_network
 from gen.identification.network.telling.summary import Summary
-from gen.identification.sources import Source
 from tests.identification.network.plant import TWO, holds
 
 MIXED = (holds((200, 120), (0, 120)), holds((120, 120), (200, 120)), holds((250, 120), (120, 120)))

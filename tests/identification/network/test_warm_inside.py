@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import gen
-from gen.identification.coefficient_file import Settings
+from gen.identification.logs.sources import read_sources
 from gen.identification.network.data import make_network_data
 from gen.identification.network.identify import NetworkFound, identify_network
 from gen.identification.network.telling.document import network_text
 from gen.identification.network.telling.summary import Summary
-from gen.identification.sources import read_sources
+from gen.identification.settings import Settings
 from gen.runs import Run, write_run
 from tests.identification.network.plant import ROW_S, Plant, holds
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.records import quantiser_bias, resolution, scatter
+from gen.identification.logs.records import quantiser_bias, resolution, scatter
 from gen.runs import Run
 
 FloatArray = NDArray[np.float64]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gen.identification.sources import Source
+from gen.identification.logs.sources import Source
 
 OFTEN = 0.15
 """Of the rows: an input that is another in so many may be another again before the next."""

@@ -28,7 +28,6 @@ from gen.coefficients.network_curves import points_of, six_digits, tabulated
 from gen.coefficients.provenance import ErrorBand, Provenance
 from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
-from gen.identification.coefficient_file import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
 from gen.identification.drive import input_entry
 from gen.identification.network.fitting.as_found import usual
 from gen.identification.network.fitting.bins import FloatArray
@@ -41,6 +40,7 @@ from gen.identification.network.telling.forecast import Band, bands, widened
 from gen.identification.network.telling.foresight import Foresight, foresight
 from gen.identification.network.telling.stiffness import slowed
 from gen.identification.network.telling.uncertainty import Spread, spread_of
+from gen.identification.settings import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
 
 FASTEST = 20.0
 """No node follows its neighbours within fewer steps of the board: paths are limited, then its capacity is raised."""

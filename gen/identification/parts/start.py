@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gen.identification.output_error import Layout, OutputErrorFit, OutputErrorProblem
-from gen.identification.structure import FloatArray, Structure
+from gen.identification.parts.output_error import Layout, OutputErrorFit, OutputErrorProblem
+from gen.identification.parts.structure import FloatArray, Structure
 
 _GRID = 9
 

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from gen.identification.records import Record, levels_of
-from gen.identification.response import mixed_poles, simulate
-from gen.identification.structure import FloatArray, PoleArray, Structure
+from gen.identification.logs.records import Record, levels_of
+from gen.identification.parts.response import mixed_poles, simulate
+from gen.identification.parts.structure import FloatArray, PoleArray, Structure
 
 _STEP = 1e-5
 """Difference quotient's step in a logarithm; the second order it neglects is 1e-5 of the derivative."""

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.curves import Shape
-from gen.identification.forms import GAIN_FORMS, TIME_FORMS, Form
-from gen.identification.output_error import OutputErrorFit, OutputErrorProblem
-from gen.identification.structure import FloatArray
-from gen.identification.uncertainty import Uncertainty
+from gen.identification.parts.curves import Shape
+from gen.identification.parts.forms import GAIN_FORMS, TIME_FORMS, Form
+from gen.identification.parts.output_error import OutputErrorFit, OutputErrorProblem
+from gen.identification.parts.structure import FloatArray
+from gen.identification.parts.uncertainty import Uncertainty
 from gen.model.dynamics import PWM_LEVELS
 
 NEAR_K = 0.3

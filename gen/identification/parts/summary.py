@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from gen.identification.bands import next_speed
-from gen.identification.coefficient_file import measured_error
-from gen.identification.data import Data
 from gen.identification.grades import Grade, Miss, told, worse_than
-from gen.identification.identify import SETTLED, Identified
-from gen.identification.records import quantiser_bias
+from gen.identification.logs.data import Data
+from gen.identification.logs.records import quantiser_bias
+from gen.identification.parts.bands import next_speed
+from gen.identification.parts.coefficient_file import measured_error
+from gen.identification.parts.identify import SETTLED, Identified
 from gen.model.dynamics import MAX_PWM
 
 _LEAST_OFFSET_K = 0.005

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.forms import Form
-from gen.identification.structure import FloatArray, Structure
+from gen.identification.parts.forms import Form
+from gen.identification.parts.structure import FloatArray, Structure
 
 
 @dataclass(frozen=True)

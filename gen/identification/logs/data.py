@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from gen.coefficients.names import name_fault
 from gen.errors import InputError
-from gen.identification.ambients import ambients_of
-from gen.identification.believed import believed_run
 from gen.identification.drive import common_drive
-from gen.identification.records import Record, condense
-from gen.identification.room_followers import followers
-from gen.identification.sources import Source, read_sources
-from gen.identification.structure import FloatArray
+from gen.identification.logs.ambients import ambients_of
+from gen.identification.logs.believed import believed_run
+from gen.identification.logs.records import Record, condense
+from gen.identification.logs.room_followers import followers
+from gen.identification.logs.sources import Source, read_sources
+from gen.identification.parts.structure import FloatArray
 from gen.runs import Run
 
 FEWEST = 20

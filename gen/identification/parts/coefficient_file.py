@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,34 +17,16 @@ from gen.coefficients.messages import building
 from gen.coefficients.provenance import ErrorBand, Provenance
 from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
-from gen.identification.bands import Band
-from gen.identification.data import Data
 from gen.identification.drive import input_entry
-from gen.identification.identify import Identified
-from gen.identification.schedule_entries import component_entry
-from gen.identification.structure import FloatArray
-from gen.model.dynamics import MAX_PWM
+from gen.identification.logs.data import Data
+from gen.identification.parts.bands import Band
+from gen.identification.parts.identify import Identified
+from gen.identification.parts.schedule_entries import component_entry
+from gen.identification.parts.structure import FloatArray
+from gen.identification.settings import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
 
 WINDOW = 60
 """Errors are those of means over this share of a run: the sensor's noise is not the model's error."""
-
-
-@dataclass(frozen=True)
-class Settings:
-    """What the runs do not say.
-
-    Attributes
-    ----------
-    name
-        Of the model.
-    sample_time_s, full_scale, nominal_speed_rpm
-        Of the board and the motor.
-    """
-
-    name: str
-    sample_time_s: float = 0.25
-    full_scale: int = MAX_PWM
-    nominal_speed_rpm: float = 2650.0
 
 
 def coefficient_text(
@@ -75,9 +57,6 @@ def coefficient_text(
         raise CheckFailed(f"the identified model is not one that can be built: {error}") from error
 
 
-FIXED_LIMIT_K, FLOAT_LIMIT_K = 1e-3, 1e-2
-"""Arithmetic errors up to which a build is accepted: a 250th and a 25th of a thermocouple amplifier's step of 0.25 K,
-far below what any identification can know."""
 HIGHEST_K = 3000.0
 """A steady rise over this at full scale is no result: the runs show no sign of settling."""
 
@@ -108,11 +87,6 @@ def usable(data: Data, found: Mapping[str, Identified], settings: Settings) -> t
     if not kept:
         raise CheckFailed("; ".join(reasons))
     return replace(data, warnings=(*data.warnings, *reasons)), kept
-
-
-def said_beside(note: str) -> str:
-    """Give what follows the method, or nothing."""
-    return f". {note}" if note else ""
 
 
 def _measured_range(data: Data, found: Mapping[str, Identified], settings: Settings) -> tuple[int, int]:

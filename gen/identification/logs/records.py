@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.room import Pieces, pieces_of
-from gen.identification.structure import FloatArray
+from gen.identification.logs.room import Pieces, pieces_of
+from gen.identification.parts.structure import FloatArray
 
 GROWTH = 0.03
 """Largest block, as a share of the time since PWM changed."""

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gen.identification.records import resolution
-from gen.identification.sources import Source
-from gen.identification.structure import FloatArray
+from gen.identification.logs.records import resolution
+from gen.identification.logs.sources import Source
+from gen.identification.parts.structure import FloatArray
 
 STILL_K, STEPS = 1.0, 4.0
 """What moves less than this, K, or than so many steps of its sensor, does not rise."""

@@ -9,11 +9,11 @@ from typing import Any
 from jinja2 import Environment
 
 from gen.coefficients import Coefficients
-from gen.identification import figures
 from gen.identification.choice.decision import Decision
-from gen.identification.data import Data
-from gen.identification.identify import Identified
-from gen.identification.summary import own_miss, summary
+from gen.identification.logs.data import Data
+from gen.identification.parts import figures
+from gen.identification.parts.identify import Identified
+from gen.identification.parts.summary import own_miss, summary
 from gen.pages.environment import page_environment
 from gen.version import __version__
 

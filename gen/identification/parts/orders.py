@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.output_error import OutputErrorFit, OutputErrorProblem
-from gen.identification.response import simulate
-from gen.identification.start import first_order, ladder
-from gen.identification.structure import CANDIDATES, FloatArray, PoleArray, Structure
-from gen.identification.uncertainty import Uncertainty, uncertainty
+from gen.identification.parts.output_error import OutputErrorFit, OutputErrorProblem
+from gen.identification.parts.response import simulate
+from gen.identification.parts.start import first_order, ladder
+from gen.identification.parts.structure import CANDIDATES, FloatArray, PoleArray, Structure
+from gen.identification.parts.uncertainty import Uncertainty, uncertainty
 
 FOLDS = 4
 CHUNKS = 20

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.bands import Band, band
-from gen.identification.data import Data
-from gen.identification.general import General, Judge, choose_forms, guard, misses
-from gen.identification.joint import Model, refine
-from gen.identification.linearity import Linearity, linearity
-from gen.identification.orders import Choice, StructureCandidate, choose
-from gen.identification.output_error import OFFSET_PRIOR, OutputErrorFit, OutputErrorProblem
-from gen.identification.records import Record
-from gen.identification.speeds import choose_speeds, without_gain
-from gen.identification.structure import FloatArray
-from gen.identification.uncertainty import (
+from gen.identification.logs.data import Data
+from gen.identification.logs.records import Record
+from gen.identification.parts.bands import Band, band
+from gen.identification.parts.general import General, Judge, choose_forms, guard, misses
+from gen.identification.parts.joint import Model, refine
+from gen.identification.parts.linearity import Linearity, linearity
+from gen.identification.parts.orders import Choice, StructureCandidate, choose
+from gen.identification.parts.output_error import OFFSET_PRIOR, OutputErrorFit, OutputErrorProblem
+from gen.identification.parts.speeds import choose_speeds, without_gain
+from gen.identification.parts.structure import FloatArray
+from gen.identification.parts.uncertainty import (
     Criteria,
     ResidualTests,
     Uncertainty,

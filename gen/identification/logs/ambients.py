@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from gen.errors import InputError
-from gen.identification.sources import Source
-from gen.identification.structure import FloatArray
+from gen.identification.logs.sources import Source
+from gen.identification.parts.structure import FloatArray
 from gen.runs import Run, noted_ambient
 
 ALIKE_K = 3.0

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from gen.identification.alone import standing_alone
+from gen.identification.logs.alone import standing_alone
 from gen.runs import Run
 from gen.runs.run import FloatArray
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.data import held_speeds, quantile_speeds
-from gen.identification.orders import StructureCandidate, beats, candidate_of, folds_of
-from gen.identification.output_error import OutputErrorProblem
-from gen.identification.records import Record
-from gen.identification.start import first_order
+from gen.identification.logs.data import held_speeds, quantile_speeds
+from gen.identification.logs.records import Record
+from gen.identification.parts.orders import StructureCandidate, beats, candidate_of, folds_of
+from gen.identification.parts.output_error import OutputErrorProblem
+from gen.identification.parts.start import first_order
 
 PLENTY = 1.5
 """Held speeds are taken without more ado when each is held for this many time constants in all .."""

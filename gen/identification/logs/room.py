@@ -1,6 +1,6 @@
 """The ambient along a record: its changes pass the part's own dynamics, so it is part of what the part settles to.
 
-It is taken as constant over pieces, so that the response stays exact (:mod:`gen.identification.response`): a room
+It is taken as constant over pieces, so that the response stays exact (:mod:`gen.identification.parts.response`): a room
 changes slowly, and what a piece leaves out passes the part's time constants. Single readings of its sensor take no
 part.
 """
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.structure import FloatArray
+from gen.identification.parts.structure import FloatArray
 
 STEP_K = 0.1
 """A new piece begins where the ambient has moved by this, or by more where there would be too many."""

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from gen.identification.curves import Shape
-from gen.identification.output_error import OutputErrorFit, OutputErrorProblem
-from gen.identification.structure import FloatArray, PoleArray
-from gen.identification.uncertainty import residual_noise
+from gen.identification.parts.curves import Shape
+from gen.identification.parts.output_error import OutputErrorFit, OutputErrorProblem
+from gen.identification.parts.structure import FloatArray, PoleArray
+from gen.identification.parts.uncertainty import residual_noise
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.structure import ComplexArray, FloatArray, PoleArray, separated
+from gen.identification.parts.structure import ComplexArray, FloatArray, PoleArray, separated
 
 
 def divided_differences(poles: PoleArray, time: FloatArray) -> PoleArray:

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from gen.coefficients.document import ComponentEntry, PoleEntry
 from gen.coefficients.schedule import Exp1, Points, Poly, ScheduleEntry, Tabulated
-from gen.identification.forms import FULL
-from gen.identification.joint import Model
-from gen.identification.structure import FloatArray
+from gen.identification.parts.forms import FULL
+from gen.identification.parts.joint import Model
+from gen.identification.parts.structure import FloatArray
 from gen.model import Table
 
 SAME = 1e-6

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
-from gen.identification.identify import Identified
-from gen.identification.structure import FloatArray
-from gen.identification.uncertainty import residual_noise
+from gen.identification.parts.identify import Identified
+from gen.identification.parts.structure import FloatArray
+from gen.identification.parts.uncertainty import residual_noise
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
