@@ -21,7 +21,7 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
 
 from gen.coefficients import load  # noqa: E402
-from gen.refinement.refine import refine  # noqa: E402
+from gen.refinement.parts.refine import refine  # noqa: E402
 from gen.runs import read_run, write_run  # noqa: E402
 from tests.refinement import plant_effects  # noqa: E402
 from tests.refinement.plant import COEFFICIENTS, NAMES  # noqa: E402

@@ -22,7 +22,7 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
 
 from gen.coefficients import load  # noqa: E402
-from gen.refinement.refine import Refinement, refine  # noqa: E402
+from gen.refinement.parts.refine import Refinement, refine  # noqa: E402
 from gen.runs import Run, write_run  # noqa: E402
 
 COEFFICIENTS = ROOT / "examples" / "my1016" / "coeffs.json"

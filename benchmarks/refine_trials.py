@@ -30,7 +30,7 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
 
 from gen.coefficients import load  # noqa: E402
-from gen.refinement.refine import refine  # noqa: E402
+from gen.refinement.parts.refine import refine  # noqa: E402
 from tests.refinement.plant import COEFFICIENTS  # noqa: E402
 from tests.refinement.plant_effects import LIBRARY, OUTSIDE, make  # noqa: E402
 

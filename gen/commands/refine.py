@@ -13,7 +13,7 @@ from gen.progress import progress_line
 
 if TYPE_CHECKING:
     from gen.refinement.network.refine import NetworkRefinement
-    from gen.refinement.refine import Refinement
+    from gen.refinement.parts.refine import Refinement
 
 _LISTS = ("--fit", "--test")
 

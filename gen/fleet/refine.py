@@ -29,7 +29,7 @@ from gen.fleet.scouting import as_lists
 from gen.fleet.shared_effects import Key, said, together, with_means
 from gen.fleet.store import Kept, Store
 from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
-from gen.refinement.judgement import LEAST_GAIN, LEVEL, p_of_gains
+from gen.refinement.gains import LEAST_GAIN, LEVEL, p_of_gains
 from gen.refinement.network.effects import Offered
 from gen.refinement.network.tracing.paths import MOST_EFFECTS
 from gen.refinement.network.tracing.search import LEAST_GAIN_BESIDE

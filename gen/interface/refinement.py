@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from gen.refinement.network.refine import NetworkRefinement as NetworkFound
-    from gen.refinement.refine import Refinement as Found
+    from gen.refinement.parts.refine import Refinement as Found
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ class Refinement(Reported):
             from gen.refinement.network.page import network_refinement_page
 
             return network_refinement_page(self.found, self.baseline.coefficients, self.model.coefficients)
-        from gen.refinement.page import page
+        from gen.refinement.parts.page import page
 
         return page(self.found, self.baseline.coefficients)
 
@@ -156,7 +156,7 @@ def refine(
                 model.coefficients, model.text, learnt, judged, progress, accept_change=accept_change
             )
         else:
-            from gen.refinement.refine import refine as run_parts
+            from gen.refinement.parts.refine import refine as run_parts
 
             found = run_parts(model.coefficients, model.text, learnt, judged, progress)
     refined = Model(parse(found.text.encode()), found.text) if found.text != model.text else model

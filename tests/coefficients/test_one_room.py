@@ -29,9 +29,9 @@ OTHER_FORMATS = {
     "commands/refine.py": {"name", "component", "parameters", "evidence"},
     "interface/identification.py": {"components", "order", "value", "network"},
     "interface/refinement.py": {"name", "component", "parameters", "evidence"},
-    "refinement/page.py": {"name", "component", "parameters", "evidence", "note"},
+    "refinement/parts/page.py": {"name", "component", "parameters", "evidence", "note"},
     "refinement/network/page.py": {"name", "component", "parameters", "evidence", "note"},
-    "refinement/residual_charts.py": {"component"},
+    "refinement/parts/residual_charts.py": {"component"},
     # the JSON summary of `gen identify`: a measured error by speed, a fitted number with its interval
     "identification/parts/page.py": {"components"},
     "identification/network/telling/page.py": {

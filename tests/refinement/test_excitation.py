@@ -9,7 +9,7 @@ import pytest
 
 from gen.coefficients import load
 from gen.refinement.condense import condense
-from gen.refinement.excitation import excitation
+from gen.refinement.parts.excitation import excitation
 from gen.runs import Run, write_run
 from tests.refinement.plant import COEFFICIENTS, NAMES
 

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from gen.coefficients import parse
 from gen.model.effects import Applied, Free, Variant, registry
 from gen.refinement.admission import admitted
-from gen.refinement.candidates import Candidate, Found, Tracing
 from gen.refinement.condense import Condensed
-from gen.refinement.effect_entries import entry
-from gen.refinement.judgement import ALONE, RUNS_AWAY, TOO_LITTLE, Judgement, judge, p_better
-from gen.refinement.refine import judge_verdict
-from gen.refinement.simulation_fit import HypothesisFit, Term
-from gen.refinement.stacked_runs import StackedRuns
+from gen.refinement.gains import TOO_LITTLE
+from gen.refinement.parts.candidates import Candidate, Found, Tracing
+from gen.refinement.parts.effect_entries import entry
+from gen.refinement.parts.judgement import ALONE, RUNS_AWAY, Judgement, judge, p_better
+from gen.refinement.parts.refine import judge_verdict
+from gen.refinement.parts.simulation_fit import HypothesisFit, Term
+from gen.refinement.parts.stacked_runs import StackedRuns
 from tests.examples import ROOT, example
 
 Array = NDArray[np.float64]

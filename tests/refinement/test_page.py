@@ -12,8 +12,8 @@ import pytest
 
 from gen.coefficients import Coefficients, load, parse
 from gen.model.exact import ExactSolution
-from gen.refinement.page import page
-from gen.refinement.refine import refine
+from gen.refinement.parts.page import page
+from gen.refinement.parts.refine import refine
 from gen.refinement.thinning import Samples, held, measured
 from gen.runs import Run, write_run
 from tests.refinement.plant import COEFFICIENTS

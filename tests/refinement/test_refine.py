@@ -17,8 +17,8 @@ from gen.errors import InputError
 from gen.model.exact import ExactSolution
 from gen.refinement.admission import admitted
 from gen.refinement.condense import check_apart, check_measured, condense, free_run
-from gen.refinement.page import page
-from gen.refinement.refine import Refinement, refine
+from gen.refinement.parts.page import page
+from gen.refinement.parts.refine import Refinement, refine
 from gen.runs import Run, read_run, write_run
 from tests.campaign import FULL
 from tests.command import gen

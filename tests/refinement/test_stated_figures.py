@@ -11,13 +11,13 @@ import pytest
 from numpy.typing import NDArray
 
 from gen.model.effects import Free, Variant, registry
-from gen.refinement.candidates import Candidate, Found, Tracing
-from gen.refinement.effect_entries import effect_entries
-from gen.refinement.judgement import Judgement, p_better
-from gen.refinement.simulation_fit import HypothesisFit, Term
-from gen.refinement.stacked_runs import StackedRuns
-from gen.refinement.steps.couple import _rise
-from gen.refinement.trace_state import ComponentState
+from gen.refinement.parts.candidates import Candidate, Found, Tracing
+from gen.refinement.parts.effect_entries import effect_entries
+from gen.refinement.parts.judgement import Judgement, p_better
+from gen.refinement.parts.simulation_fit import HypothesisFit, Term
+from gen.refinement.parts.stacked_runs import StackedRuns
+from gen.refinement.parts.steps.couple import _rise
+from gen.refinement.parts.trace_state import ComponentState
 
 Array = NDArray[np.float64]
 DIRECTION = registry()["direction"]

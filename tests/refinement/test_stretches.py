@@ -10,10 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 from gen.model.effects import Setting
-from gen.refinement import judged_on_stretches
-from gen.refinement.judged_on_stretches import STRETCHES, by_stretch
-from gen.refinement.judgement import Judgement
-from gen.refinement.stacked_runs import StackedRuns
+from gen.refinement.parts import judged_on_stretches
+from gen.refinement.parts.judged_on_stretches import STRETCHES, by_stretch
+from gen.refinement.parts.judgement import Judgement
+from gen.refinement.parts.stacked_runs import StackedRuns
 
 
 @dataclass(frozen=True)

@@ -13,18 +13,18 @@ import pytest
 
 from gen.coefficients import load
 from gen.model.effects import Variant, registry
-from gen.refinement.candidates import Candidate, Found
 from gen.refinement.condense import condense
-from gen.refinement.judgement import Judgement
-from gen.refinement.refine import refine
-from gen.refinement.simulation_fit import Term, fit
-from gen.refinement.stacked_runs import THIRDS, WHOLE_RUNS, stack_runs
-from gen.refinement.steps.further_effects import further_effects
-from gen.refinement.steps.judge_again import judge_again
-from gen.refinement.steps.prune import prune
-from gen.refinement.steps.refuse_runaway import refuse_runaway
-from gen.refinement.trace import STEPS, trace
-from gen.refinement.trace_state import ComponentState, TraceState, beginning
+from gen.refinement.parts.candidates import Candidate, Found
+from gen.refinement.parts.judgement import Judgement
+from gen.refinement.parts.refine import refine
+from gen.refinement.parts.simulation_fit import Term, fit
+from gen.refinement.parts.stacked_runs import THIRDS, WHOLE_RUNS, stack_runs
+from gen.refinement.parts.steps.further_effects import further_effects
+from gen.refinement.parts.steps.judge_again import judge_again
+from gen.refinement.parts.steps.prune import prune
+from gen.refinement.parts.steps.refuse_runaway import refuse_runaway
+from gen.refinement.parts.trace import STEPS, trace
+from gen.refinement.parts.trace_state import ComponentState, TraceState, beginning
 from tests.examples import ROOT
 from tests.refinement.plant import COEFFICIENTS
 from tests.refinement.plant_effects import make

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gen.coefficients import Coefficients
-from gen.refinement.judgement import LEAST_GAIN, LEVEL
+from gen.refinement.gains import LEAST_GAIN, LEVEL
 from gen.refinement.network.effects.walls import Walls
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import Data, make_data

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from gen.model.effects import registry
-from gen.refinement.judgement import LEVEL
+from gen.refinement.gains import LEVEL
 from gen.refinement.network.ambient import MovingAmbient
 from gen.refinement.network.effects.base import WHOLE
 from gen.refinement.network.fitting.fit import Fitted

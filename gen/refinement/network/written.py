@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from gen.coefficients import Coefficients, parse, with_network
 from gen.coefficients.messages import building
 from gen.errors import InputError
-from gen.refinement.judgement import LEAST_GAIN, LEVEL
+from gen.refinement.gains import LEAST_GAIN, LEVEL
 from gen.refinement.network.ambient import MovingAmbient
 from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects import NetworkEffect

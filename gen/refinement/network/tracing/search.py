@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from gen.refinement.judgement import LEAST_GAIN, LEVEL, TOO_LITTLE
+from gen.refinement.gains import LEAST_GAIN, LEVEL, TOO_LITTLE
 from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.fitting.data import Data
 from gen.refinement.network.fitting.fit import Bench, Fitted

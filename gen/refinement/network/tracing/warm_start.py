@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.identification.network.fitting.bins import FloatArray
-from gen.refinement.judgement import LEAST_GAIN, LEVEL
+from gen.refinement.gains import LEAST_GAIN, LEVEL
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import Data
 from gen.refinement.network.fitting.fit import Fitted

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from gen.refinement.judgement import judge
-from gen.refinement.simulation_fit import HypothesisFit
-from gen.refinement.stacked_runs import StackedRuns
-from gen.refinement.trace_state import ComponentState, Say, TraceState
+from gen.refinement.parts.judgement import judge
+from gen.refinement.parts.simulation_fit import HypothesisFit
+from gen.refinement.parts.stacked_runs import StackedRuns
+from gen.refinement.parts.trace_state import ComponentState, Say, TraceState
 
 
 def judge_again(state: TraceState, say: Say) -> TraceState:

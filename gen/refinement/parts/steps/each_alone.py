@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gen.refinement.hypotheses import first_round
-from gen.refinement.trace_state import ComponentState, Say, TraceState
+from gen.refinement.parts.hypotheses import first_round
+from gen.refinement.parts.trace_state import ComponentState, Say, TraceState
 
 
 def each_alone(state: TraceState, say: Say) -> TraceState:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gen.refinement.candidates import Found
-from gen.refinement.pairs import pair, third
-from gen.refinement.trace_state import ComponentState, Say, TraceState
+from gen.refinement.parts.candidates import Found
+from gen.refinement.parts.pairs import pair, third
+from gen.refinement.parts.trace_state import ComponentState, Say, TraceState
 
 MOST_EFFECTS = 3
 """Most effects at one component: what is left after three is said to be unexplained."""

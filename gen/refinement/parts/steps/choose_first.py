@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gen.refinement.candidates import Found
-from gen.refinement.hypotheses import choose
-from gen.refinement.trace_state import ComponentState, Say, TraceState
+from gen.refinement.parts.candidates import Found
+from gen.refinement.parts.hypotheses import choose
+from gen.refinement.parts.trace_state import ComponentState, Say, TraceState
 
 
 def choose_first(state: TraceState, say: Say) -> TraceState:

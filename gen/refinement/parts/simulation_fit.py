@@ -14,7 +14,7 @@ import numpy as np
 
 from gen.model.effects import Effect, Free, Variant
 from gen.model.effects.integrate import Slot, readings
-from gen.refinement.stacked_runs import StackedRuns
+from gen.refinement.parts.stacked_runs import StackedRuns
 from gen.runs.run import FloatArray
 
 _ITERATIONS = 14

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from gen.refinement.candidates import Candidate
-from gen.refinement.hypotheses import Hypothesis, distinct, further, material, terms_of, tied
-from gen.refinement.judgement import TIE_LEVEL, judge, p_better
-from gen.refinement.simulation_fit import HypothesisFit
-from gen.refinement.stacked_runs import StackedRuns
+from gen.refinement.parts.candidates import Candidate
+from gen.refinement.parts.hypotheses import Hypothesis, distinct, further, material, terms_of, tied
+from gen.refinement.parts.judgement import TIE_LEVEL, judge, p_better
+from gen.refinement.parts.simulation_fit import HypothesisFit
+from gen.refinement.parts.stacked_runs import StackedRuns
 
 SEEDS = 3
 """First effects that are each tried with every second one."""

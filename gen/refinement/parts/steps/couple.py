@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from gen.model.effects.integrate import readings
-from gen.refinement.hypotheses import terms_of
-from gen.refinement.simulation_fit import fit
-from gen.refinement.trace_state import ComponentState, Say, TraceState
+from gen.refinement.parts.hypotheses import terms_of
+from gen.refinement.parts.simulation_fit import fit
+from gen.refinement.parts.trace_state import ComponentState, Say, TraceState
 from gen.runs.run import FloatArray
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from gen.coefficients.effects import EffectEntry
 from gen.coefficients.messages import building
 from gen.model.effects import calibration
-from gen.refinement.candidates import Found, Tracing
+from gen.refinement.parts.candidates import Found, Tracing
 
 
 def effect_entries(tracing: Tracing, *, explained: bool) -> list[EffectEntry]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gen.refinement.candidates import Candidate, Found
-from gen.refinement.judgement import judge
-from gen.refinement.simulation_fit import Term, fit
-from gen.refinement.trace_state import ComponentState, Say, TraceState
+from gen.refinement.parts.candidates import Candidate, Found
+from gen.refinement.parts.judgement import judge
+from gen.refinement.parts.simulation_fit import Term, fit
+from gen.refinement.parts.trace_state import ComponentState, Say, TraceState
 
 
 def extend_everywhere(state: TraceState, say: Say) -> TraceState:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gen.refinement.candidates import Found
-from gen.refinement.judged_on_stretches import by_stretch
-from gen.refinement.trace_state import ComponentState, Say, TraceState
+from gen.refinement.parts.candidates import Found
+from gen.refinement.parts.judged_on_stretches import by_stretch
+from gen.refinement.parts.trace_state import ComponentState, Say, TraceState
 
 
 def by_stretches(state: TraceState, say: Say) -> TraceState:

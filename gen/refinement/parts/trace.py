@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from gen.coefficients import Coefficients
-from gen.refinement.candidates import Tracing
 from gen.refinement.condense import Condensed
-from gen.refinement.steps.by_stretches import by_stretches
-from gen.refinement.steps.choose_first import choose_first
-from gen.refinement.steps.couple import couple
-from gen.refinement.steps.each_alone import each_alone
-from gen.refinement.steps.extend_everywhere import extend_everywhere
-from gen.refinement.steps.further_effects import further_effects
-from gen.refinement.steps.judge_again import judge_again
-from gen.refinement.steps.prune import prune
-from gen.refinement.steps.refuse_offsets import refuse_offsets
-from gen.refinement.steps.refuse_runaway import refuse_runaway
-from gen.refinement.trace_state import Say, TraceState, beginning
+from gen.refinement.parts.candidates import Tracing
+from gen.refinement.parts.steps.by_stretches import by_stretches
+from gen.refinement.parts.steps.choose_first import choose_first
+from gen.refinement.parts.steps.couple import couple
+from gen.refinement.parts.steps.each_alone import each_alone
+from gen.refinement.parts.steps.extend_everywhere import extend_everywhere
+from gen.refinement.parts.steps.further_effects import further_effects
+from gen.refinement.parts.steps.judge_again import judge_again
+from gen.refinement.parts.steps.prune import prune
+from gen.refinement.parts.steps.refuse_offsets import refuse_offsets
+from gen.refinement.parts.steps.refuse_runaway import refuse_runaway
+from gen.refinement.parts.trace_state import Say, TraceState, beginning
 
 Step = Callable[[TraceState, Say], TraceState]
 """Makes the next state and leaves the one before it as it is."""

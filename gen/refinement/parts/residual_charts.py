@@ -9,7 +9,7 @@ import numpy as np
 from gen.pages.charts import Chart, Series
 from gen.refinement.condense import Condensed
 from gen.refinement.errors import Errors
-from gen.refinement.refine import Refinement
+from gen.refinement.parts.refine import Refinement
 
 Points = tuple[str, list[Series]]
 

@@ -9,15 +9,15 @@ from typing import Any
 
 from gen.coefficients import Coefficients, as_json, parse, with_effects
 from gen.refinement.admission import admitted
-from gen.refinement.candidates import Tracing
 from gen.refinement.condense import Condensed, check_apart, check_measured, condense
-from gen.refinement.effect_entries import effect_entries
 from gen.refinement.errors import Errors, missed, said_of
-from gen.refinement.excitation import Excitation, excitation
-from gen.refinement.leftover import Remains, leftover
-from gen.refinement.offered import each_speed_once
+from gen.refinement.parts.candidates import Tracing
+from gen.refinement.parts.effect_entries import effect_entries
+from gen.refinement.parts.excitation import Excitation, excitation
+from gen.refinement.parts.leftover import Remains, leftover
+from gen.refinement.parts.offered import each_speed_once
+from gen.refinement.parts.trace import trace
 from gen.refinement.run_errors import run_errors
-from gen.refinement.trace import trace
 from gen.refinement.verdict import EXPLAINED, NOTHING, Verdict
 from gen.refinement.worse import got_worse, lowered, told_worse
 

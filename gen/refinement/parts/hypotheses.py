@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from gen.model.effects import Effect, Setting, Variant, registry
-from gen.refinement.candidates import Candidate
-from gen.refinement.judgement import TIE_LEVEL, judge, p_better
-from gen.refinement.simulation_fit import HypothesisFit, Term, fit
-from gen.refinement.stacked_runs import StackedRuns
+from gen.refinement.parts.candidates import Candidate
+from gen.refinement.parts.judgement import TIE_LEVEL, judge, p_better
+from gen.refinement.parts.simulation_fit import HypothesisFit, Term, fit
+from gen.refinement.parts.stacked_runs import StackedRuns
 
 _NEAR = 1.02
 

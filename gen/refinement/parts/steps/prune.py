@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gen.refinement.hypotheses import terms_of
-from gen.refinement.judgement import TIE_LEVEL, p_better, told_from_none
-from gen.refinement.simulation_fit import HypothesisFit, fit
-from gen.refinement.trace_state import ComponentState, Say, TraceState
+from gen.refinement.parts.hypotheses import terms_of
+from gen.refinement.parts.judgement import TIE_LEVEL, p_better, told_from_none
+from gen.refinement.parts.simulation_fit import HypothesisFit, fit
+from gen.refinement.parts.trace_state import ComponentState, Say, TraceState
 
 LEAST_GROWTH = 1.05
 """An effect is needed if the left-out RMSE, the sensor's noise included, is larger without it by this factor."""

@@ -10,13 +10,13 @@ import numpy as np
 
 from gen.coefficients import Coefficients
 from gen.model.effects import Setting
-from gen.refinement.candidates import Candidate, Found, Tracing
 from gen.refinement.condense import Condensed
-from gen.refinement.hypotheses import Hypothesis, hypotheses_for
-from gen.refinement.judgement import LEAST_GAIN
-from gen.refinement.offered import each_speed_once, offered
-from gen.refinement.simulation_fit import HypothesisFit, fit
-from gen.refinement.stacked_runs import StackedRuns, stack_runs
+from gen.refinement.gains import LEAST_GAIN
+from gen.refinement.parts.candidates import Candidate, Found, Tracing
+from gen.refinement.parts.hypotheses import Hypothesis, hypotheses_for
+from gen.refinement.parts.offered import each_speed_once, offered
+from gen.refinement.parts.simulation_fit import HypothesisFit, fit
+from gen.refinement.parts.stacked_runs import StackedRuns, stack_runs
 
 Say = Callable[[str], None]
 """Called with what is being done."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from gen.model.effects import Applied
-from gen.refinement.trace_state import ComponentState, Say, TraceState
+from gen.refinement.parts.trace_state import ComponentState, Say, TraceState
 
 
 def refuse_runaway(state: TraceState, say: Say) -> TraceState:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gen.refinement.hypotheses import terms_of
-from gen.refinement.simulation_fit import fit
-from gen.refinement.steps.judge_again import together_pass
-from gen.refinement.trace_state import ComponentState, Say, TraceState
+from gen.refinement.parts.hypotheses import terms_of
+from gen.refinement.parts.simulation_fit import fit
+from gen.refinement.parts.steps.judge_again import together_pass
+from gen.refinement.parts.trace_state import ComponentState, Say, TraceState
 
 NEAR_LIMIT = 0.95
 """From this share of the tolerance on, an offset counts as at its limit."""

@@ -10,7 +10,7 @@ from gen.coefficients import Coefficients
 from gen.model.dynamics import PWM_LEVELS
 from gen.model.effects import Setting
 from gen.refinement.condense import Condensed
-from gen.refinement.stacked_runs import StackedRuns
+from gen.refinement.parts.stacked_runs import StackedRuns
 
 WARM_K = 3.0
 """A rise at which a start counts as warm."""

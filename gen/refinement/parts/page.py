@@ -12,13 +12,14 @@ from gen.coefficients import Coefficients
 from gen.model.effects import registry
 from gen.pages.environment import page_environment
 from gen.pages.panels import panels_svg
-from gen.refinement.candidates import Candidate
-from gen.refinement.judgement import ALONE, TOO_LITTLE
-from gen.refinement.refine import Refinement
-from gen.refinement.residual_charts import error_courses, left_chart, residual_charts
+from gen.refinement.gains import TOO_LITTLE
+from gen.refinement.parts.candidates import Candidate
+from gen.refinement.parts.judgement import ALONE
+from gen.refinement.parts.refine import Refinement
+from gen.refinement.parts.residual_charts import error_courses, left_chart, residual_charts
+from gen.refinement.parts.stacked_runs import THIRDS
 from gen.refinement.run_charts import run_pictures
 from gen.refinement.run_tables import error_rows, short_names, totals
-from gen.refinement.stacked_runs import THIRDS
 from gen.refinement.worse import TOLD
 
 _SENTENCES = {

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from gen.model.effects import Effect, Setting, Variant, registry
-from gen.refinement.candidates import Candidate
-from gen.refinement.judgement import judge
-from gen.refinement.simulation_fit import Term, fit
-from gen.refinement.stacked_runs import StackedRuns
+from gen.refinement.parts.candidates import Candidate
+from gen.refinement.parts.judgement import judge
+from gen.refinement.parts.simulation_fit import Term, fit
+from gen.refinement.parts.stacked_runs import StackedRuns
 
 STRETCHES = 18
 """Blocks of each run where only stretches can be left out."""

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen.model.effects import Effect, Variant
-from gen.refinement.judgement import LEVEL, Judgement
-from gen.refinement.simulation_fit import HypothesisFit
-from gen.refinement.stacked_runs import StackedRuns
+from gen.refinement.gains import LEVEL
+from gen.refinement.parts.judgement import Judgement
+from gen.refinement.parts.simulation_fit import HypothesisFit
+from gen.refinement.parts.stacked_runs import StackedRuns
 
 
 @dataclass(frozen=True)

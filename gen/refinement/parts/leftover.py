@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.refinement.candidates import Tracing
 from gen.refinement.condense import Condensed
+from gen.refinement.parts.candidates import Tracing
 
 _CLASSES = 8
 
