@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 from gen.coefficients import Coefficients, parse, with_network
 from gen.coefficients.messages import building
+from gen.coefficients.network import NetworkEntry
 from gen.errors import InputError
 from gen.refinement.gains import LEAST_GAIN, LEVEL
 from gen.refinement.network.ambient import MovingAmbient
-from gen.refinement.network.changing.writer import NetworkWriter
+from gen.refinement.network.changing.writer import MARGIN, NetworkWriter
 from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.tracing.judged import p_better
 from gen.refinement.network.tracing.trace import Traced
@@ -29,6 +30,15 @@ BESIDE = (
     "{}: no file holds it. What is written was found beside it, and is right once that sensor is mended or calibrated; "
     "refine with runs from after it"
 )
+
+HELD = (
+    "{}: the file holds it to {:g} .. {:g}, where the runs had {:g} .. {:g}: at its ends, for as long as you like, "
+    "what was found would heat the motor without end, and no board could be built"
+)
+ROUNDED = 1e-3
+"""Of what a channel was within: what six digits may cut off."""
+MARGINS = (MARGIN, 0.0, -0.1, -0.2, -0.3)
+"""How far channels may be beyond what they were in the runs: less where no board could be built otherwise."""
 
 
 @dataclass(frozen=True)
@@ -82,9 +92,14 @@ def written(
     network, channel = coefficients.document.network, None if room is None else room.channel
     assert network is not None
     document = coefficients.document
-    writer = NetworkWriter(network, document.input.full_scale, traced.data.offered.ranges, document.sample_time_s)
-    for name, factor in factors.items():
-        writer.start_factor(name, factor)
+    ranges = traced.data.offered.ranges
+
+    def begun(margin: float = MARGIN) -> NetworkWriter:
+        made = NetworkWriter(network, document.input.full_scale, ranges, document.sample_time_s, margin)
+        for name, factor in factors.items():
+            made.start_factor(name, factor)
+        return made
+
     # Some files follow a room that moves only with numbers that were fitted to it.
     alone = channel if room is None or room.as_it_is else None
     outside = [*([INITIAL_STATE] if factors else []), *([] if alone is None else ["ambient"])]
@@ -92,7 +107,7 @@ def written(
     kept = [effect for effect in kept if effect.held_by_the_file]
     unchanged = Written(raw, refused=MEND.format(unheld) if unheld else "" if alone == channel else NOT_ALONE)
     if outside:
-        text = with_network(raw, writer.entry, f"refined: {', '.join(outside)}", alone)
+        text = with_network(raw, begun().entry, f"refined: {', '.join(outside)}", alone)
         unchanged = replace(unchanged, text=text)
     sound = room is not None or accept_change or traced.null.floors <= NOTHING
     if not kept and (unheld or traced.added or not sound or not _file_is_worse(traced)):
@@ -100,14 +115,33 @@ def written(
     named = [f"{effect.name} at {effect.component}" for effect in kept] + ([] if room is None else ["ambient"])
     said = ", ".join(named) or "no effect"
     fitted = traced.final.fitted
-    try:
-        with building():
-            fitted.shape.write(writer, fitted.vector, kept)
-            text = with_network(raw, writer.entry, f"refined: {said}", channel)
-        parse(text.encode())
-    except InputError as error:
-        return Written(unchanged.text, refused=f"{said}: found, but a file with it is none that can be built ({error})")
-    return Written(text, refitted=True, refused=BESIDE.format(unheld) if unheld else "")
+    refused = ""
+    for margin in MARGINS:
+        writer = begun(margin)
+        try:
+            with building():
+                fitted.shape.write(writer, fitted.vector, kept)
+                text = with_network(raw, writer.entry, f"refined: {said}", channel)
+            parse(text.encode())
+        except InputError as error:
+            refused = refused or f"{said}: found, but a file with it is none that can be built ({error})"
+            if writer.entry.channels == network.channels:
+                break  # no channel is read that could be held to less
+            continue
+        return Written(
+            text, refitted=True, refused=BESIDE.format(unheld) if unheld else _held(network, writer.entry, ranges)
+        )
+    return Written(unchanged.text, refused=refused)
+
+
+def _held(before: NetworkEntry, after: NetworkEntry, ranges: Mapping[str, tuple[float, float]]) -> str:
+    """Say which new channels a file reads in less than they were in the runs; nothing where it reads all."""
+    held = []
+    for channel in after.channels[len(before.channels) :]:
+        (low, high), (least, most) = channel.range, ranges.get(channel.column, channel.range)
+        if max(low - least, most - high) > ROUNDED * (most - least):
+            held.append(HELD.format(channel.column, low, high, least, most))
+    return "; ".join(held)
 
 
 def offered_anew(traced: Traced) -> str:

@@ -9,15 +9,18 @@ import pytest
 
 from gen.coefficients import parse
 from gen.refinement.network.ambient import MovingAmbient
+from gen.refinement.network.effects import candidates
 from gen.refinement.network.effects.schedule_error import ScheduleError
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import make_data
-from gen.refinement.network.fitting.fit import Bench
-from gen.refinement.network.tracing.judged import judged
+from gen.refinement.network.fitting.fit import Bench, Fitted
+from gen.refinement.network.tracing.judged import Judged, judged
 from gen.refinement.network.tracing.search import Considered, Step
 from gen.refinement.network.tracing.trace import Traced
 from gen.refinement.network.written import offered_anew, written
-from tests.refinement.network.motor import read, run, tree
+from tests.refinement.network.motor import read, run, tree, wave
+
+SUPPLY_V = (19.0, 27.0)
 
 
 @pytest.mark.parametrize("helps", [True, False])
@@ -73,3 +76,46 @@ def test_numbers_that_leave_more_than_noise_are_offered_and_written_only_on_dema
     assert accepted.refitted
     assert accepted.text != raw
     assert offered_anew(replace(traced, null=replace(null, noise_K=null.score_K))) == ""
+
+
+@pytest.fixture(scope="module")
+def supplied() -> tuple[Bench, Judged]:
+    """Two runs of the motor as the file has it, while a supply moves: fitted, and judged."""
+    coefficients = read(tree())
+    network = coefficients.model.network
+    assert network is not None
+    logged = [(f"run {seed}", run(coefficients, seed, {"supply_V": wave(40 + seed, *SUPPLY_V)})) for seed in (1, 2)]
+    bench = Bench(make_data(coefficients, logged))
+    base = bench.first(Anchored.of(network, 255, bench.data.columns))
+    return bench, judged(bench.data, base, bench.left_out(base))
+
+
+@pytest.mark.parametrize(
+    ("per_K", "range_V"), [(0.010, (18.2, 27.8)), (0.013, SUPPLY_V), (0.015, (20.6, 25.4)), (0.020, None)]
+)
+def test_a_channel_is_held_to_less_where_all_of_it_would_heat_the_motor_without_end(
+    supplied: tuple[Bench, Judged], per_K: float, range_V: tuple[float, float] | None
+) -> None:
+    """A file's board is proven for every voltage of the range, for ever: more than there was, if that can be built."""
+    bench, null = supplied
+    base = null.fitted
+    every = candidates(base.shape.motor(), bench.data.offered)
+    by_name = {effect.name: effect for effect in reversed(every)}
+    supply, loss = by_name["supply_voltage"], by_name["temperature_dependent_loss"]
+    problem, vector = bench.begin(base.shape.with_effects(supply, loss), base)
+    numbers = ((1.0, 1.0, 23.0), (per_K,))
+    for place, effect, values in zip(problem.structure.places, (supply, loss), numbers, strict=True):
+        vector[place.columns] = [number.fitted(value) for number, value in zip(effect.numbers, values, strict=True)]
+    final = replace(null, fitted=Fitted(problem, replace(base.fit, vector=vector)))
+    traced = Traced(bench.data, null, null, (Step(null, (), Considered(supply, final, 0.0, ()), ()),), final, ())
+    raw = json.dumps(tree())
+    made = written(parse(raw.encode()), raw, traced, [supply, loss], None, {})
+    if range_V is None:
+        assert made.text == raw
+        assert "none that can be built ($.network: runs away" in made.refused
+        return
+    (channel,) = json.loads(made.text)["network"]["channels"]
+    assert channel["range"] == pytest.approx(range_V)
+    less = range_V[1] < SUPPLY_V[1]
+    assert made.refused.startswith("supply_V: the file holds it to 20.6 .. 25.4, where the runs had 19 .. 27") == less
+    assert bool(made.refused) == less

@@ -50,15 +50,23 @@ class NetworkWriter:
         Least and greatest measured value of each channel.
     sample_time
         Of the board, s.
+    margin
+        How far beyond that a file lets channels be, as a share of what lies between.
     """
 
     def __init__(
-        self, entry: NetworkEntry, full_scale: int, ranges: dict[str, tuple[float, float]], sample_time: float
+        self,
+        entry: NetworkEntry,
+        full_scale: int,
+        ranges: dict[str, tuple[float, float]],
+        sample_time: float,
+        margin: float = MARGIN,
     ) -> None:
         self.entry = entry
         self.full_scale = full_scale
         self._ranges = ranges
         self._sample_time = sample_time
+        self._margin = margin
         #: What is found lies before the gains that the entry began with.
         self._through = {node.name: 1.0 + node.sensor.gain_error for node in entry.nodes if node.sensor is not None}
 
@@ -264,7 +272,7 @@ class NetworkWriter:
             self._replace(channels=(*self.entry.channels, channel))
             return
         low, high = self._ranges[column]
-        wider = MARGIN * (high - low)
+        wider = self._margin * (high - low)
         low, high = (0.0 if low == 0.0 else low - wider), high + wider
         low, high = six_digits(low), six_digits(high)
         neutral = min(max(0.0, low), high) if low <= 0.0 <= high else six_digits(0.5 * (low + high))
