@@ -73,7 +73,7 @@ def test_the_cases_are_what_was_asked_for() -> None:
         ["--cases", "16"],
         ["--case", "1:wind:2"],
         ["--only", "wind"],
-        ["--fit-runs", "9"],
+        ["--fit-runs", "21"],
         ["--jobs", "3"],
         ["--go-on"],
     ],

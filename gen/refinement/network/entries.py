@@ -10,11 +10,11 @@ from gen.model.effects import registry
 from gen.refinement.gains import LEVEL
 from gen.refinement.network.ambient import MovingAmbient
 from gen.refinement.network.effects.base import WHOLE
+from gen.refinement.network.effects.warm_inside import NAME as INITIAL_STATE
 from gen.refinement.network.fitting.fit import Fitted
 from gen.refinement.network.fitting.folds import described
 from gen.refinement.network.tracing.search import Considered, Step
 from gen.refinement.network.tracing.trace import Traced
-from gen.refinement.network.tracing.warm_start import NAME as INITIAL_STATE
 from gen.refinement.network.tracing.warm_start import WarmStart
 
 INTERVAL = 1.96

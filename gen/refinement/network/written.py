@@ -13,9 +13,9 @@ from gen.refinement.gains import LEAST_GAIN, LEVEL
 from gen.refinement.network.ambient import MovingAmbient
 from gen.refinement.network.changing.writer import MARGIN, NetworkWriter
 from gen.refinement.network.effects import NetworkEffect
+from gen.refinement.network.effects.warm_inside import NAME as INITIAL_STATE
 from gen.refinement.network.tracing.judged import p_better
 from gen.refinement.network.tracing.trace import Traced
-from gen.refinement.network.tracing.warm_start import NAME as INITIAL_STATE
 from gen.refinement.verdict import NOTHING
 
 NOT_ALONE = (

@@ -19,8 +19,6 @@ from gen.refinement.network.fitting.fit import Fitted
 from gen.refinement.network.tracing.judged import Judged, judged, p_better
 from gen.refinement.network.tracing.search import PLAIN, PLAIN_LEVEL
 
-NAME = "initial_state"
-"""In the library of effects."""
 SPREAD = 1.0
 """Standard deviation of a factor about what the file says."""
 LEAST, MOST = 0.0, 8.0
