@@ -32,8 +32,8 @@ BESIDE = (
 )
 
 HELD = (
-    "{}: the file holds it to {:g} .. {:g}, where the runs had {:g} .. {:g}: at its ends, for as long as you like, "
-    "what was found would heat the motor without end, and no board could be built"
+    "{}: the file holds it to {:g} .. {:g}, where the runs had {:g} .. {:g}: with all of that, for as long as you "
+    "like, no board could be built ({})"
 )
 ROUNDED = 1e-3
 """Of what a channel was within: what six digits may cut off."""
@@ -115,7 +115,7 @@ def written(
     named = [f"{effect.name} at {effect.component}" for effect in kept] + ([] if room is None else ["ambient"])
     said = ", ".join(named) or "no effect"
     fitted = traced.final.fitted
-    refused = ""
+    refusals: list[InputError] = []
     for margin in MARGINS:
         writer = begun(margin)
         try:
@@ -124,24 +124,27 @@ def written(
                 text = with_network(raw, writer.entry, f"refined: {said}", channel)
             parse(text.encode())
         except InputError as error:
-            refused = refused or f"{said}: found, but a file with it is none that can be built ({error})"
+            refusals.append(error)
             if writer.entry.channels == network.channels:
                 break  # no channel is read that could be held to less
             continue
-        return Written(
-            text, refitted=True, refused=BESIDE.format(unheld) if unheld else _held(network, writer.entry, ranges)
-        )
-    return Written(unchanged.text, refused=refused)
+        less = _held(network, writer.entry, ranges, refusals[0]) if refusals else []
+        beside = [BESIDE.format(unheld)] if unheld else []
+        return Written(text, refitted=True, refused="; ".join([*beside, *less]))
+    why = f"{said}: found, but a file with it is none that can be built ({refusals[0]})"
+    return Written(unchanged.text, refused=why)
 
 
-def _held(before: NetworkEntry, after: NetworkEntry, ranges: Mapping[str, tuple[float, float]]) -> str:
-    """Say which new channels a file reads in less than they were in the runs; nothing where it reads all."""
+def _held(
+    before: NetworkEntry, after: NetworkEntry, ranges: Mapping[str, tuple[float, float]], why: InputError
+) -> list[str]:
+    """Say which new channels a file reads in less than they were in the runs, and why it could not read all."""
     held = []
     for channel in after.channels[len(before.channels) :]:
         (low, high), (least, most) = channel.range, ranges.get(channel.column, channel.range)
         if max(low - least, most - high) > ROUNDED * (most - least):
-            held.append(HELD.format(channel.column, low, high, least, most))
-    return "; ".join(held)
+            held.append(HELD.format(channel.column, low, high, least, most, why))
+    return held
 
 
 def offered_anew(traced: Traced) -> str:

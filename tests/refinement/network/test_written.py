@@ -118,4 +118,5 @@ def test_a_channel_is_held_to_less_where_all_of_it_would_heat_the_motor_without_
     assert channel["range"] == pytest.approx(range_V)
     less = range_V[1] < SUPPLY_V[1]
     assert made.refused.startswith("supply_V: the file holds it to 20.6 .. 25.4, where the runs had 19 .. 27") == less
+    assert ("no board could be built ($.network: runs away" in made.refused) == less
     assert bool(made.refused) == less
