@@ -15,6 +15,7 @@ from benchmarks.campaign import json_text
 from benchmarks.real_machines.judge import AUTO, PARTS, REFINED, Judged, judge
 from benchmarks.real_machines.logs import cases
 from benchmarks.real_machines.table import text
+from gen.runs.drive import MACHINES
 
 
 def main() -> None:
@@ -28,13 +29,14 @@ def main() -> None:
     parser.add_argument("--only", default="", help="cases whose name begins with this")
     parser.add_argument("--models", default=f"{REFINED},{PARTS},{AUTO}", help="beside the network; may be empty")
     parser.add_argument("--heat", action="append", default=[], help="a column that heats, told to `gen identify` alone")
+    parser.add_argument("--drives", choices=("", *MACHINES), default="", help="what the input drives, told likewise")
     parser.add_argument("--json", type=Path, help="write all answers here, after each case anew")
     options = parser.parse_args()
     results: list[Judged] = []
     for case in cases(options.data):
         if not str(case).startswith(options.only):
             continue
-        one = judge(case, options.models.split(","), options.heat)
+        one = judge(case, options.models.split(","), options.heat, options.drives)
         results.append(one)
         print(f"{case}: {one.ratio:.2f} of the best reference", file=sys.stderr, flush=True)
         if options.json:

@@ -8,7 +8,7 @@ import traceback
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -90,7 +90,9 @@ class Judged:
         return 1.0 if self.answers[HELD].rmse_K < self.best_K else float("inf")
 
 
-def judge(case: Case, models: Collection[str], heat: Sequence[str] = ()) -> Judged:
+def judge(
+    case: Case, models: Collection[str], heat: Sequence[str] = (), drives: Literal["", "motor", "heater"] = ""
+) -> Judged:
     """Fit and test everything on one case.
 
     Parameters
@@ -101,6 +103,8 @@ def judge(case: Case, models: Collection[str], heat: Sequence[str] = ()) -> Judg
         Which of `PARTS`, `AUTO` and `REFINED` to make beside the network.
     heat
         Columns that the network is told to take for heat.
+    drives
+        What `gen identify` is told that the input drives.
     """
     answers = {HELD: _scored(case, _held)}
     started = time.perf_counter()
@@ -111,10 +115,10 @@ def judge(case: Case, models: Collection[str], heat: Sequence[str] = ()) -> Judg
         answers[name].seconds = seconds / len(REFERENCES)
     with tempfile.TemporaryDirectory(prefix="real-") as folder:
         fit, test = _written(case.fit, Path(folder) / "fit"), _written(case.test, Path(folder) / "test")
-        answers[NETWORK], model = _identified(case, fit, test, NETWORK, heat)
+        answers[NETWORK], model = _identified(case, fit, test, NETWORK, heat=heat, drives=drives)
         for kind in (PARTS, AUTO):
             if kind in models:
-                answers[kind], _ = _identified(case, fit, test, kind)
+                answers[kind], _ = _identified(case, fit, test, kind, drives=drives)
         if REFINED in models and model is not None:
             answers[REFINED] = _refined(case, model, fit, test)
     return Judged(case.machine, case.what, answers)
@@ -162,16 +166,15 @@ def _predicted(case: Case, model: gen.Model, test: Mapping[str, Path]) -> Answer
 
 
 def _identified(
-    case: Case, fit: Mapping[str, Path], test: Mapping[str, Path], kind: str, heat: Sequence[str] = ()
+    case: Case, fit: Mapping[str, Path], test: Mapping[str, Path], kind: str, **told: object
 ) -> tuple[Answer, gen.Model | None]:
-    return _tried(lambda: _identify(case, list(fit.values()), test, kind, heat))
+    return _tried(lambda: _identify(case, list(fit.values()), test, {"model": kind, **told}))
 
 
 def _identify(
-    case: Case, fit: Sequence[Path], test: Mapping[str, Path], kind: str, heat: Sequence[str]
+    case: Case, fit: Sequence[Path], test: Mapping[str, Path], settings: dict[str, Any]
 ) -> tuple[Answer, gen.Model]:
     started = time.perf_counter()
-    settings: dict[str, Any] = {"model": kind, "heat": heat}
     found: gen.Identification | gen.NetworkIdentification = gen.identify(fit, name="machine", **settings)
     seconds = time.perf_counter() - started
     answer = _predicted(case, found.model, test)

@@ -305,6 +305,31 @@ def incubator(folder: Path) -> Iterator[Case]:
     yield from _each_left_out("incubator", runs, ("box",), str)
 
 
+REST_US, FULL_US = 1000.0, 2000.0
+"""A speed controller's pulses at rest and at full throttle."""
+
+
+def kde_motor(folder: Path) -> Iterator[Case]:
+    """A drone's motor with its propeller, held at a throttle until it is hot, then off. Each run once left out."""
+    runs = {}
+    for path in sorted(folder.glob("Level-KDE-*.csv")):
+        table = pd.read_csv(path)
+        time = table["Time (s)"].to_numpy(dtype=np.float64)
+        throttle = np.clip((table["ESC (µs)"].to_numpy(dtype=np.float64) - REST_US) / (FULL_US - REST_US), 0.0, 1.0)
+        runs[path.stem.split("_")[0].removeprefix("Level-KDE-")] = Run(
+            time_s=time - time[0],
+            pwm=np.rint(throttle * 255.0).astype(np.int64),
+            temps={"motor": _celsius(table["4LHE Temp (ºF)"])},
+            ambient=_celsius(table["66NA Temp (ºF)"]),
+            extras={"current_A": table["Current (A)"].to_numpy(dtype=np.float64)},
+        )
+    yield from _each_left_out("kde motor", runs, ("motor",), lambda name: f"{name} us")
+
+
+def _celsius(fahrenheit: pd.Series) -> FloatArray:
+    return np.asarray((fahrenheit.to_numpy(dtype=np.float64) - 32.0) / 1.8)
+
+
 def _driven_by(run: Run, said: str) -> Run:
     """A run that says what its input is, as `gen import --input COLUMN --full-scale X` writes it."""
     return replace(run, comments={**run.comments, "input": said})
@@ -346,5 +371,6 @@ READERS: dict[str, Callable[[Path], Iterator[Case]]] = {
     "tmotor": tmotor,
     "house": house,
     "incubator": incubator,
+    "kde_motor": kde_motor,
 }
 """By the folder that holds the log."""

@@ -66,6 +66,7 @@ def bldc(source: Path, target: Path) -> None:
             {
                 "source": "github.com/TasS-RV/Motor-Thermal-Modelling-Tool @ e94b107, MIT",
                 "pwm": f"electrical power over {WATTS_PER_COUNT:g} W, rounded; mean over {BLDC_ROW_S} s",
+                "input": f"power_W, 255 = {255.0 * WATTS_PER_COUNT:g} W",
             },
         )
         write_run(target / "bldc" / f"{name.split('-')[0].lower()}.csv", run)

@@ -56,6 +56,12 @@ _FULL_PWM = 255
     help="A measured column that heats the motor beside its PWM, such as current_A (by its square; COLUMN^1, COLUMN^2 "
     "say which); takes a network. The board has to measure it. May be given several times.",
 )
+@click.option(
+    "--drives",
+    type=click.Choice(["motor", "heater"]),
+    help="What the input drives: a heater moves no air, and heats as the input goes (as the square of a current or a "
+    "voltage); a network heeds it.  [default: what the runs say, else a motor]",
+)
 @click.option("--max-order", type=click.IntRange(1, 4), default=4, show_default=True)
 def identify(
     runs: tuple[Path, ...],
@@ -71,6 +77,7 @@ def identify(
     model: Literal["auto", "parts", "network"],
     max_hidden: int,
     heat: tuple[str, ...],
+    drives: Literal["motor", "heater"] | None,
 ) -> None:
     """Identify a speed-scheduled model from measured runs and write its coefficient file."""
     from gen.coefficients.names import name_fault
@@ -98,6 +105,7 @@ def identify(
             model=model,
             max_hidden=max_hidden,
             heat=heat,
+            drives=drives or "",
             progress=progress,
         )
         progress("report")

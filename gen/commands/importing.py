@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -32,6 +32,11 @@ _WIDTH = 140
 @click.option("--time", metavar="COLUMN[,COLUMN]|SECONDS", default="", help="The time, or the interval of the rows.")
 @click.option("--input", "drive", metavar="COLUMN|COUNTS", default="", help="What drives the motor: it becomes pwm.")
 @click.option("--full-scale", type=Finite(0, min_open=True), help="The input's value that is 255 counts, in its unit.")
+@click.option(
+    "--drives",
+    type=click.Choice(["motor", "heater"]),
+    help="What the input drives, for `gen identify`: a heater moves no air.",
+)
 @click.option(
     "--column", "columns", metavar="OLD=NEW", multiple=True, help="A column's name in the run file; OLD= leaves it out."
 )
@@ -70,6 +75,7 @@ def import_runs(
     time: str,
     drive: str,
     full_scale: float | None,
+    drives: Literal["motor", "heater"] | None,
     columns: tuple[str, ...],
     units: tuple[str, ...],
     decimal: str | None,
@@ -98,6 +104,7 @@ def import_runs(
             time=time,
             input=drive,
             full_scale=full_scale,
+            drives=drives or "",
             columns=_pairs(columns, "--column", "OLD=NEW"),
             units=_pairs(units, "--unit", "COLUMN=UNIT"),
             decimal=decimal or "",

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from gen.coefficients.document import Input, StandsFor
 from gen.errors import InputError
 from gen.runs import Run
-from gen.runs.drive import COMMENT, FULL_COUNTS, Drive, drive_of
+from gen.runs.drive import COMMENT, FULL_COUNTS, MACHINE_COMMENT, MACHINES, Drive, drive_of
 
 
 def input_entry(runs: Iterable[tuple[str, Run]], full_scale: int, nominal_speed_rpm: float) -> Input:
@@ -62,6 +62,39 @@ def agreed(comments: Iterable[tuple[str, Mapping[str, str]]]) -> Drive | None:
                 place=f"comment {COMMENT}",
             )
     return None if first is None else first[1]
+
+
+def machine_of(runs: Iterable[tuple[str, Run]]) -> str:
+    """What the input drives, by the runs that say it; nothing where none does.
+
+    Parameters
+    ----------
+    runs
+        By path.
+
+    Returns
+    -------
+    str
+        One of `MACHINES`, or nothing.
+
+    Raises
+    ------
+    InputError
+        For a run that says something else, or another machine than one before it.
+    """
+    first: tuple[str, str] | None = None
+    for path, run in runs:
+        said = run.comments.get(MACHINE_COMMENT, "").strip()
+        if not said:
+            continue
+        if said not in MACHINES:
+            message = f'found "{said}", expected {" or ".join(MACHINES)}'
+            raise InputError(message, file=path, place=f"comment {MACHINE_COMMENT}")
+        first = first or (path, said)
+        if said != first[1]:
+            message = f"found {said}; expected one machine for all runs, and {first[0]} has a {first[1]}"
+            raise InputError(message, file=path, place=f"comment {MACHINE_COMMENT}")
+    return "" if first is None else first[1]
 
 
 def _stands_for(drive: Drive, full_scale: int) -> StandsFor:

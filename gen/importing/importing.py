@@ -168,6 +168,7 @@ def _with_options(known: Mapping, choices: Choices) -> Mapping:
             ("--time", choices.time),
             ("--input", choices.drive),
             ("--full-scale", choices.full_scale),
+            ("--drives", choices.machine),
             ("--column", choices.columns),
             ("--unit", choices.units),
             ("--decimal", choices.decimal),

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from gen.errors import InputError
 from gen.importing.local import is_zone
 from gen.importing.units import unit_of
+from gen.runs.drive import Machine
 from gen.version import __version__
 
 DATED = ("timestamp", "date and time")
@@ -57,12 +58,13 @@ class TimeForm(_Part):
 
 
 class InputForm(_Part):
-    """What becomes ``pwm``: a column and its full scale, or the same counts in every row."""
+    """What becomes ``pwm``: a column and its full scale, or the same counts in every row; and what that drives."""
 
     column: str = ""
     unit: str = "counts"
     full_scale: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 255.0
     sign: str = ""
+    drives: Machine | Literal[""] = ""
     counts: Annotated[int, Field(ge=-255, le=255)] | None = None
 
     @model_validator(mode="after")

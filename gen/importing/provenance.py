@@ -5,9 +5,9 @@ from __future__ import annotations
 from gen.importing.converted import Converted
 from gen.importing.guessing.decide import Decided
 from gen.importing.mapping import Mapping, mapping_text
-from gen.runs.drive import COMMENT, Drive
+from gen.runs.drive import COMMENT, MACHINE_COMMENT, Drive
 
-_OWN = ("imported_from", "mapping", COMMENT, "counted")
+_OWN = ("imported_from", "mapping", COMMENT, MACHINE_COMMENT, "counted")
 
 
 def comments_of(made: Converted, mapping: Mapping) -> dict[str, str]:
@@ -27,6 +27,8 @@ def comments_of(made: Converted, mapping: Mapping) -> dict[str, str]:
         comments[COMMENT] = Drive(drive.column, drive.unit, drive.full_scale, drive.sign).text()
     else:
         comments[COMMENT] = f"{drive.counts} in all rows"
+    if drive.drives:
+        comments[MACHINE_COMMENT] = drive.drives
     for number, found in enumerate(made.counted, start=1):
         comments[f"counted_{number}"] = str(found)
     for key, value in table.comments.items():

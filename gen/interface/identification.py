@@ -222,6 +222,7 @@ def identify(
     max_order: int = 4,
     max_hidden: int = 3,
     heat: Sequence[str] = (),
+    drives: Literal["", "motor", "heater"] = "",
     progress: Progress = silent,
 ) -> Identification | NetworkIdentification: ...
 
@@ -239,6 +240,7 @@ def identify(
     max_order: int = 4,
     max_hidden: int = 3,
     heat: Sequence[str] = (),
+    drives: Literal["", "motor", "heater"] = "",
     progress: Progress = silent,
 ) -> Identification: ...
 
@@ -256,6 +258,7 @@ def identify(
     max_order: int = 4,
     max_hidden: int = 3,
     heat: Sequence[str] = (),
+    drives: Literal["", "motor", "heater"] = "",
     progress: Progress = silent,
 ) -> NetworkIdentification: ...
 
@@ -273,6 +276,7 @@ def identify(
     max_order: int = 4,
     max_hidden: int = 3,
     heat: Sequence[str] = (),
+    drives: Literal["", "motor", "heater"] = "",
     progress: Progress = silent,
 ) -> Identification | NetworkIdentification:
     """Identify a speed-scheduled model from measured runs.
@@ -301,6 +305,9 @@ def identify(
     heat
         Measured columns that heat the motor beside its PWM, such as ``current_A`` (by its square) or ``heater2_W``;
         a network takes them, parts do not, so that ``auto`` takes the network.
+    drives
+        What the input drives: a ``motor``, which moves air, or a ``heater``, which does not, and whose heat goes with
+        the input (of a current or a voltage: with its square). Nothing: what the runs say, else a motor. Networks only.
     progress
         Called with what is being done.
 
@@ -323,9 +330,11 @@ def identify(
     from gen.identification.choice.models import Options, network_of, parts_of
     from gen.identification.logs.sources import read_sources
     from gen.identification.settings import Settings
+    from gen.runs.drive import MACHINES
 
     several("runs", runs)
     one_of("model", model, ("auto", "parts", "network"))
+    one_of("drives", drives, ("", *MACHINES))
     if ambient is not None:
         within("ambient", ambient, -273.15, 1000.0)
     within("sample_time", sample_time, 0.001, 3600.0)
@@ -339,7 +348,7 @@ def identify(
     heat = (heat,) if isinstance(heat, str) else tuple(heat)
     if heat and model == "parts":
         raise InputError("found columns that heat the motor; parts take none, expected a network", place="heat")
-    options = Options(Settings(name, sample_time, full_scale, rpm), ambient, max_order, max_hidden, heat)
+    options = Options(Settings(name, sample_time, full_scale, rpm), ambient, max_order, max_hidden, heat, drives)
     with run_files(runs) as paths:
         progress("reading")
         sources = read_sources(paths)

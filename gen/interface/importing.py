@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from gen.errors import InputError
 from gen.interface.arguments import a_path, one_of, several
@@ -79,6 +79,7 @@ def import_runs(
     time: str = "",
     input: str = "",
     full_scale: float | None = None,
+    drives: Literal["", "motor", "heater"] = "",
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     decimal: str = "",
@@ -110,6 +111,9 @@ def import_runs(
         What drives the motor: a column, or whole counts that all rows have.
     full_scale
         The input's value that becomes 255 counts, in its own unit.
+    drives
+        What the input drives: a ``motor``, which moves air, or a ``heater``, which does not; nothing: the run files do
+        not say it.
     columns
         Name in the log -> name in the run file; empty to leave it out.
     units
@@ -152,6 +156,7 @@ def import_runs(
     >>> found.guesses()  # doctest: +SKIP
     """
     one_of("decimal", decimal, ("", ",", "."))
+    one_of("drives", drives, ("", "motor", "heater"))
     one_of("duplicates", duplicates, ("", "first", "last", "mean", "spread"))
     paths = [a_path("files", file) for file in several("files", files)]
     folder = a_path("out", out)
@@ -170,6 +175,7 @@ def import_runs(
         time=time,
         drive=input,
         full_scale=full_scale,
+        machine=drives,
         columns=columns or {},
         units=units or {},
         decimal=decimal,

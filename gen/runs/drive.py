@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
+from typing import Literal, get_args
 
 FULL_COUNTS = 255
 """Count that an imported run's full scale becomes."""
@@ -16,6 +17,10 @@ WHOLE = {COUNTS: float(FULL_COUNTS), "percent": 100.0, "permille": 1000.0, "duty
 """Units of a share, and all of it in each: to say half is the same in any of them."""
 
 COMMENT = "input"
+MACHINE_COMMENT = "drives"
+Machine = Literal["motor", "heater"]
+"""What an input drives: a motor moves air and makes heat in ways of its own, a heater does neither."""
+MACHINES: tuple[Machine, ...] = get_args(Machine)
 _FORM = re.compile(rf"(.+), {FULL_COUNTS} = ([0-9][0-9.e+-]*) (.+?)(?:, sign of (.+))?")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -32,6 +33,20 @@ def test_on_is_all_of_it_and_off_is_nothing(words: tuple[str, str], tmp_path: Pa
     take(path, tmp_path / "out", input="Heater")
     run = read_run(next((tmp_path / "out").glob("*.csv")))
     assert run.pwm.tolist() == np.where(HEATED, 255, 0).tolist()
+
+
+@pytest.mark.parametrize("drives", ["", "motor", "heater"])
+def test_what_it_drives_stands_in_run_files_and_in_the_mapping(
+    drives: Literal["", "motor", "heater"], tmp_path: Path
+) -> None:
+    path, out, mapping = write(tmp_path, log(("255", "0"))), tmp_path / "out", tmp_path / "map.toml"
+    found = take(path, out, input="Heater", full_scale=255.0, drives=drives, mapping=mapping)
+    assert read_run(found.runs[0]).comments.get("drives", "") == drives
+    assert (f", of a {drives}" in str(found.guesses().loc["Heater", "taken"])) == bool(drives)
+    take(path, tmp_path / "again", mapping=mapping)
+    assert read_run(next((tmp_path / "again").glob("*.csv"))).comments.get("drives", "") == drives
+    with pytest.raises(InputError, match="--drives: the mapping file exists and says it"):
+        take(path, tmp_path / "twice", mapping=mapping, drives="heater")
 
 
 def test_it_is_counted(tmp_path: Path) -> None:

@@ -35,6 +35,8 @@ class Options:
         Highest order of a part, most hidden nodes of a network.
     heat
         Of a network: columns that heat it beside its PWM.
+    machine
+        Of a network: what the input drives, nothing for what the runs say.
     """
 
     settings: Settings
@@ -42,6 +44,7 @@ class Options:
     max_order: int = 4
     max_hidden: int = 3
     heat: tuple[str, ...] = ()
+    machine: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +129,7 @@ def network_of(sources: Sequence[Source], options: Options, progress: Progress) 
     Natural convection that no board can be shown to follow is left out: a model is there to be built.
     """
     settings = options.settings
-    data = make_network_data(sources, options.ambient, settings.full_scale, options.heat)
+    data = make_network_data(sources, options.ambient, settings.full_scale, options.heat, options.machine)
     result = identify_network(data, progress, options.max_hidden)
     refused = _refused(result, settings) if result.still is not None else ""
     if refused:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen.errors import InputError
-from gen.identification.drive import common_drive
+from gen.identification.drive import common_drive, machine_of
 from gen.identification.logs.ambients import ambients_of
 from gen.identification.logs.data import FEWEST, MOVES_K, apart, components_of, sound
 from gen.identification.logs.records import resolution
@@ -16,7 +16,7 @@ from gen.identification.logs.room_followers import followers
 from gen.identification.logs.sources import Source
 from gen.identification.network.driving import Driving, driving_of, values_of
 from gen.identification.network.fitting.bins import Binned, FloatArray, binned, longest_bin
-from gen.identification.network.fitting.driven import KINDS
+from gen.identification.network.fitting.driven import kind_of
 from gen.runs import Run
 
 MARGIN, LEAST_RISE_K = 0.5, 40.0
@@ -50,7 +50,7 @@ class NetworkData:
     driving
         Columns that heat the motor beside its PWM.
     driven
-        What the input is: ``power``, ``current``, or nothing (see `fitting.driven`).
+        What heats go with: ``power``, ``current`` (its square), or nothing for a motor (see `fitting.driven`).
     """
 
     sources: tuple[Source, ...]
@@ -88,7 +88,11 @@ class NetworkData:
 
 
 def make_network_data(
-    sources: Sequence[Source], ambient: float | None, full_scale: int = 255, heat: Sequence[str] = ()
+    sources: Sequence[Source],
+    ambient: float | None,
+    full_scale: int = 255,
+    heat: Sequence[str] = (),
+    machine: str = "",
 ) -> NetworkData:
     """Condense runs.
 
@@ -102,13 +106,16 @@ def make_network_data(
         The count that is 100 %.
     heat
         Columns that heat the motor, too, see :func:`driving_of`.
+    machine
+        What the input drives (see `gen.runs.drive`); nothing: what the runs say.
 
     Raises
     ------
     InputError
         When nothing can be identified from them.
     """
-    drive = common_drive((source.path, source.run) for source in sources)
+    by_path = [(source.path, source.run) for source in sources]
+    driven = kind_of(common_drive(by_path), machine or machine_of(by_path))
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     sources = [sound(source, warnings) for source in sources]
     warnings += apart(sources)
@@ -146,7 +153,7 @@ def make_network_data(
         full_scale=full_scale,
         warnings=tuple(dict.fromkeys(warnings)),
         driving=driving,
-        driven=KINDS.get(drive.unit, "") if drive is not None else "",
+        driven=driven,
     )
 
 

@@ -61,11 +61,12 @@ def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tu
                 "that all rows have",
                 place="--input",
             )
-        return InputForm(counts=int(counts)), [Guess("input", f"pwm = {int(counts)}", CERTAIN, "--input")]
+        form = InputForm(counts=int(counts), drives=choices.machine)
+        return form, [Guess("input", f"pwm = {int(counts)}", CERTAIN, "--input")]
     entry, confidence, why = _column(evidence, choices, reserved)
     scale = _scale(entry, evidence, choices)
     sign = _sign(evidence, reserved | {entry.name})
-    form = InputForm(column=entry.name, unit=scale.unit, full_scale=scale.full, sign=sign)
+    form = InputForm(column=entry.name, unit=scale.unit, full_scale=scale.full, sign=sign, drives=choices.machine)
     low, high = entry.span
     reached = max(abs(low), abs(high))
     if reached / scale.full * FULL > FULL + 0.5 and scale.confidence == CERTAIN:
@@ -78,6 +79,7 @@ def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tu
         f"pwm: {scale.full:g} {scale.unit} = 255" if scale.unit != "counts" or scale.full != FULL else "pwm in counts"
     )
     taken += f", sign of {sign}" if sign else ""
+    taken += f", of a {choices.machine}" if choices.machine else ""
     shown = quoted(f"{entry.name}=percent")
     settle = f"--unit {shown}, =counts or =duty" if scale.full <= FULL else f"--full-scale {scale.full:g}"
     return form, [

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
+
+from gen.runs.drive import Machine
 
 CERTAIN = 1.0
 DOUBTFUL = 0.6
@@ -52,6 +55,8 @@ class Choices:
         The input: a column, or the same counts for all rows.
     full_scale
         The input's value that is 255 counts, in its unit.
+    machine
+        What the input drives: ``motor`` or ``heater``.
     columns
         Name in the log -> name in the run file; empty to leave it out.
     units
@@ -76,6 +81,7 @@ class Choices:
     time: str = ""
     drive: str = ""
     full_scale: float | None = None
+    machine: Machine | Literal[""] = ""
     columns: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     decimal: str = ""

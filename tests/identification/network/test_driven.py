@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
 
 import gen
+from gen.errors import InputError
 from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.fitting.driven import known
@@ -56,12 +58,50 @@ def test_what_the_input_is_tells_of_levels_that_were_not_run(plant: Plant, said:
 
 
 @pytest.mark.parametrize(
-    ("said", "driven"),
-    [("I, 255 = 12 A", "current"), ("P, 255 = 500 W", "power"), ("duty, 255 = 100 percent", ""), ("", "")],
+    ("said", "machine", "driven"),
+    [
+        ("I, 255 = 12 A", "", "current"),
+        ("P, 255 = 500 W", "", "power"),
+        ("duty, 255 = 100 percent", "", ""),
+        ("U, 255 = 24 V", "", ""),
+        ("", "", ""),
+        ("duty, 255 = 100 percent", "heater", "power"),
+        ("U, 255 = 24 V", "heater", "current"),
+        ("", "heater", "power"),
+        ("I, 255 = 12 A", "motor", ""),
+    ],
 )
-def test_it_is_known_by_the_unit(said: str, driven: str) -> None:
-    data = make_network_data([Source("r.csv", logged(COIL, 200, 1, said))], None)
-    assert data.driven == driven
+def test_it_is_known_by_the_unit_and_by_what_it_drives(said: str, machine: str, driven: str) -> None:
+    run = logged(COIL, 200, 1, said)
+    assert make_network_data([Source("r.csv", run)], None, machine=machine).driven == driven
+    if machine:
+        said_so = replace(run, comments={**run.comments, "drives": machine})
+        assert make_network_data([Source("r.csv", said_so), Source("s.csv", run)], None).driven == driven
+
+
+def test_a_heaters_share_tells_of_levels_that_were_not_run(tmp_path: Path) -> None:
+    paths = [tmp_path / f"{level}.csv" for level in (178, 255)]
+    for seed, path in enumerate(paths):
+        write_run(path, logged(HEATER, int(path.stem), seed, ""))
+    test = tmp_path / "test.csv"
+    write_run(test, logged(HEATER, 64, 9, ""))
+    read = gen.read_run(test)["coil_degC"].to_numpy()
+
+    def missed(drives: Literal["motor", "heater"]) -> float:
+        found = gen.identify(paths, model="network", drives=drives)
+        assert ("it moves no air" in found.text()) == (drives == "heater")
+        return float(np.sqrt(np.nanmean((gen.simulate(found.model, test)["coil_degC"].to_numpy() - read) ** 2)))
+
+    assert missed("heater") < min(0.5, 0.5 * missed("motor"))
+
+
+def test_runs_that_drive_different_machines_are_refused() -> None:
+    run = logged(COIL, 200, 1, "")
+    said = [replace(run, comments={"drives": what}) for what in ("heater", "motor", "a fan")]
+    with pytest.raises(InputError, match=r"b\.csv: comment drives: found motor; .* a\.csv has a heater"):
+        make_network_data([Source("a.csv", said[0]), Source("b.csv", said[1])], None)
+    with pytest.raises(InputError, match=r'a\.csv: comment drives: found "a fan", expected motor or heater'):
+        make_network_data([Source("a.csv", said[2])], None)
 
 
 def test_a_motors_pwm_tells_nothing() -> None:

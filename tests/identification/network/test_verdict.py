@@ -66,3 +66,29 @@ def test_what_was_not_measured_stays_said_beside_the_grade() -> None:
     found = found_from(TURNING)
     assert Summary(found).verdict.startswith("Good while the motor turns; cooling at rest was not measured.")
     assert missing(found, 2.4).verdict.startswith("Fair while the motor turns; cooling at rest was not measured. On ")
+
+
+@pytest.mark.parametrize(
+    ("profiles", "speeds"),
+    [
+        ((holds((200, 120), (0, 120)), holds((100, 120), (0, 120))), [100, 200]),
+        ((holds((60, 5), (120, 5), (200, 120), (0, 120)),), [200]),
+        ((holds((200, 120), (-203, 120), (0, 60)),), [200]),
+        ((holds((80, 120), (160, 120), (250, 120), (0, 60)),), []),
+    ],
+)
+def test_a_motor_that_was_held_at_two_speeds_is_known_at_these_alone(
+    profiles: tuple[NDArray[np.int64], ...], speeds: list[int]
+) -> None:
+    said = Summary(found_from(profiles))
+    assert said.only_speeds == pytest.approx(speeds, abs=2)
+    named = f"PWM {' and '.join(map(str, said.only_speeds))}"
+    assert said.verdict.startswith(f"Good at {named} ") == bool(speeds)
+    assert any(f"it was held at {named}: how it warms at other speeds" in w for w in said.warnings()) == bool(speeds)
+
+
+def test_of_a_heater_one_level_tells_the_others() -> None:
+    rng = np.random.default_rng(1)
+    run = TWO.run(holds((200, 120), (0, 120)), rng, noise=0.05)
+    data = make_network_data([Source("run.csv", run)], None, machine="heater")
+    assert Summary(identify_network(data, lambda _: None, 0)).only_speeds == []

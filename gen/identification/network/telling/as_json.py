@@ -32,6 +32,7 @@ def as_json(summary: Summary) -> dict[str, Any]:
         "warnings": summary.warnings(),
         "hidden_nodes": structure.hidden,
         "curves_bend": structure.bend == BEND,
+        "heats_go_with": structure.driven or None,
         "natural_convection": _natural(summary),
         "candidates": [vars(candidate) for candidate in result.candidates],
         "left_out_K": result.judged.score_K,

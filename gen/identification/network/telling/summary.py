@@ -12,6 +12,7 @@ from gen.identification.network.identify import NetworkFound
 from gen.identification.network.left_out import each_alone
 from gen.identification.network.telling.coarse import coarse
 from gen.identification.network.telling.document import measured_range, rest_was_measured, turned_range
+from gen.identification.network.telling.held import only_speeds
 from gen.identification.network.telling.resting import REST_S, rested
 from gen.identification.network.telling.uncertainty import Spread, Steady, spread_of, steady_of
 from gen.identification.network.used import rms_K
@@ -140,11 +141,21 @@ class Summary:
     def _only(self) -> str:
         """What it is good for alone, or nothing."""
         longest, slowest = self.span_s
+        at = f" at {self._held()}" if self.only_speeds else ""
         if longest < SETTLED * slowest:
-            return f" for changes over up to {_time(longest)}; where the parts would settle is extrapolated"
+            return f"{at} for changes over up to {_time(longest)}; where the parts would settle is extrapolated"
         if not rest_was_measured(self.result):
-            return " while the motor turns; cooling at rest was not measured"
-        return ""
+            return f"{at} while the motor turns; cooling at rest was not measured"
+        return f"{at} alone" if at else ""
+
+    @cached_property
+    def only_speeds(self) -> list[int]:
+        """The one or two |PWM| at which a motor was held for most of the time; none where they are more, or no motor's."""
+        data = self.result.data
+        return [] if data.driven else only_speeds(self.result.inputs, data.full_scale)
+
+    def _held(self) -> str:
+        return f"PWM {' and '.join(map(str, self.only_speeds))}"
 
     def warnings(self) -> list[str]:
         """What to look at, one sentence each."""
@@ -162,6 +173,11 @@ class Summary:
                 f"PWM is held for {_time(longest)} at most, and the slowest part of the motor settles with a time "
                 f"constant of {_time(slowest)}: the model is good for changes over up to {_time(longest)}, "
                 "what lies behind is extrapolated"
+            )
+        if self.only_speeds:
+            said.append(
+                f"most of the time that the motor turned it was held at {self._held()}: how it warms at other speeds is "
+                "taken from what is usual of motors, which a propeller or a load is not; runs at others would show it"
             )
         if not rest_was_measured(result):
             said.append(self._rest())

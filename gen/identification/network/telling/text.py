@@ -9,6 +9,7 @@ import numpy as np
 
 from gen.identification.network.fitting.bends import BEND
 from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.driven import CURRENT, POWER
 from gen.identification.network.telling.as_json import as_json
 from gen.identification.network.telling.rises import steady_rise_title
 from gen.identification.network.telling.summary import INTERVAL, Summary
@@ -27,6 +28,7 @@ def text(summary: Summary) -> str:
         f"network of {structure.nodes} nodes, {structure.hidden} of them hidden, {len(structure.paths)} paths, "
         f"{len(structure.heated) + len(structure.fed)} heats{_by_columns(summary)}",
         f"  over speed they {BENDING if structure.bend == BEND else POWERS}",
+        *(f"  {line}" for line in by_input(whole["heats_go_with"])),
         *(f"  {line}" for line in in_still_air(whole["natural_convection"])),
         "  hidden nodes  error on data left out (K)",
         *(f"  {c.hidden:>12}  {c.left_out_K:.2f}" for c in summary.result.candidates),
@@ -71,6 +73,14 @@ def _not_used(summary: Summary) -> list[str]:
 def _moves(values: FloatArray) -> bool:
     """Whether a column changes; one without values does not."""
     return np.unique(values[np.isfinite(values)]).size > 1
+
+
+def by_input(heats_go_with: str | None) -> list[str]:
+    """Say what is expected of an input that is no motor's PWM; nothing of a motor's."""
+    if heats_go_with is None:
+        return []
+    heats = {POWER: "the input", CURRENT: "the square of the input"}[heats_go_with]
+    return [f"heats are expected to go with {heats}, and conductances not to: it moves no air"]
 
 
 def in_still_air(natural: Mapping[str, Any] | None) -> list[str]:
