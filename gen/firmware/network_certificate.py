@@ -8,7 +8,6 @@ from gen.coefficients import Coefficients
 from gen.firmware.contexts.identity import ROOM_degC
 from gen.lowering.kinds import OUTPUT_BITS
 from gen.lowering.network.program import NetworkProgram, NetworkProof
-from gen.lowering.network.ranges import MARGIN_K
 from gen.lowering.network.terms import identifier, lagging_reading
 from gen.lowering.program import Program
 from gen.lowering.recursion.guarantee import rounded_up
@@ -144,7 +143,7 @@ def _claimed(states: list[dict[str, Any]], proof: NetworkProof) -> list[dict[str
     """With each state's range and error."""
     # Errors fade, so towards them a range leads inside; the program's margin is for the board's own states.
     room = _INSIDE_K * proof.error / proof.error.max()
-    low, high = proof.low + MARGIN_K - room, proof.high - MARGIN_K + room
+    low, high = proof.low + proof.margin - room, proof.high - proof.margin + room
     return [
         {**state, "range_degC": [float(low[k]), float(high[k])], "error_K": float(proof.error[k])}
         for k, state in enumerate(states)

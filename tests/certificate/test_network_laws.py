@@ -69,11 +69,13 @@ def _flow(number: int, made: str) -> Edit:
     return replaced(rf"( v\[FLOW_{number}\] = v\[\w+\]) [+-] driving\d", rf"\1{made}")
 
 
+VALUE = r"value = INT32_C\((-?\d+)\)"
+"""A coefficient of the casing's law: three of its slope, then four of what drives."""
 FIXED: dict[str, tuple[str, Edit]] = {
     # What laws are evaluated by.
-    "a coefficient of what drives": (STEP, added(r"INT32_C\((99673275)\)", 3_000)),
-    "the last coefficient of what drives": (STEP, added(r"INT32_C\((47819051)\)", 3_000)),
-    "a coefficient of a slope": (STEP, added(r"INT32_C\((425237200)\)", 30_000_000)),
+    "a coefficient of what drives": (STEP, added(VALUE, 3_000, 5)),
+    "the last coefficient of what drives": (STEP, added(VALUE, 3_000, 6)),
+    "a coefficient of a slope": (STEP, added(VALUE, 30_000_000, 2)),
     "a slope of another law": (STEP, replaced(r"&slope\[1\]", "&slope[0]")),
     "the widest difference": (STEP, added(r"up<2>\(d\), (\d+)UL", 60_000)),
     "a difference shifted less": (STEP, replaced(r"up<2>\(d\)", "up<1>(d)")),

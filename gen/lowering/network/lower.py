@@ -17,7 +17,7 @@ from gen.lowering.network.factors import lower_factor
 from gen.lowering.network.gains import GainFormat, lower_gains
 from gen.lowering.network.laws import limited, lower_law, widest_word
 from gen.lowering.network.program import NetworkProgram, NetworkProof, Reading
-from gen.lowering.network.ranges import MARGIN_K, reachable, speeds, widest_shown, widest_start
+from gen.lowering.network.ranges import reachable, speeds, widest_shown, widest_start
 from gen.lowering.network.terms import terms_of
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import ThermalModel
@@ -63,12 +63,12 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
     starts = [reading.gain.start_error(gains.back) for reading in readings if reading.gain is not None and gains]
     words = max(_START_WORDS, *(max(1.0, most) * own + 1.0 for own in starts), 0.0)
     bound = np.maximum(bound, bound * (words * 2.0**-bits / bound.min()))
-    if laws and bound.max() > MARGIN_K:
+    if laws and bound.max() > ranges.margin:
         raise CheckFailed(
-            f"$.network: with convection or radiation no error above {MARGIN_K:g} K can be proven, and it would be "
+            f"$.network: with convection or radiation errors up to {ranges.margin:g} K can be proven, and it would be "
             f"{rounded_up(float(bound.max())):.1e} K: temperatures change too fast for the sample time"
         )
-    proof = NetworkProof(ranges.low, ranges.high, bound, found.defect.max(axis=0))
+    proof = NetworkProof(ranges.low, ranges.high, bound, found.defect.max(axis=0), ranges.margin)
     made = NetworkProgram(
         arithmetic,
         bits,

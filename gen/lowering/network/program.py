@@ -135,12 +135,15 @@ class NetworkProof:
         -h M error >= defect for every |PWM| and all that channels may say.
     defect
         Largest of what one sample adds to the error, by state, K, shape (n,).
+    margin
+        By which the ends are more than the exact temperatures reach, K.
     """
 
     low: Array
     high: Array
     error: Array
     defect: Array
+    margin: float
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,9 @@ _SETTLED_K = 1e-9
 """By how much Newton's last step may move: claims are wider by far more."""
 MARGIN_K = 0.01
 """By which the board's own temperatures may lie outside of the exact ones' range; errors stay far below it."""
+LAW_MARGIN_K = 0.1
+"""The same with convection or radiation, whose conductances are those at a sample's beginning: the largest error up to
+which such a network can be built, less than half of a thermocouple amplifier's step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,11 +39,14 @@ class Ranges:
         Temperatures by state, degC, shape (n,).
     ambient
         Ends of the ambient, degC.
+    margin
+        By which that is more than the exact temperatures reach, K.
     """
 
     low: Array
     high: Array
     ambient: tuple[float, float]
+    margin: float
 
     def ends(self, term: Term) -> tuple[float, float]:
         """Least and largest temperature of a term's source, degC."""
@@ -70,7 +76,8 @@ def reachable(model: ThermalModel, terms: Terms) -> Ranges | None:
     low = _bounding(terms, ambient[0], first[0], upper=False)
     if high is None or low is None:
         return None
-    return Ranges(low - MARGIN_K, high + MARGIN_K, ambient)
+    margin = LAW_MARGIN_K if terms.laws else MARGIN_K
+    return Ranges(low - margin, high + margin, ambient, margin)
 
 
 def _starts(model: ThermalModel, terms: Terms, sensed: tuple[float, float]) -> tuple[Array, Array]:

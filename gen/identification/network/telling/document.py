@@ -41,11 +41,10 @@ from gen.identification.network.telling.foresight import Foresight, foresight
 from gen.identification.network.telling.stiffness import slowed
 from gen.identification.network.telling.uncertainty import Spread, spread_of
 from gen.identification.settings import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
+from gen.lowering.network.ranges import LAW_MARGIN_K
 
 FASTEST = 20.0
 """No node follows its neighbours within fewer steps of the board: paths are limited, then its capacity is raised."""
-CONVECTION_LIMIT_K = 0.01
-"""Of natural convection, whose bound counts the fastest change that its ranges allow in every sample."""
 HELD_SHARE = 0.05
 """Of the whole time: a |PWM| that is held for longer is named."""
 MOST_FACTOR = 7.99
@@ -141,7 +140,8 @@ def _document(result: NetworkFound, settings: Settings, note: str) -> Document:
 def _accuracy(result: NetworkFound) -> Accuracy:
     if not result.found.structure.natural:
         return Accuracy(fixed_limit_K=FIXED_LIMIT_K, float_limit_K=FLOAT_LIMIT_K)
-    return Accuracy(fixed_limit_K=CONVECTION_LIMIT_K, float_limit_K=CONVECTION_LIMIT_K)
+    # Natural convection's bound counts the fastest change that its ranges allow in every sample.
+    return Accuracy(fixed_limit_K=LAW_MARGIN_K, float_limit_K=LAW_MARGIN_K)
 
 
 def _ambient(result: NetworkFound) -> Ambient:

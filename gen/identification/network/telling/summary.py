@@ -150,7 +150,7 @@ class Summary:
 
     @cached_property
     def only_speeds(self) -> list[int]:
-        """The one or two |PWM| at which a motor was held for most of the time; none where they are more, or no motor's."""
+        """The |PWM| at which a motor was held for most of the time, where these are one or two; none of a heater."""
         data = self.result.data
         return [] if data.driven else only_speeds(self.result.inputs, data.full_scale)
 
@@ -176,8 +176,9 @@ class Summary:
             )
         if self.only_speeds:
             said.append(
-                f"most of the time that the motor turned it was held at {self._held()}: how it warms at other speeds is "
-                "taken from what is usual of motors, which a propeller or a load is not; runs at others would show it"
+                f"most of the time that the motor turned it was held at {self._held()}: how it warms at other speeds "
+                "is taken from what is usual of motors, which a propeller or a load is not; runs at others would show "
+                "it"
             )
         if not rest_was_measured(result):
             said.append(self._rest())
