@@ -32,14 +32,16 @@ def only_speeds(inputs: Inputs, full_scale: int) -> list[int]:
         One or two |PWM|, increasing, each the mean of those about it; none where there are more.
     """
     turning = inputs.rest < 0.5
-    speed, left = inputs.speed[turning], inputs.width[turning].copy()
-    whole = left.sum()
-    found = []
+    pwm = np.rint(inputs.speed[turning] * full_scale).astype(np.int64)
+    left = np.bincount(pwm, inputs.width[turning], full_scale + 1)
+    whole, beside = left.sum(), round(0.5 * ALIKE * full_scale)
+    found: list[int] = []
     for _ in range(FEW + 1):
-        near = np.abs(speed[:, None] - speed) <= 0.5 * ALIKE
-        at = near[int(np.argmax(near @ left))]
-        if left[at].sum() < A_SPEED * whole:
+        near = np.convolve(left, np.ones(2 * beside + 1), "same")
+        at = int(np.argmax(near))
+        if near[at] <= A_SPEED * whole:
             break
-        found.append(round(float(np.average(speed[at], weights=left[at])) * full_scale))
-        left[at] = 0.0
+        about = slice(max(at - beside, 0), at + beside + 1)
+        found.append(round(float(np.average(np.arange(left.size)[about], weights=left[about]))))
+        left[about] = 0.0
     return sorted(found) if len(found) <= FEW and left.sum() <= (1.0 - MOST_OF_IT) * whole else []
