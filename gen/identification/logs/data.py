@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gen.coefficients.names import name_fault
 from gen.errors import InputError
-from gen.identification.drive import common_drive
+from gen.identification.drive import common_drive, machine_of
 from gen.identification.logs.ambients import ambients_of
 from gen.identification.logs.believed import believed_run
 from gen.identification.logs.records import Record, condense
@@ -82,7 +82,9 @@ def read_data(paths: Sequence[Path], ambient: float | None) -> Data:
 
 def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     """Condense runs in memory, as :func:`read_data` does."""
-    common_drive((source.path, source.run) for source in sources)
+    by_path = [(source.path, source.run) for source in sources]
+    common_drive(by_path)
+    machine_of(by_path)
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     sources = [sound(source, warnings) for source in sources]
     warnings += apart(sources)

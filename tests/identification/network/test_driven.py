@@ -11,6 +11,7 @@ import pytest
 
 import gen
 from gen.errors import InputError
+from gen.identification.logs.data import make_data
 from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.fitting.driven import known
@@ -102,6 +103,8 @@ def test_runs_that_drive_different_machines_are_refused() -> None:
         make_network_data([Source("a.csv", said[0]), Source("b.csv", said[1])], None)
     with pytest.raises(InputError, match=r'a\.csv: comment drives: found "a fan", expected motor or heater'):
         make_network_data([Source("a.csv", said[2])], None)
+    with pytest.raises(InputError, match=r'a\.csv: comment drives: found "a fan", expected motor or heater'):
+        make_data([Source("a.csv", said[2])], None)
 
 
 def test_a_motors_pwm_tells_nothing() -> None:
