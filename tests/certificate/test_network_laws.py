@@ -165,6 +165,15 @@ def test_random_networks_are_proven(tmp_path: Path, seed: int, size: int, arithm
 
 
 @pytest.mark.parametrize("arithmetic", ARITHMETICS)
+def test_light_nodes_are_proven_up_to_a_tenth_of_a_kelvin(tmp_path: Path, arithmetic: Arithmetic) -> None:
+    tree = with_laws(2, 4)
+    for node in tree["network"]["nodes"]:
+        node["capacity_J_per_K"] *= 0.3
+    out, _ = emitted(tmp_path, read(tree), arithmetic)
+    assert 0.01 < max(part.bound_K for part in gen.check(out).parts) < 0.1
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
 def test_no_sample_of_the_reference_is_off_by_more_than_the_defect(projects: Projects, arithmetic: Arithmetic) -> None:
     """Random states and |PWM|, corners among them, against the exact solution."""
     out, program = projects[arithmetic]
