@@ -2,41 +2,40 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from gen.firmware import render
-from gen.firmware.context import project_context
 from gen.lowering.alarms import LoweredRule, lower_alarms
-from gen.lowering.lower import lower
 from gen.verification.alarm_campaign import alarm_profile, campaign
-from gen.verification.comparisons import compare_alarms
-from gen.verification.runners import Library, write_library
-from tests.examples import example
+from gen.verification.comparisons import ALARMS, compare_alarms
+from tests.examples import ROOT
+from tests.verification.planted import Campaign, Emitted, difference, emitted
 
-NAME = "two_mass"
 LANES, LENGTH = 20, 1000
 
 
-def emitted(folder: Path, fault: tuple[str, str] | None = None) -> tuple[Library, tuple[LoweredRule, ...]]:
-    coefficients = example(NAME)
-    program = lower(coefficients, "float", "table")
-    context = project_context(coefficients, program, "coeffs.json")
-    files = render.library(context)
-    if fault is not None:
-        path = f"lib/{NAME}/src/{NAME}_alarms.cpp"
-        assert files[path].count(fault[0]) >= 1, "the fault has no place to stand"
-        files[path] = files[path].replace(fault[0], fault[1], 1)
-    library = write_library(program, context, files, folder)
-    return library, lower_alarms(coefficients)
+@cache
+def library() -> Emitted:
+    return emitted((ROOT / "examples" / "two_mass" / "coeffs.json").read_text(encoding="utf-8"), "float")
 
 
-def test_the_campaign_takes_every_rule_through_every_state(tmp_path: Path) -> None:
-    library, rules = emitted(tmp_path)
-    expected = campaign(library.program, rules, alarm_profile(library.program, rules, LANES, LENGTH)).expected
-    for number, rule in enumerate(rules):
+@cache
+def rules() -> tuple[LoweredRule, ...]:
+    return lower_alarms(library().coefficients)
+
+
+@cache
+def given() -> Campaign:
+    program = library().program
+    return campaign(program, rules(), alarm_profile(program, rules(), LANES, LENGTH))
+
+
+def test_the_campaign_takes_every_rule_through_every_state() -> None:
+    expected = given().expected
+    for number, rule in enumerate(rules()):
         always_awake = rule.settle == 0 and rule.requires is None and not rule.needs_model
         for mask in ("latched", "active") if always_awake else ("latched", "active", "asleep"):
             bits = (expected[mask] >> number) & 1
@@ -47,10 +46,9 @@ def test_the_campaign_takes_every_rule_through_every_state(tmp_path: Path) -> No
 
 
 def test_no_word_differs_on_any_target(tmp_path: Path) -> None:
-    library, rules = emitted(tmp_path)
     hosts = ("g++ -O2", "clang++ sanitized")
-    for name, expected, difference in compare_alarms(library, rules, LANES, LENGTH, hosts, board=True):
-        assert difference is None, f"{name}: {difference}"
+    for name, expected, found in compare_alarms(library().written(tmp_path), rules(), LANES, LENGTH, hosts, board=True):
+        assert found is None, f"{name}: {found}"
         assert expected.size == LANES * LENGTH
 
 
@@ -87,7 +85,6 @@ FAULTS = {
 
 @pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
 def test_a_planted_fault_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
-    library, rules = emitted(tmp_path, fault)
-    ((_, _, difference),) = compare_alarms(library, rules, LANES, LENGTH, ("g++ -O2",), board=False)
-    assert difference is not None
-    assert difference.differing > 0
+    found = difference(library().written(tmp_path, "_alarms.cpp", fault, most=9), ALARMS, given())
+    assert found is not None
+    assert found.differing > 0

@@ -4,25 +4,20 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from gen.coefficients import parse
-from gen.firmware import render
-from gen.firmware.context import project_context
 from gen.lowering.forecast import LoweredForecast, lower_forecast
 from gen.lowering.kinds import Arithmetic
-from gen.lowering.lower import lower
 from gen.reference.forecast import HOLDABLE, KNOWN, RUNNING, SEARCHING
-from gen.verification.compare import first_mismatch
 from gen.verification.comparisons import compare_forecast, forecast_harness
 from gen.verification.forecast_campaign import ForecastCampaign, forecast_campaign
-from gen.verification.harness import HostHarness
-from gen.verification.runners import Library, write_library
 from tests.examples import ROOT
+from tests.verification.planted import Emitted, difference, emitted
 
 LANES, LENGTH = 8, 500
 #: So short a horizon that runs, and whole searches, come to their end.
@@ -68,46 +63,39 @@ def held() -> str:
 MODELS: dict[str, Callable[[], str]] = {"parts": parts, "network": network, "gains": gains, "held": held}
 
 
-def emitted(
-    model: str, arithmetic: Arithmetic, folder: Path, fault: tuple[str, str] | None = None
-) -> tuple[Library, LoweredForecast]:
-    coefficients = parse(MODELS[model]().encode())
-    program = lower(coefficients, arithmetic, "table")
-    context = project_context(coefficients, program, "coeffs.json")
-    files = render.library(context)
-    if fault is not None:
-        path = f"lib/{context.name}/src/{context.name}_forecast.cpp"
-        assert files[path].count(fault[0]) == 1, "the fault has no place to stand"
-        files[path] = files[path].replace(*fault)
-    forecast = lower_forecast(coefficients, program)
-    assert forecast is not None
-    return write_library(program, context, files, folder), forecast
+@cache
+def library(model: str, arithmetic: Arithmetic = "fixed") -> Emitted:
+    return emitted(MODELS[model](), arithmetic)
 
 
-@pytest.fixture(scope="module")
-def campaign(tmp_path_factory: pytest.TempPathFactory) -> ForecastCampaign:
-    library, forecast = emitted("parts", "fixed", tmp_path_factory.mktemp("campaign"))
-    return forecast_campaign(library.program, forecast, LANES, LENGTH)
+@cache
+def forecast(model: str, arithmetic: Arithmetic = "fixed") -> LoweredForecast:
+    made = library(model, arithmetic)
+    found = lower_forecast(made.coefficients, made.program)
+    assert found is not None
+    return found
 
 
-def test_the_campaign_has_runs_that_end_at_limits_and_at_the_horizon_and_whole_searches(
-    campaign: ForecastCampaign, tmp_path: Path
-) -> None:
-    _, forecast = emitted("parts", "fixed", tmp_path)
-    found = campaign.expected
+@cache
+def given(model: str) -> ForecastCampaign:
+    return forecast_campaign(library(model).program, forecast(model), LANES, LENGTH)
+
+
+def test_the_campaign_has_runs_that_end_at_limits_and_at_the_horizon_and_whole_searches() -> None:
+    ahead, found = forecast("parts"), given("parts").expected
     state = found["state"]
     known = (state & KNOWN) != 0
     assert known.any()
     assert not known.all()
-    assert (found["first"][known] == len(forecast.limits)).any(), "no run came to the horizon"
+    assert (found["first"][known] == len(ahead.limits)).any(), "no run came to the horizon"
     assert len(np.unique(found["first"][known])) > 2, "always the same limit"
-    assert {0, forecast.horizon} < set(found["until"][known].tolist())
+    assert {0, ahead.horizon} < set(found["until"][known].tolist())
     assert set(np.unique(found["near"])) == {0, 1}
-    assert forecast.near is not None
+    assert ahead.near is not None
     still = (found["near"][:, :-1] == 1) & (found["near"][:, 1:] == 1)
-    assert (still & (found["samples"][:, :-1] > forecast.near + 1)).any(), "nothing stays near on its way further off"
+    assert (still & (found["samples"][:, :-1] > ahead.near + 1)).any(), "nothing stays near on its way further off"
     held = found["holdable"][(state & HOLDABLE) != 0]
-    assert {0, forecast.most_pwm} < set(held.tolist()), "no search ended between the ends"
+    assert {0, ahead.most_pwm} < set(held.tolist()), "no search ended between the ends"
     assert ((state & SEARCHING) != 0).any()
     assert ((state & RUNNING) == 0).any()
 
@@ -115,11 +103,11 @@ def test_the_campaign_has_runs_that_end_at_limits_and_at_the_horizon_and_whole_s
 @pytest.mark.parametrize("arithmetic", ["fixed", "float"])
 @pytest.mark.parametrize("model", MODELS)
 def test_no_word_differs_on_any_target(model: str, arithmetic: Arithmetic, tmp_path: Path) -> None:
-    library, forecast = emitted(model, arithmetic, tmp_path)
-    compared = list(compare_forecast(library, forecast, 3, 200, ("g++ -O2", "clang++ sanitized"), board=True))
+    made, ahead = library(model, arithmetic).written(tmp_path), forecast(model, arithmetic)
+    compared = list(compare_forecast(made, ahead, 3, 200, ("g++ -O2", "clang++ sanitized"), board=True))
     assert len(compared) == 3
-    for name, expected, difference in compared:
-        assert difference is None, f"{name}: {difference}"
+    for name, expected, found in compared:
+        assert found is None, f"{name}: {found}"
         assert expected.size == 3 * 200
 
 
@@ -161,16 +149,8 @@ HELD_FAULTS = {
 }
 
 
-@pytest.fixture(scope="module")
-def held_campaign(tmp_path_factory: pytest.TempPathFactory) -> ForecastCampaign:
-    library, forecast = emitted("held", "fixed", tmp_path_factory.mktemp("held"))
-    return forecast_campaign(library.program, forecast, LANES, LENGTH)
-
-
-def test_a_held_motors_campaign_has_answers_in_between_searches_and_answers_that_are_too_old(
-    held_campaign: ForecastCampaign,
-) -> None:
-    found = held_campaign.expected
+def test_a_held_motors_campaign_has_answers_in_between_searches_and_answers_that_are_too_old() -> None:
+    found = given("held").expected
     known = (found["state"] & HOLDABLE) != 0
     limited = found["most_pwm"] != found["holdable"]
     assert (limited & known).any(), "no search has found anything before its end"
@@ -180,29 +160,23 @@ def test_a_held_motors_campaign_has_answers_in_between_searches_and_answers_that
 
 
 @pytest.mark.parametrize("fault", HELD_FAULTS.values(), ids=HELD_FAULTS)
-def test_a_planted_fault_of_holding_is_caught(
-    fault: tuple[str, str], held_campaign: ForecastCampaign, tmp_path: Path
-) -> None:
-    caught("held", fault, held_campaign, tmp_path)
+def test_a_planted_fault_of_holding_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
+    caught("held", (fault[0].replace("{name}", "my1016"), fault[1].replace("{name}", "my1016")), tmp_path)
 
 
 @pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
-def test_a_planted_fault_is_caught(fault: tuple[str, str], campaign: ForecastCampaign, tmp_path: Path) -> None:
-    caught("parts", (fault[0].replace("{name}", "MY1016"), fault[1].replace("{name}", "MY1016")), campaign, tmp_path)
+def test_a_planted_fault_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
+    caught("parts", (fault[0].replace("{name}", "MY1016"), fault[1].replace("{name}", "MY1016")), tmp_path)
 
 
-def caught(model: str, fault: tuple[str, str], campaign: ForecastCampaign, folder: Path) -> None:
-    planted = (fault[0].replace("{name}", "my1016"), fault[1].replace("{name}", "my1016"))
-    library, forecast = emitted(model, "fixed", folder, planted)
-    harness = forecast_harness(forecast)
-    harness.write(library)
-    runner = HostHarness(library, harness, "g++ -O2", campaign.expected.dtype)
-    difference = first_mismatch(campaign.expected, runner.run(campaign.inputs))
-    assert difference is not None
-    assert difference.differing > 0
+def caught(model: str, fault: tuple[str, str], folder: Path) -> None:
+    planted = library(model).written(folder, "_forecast.cpp", fault)
+    found = difference(planted, forecast_harness(forecast(model)), given(model))
+    assert found is not None
+    assert found.differing > 0
 
 
 def test_a_run_that_keeps_the_direction_of_before_is_caught(tmp_path: Path) -> None:
-    library, forecast = emitted("network", "fixed", tmp_path, ("1000L * state->tried", "0L * state->tried"))
-    ((_, _, difference),) = compare_forecast(library, forecast, LANES, 200, ("g++ -O2",), board=False)
-    assert difference is not None
+    planted = library("network").written(tmp_path, "_forecast.cpp", ("1000L * state->tried", "0L * state->tried"))
+    ((_, _, found),) = compare_forecast(planted, forecast("network"), LANES, 200, ("g++ -O2",), board=False)
+    assert found is not None

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from gen.coefficients import parse
-from gen.firmware import render
-from gen.firmware.context import project_context
 from gen.lowering.alarms import LoweredRule, lower_alarms
-from gen.lowering.lower import lower
 from gen.verification.alarm_campaign import alarm_profile, campaign
-from gen.verification.comparisons import compare_alarms
-from gen.verification.runners import Library, write_library
+from gen.verification.comparisons import ALARMS, compare_alarms
 from tests.examples import ROOT
+from tests.verification.planted import Campaign, Emitted, difference, emitted
 
 NAME, LANES, LENGTH = "two_mass", 40, 1000
 UNSETTLED = {"per_change_K_per_h": 300.0, "at_start_K_per_h": 200.0, "decay_s": [500, 90]}
@@ -65,30 +62,33 @@ RULES: list[dict[str, Any]] = [
 ]
 
 
-def emitted(folder: Path, fault: tuple[str, str] | None = None) -> tuple[Library, tuple[LoweredRule, ...]]:
+@cache
+def rules() -> tuple[LoweredRule, ...]:
+    return lower_alarms(library().coefficients)
+
+
+@cache
+def library() -> Emitted:
     tree = json.loads((ROOT / "examples" / NAME / "coeffs.json").read_text())
-    coefficients = parse(json.dumps({**tree, "alarms": [*RULES, tree["alarms"][0]]}).encode())
-    program = lower(coefficients, "fixed", "table")
-    context = project_context(coefficients, program, "coeffs.json")
-    files = render.library(context)
-    if fault is not None:
-        path = f"lib/{NAME}/src/{NAME}_{'alarms' if fault in SILENCE.values() else 'heat'}.cpp"
-        assert files[path].count(fault[0]) == 1, "the fault has no place to stand"
-        files[path] = files[path].replace(fault[0], fault[1])
-    return write_library(program, context, files, folder), lower_alarms(coefficients)
+    return emitted(json.dumps({**tree, "alarms": [*RULES, tree["alarms"][0]]}), "fixed")
+
+
+@cache
+def given() -> Campaign:
+    program = library().program
+    return campaign(program, rules(), alarm_profile(program, rules(), LANES, LENGTH))
 
 
 def test_no_word_differs_on_any_target_and_every_sum_is_full_now_and_then(tmp_path: Path) -> None:
-    library, rules = emitted(tmp_path)
-    expected = campaign(library.program, rules, alarm_profile(library.program, rules, LANES, LENGTH)).expected
+    expected = given().expected
     for number in (0, 1):
         full = (expected["active"] >> number) & 1
-        assert full.any(), rules[number].name
-        assert not full.all(), rules[number].name
+        assert full.any(), rules()[number].name
+        assert not full.all(), rules()[number].name
         assert (expected[f"heat.{number}.waited"] > 0).any()
     hosts = ("g++ -O2", "clang++ sanitized")
-    for name, expected, difference in compare_alarms(library, rules, LANES, LENGTH, hosts, board=True):
-        assert difference is None, f"{name}: {difference}"
+    for name, expected, found in compare_alarms(library().written(tmp_path), rules(), LANES, LENGTH, hosts, board=True):
+        assert found is None, f"{name}: {found}"
         assert expected.size == LANES * LENGTH
 
 
@@ -132,7 +132,7 @@ SILENCE = {
 
 @pytest.mark.parametrize("fault", [*FAULTS.values(), *SILENCE.values()], ids=[*FAULTS, *SILENCE])
 def test_a_planted_fault_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
-    library, rules = emitted(tmp_path, fault)
-    ((_, _, difference),) = compare_alarms(library, rules, LANES, LENGTH, ("g++ -O2",), board=False)
-    assert difference is not None
-    assert difference.differing > 0
+    planted = library().written(tmp_path, "_alarms.cpp" if fault in SILENCE.values() else "_heat.cpp", fault)
+    found = difference(planted, ALARMS, given())
+    assert found is not None
+    assert found.differing > 0

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from gen.coefficients import parse
-from gen.firmware import render
-from gen.firmware.context import project_context
-from gen.lowering.lower import lower
 from gen.lowering.protection import MOST_TIMES, LoweredProtection, lower_protection
-from gen.verification.comparisons import compare_protection
-from gen.verification.protection_campaign import protection_campaign
-from gen.verification.runners import Library, write_library
+from gen.verification.comparisons import PROTECTION, compare_protection
+from gen.verification.protection_campaign import ProtectionCampaign, protection_campaign
 from tests.examples import ROOT
+from tests.verification.planted import Emitted, difference, emitted
 
 LANES, LENGTH = 32, 400
 LIMITS: list[dict[str, Any]] = [
@@ -42,25 +39,27 @@ TABLE: list[dict[str, Any]] = [
 ]
 
 
-def emitted(folder: Path, fault: tuple[str, str] | None = None) -> tuple[Library, tuple[LoweredProtection, ...]]:
+@cache
+def library() -> Emitted:
     tree = json.loads((ROOT / "examples" / "my1016" / "coeffs.json").read_text(encoding="utf-8"))
     tree["wiring"] |= {"relay_pin": 30, "command_timeout_s": 5.0}
     tree |= {"version": 2, "forecast": {"horizon_s": 600}, "alarms": LIMITS, "protection": TABLE}
-    coefficients = parse(json.dumps(tree).encode())
-    program = lower(coefficients, "fixed", "table")
-    context = project_context(coefficients, program, "coeffs.json")
-    files = render.library(context)
-    if fault is not None:
-        path = "lib/my1016/src/my1016_protection.cpp"
-        assert files[path].count(fault[0]) == 1, "the fault has no place to stand"
-        files[path] = files[path].replace(*fault)
-    return write_library(program, context, files, folder), lower_protection(coefficients)
+    return emitted(json.dumps(tree), "fixed")
 
 
-def test_every_entry_begins_ends_and_is_waited_for(tmp_path: Path) -> None:
-    library, entries = emitted(tmp_path)
-    expected = protection_campaign(library.program, entries, LANES, LENGTH).expected
-    for number, entry in enumerate(entries):
+@cache
+def entries() -> tuple[LoweredProtection, ...]:
+    return lower_protection(library().coefficients)
+
+
+@cache
+def given() -> ProtectionCampaign:
+    return protection_campaign(library().program, entries(), LANES, LENGTH)
+
+
+def test_every_entry_begins_ends_and_is_waited_for() -> None:
+    expected = given().expected
+    for number, entry in enumerate(entries()):
         acting = (expected["protection.acting"] >> number & 1).astype(np.int8)
         holding = (expected["protection.holding"] >> number & 1).astype(np.int8)
         assert (np.diff(acting, axis=1) > 0).any(), f"{entry.label} never begins"
@@ -78,11 +77,12 @@ def test_every_entry_begins_ends_and_is_waited_for(tmp_path: Path) -> None:
 
 
 def test_no_word_differs_on_any_target(tmp_path: Path) -> None:
-    library, entries = emitted(tmp_path)
-    compared = list(compare_protection(library, entries, LANES, LENGTH, ("g++ -O2", "clang++ sanitized"), board=True))
+    hosts = ("g++ -O2", "clang++ sanitized")
+    made = library().written(tmp_path)
+    compared = list(compare_protection(made, entries(), LANES, LENGTH, hosts, board=True))
     assert len(compared) == 3
-    for name, expected, difference in compared:
-        assert difference is None, f"{name}: {difference}"
+    for name, expected, found in compared:
+        assert found is None, f"{name}: {found}"
         assert expected.size == LANES * LENGTH
 
 
@@ -126,7 +126,6 @@ FAULTS = {
 
 @pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
 def test_a_planted_fault_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
-    library, entries = emitted(tmp_path, fault)
-    ((_, _, difference),) = compare_protection(library, entries, LANES, LENGTH, ("g++ -O2",), board=False)
-    assert difference is not None
-    assert difference.differing > 0
+    found = difference(library().written(tmp_path, "_protection.cpp", fault), PROTECTION, given())
+    assert found is not None
+    assert found.differing > 0
