@@ -197,14 +197,22 @@ class Bench:
         return base.fit.cost - begun + expected
 
     def left_out(self, fitted: Fitted) -> FloatArray:
-        """Fit without each fold and predict it: errors, shape (N, S), K; NaN where nothing was predicted."""
+        """Fit without each fold and predict it: errors, shape (N, S), K; NaN where nothing was predicted.
+
+        Of a run that is left out whole nothing is known but where it begins, as of any run that comes later: hidden
+        starts that were fitted to it would tell of it.
+        """
         problem, inputs = fitted.problem, self.data.inputs
         error = np.full(inputs.covered.shape, np.nan)
         known = problem.slopes(fitted.vector)  # folds differ by their weights alone
         for mask in self.folds:
             without = problem.weighed(np.where(mask[:, None], 0.0, problem.inputs.weight))
             begun = without.weighed_up(*known)
-            evaluated = problem.evaluate(settle(without, fitted.vector, AT_LEFT_OUT, begun=begun).vector)
+            start = fitted.vector.copy()
+            for r, row in enumerate(inputs.rows[: self.data.later]):
+                if mask[row].all():
+                    _forget(without, start, r)
+            evaluated = problem.evaluate(settle(without, start, AT_LEFT_OUT, begun=begun).vector)
             seen = mask[:, None] & (inputs.covered > 0.0)
             error[seen] = evaluated.residual[seen]
         return error
@@ -226,6 +234,15 @@ class Bench:
         start = problem.prior.mean.copy()
         start[: shape.size] = shape.start()
         return start
+
+
+def _forget(problem: Problem[Anchored], vector: FloatArray, run: int) -> None:
+    """Put a run's own numbers where the prior expects them beside all others, in place."""
+    prior = problem.prior
+    own = problem.columns(run)[problem.structure.size :]
+    away = vector - prior.mean
+    away[own] = 0.0
+    vector[own] = prior.mean[own] - np.linalg.solve(prior.precision[np.ix_(own, own)], prior.precision[own] @ away)
 
 
 def _masked(inputs: Inputs, data: Data) -> Inputs:

@@ -24,6 +24,7 @@ from gen.refinement.network.tracing.search import (
     leaves_some,
     one_more,
 )
+from gen.refinement.verdict import EXPLAINED
 
 MOST_EFFECTS = 3
 PROMISING = 0.75
@@ -99,7 +100,9 @@ def from_another_beginning(
     progress
         Called with what is being done.
     """
-    if not path.added or path.now.floors <= ENOUGH_BESIDE or _ends_in_a_change(bench, path.now):
+    # Of a change of the motor all that is left may be a part, but for so much that it explains nothing.
+    enough = EXPLAINED if _ends_in_a_change(bench, path.now) else ENOUGH_BESIDE
+    if not path.added or path.now.floors <= enough:
         return path
     other = _most_promising(bench, path, every, progress)
     begun = None if other is None else _begun(bench, path, other, every, progress)
@@ -140,7 +143,7 @@ def _most_promising(
     least = PROMISING * (found.fit.cost + PRICE * sum(effect.freedom for effect in found.shape.effects))
     best = None
     for one in first.considered:
-        if one is first.added or one.reasons:
+        if one is first.added or one.reasons or looks_like_a_change(one.effect, one.values, bench.data):
             continue
         progress(f"what {one.effect.name} promises with a second one")
         fitted = one.judged.fitted
