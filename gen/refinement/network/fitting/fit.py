@@ -211,7 +211,7 @@ class Bench:
             start = fitted.vector.copy()
             for r, row in enumerate(inputs.rows[: self.data.later]):
                 if mask[row].all():
-                    _forget(without, start, r)
+                    forget(without, start, r)
             evaluated = problem.evaluate(settle(without, start, AT_LEFT_OUT, begun=begun).vector)
             seen = mask[:, None] & (inputs.covered > 0.0)
             error[seen] = evaluated.residual[seen]
@@ -236,7 +236,7 @@ class Bench:
         return start
 
 
-def _forget(problem: Problem[Anchored], vector: FloatArray, run: int) -> None:
+def forget(problem: Problem[Anchored], vector: FloatArray, run: int) -> None:
     """Put a run's own numbers where the prior expects them beside all others, in place."""
     prior = problem.prior
     own = problem.columns(run)[problem.structure.size :]
