@@ -71,7 +71,7 @@ class SensorLag(SensorEffect):
 
     name = "sensor_lag"
     numbers = (Number("lag_s", 0.0, 0.0, 600.0, 0.0, 3600.0),)
-    least = 15.0
+    least = 30.0  # a bead in a drop of paste follows within seconds, a taped one within half a minute
 
     def __init__(self, motor: Motor, sensor: int) -> None:
         super().__init__(motor, sensor)
