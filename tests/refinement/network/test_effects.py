@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -144,6 +145,23 @@ def test_a_path_is_written_no_better_than_the_board_can_follow(end: str) -> None
     matrices, _, _ = written.model.network.matrices(np.arange(256))
     fastest = 1.0 / float(-np.diagonal(matrices, axis1=1, axis2=2).min())
     assert 10 * 0.25 < fastest < 15 * 0.25
+
+
+def test_heat_that_falls_with_speed_is_none_at_rest() -> None:
+    """A power below zero has no value there, and warns."""
+    motor = read(tree())
+    assert motor.document.network is not None
+    writer = NetworkWriter(motor.document.network, 255, {}, 0.25)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        writer.heat_over_speed("casing", lambda w: 2.0 * w**-0.5)
+    written = parse(with_network(json.dumps(tree()), writer.entry, "a test").encode())
+    assert written.model.network is not None
+    assert motor.model.network is not None
+    pwm = np.array([0, 64, 255])
+    casing, capacity = 1, 400.0
+    more = written.model.network.matrices(pwm)[2] - motor.model.network.matrices(pwm)[2]
+    assert more[:, casing] * capacity == pytest.approx([0.0, 2.0 * (64 / 255) ** -0.5, 2.0], rel=1e-3)
 
 
 def test_no_heat_shrinks_below_none_at_temperatures_that_were_reached() -> None:

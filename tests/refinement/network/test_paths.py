@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from gen.refinement.network.effects import NetworkEffect, candidates
+from gen.refinement.network.effects.schedule_error import ScheduleError
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import make_data
-from gen.refinement.network.fitting.fit import Bench
+from gen.refinement.network.fitting.fit import Bench, Fitted
+from gen.refinement.network.tracing.changed import looks_like_a_change
 from gen.refinement.network.tracing.judged import Judged, judged
 from gen.refinement.network.tracing.paths import Path, exchanged, from_another_beginning
-from gen.refinement.network.tracing.search import Considered, Step
+from gen.refinement.network.tracing.search import ENOUGH_BESIDE, Considered, Step
 from tests.refinement.network.motor import read, run, tree, wave
 
 BOTH = {"airflow", "sensor_offset"}
@@ -71,6 +74,32 @@ def test_what_cannot_be_the_reason_begins_no_pair(later: Later) -> None:
     wrong, right = later.considered("temperature_dependent_loss"), later.considered("airflow")
     right = Considered(right.effect, right.judged, right.p_value, ("its number is at its limit",))
     path = Path((Step(later.null, (wrong, right), wrong, ()),), wrong.judged)
+    assert from_another_beginning(later.bench, path, later.every, lambda _: None) is path
+
+
+def changed(later: Later, floors: float) -> Path:
+    """A search that ended in what looks like another motor: heat of the winding has grown at every speed."""
+    motor = later.base.shape.motor()
+    wear = ScheduleError(motor, [motor.names.index("winding")], "winding")
+    shape = later.base.shape.with_effects(wear)
+    shared, own = np.split(later.base.vector, [later.base.shape.size])
+    vector = np.concatenate([shared, np.log([1.0, 1.3, 1.4, 1.4, 1.4, 1.3]), own])
+    fitted = Fitted(later.bench.problem(shape), replace(later.base.fit, vector=vector))
+    found = replace(later.null, fitted=fitted, score_K=floors * later.null.noise_K)
+    one = Considered(wear, found, 0.0, ())
+    assert looks_like_a_change(wear, one.values, later.bench.data)
+    return Path((Step(later.null, (one, later.considered("airflow")), one, ()),), found)
+
+
+def test_a_change_that_leaves_much_is_no_end(later: Later) -> None:
+    path = from_another_beginning(later.bench, changed(later, 20.0), later.every, lambda _: None)
+    assert names(path) == BOTH
+    assert path.now.floors < 1.1
+
+
+def test_what_is_left_beside_a_change_that_explains_the_error_is_not_sought(later: Later) -> None:
+    path = changed(later, 1.28)
+    assert path.now.floors > ENOUGH_BESIDE
     assert from_another_beginning(later.bench, path, later.every, lambda _: None) is path
 
 

@@ -147,9 +147,11 @@ class NetworkWriter:
         self._replace(heats=(*self.entry.heats, heat))
 
     def heat_over_speed(self, node: str, watts: Scale) -> None:
-        """Add a heat by |PWM|, none at rest."""
+        """Add a heat by |PWM|, none at rest, where a power of speed may have no value."""
         pwm = points_of(self.full_scale)
-        curve = tabulated(pwm, np.where(pwm > 0, watts(pwm / self.full_scale), 0.0), 0.0)
+        heat = np.zeros(pwm.size)
+        heat[pwm > 0] = watts(pwm[pwm > 0] / self.full_scale)
+        curve = tabulated(pwm, heat, 0.0)
         self._replace(heats=(*self.entry.heats, HeatEntry(node=node, power_W=curve)))
 
     def grows(self, node: str, per_K: float, reference: float) -> None:

@@ -74,7 +74,7 @@ class HiddenNode(NetworkEffect):
         name = entry.node(capacity)
         entry.path(self.component, name, inner)
         entry.path(name, "ambient", outer)
-        entry.heat_over_speed(name, lambda w: power * np.maximum(w, SLOWEST) ** exponent)
+        entry.heat_over_speed(name, lambda w: power * w**exponent)
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:

@@ -100,7 +100,7 @@ def from_another_beginning(
     progress
         Called with what is being done.
     """
-    # Of a change of the motor all that is left may be a part, but for so much that it explains nothing.
+    # What is left beside a fault may be the fault's, too: only a change that does not explain the error is doubted.
     enough = EXPLAINED if _ends_in_a_change(bench, path.now) else ENOUGH_BESIDE
     if not path.added or path.now.floors <= enough:
         return path
