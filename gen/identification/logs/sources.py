@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from gen.runs import Run, read_run
+from gen.side_by_side import side_by_side
 
 MOST_ROWS = 100_000
 """A run of more than twice as many rows is thinned to about as many: blocks are longer than that in the end."""
@@ -33,4 +35,8 @@ def read_sources(paths: Sequence[Path]) -> list[Source]:
     InputError
         When one is no run file.
     """
-    return [Source(str(path), read_run(path, most_rows=MOST_ROWS)) for path in paths]
+    return side_by_side([partial(_read, path) for path in paths])
+
+
+def _read(path: Path) -> Source:
+    return Source(str(path), read_run(path, most_rows=MOST_ROWS))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -19,12 +19,22 @@ from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.rooms import level_of, places_of, unsure_K
 from gen.identification.network.fitting.scale import Scale, scale_of
 from gen.identification.network.fitting.structure import full
-from gen.identification.network.left_out import LeftOut, each_alone, folds_for_nodes, folds_of, left_out
+from gen.identification.network.left_out import (
+    LeftOut,
+    all_left_out,
+    each_alone,
+    folds_for_nodes,
+    folds_of,
+    left_out,
+    predictions,
+    together,
+)
 from gen.identification.network.prune import pruned
-from gen.identification.network.search import Found, bent, in_still_air, search, tightened
+from gen.identification.network.search import Found, Search, bent, in_still_air, tightened, told
 from gen.identification.network.starts import taken_over
 from gen.identification.network.telling.uncertainty import spread_of
 from gen.identification.network.used import as_used
+from gen.side_by_side import has_help, of_two_kinds, side_by_side
 
 MOST_HIDDEN = 3
 MOST_ALONE = 1
@@ -145,14 +155,14 @@ class _Tried:
     ----------
     all
         The networks.
-    scores
-        Root mean square error of each on what was left out, K.
+    judged
+        The errors of each on what was left out.
     chosen
         Which of them is taken.
     """
 
     all: tuple[Found, ...]
-    scores: tuple[float, ...]
+    judged: tuple[LeftOut, ...]
     chosen: int
 
     @property
@@ -163,8 +173,8 @@ class _Tried:
     @property
     def candidates(self) -> tuple[Candidate, ...]:
         """All of them."""
-        each = zip(self.all, self.scores, strict=True)
-        return tuple(Candidate(one.structure.hidden, score, one.structure.size) for one, score in each)
+        each = zip(self.all, self.judged, strict=True)
+        return tuple(Candidate(one.structure.hidden, errors.score_K, one.structure.size) for one, errors in each)
 
 
 def _stiff(
@@ -173,29 +183,42 @@ def _stiff(
     """Try hidden nodes with curves that hardly bend, until more of them are not worth it."""
     by_nodes, slack = folds_for_nodes(inputs), SLACK * noise_of(data.coarse)
     apart = APART if inputs.warm.any() else 0.0
+    searches = [
+        Search.of(full(data.names, hidden, len(data.driving), STIFF, apart, data.driven), inputs, scale)
+        for hidden in range(max(0, min(most_hidden, MOST_NODES - len(data.names))) + 1)
+    ]
     tried: list[Found] = []
-    scores: list[float] = []
-    for hidden in range(max(0, min(most_hidden, MOST_NODES - len(data.names))) + 1):
+    judged: list[LeftOut] = []
+    fits = side_by_side(searches[0].afresh())
+    for hidden, search in enumerate(searches):
+        # What the next search will need is begun beside what this one still has to do, where there is help.
+        after = searches[hidden + 1 : hidden + 2]
+        ahead = after if has_help() else []
         progress(f"{hidden} hidden node(s): fit")
-        form = full(data.names, hidden, len(data.driving), STIFF, apart, data.driven)
-        tried.append(search(form, inputs, scale, tried[-1] if tried else None))
+        begun, ended = of_two_kinds(
+            [task for one in ahead for task in one.afresh()], [partial(told, partial(search.ended, fits))]
+        )
+        found = ended[0].of(search.problem)
+        tried.append(found)
         progress(f"{hidden} hidden node(s): left-out error")
-        scores.append(left_out(tried[-1], by_nodes).score_K)
-        if _enough(scores, slack):
+        fewer, errors = of_two_kinds([partial(one.from_fewer, found) for one in ahead], predictions(found, by_nodes))
+        judged.append(together(found, by_nodes, errors))
+        if _enough([one.score_K for one in judged], slack):
             break
-    return _Tried(tuple(tried), tuple(scores), _choice(scores, slack))
+        for one in after:
+            fits = [*(begun or side_by_side(one.afresh())), *(fewer or [one.from_fewer(found)])]
+    return _Tried(tuple(tried), tuple(judged), _choice([one.score_K for one in judged], slack))
 
 
 def _bending(data: NetworkData, inputs: Inputs, scale: Scale, stiff: _Tried, progress: Callable[[str], None]) -> _Tried:
     """Let curves bend: with as many hidden nodes as without, one fewer, and one more."""
     by_nodes, slack = folds_for_nodes(inputs), SLACK * noise_of(data.coarse)
-    tried: list[Found] = []
-    scores: list[float] = []
-    for one in stiff.all[max(stiff.chosen - 1, 0) : stiff.chosen + 2]:
-        progress(f"{one.structure.hidden} hidden node(s), curves that bend")
-        tried.append(bent(one, BEND, scale))
-        scores.append(left_out(tried[-1], by_nodes).score_K)
-    return _Tried(tuple(tried), tuple(scores), _choice(scores, slack))
+    some = stiff.all[max(stiff.chosen - 1, 0) : stiff.chosen + 2]
+    progress("curves that bend")
+    tried = bent(some, BEND, scale)
+    progress("curves that bend: left-out error")
+    judged = all_left_out(tried, by_nodes)
+    return _Tried(tuple(tried), tuple(judged), _choice([one.score_K for one in judged], slack))
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,8 +241,10 @@ class _Best:
 def _pruned(data: NetworkData, tried: _Tried, scale: Scale, progress: Callable[[str], None]) -> _Best:
     """Take out the paths and heats that the chosen network does not need."""
     progress("paths")
-    folds, slack = folds_of(tried.found.problem.inputs), SLACK * noise_of(data.coarse)
-    found, judged = pruned(tried.found, left_out(tried.found, folds), folds, scale, slack)
+    inputs = tried.found.problem.inputs
+    folds, slack = folds_of(inputs), SLACK * noise_of(data.coarse)
+    judged = left_out(tried.found, folds) if each_alone(inputs) else tried.judged[tried.chosen]
+    found, judged = pruned(tried.found, judged, folds, scale, slack)
     return _Best(found, judged, tried.candidates)
 
 
@@ -228,14 +253,14 @@ def noise_of(runs: Sequence[Binned]) -> float:
     return float(np.sqrt(np.mean([run.noise_K**2 for run in runs])))
 
 
-def _enough(scores: list[float], slack: float) -> bool:
+def _enough(scores: Sequence[float], slack: float) -> bool:
     """Whether one more hidden node is not worth a trial: none could be chosen, the last made it worse, or two did."""
     if scores[-1] <= slack:
         return True
     return len(scores) > 2 and (scores[-1] > scores[-2] * BETTER or min(scores[-2:]) > min(scores[:-2]) * BETTER)
 
 
-def _choice(scores: list[float], slack: float) -> int:
+def _choice(scores: Sequence[float], slack: float) -> int:
     """The first that is about as good as the best."""
     limit = (BETTER * min(scores)) ** 2 + slack**2
     return next(k for k, score in enumerate(scores) if score**2 <= limit)

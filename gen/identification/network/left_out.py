@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +12,10 @@ from numpy.typing import NDArray
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.fit import settle
 from gen.identification.network.fitting.inputs import Inputs
+from gen.identification.network.fitting.marching import Slopes
+from gen.identification.network.fitting.problem import Evaluated
 from gen.identification.network.search import Found
+from gen.side_by_side import side_by_side
 
 MOST_FOLDS = 5
 STRETCHES = 8
@@ -89,27 +94,64 @@ def each_alone(inputs: Inputs) -> bool:
     return len(inputs.runs) > FEW and alone > MOST_ALONE * total
 
 
-def left_out(found: Found, folds: list[Mask]) -> LeftOut:
-    """Fit without each fold and predict it."""
+def left_out(found: Found, folds: Sequence[Mask]) -> LeftOut:
+    """Fit without each fold and predict it, side by side."""
+    return together(found, folds, side_by_side(predictions(found, folds)))
+
+
+def all_left_out(found: Sequence[Found], folds: Sequence[Mask]) -> list[LeftOut]:
+    """Give the same of several networks, all side by side."""
+    made = side_by_side([task for one in found for task in predictions(one, folds)])
+    count = len(folds)
+    return [together(one, folds, made[k * count : (k + 1) * count]) for k, one in enumerate(found)]
+
+
+def predictions(found: Found, folds: Sequence[Mask]) -> list[Callable[[], FloatArray]]:
+    """Give what :func:`predicted` gives of each fold, to be done side by side."""
+    known = found.problem.slopes(found.vector)
+    return [partial(predicted, found, known, mask) for mask in folds]
+
+
+def predicted(found: Found, known: tuple[Evaluated, Slopes], mask: Mask) -> FloatArray:
+    """Fit without a fold and predict it.
+
+    Parameters
+    ----------
+    found
+        Fitted to all runs.
+    known
+        What `slopes` of its problem gives there: folds differ by their weights alone.
+    mask
+        What is left out, shape (N,).
+
+    Returns
+    -------
+    FloatArray
+        Reading minus prediction, shape (N, S), K; NaN where nothing was left out, or nothing read.
+    """
     problem, inputs = found.problem, found.problem.inputs
-    structure = problem.structure
-    error = np.full(inputs.target.shape, np.nan)
-    by_fold = np.full((len(folds), len(structure.sensed)), np.nan)
-    known = problem.slopes(found.vector)
-    for f, mask in enumerate(folds):
-        without = problem.weighed(np.where(mask[:, None], 0.0, inputs.weight))
-        start = found.vector.copy()
-        for r, row in enumerate(inputs.rows):
-            if mask[row].all():
-                # A new run: nothing is known of it but where it begins.
-                own = without.columns(r)[structure.size :]
-                start[own] = problem.prior.mean[own]
-        # Another start of runs that are left out changes nothing of the others.
-        begun = without.weighed_up(*known)
-        evaluated = problem.evaluate(settle(without, start, AT_EACH, begun=begun).vector)
-        cover = np.where(mask[:, None], inputs.covered, 0.0)
-        error[cover > 0.0] = evaluated.residual[cover > 0.0]
+    without = problem.weighed(np.where(mask[:, None], 0.0, inputs.weight))
+    start = found.vector.copy()
+    for r, row in enumerate(inputs.rows):
+        if mask[row].all():
+            # A new run: nothing is known of it but where it begins.
+            own = without.columns(r)[problem.structure.size :]
+            start[own] = problem.prior.mean[own]
+    # Another start of runs that are left out changes nothing of the others.
+    begun = without.weighed_up(*known)
+    evaluated = problem.evaluate(settle(without, start, AT_EACH, begun=begun).vector)
+    return np.where(mask[:, None] & (inputs.covered > 0.0), evaluated.residual, np.nan)
+
+
+def together(found: Found, folds: Sequence[Mask], errors: Sequence[FloatArray]) -> LeftOut:
+    """Put the folds' errors together."""
+    covered = found.problem.inputs.covered
+    error = np.full(covered.shape, np.nan)
+    by_fold = np.full((len(folds), covered.shape[1]), np.nan)
+    for f, (mask, own) in enumerate(zip(folds, errors, strict=True)):
+        cover = np.where(mask[:, None], covered, 0.0)
+        error[cover > 0.0] = own[cover > 0.0]
         total = cover.sum(axis=0)
-        square = np.sum(cover * evaluated.residual**2, axis=0)
+        square = np.sum(cover * np.nan_to_num(own) ** 2, axis=0)
         by_fold[f] = np.where(total > 0.0, square / np.maximum(total, 1e-9), np.nan)
     return LeftOut(error, by_fold)

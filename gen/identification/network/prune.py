@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -13,9 +15,10 @@ from gen.identification.network.fitting.scale import Scale
 from gen.identification.network.fitting.speed_laws import WITHIN
 from gen.identification.network.fitting.structure import Structure
 from gen.identification.network.left_out import LeftOut, Mask, left_out
-from gen.identification.network.search import Found, tightened
+from gen.identification.network.search import Found, all_found, tightened
 from gen.identification.network.starts import taken_over
 from gen.identification.network.telling.uncertainty import spread_of
+from gen.side_by_side import has_help
 
 SHARES = (0.02, 0.005)
 """Of the whole heat: paths and heats that never carry more are candidates; the boldest cut that does no harm stays."""
@@ -45,30 +48,34 @@ def pruned(found: Found, judged: LeftOut, folds: list[Mask], scale: Scale, slack
     slack_K
         Errors that differ by less, in the mean square, do not count.
     """
-    tried: set[Structure] = {found.structure}
-    for share in SHARES:
-        structure = _cut(found, share)
-        if structure in tried:
-            continue
-        tried.add(structure)
-        smaller, errors = _refitted(found, structure, folds, scale)
+    structures = dict.fromkeys(_cut(found, share) for share in SHARES)
+    structures.pop(found.structure, None)
+    for smaller in _refitted(found, list(structures), scale):
+        errors = left_out(smaller, folds)
         if _harmless(errors, judged, slack_K) and not _objected(found, smaller):
             found, judged = smaller, errors
             break
     constant = _constant(found)
     if constant:
-        smaller, errors = _refitted(found, replace(found.structure, constant=constant), folds, scale)
+        (smaller,) = _refitted(found, [replace(found.structure, constant=constant)], scale)
+        errors = left_out(smaller, folds)
         if _harmless(errors, judged, slack_K) and not _objected(found, smaller):
             return smaller, errors
     return found, judged
 
 
-def _refitted(found: Found, structure: Structure, folds: list[Mask], scale: Scale) -> tuple[Found, LeftOut]:
+def _refitted(found: Found, structures: Sequence[Structure], scale: Scale) -> Iterator[Found]:
+    """Fit smaller networks: all side by side, or, without help, one by one as they are asked for."""
     inputs = found.problem.inputs
-    problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
-    start = taken_over(problem, found.problem, found.vector)
-    smaller = tightened(problem, start, found.density, AT_EACH, rounds=2)
-    return smaller, left_out(smaller, folds)
+    problems = [Problem(structure, inputs, prior_of(structure, inputs, scale)) for structure in structures]
+    searches = []
+    for problem in problems:
+        start = taken_over(problem, found.problem, found.vector)
+        searches.append(partial(tightened, problem, start, found.density, AT_EACH, rounds=2))
+    if has_help():
+        yield from all_found(problems, searches)
+    else:
+        yield from (search() for search in searches)
 
 
 def _harmless(errors: LeftOut, judged: LeftOut, slack_K: float) -> bool:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +18,7 @@ from gen.identification.network.fitting.scale import Scale
 from gen.identification.network.fitting.structure import Structure
 from gen.identification.network.fitting.weights import density, weights
 from gen.identification.network.starts import from_parts, in_roles, taken_over
+from gen.side_by_side import side_by_side
 
 LOOSE = (3000.0, 300.0, 80.0)
 """Densities of the errors with which the search begins, K^2 s: 2 K for ten minutes, and less each time."""
@@ -54,39 +58,55 @@ class Found:
         return self.fit.vector
 
 
-def search(structure: Structure, inputs: Inputs, scale: Scale, before: Found | None = None) -> Found:
-    """Find the best network of a structure.
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The search of the best network of a structure, in parts that can be done side by side.
 
-    Parameters
+    Attributes
     ----------
-    structure
-        What is free.
-    inputs
-        The runs; their weights are not used.
+    problem
+        What is free, and the runs; their weights are not used.
     scale
         What the parts do alone.
-    before
-        What was found with fewer hidden nodes: one more place to begin from.
     """
-    problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
-    sensors = len(structure.sensed)
-    alike = from_parts(problem, scale)
-    starts = [alike, in_roles(problem, alike)] if structure.hidden else [alike]
-    firm = problem.weighed(weights(inputs, np.full(sensors, FIRST_AT)))
-    found = []
-    for vector in starts:
+
+    problem: Problem[Structure]
+    scale: Scale
+
+    @classmethod
+    def of(cls, structure: Structure, inputs: Inputs, scale: Scale) -> Search:
+        """Give the search of a structure."""
+        return cls(Problem(structure, inputs, prior_of(structure, inputs, scale)), scale)
+
+    def afresh(self) -> list[Callable[[], Fit]]:
+        """Give the searches that begin with what each part does alone, from loose to firm."""
+        alike = from_parts(self.problem, self.scale)
+        starts = [alike, in_roles(self.problem, alike)] if self.problem.structure.hidden else [alike]
+        return [partial(self._from_afar, start) for start in starts]
+
+    def _from_afar(self, vector: FloatArray) -> Fit:
         for level in LOOSE:
-            loose = problem.weighed(weights(inputs, np.full(sensors, level)))
-            vector = approach(loose, vector, AT_EACH).vector
-        found.append(settle(firm, vector, AT_FIRST))
-    if before is not None:
-        found.append(settle(firm, taken_over(problem, before.problem, before.vector), AT_FIRST))
-    best = min(found, key=lambda fit: fit.cost)
-    return tightened(problem, best.vector, np.full(sensors, FIRST_AT), AT_LAST)
+            vector = approach(self._weighed(level), vector, AT_EACH).vector
+        return settle(self._weighed(FIRST_AT), vector, AT_FIRST)
+
+    def from_fewer(self, before: Found) -> Fit:
+        """Search from where a network with fewer hidden nodes is."""
+        start = taken_over(self.problem, before.problem, before.vector)
+        return settle(self._weighed(FIRST_AT), start, AT_FIRST)
+
+    def ended(self, fits: Sequence[Fit]) -> Found:
+        """Go on from the best of all."""
+        best = min(fits, key=lambda fit: fit.cost)
+        first = np.full(len(self.problem.structure.sensed), FIRST_AT)
+        return tightened(self.problem, best.vector, first, AT_LAST)
+
+    def _weighed(self, level: float) -> Problem[Structure]:
+        of = np.full(len(self.problem.structure.sensed), level)
+        return self.problem.weighed(weights(self.problem.inputs, of))
 
 
-def bent(stiff: Found, bend: float, scale: Scale) -> Found:
-    """Let the curves over speed of a network bend, and go on from where it is.
+def bent(stiff: Sequence[Found], bend: float, scale: Scale) -> list[Found]:
+    """Let the curves over speed of networks bend, and go on from where each is, side by side.
 
     Parameters
     ----------
@@ -97,11 +117,49 @@ def bent(stiff: Found, bend: float, scale: Scale) -> Found:
     scale
         For the prior.
     """
-    inputs, structure = stiff.problem.inputs, replace(stiff.structure, bend=bend)
-    problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
-    first = np.full(len(structure.sensed), FIRST_AT)
-    vector = approach(problem.weighed(weights(inputs, first)), stiff.vector, AT_FIRST).vector
+    problems = []
+    for one in stiff:
+        inputs, structure = one.problem.inputs, replace(one.structure, bend=bend)
+        problems.append(Problem(structure, inputs, prior_of(structure, inputs, scale)))
+    return all_found(problems, [partial(_bent, *each) for each in zip(problems, stiff, strict=True)])
+
+
+def _bent(problem: Problem[Structure], stiff: Found) -> Found:
+    first = np.full(len(problem.structure.sensed), FIRST_AT)
+    vector = approach(problem.weighed(weights(problem.inputs, first)), stiff.vector, AT_FIRST).vector
     return tightened(problem, vector, first, AT_LAST)
+
+
+class Told(NamedTuple):
+    """What a search that another process did has to tell: the rest is here, and parts are known by what they are.
+
+    Attributes
+    ----------
+    weight
+        Of the readings, shape (N, S).
+    fit, density
+        As in :class:`Found`.
+    """
+
+    weight: FloatArray
+    fit: Fit
+    density: FloatArray
+
+    def of(self, problem: Problem[Structure]) -> Found:
+        """What was found of this process's own problem."""
+        return Found(problem.weighed(self.weight), self.fit, self.density)
+
+
+def told(search: Callable[[], Found]) -> Told:
+    """Search, and tell what was found."""
+    found = search()
+    return Told(found.problem.inputs.weight, found.fit, found.density)
+
+
+def all_found(problems: Sequence[Problem[Structure]], searches: Sequence[Callable[[], Found]]) -> list[Found]:
+    """Do searches side by side, one for each problem."""
+    made = side_by_side([partial(told, search) for search in searches])
+    return [one.of(problem) for problem, one in zip(problems, made, strict=True)]
 
 
 def in_still_air(without: Found, widest: float, scale: Scale) -> Found:

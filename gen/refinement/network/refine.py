@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +25,10 @@ from gen.refinement.network.tracing.trace import Traced, trace
 from gen.refinement.network.tracing.warm_start import WarmStart, warm_start
 from gen.refinement.network.verdict import network_verdict
 from gen.refinement.network.written import Written, offered_anew, written
-from gen.refinement.run_errors import compared
+from gen.refinement.run_errors import Curve, Score, compared
 from gen.refinement.verdict import Verdict
 from gen.refinement.worse import got_worse, lowered, spoiled, told_worse
+from gen.side_by_side import side_by_side
 
 NOT_IN_ALL = (
     "what was found for all runs together is not written, since they differ: with --accept-change it is, as their mean"
@@ -145,11 +147,11 @@ def refine_network(
     ]
     effects = _entries(traced, sorted_out, room, start)
     kept_paths = [Path(name) for name, _ in runs]
-    before = _errors(coefficients, kept_paths, test_paths, lambda path: progress(f"judging {path}"))
+    before = _errors(coefficients, kept_paths, test_paths, progress)
     after, refined = before, coefficients
     if made.text != raw:
         refined = parse(made.text.encode())
-        after = _errors(refined, kept_paths, test_paths, lambda path: progress(f"judging {path} with what was found"))
+        after = _errors(refined, kept_paths, test_paths, lambda what: progress(f"{what} with what was found"))
     torn = spoiled(before, after, traced.null.noise_K) + ([NOT_IN_ALL] if sorted_out.parts_runs else [])
     torn = [] if accept_change else torn
     if torn:
@@ -179,15 +181,19 @@ def _entries(traced: Traced, found: Kept, room: MovingAmbient | None, start: War
 
 
 def _errors(
-    model: Coefficients, fit_paths: Sequence[Path], test_paths: Sequence[Path], say: Callable[[Path], None]
+    model: Coefficients, fit_paths: Sequence[Path], test_paths: Sequence[Path], progress: Callable[[str], None]
 ) -> Errors:
     """What `gen simulate` gives for each run, compared with what was measured."""
     errors = Errors()
+    progress(f"judging {len(fit_paths) + len(test_paths)} runs")
+    made = iter(side_by_side([partial(_judged, model, path) for path in (*fit_paths, *test_paths)]))
     for paths, scores in ((fit_paths, errors.fit), (test_paths, errors.test)):
         for path in paths:
-            say(path)
-            run = read_measured(model, path)
-            columns = simulate_run(model, run, "exact", "auto", str(path))
-            shown = {name: np.asarray(columns[f"{name}_degC"], dtype=np.float64) for name in run.temps}
-            scores[str(path)], errors.curves[str(path)] = compared(run, shown)
+            scores[str(path)], errors.curves[str(path)] = next(made)
     return errors
+
+
+def _judged(model: Coefficients, path: Path) -> tuple[dict[str, Score], Curve]:
+    run = read_measured(model, path)
+    columns = simulate_run(model, run, "exact", "auto", str(path))
+    return compared(run, {name: np.asarray(columns[f"{name}_degC"], dtype=np.float64) for name in run.temps})

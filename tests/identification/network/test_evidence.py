@@ -61,7 +61,8 @@ def test_a_curve_that_bends_is_let_bend() -> None:
 
 @pytest.fixture(scope="module")
 def bending(smooth: NetworkFound) -> Found:
-    return bent(smooth.found, BEND, scale_of(smooth.inputs))
+    (found,) = bent([smooth.found], BEND, scale_of(smooth.inputs))
+    return found
 
 
 def test_a_curve_that_hardly_bends_is_held_for_as_uncertain_as_one_that_may(

@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.optimize import brentq
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.physics import Shape
@@ -23,6 +24,9 @@ FIRST_RADIUS, LARGEST_RADIUS = 0.5, 4.0
 FIRST_DAMPING = 1e-2
 TOLERANCE = 1e-4
 """Relative decrease of the cost below which the search ends."""
+LEAST_DAMPING, MOST_DAMPING = -6.0, 16.0
+"""Logarithms (base 10) of what is added to the curvature in a trust region, in units of the prior's precision."""
+TINY = 1e-300
 TRIALS = 8
 WORTH = 1e-3
 """Least share of the expected decrease with which a step is taken."""
@@ -171,12 +175,17 @@ class Trust:
         whole = self._whole
         if whole is not None and np.max(np.abs(whole)) <= radius:
             return whole * self._deviation
-        low, high = -6.0, 16.0
-        for _ in range(24):
-            middle = 0.5 * (low + high)
-            long = np.max(np.abs(self._damped(10.0**middle))) > radius
-            low, high = (middle, high) if long else (low, middle)
-        return self._damped(10.0**high) * self._deviation
+        damping = LEAST_DAMPING
+        if self._longer(MOST_DAMPING, radius) >= 0.0:
+            damping = MOST_DAMPING  # nothing is so short
+        elif self._longer(LEAST_DAMPING, radius) > 0.0:
+            damping = brentq(self._longer, LEAST_DAMPING, MOST_DAMPING, args=(radius,), xtol=1e-3)
+        return self._damped(10.0**damping) * self._deviation
+
+    def _longer(self, damping: float, radius: float) -> float:
+        """Logarithm of the step's longest entry over the radius, which falls as damping (its logarithm) grows."""
+        longest = float(np.max(np.abs(self._damped(10.0**damping))))
+        return float(np.log(max(longest, TINY)) - np.log(max(radius, TINY)))
 
     @cached_property
     def _whole(self) -> FloatArray | None:

@@ -90,6 +90,9 @@ class Shape(Protocol):
     The vector of shared parameters begins with the logarithms of the capacities.
     """
 
+    def __hash__(self) -> int:
+        """Alike for shapes in which the same is free."""
+
     @property
     def nodes(self) -> int:
         """How many nodes."""

@@ -6,6 +6,8 @@ kelvin, which fits each step alone and nothing else.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
@@ -26,9 +28,15 @@ def off(structure: Shape, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
     residual, slopes
         Shapes (k,) and (k, p): by the parameters that all runs share.
     """
-    sensors = structure.sensors
-    if structure.nodes == sensors:
+    if structure.nodes == structure.sensors:
         return np.zeros(0), np.zeros((0, structure.size))
+    return _off(structure, vector[: structure.size].tobytes())
+
+
+@lru_cache(maxsize=4)
+def _off(structure: Shape, shared: bytes) -> tuple[FloatArray, FloatArray]:
+    """The same where there are some, kept: a search asks when it tries a vector, and when it goes on from there."""
+    vector, sensors = np.frombuffer(shared), structure.sensors
     found = settled(structure, SPEEDS, vector)
     rise = np.maximum(found.rise, 1e-6)
     logs, slopes = np.log(rise), found.slopes / rise[:, :, None]

@@ -245,15 +245,17 @@ class Problem(Generic[S_co]):
         matrix, right
             Shapes (P, P) and (P,); the step solves matrix * step = right.
         """
-        matrix, right = np.zeros((self.size, self.size)), np.zeros(self.size)
-        for r in range(self.runs):
-            at = self.columns(r)
-            matrix[np.ix_(at, at)] += normal.matrix[r]
-            right[at] += normal.vector[r]
-        matrix += self.prior.precision
-        right -= self.prior.precision @ (vector - self.prior.mean)
-        implausible, slopes = self.structure.implausible(vector)
         shared = self.structure.size
+        matrix, right = self.prior.precision.copy(), self.prior.precision @ (self.prior.mean - vector)
+        matrix[:shared, :shared] += normal.matrix[:, :shared, :shared].sum(axis=0)
+        right[:shared] += normal.vector[:, :shared].sum(axis=0)
+        for r in range(self.runs):
+            own = slice(shared + r * self.own, shared + (r + 1) * self.own)
+            matrix[:shared, own] += normal.matrix[r, :shared, shared:]
+            matrix[own, :shared] += normal.matrix[r, shared:, :shared]
+            matrix[own, own] += normal.matrix[r, shared:, shared:]
+            right[own] += normal.vector[r, shared:]
+        implausible, slopes = self.structure.implausible(vector)
         matrix[:shared, :shared] += slopes.T @ slopes
         right[:shared] -= slopes.T @ implausible
         return matrix, right

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from gen.refinement.network.fitting.anchors import anchors, declared_density
 from gen.replay import Inputs as Driven
 from gen.replay import inputs_of as driven_by
 from gen.runs import Run
+from gen.side_by_side import side_by_side
 
 BIN_S, MOST_BINS = 120.0, 4000
 """Longest bin, and how many all later runs together may have."""
@@ -87,24 +89,21 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
     full_scale = coefficients.document.input.full_scale
     total = sum(float(run.time_s[-1] - run.time_s[0]) for _, run in runs)
     longest = max(BIN_S, 1.5 * total / MOST_BINS)
-    made: list[Binned] = []
-    for (name, run), inputs in zip(runs, driven, strict=True):
-        ambient = np.asarray(inputs.ambient, dtype=np.float64)
-        run = freed(run, model.network, ambient)
-        carried = excess.excesses(coefficients, run, inputs)
-        further = columns.of_run(run.pwm.astype(np.float64), inputs.channels, carried, later=True)
-        made.append(binned(name, run, names, ambient, full_scale, longest, further))
     neutral = model.network.neutral()
+    along = [
+        _Along(name, run, inputs, np.asarray(inputs.ambient, dtype=np.float64), inputs.channels, longest)
+        for (name, run), inputs in zip(runs, driven, strict=True)
+    ]
     for number, run in enumerate(anchors(coefficients)):
         name = f"the file itself, {number + 1}"
         told = {column: np.full(run.time_s.size, neutral.get(column, 0.0)) for column in columns.channels}
         inputs = driven_by(coefficients, run, name, as_declared=as_declared)
         assert run.ambient is not None
-        ambient = run.ambient
-        run = freed(run, model.network, ambient)
-        carried = excess.excesses(coefficients, run, inputs)
-        further = columns.of_run(run.pwm.astype(np.float64), told, carried, later=False)
-        made.append(binned(name, run, names, ambient, full_scale, 2.0 * BIN_S, further))
+        along.append(_Along(name, run, inputs, run.ambient, told, 2.0 * BIN_S))
+    # Where some heat goes by a law of temperature, the file is followed along each run, which takes a second.
+    made = side_by_side(
+        [partial(_condensed, coefficients, columns, one, later=k < len(runs)) for k, one in enumerate(along)]
+    )
     return Data(
         inputs_of(made),
         len(runs),
@@ -112,6 +111,29 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
         _offered(runs, driven, columns, names, full_scale),
         declared_density(coefficients),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Along:
+    """A run, what drives the file along it, its ambient, its channels, and the longest bin, s."""
+
+    name: str
+    run: Run
+    inputs: Driven
+    ambient: FloatArray
+    channels: Mapping[str, FloatArray]
+    longest: float
+
+
+def _condensed(coefficients: Coefficients, columns: Columns, one: _Along, *, later: bool) -> Binned:
+    """The bins of a run."""
+    model = coefficients.model
+    assert model.network is not None
+    run = freed(one.run, model.network, one.ambient)
+    carried = excess.excesses(coefficients, run, one.inputs)
+    further = columns.of_run(run.pwm.astype(np.float64), one.channels, carried, later=later)
+    full_scale = coefficients.document.input.full_scale
+    return binned(one.name, run, model.component_names, one.ambient, full_scale, one.longest, further)
 
 
 def _channels(runs: Sequence[tuple[str, Run]], driven: Sequence[Driven], own: Sequence[str]) -> tuple[str, ...]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -10,13 +12,15 @@ from scipy.linalg import cho_factor, cho_solve
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.fit import Fit, settle
 from gen.identification.network.fitting.inputs import Inputs
+from gen.identification.network.fitting.marching import Slopes
 from gen.identification.network.fitting.priors import Prior
-from gen.identification.network.fitting.problem import Problem
+from gen.identification.network.fitting.problem import Evaluated, Problem
 from gen.identification.network.fitting.weights import density
 from gen.refinement.network.effects.base import Seen
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import Data
-from gen.refinement.network.fitting.folds import folds_of
+from gen.refinement.network.fitting.folds import Mask, folds_of
+from gen.side_by_side import side_by_side
 
 AT_FIRST, AT_EACH, AT_LAST, AT_LEFT_OUT, AT_TRIAL = 20, 16, 40, 4, 6
 """Linearisations: of the file alone, of an effect beside it, of one that is compared with others by its cost, of a
@@ -176,9 +180,31 @@ class Bench:
         problem, start = self.begin(shape, base)
         return Fitted(problem, settle(problem, start, most))
 
+    def fits(self, shapes: Sequence[Anchored], base: Fitted) -> list[Fitted]:
+        """Fit several hypotheses, side by side."""
+        begun = [self.begin(shape, base) for shape in shapes]
+        found = side_by_side([partial(settle, problem, start, AT_EACH) for problem, start in begun])
+        return [Fitted(problem, fit) for (problem, _), fit in zip(begun, found, strict=True)]
+
     def finished(self, fitted: Fitted) -> Fitted:
         """Go on to the minimum."""
         return Fitted(fitted.problem, settle(fitted.problem, fitted.vector, AT_LAST))
+
+    def all_finished(self, fitted: Sequence[Fitted]) -> list[tuple[Fitted, FloatArray]]:
+        """Go on to the minimum with several, and give also what is left out of each, side by side."""
+        found = side_by_side([partial(self._finished, one) for one in fitted])
+        return [(Fitted(one.problem, fit), error) for one, (fit, error) in zip(fitted, found, strict=True)]
+
+    def _finished(self, fitted: Fitted) -> tuple[Fit, FloatArray]:
+        made = self.finished(fitted)
+        return made.fit, self.left_out(made)
+
+    def promises(self, shapes: Sequence[Anchored], base: Fitted) -> list[float]:
+        """Give what :meth:`promise` says of several, side by side; those that take a search come first."""
+        order = sorted(range(len(shapes)), key=lambda k: not shapes[k].effects[-1].paths)
+        found = side_by_side([partial(self.promise, shapes[k], base) for k in order])
+        by_place = dict(zip(order, found, strict=True))
+        return [by_place[k] for k in range(len(shapes))]
 
     def promise(self, shape: Anchored, base: Fitted) -> float:
         """Give the decrease of the cost that an effect promises, the last of the shape's.
@@ -202,20 +228,25 @@ class Bench:
         Of a run that is left out whole nothing is known but where it begins, as of any run that comes later: hidden
         starts that were fitted to it would tell of it.
         """
-        problem, inputs = fitted.problem, self.data.inputs
-        error = np.full(inputs.covered.shape, np.nan)
-        known = problem.slopes(fitted.vector)  # folds differ by their weights alone
-        for mask in self.folds:
-            without = problem.weighed(np.where(mask[:, None], 0.0, problem.inputs.weight))
-            begun = without.weighed_up(*known)
-            start = fitted.vector.copy()
-            for r, row in enumerate(inputs.rows[: self.data.later]):
-                if mask[row].all():
-                    forget(without, start, r)
-            evaluated = problem.evaluate(settle(without, start, AT_LEFT_OUT, begun=begun).vector)
-            seen = mask[:, None] & (inputs.covered > 0.0)
-            error[seen] = evaluated.residual[seen]
+        covered = self.data.inputs.covered
+        error = np.full(covered.shape, np.nan)
+        known = fitted.problem.slopes(fitted.vector)  # folds differ by their weights alone
+        predicted = side_by_side([partial(self._predicted, fitted, known, mask) for mask in self.folds])
+        for mask, residual in zip(self.folds, predicted, strict=True):
+            seen = mask[:, None] & (covered > 0.0)
+            error[seen] = residual[seen]
         return error
+
+    def _predicted(self, fitted: Fitted, known: tuple[Evaluated, Slopes], mask: Mask) -> FloatArray:
+        """What is left of all readings, shape (N, S), K, where one fold took no part in the fit."""
+        problem = fitted.problem
+        without = problem.weighed(np.where(mask[:, None], 0.0, problem.inputs.weight))
+        begun = without.weighed_up(*known)
+        start = fitted.vector.copy()
+        for r, row in enumerate(problem.inputs.rows[: self.data.later]):
+            if mask[row].all():
+                forget(without, start, r)
+        return problem.evaluate(settle(without, start, AT_LEFT_OUT, begun=begun).vector).residual
 
     def bent(self, fitted: Fitted) -> float:
         """Give how far the file had to be bent: weighed squares of what it stands for, and of its numbers."""

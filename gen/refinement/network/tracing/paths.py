@@ -148,9 +148,8 @@ def _most_promising(
         progress(f"what {one.effect.name} promises with a second one")
         fitted = one.judged.fitted
         beside = [effect for effect in linear if effect.name != one.effect.name]
-        promised = [
-            bench.promise(fitted.shape.with_effects(one.effect, it), fitted) - PRICE * it.freedom for it in beside
-        ]
+        gains = bench.promises([fitted.shape.with_effects(one.effect, it) for it in beside], fitted)
+        promised = [gain - PRICE * it.freedom for gain, it in zip(gains, beside, strict=True)]
         cost = fitted.fit.cost + PRICE * one.effect.freedom - max(promised, default=0.0)
         if cost < least:
             least, best = cost, one

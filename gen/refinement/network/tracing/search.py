@@ -106,24 +106,24 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
     found = base.shape.effects
     taken = {(effect.name, effect.component) for effect in found}
     promised: dict[str, list[tuple[float, NetworkEffect]]] = {}
-    progress(f"{len(every)} candidates beside {', '.join(now.names) or 'nothing'}")
-    for effect in every:
-        if (effect.name, effect.component) not in taken:
-            gain = bench.promise(base.shape.with_effects(*found, effect), base) - PRICE * effect.freedom
-            promised.setdefault(effect.name, []).append((gain, effect))
-    fits: list[Fitted] = []
-    for name, offers in promised.items():
-        progress(f"{name} beside {', '.join(now.names) or 'nothing'}")
-        best = sorted(offers, key=lambda offer: -offer[0])[:FITTED_OF_EACH]
-        own = [bench.fit(base.shape.with_effects(*found, effect), base) for _, effect in best]
-        fits.append(min(own, key=_priced))
+    untaken = [effect for effect in every if (effect.name, effect.component) not in taken]
+    if not untaken:
+        return Step(now, (), None, ())
+    beside = f"beside {', '.join(now.names) or 'nothing'}"
+    progress(f"{len(untaken)} candidates {beside}")
+    shapes = [base.shape.with_effects(*found, effect) for effect in untaken]
+    for effect, gain in zip(untaken, bench.promises(shapes, base), strict=True):
+        promised.setdefault(effect.name, []).append((gain - PRICE * effect.freedom, effect))
+    progress(f"{len(promised)} kinds {beside}")
+    best = [sorted(offers, key=lambda offer: -offer[0])[:FITTED_OF_EACH] for offers in promised.values()]
+    own = bench.fits([base.shape.with_effects(*found, effect) for offers in best for _, effect in offers], base)
+    fits = [min((own.pop(0) for _ in offers), key=_priced) for offers in best]
     fits.sort(key=_priced)
-    considered = []
-    for fitted in fits[:LEFT_OUT]:
-        progress(f"{fitted.shape.effects[-1].name}: left-out error")
-        fitted = bench.finished(fitted)
-        one = judged(data, fitted, bench.left_out(fitted))
-        considered.append(_considered(data, now, one, len(promised), bench.bent(base)))
+    fits = fits[:LEFT_OUT]
+    progress(f"{', '.join(fitted.shape.effects[-1].name for fitted in fits)}: left-out error")
+    ended = [judged(data, *each) for each in bench.all_finished(fits)]
+    bent = bench.bent(base)
+    considered = [_considered(data, now, one, len(promised), bent) for one in ended]
     considered = [_moved(bench, now, one) for one in considered]
     considered.sort(key=lambda one: one.judged.score_K)
     # What is much worse than something that cannot be the reason is not the reason either.
