@@ -138,9 +138,9 @@ def refine_network(
     start = warm_start(data, traced.final)
     fixed = room is None and coefficients.model.ambient_channel is None
     sorted_out = kept(traced, [name for name, _ in runs], fixed_ambient=fixed, accept_change=accept_change)
-    made = written(coefficients, raw, traced, sorted_out.effects, room, start.factors, accept_change=accept_change)
+    made = written(coefficients, raw, traced, sorted_out.effects, room, start, accept_change=accept_change)
     anew = "" if made.refitted else offered_anew(traced)
-    warnings += [*sorted_out.warnings, *(said for said in (made.refused, anew) if said)]
+    warnings += [*sorted_out.warnings, *start.warnings, *(said for said in (made.refused, anew) if said)]
     warnings += [
         f"{one.effect.component}: {one.effect.name} was found first, and is not needed beside what was found after it"
         for one in traced.dropped
@@ -161,7 +161,7 @@ def refine_network(
         warnings += [f"of what is written: {said}" for said in refined.warnings if said not in coefficients.warnings]
     holds = sorted_out.holds and not made.refused
     holds = holds and all(found.effect.held_by_the_file for found in traced.added)
-    verdict = network_verdict(traced, start, anything=bool(effects), holds=holds)
+    verdict = network_verdict(traced, start, anything=bool(effects or start.factors), holds=holds)
     verdict = "unexplained" if torn else lowered(verdict) if got_worse(before, after) else verdict
     told, ignored = settled(runs, traced)
     warnings += [*ignored, *said_of(test_paths, before), *told_worse(before, after), *missed(after)]
@@ -177,7 +177,7 @@ def _entries(traced: Traced, found: Kept, room: MovingAmbient | None, start: War
         assert step.added is not None  # the last search alone may have added nothing
         if told:
             made.append(effect_entry(step, step.added, traced, change))
-    return made + ([start_entry(start)] if start.factors else [])
+    return made + ([start_entry(start)] if start.named else [])
 
 
 def _errors(

@@ -16,6 +16,7 @@ from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.effects.warm_inside import NAME as INITIAL_STATE
 from gen.refinement.network.tracing.judged import p_better
 from gen.refinement.network.tracing.trace import Traced
+from gen.refinement.network.tracing.warm_start import WarmStart
 from gen.refinement.verdict import NOTHING
 
 NOT_ALONE = (
@@ -66,7 +67,7 @@ def written(
     traced: Traced,
     kept: Sequence[NetworkEffect],
     room: MovingAmbient | None,
-    factors: Mapping[str, float],
+    start: WarmStart,
     *,
     accept_change: bool = False,
 ) -> Written:
@@ -84,8 +85,8 @@ def written(
         Effects of it that are to be written.
     room
         That the measured ambient is to be read from now on, or None.
-    factors
-        What hidden nodes start at from now on, by name.
+    start
+        What hidden nodes start at from now on.
     accept_change
         Write the file's own numbers, fitted anew, although they leave more than noise.
     """
@@ -96,13 +97,14 @@ def written(
 
     def begun(margin: float = MARGIN) -> NetworkWriter:
         made = NetworkWriter(network, document.input.full_scale, ranges, document.sample_time_s, margin)
-        for name, factor in factors.items():
+        for name, factor in start.factors.items():
             made.start_factor(name, factor)
         return made
 
     # Some files follow a room that moves only with numbers that were fitted to it.
     alone = channel if room is None or room.as_it_is else None
-    outside = [*([INITIAL_STATE] if factors else []), *([] if alone is None else ["ambient"])]
+    begins = [INITIAL_STATE if start.named else "starts"] if start.factors else []
+    outside = [*begins, *([] if alone is None else ["ambient"])]
     unheld = ", ".join(f"{effect.name} at {effect.component}" for effect in kept if not effect.held_by_the_file)
     kept = [effect for effect in kept if effect.held_by_the_file]
     unchanged = Written(raw, refused=MEND.format(unheld) if unheld else "" if alone == channel else NOT_ALONE)

@@ -81,6 +81,16 @@ def test_heat_that_has_grown_most_at_slow_speeds_is_no_wear_of_one_part() -> Non
     network = read(tree()).model.network
     assert network is not None
     motor = Anchored.of(network, 255, made.columns).motor()
-    resonance = (1.2, 1.4, 2.4, 1.2, 1.06, 1.04)
+    resonance = (1.2, 1.4, 1.5, 1.2, 1.06, 1.04)
     assert not looks_like_a_change(ScheduleError(motor, [0], "winding"), resonance, made)
     assert looks_like_a_change(ScheduleError(motor, [0, 1], WHOLE), resonance, made)  # a cover may do that
+
+
+@pytest.mark.parametrize(("peak", "fault"), [(1.12, True), (1.4, False)])
+def test_heat_of_the_whole_motor_that_peaks_between_its_speeds_is_no_cover(peak: float, fault: bool) -> None:
+    made = data(2)
+    network = read(tree()).model.network
+    assert network is not None
+    motor = Anchored.of(network, 255, made.columns).motor()
+    values = (1.05, 1.05, 1.05, peak, 1.05, 1.05)
+    assert bool(looks_like_a_change(ScheduleError(motor, [0, 1], WHOLE), values, made)) == fault

@@ -330,3 +330,31 @@ def test_runs_that_begin_warm_inside_are_told_and_the_file_starts_so(tmp_path: P
     before, after = (found.details()[when]["test"]["rmse_K"] for when in ("before", "after"))
     assert before > 4.0 * NOISE_K
     assert after < 0.5 * before
+
+
+def test_runs_that_begin_behind_a_room_that_moved_have_no_effect_of_that_name(tmp_path: Path) -> None:
+    """Nothing has run before: the part without a sensor still is as warm as the room was half an hour ago."""
+    made = tree()
+    made["network"]["nodes"][0].pop("sensor")
+    made["network"]["nodes"][0]["capacity_J_per_K"] = 1500
+    made["provenance"]["fit"].pop("winding")
+    given = []
+    for seed in (1, 2, 3, 4, 5):
+        pwm = np.concatenate([np.zeros(5400), profile(seed)]).astype(np.int64)
+        time = ROW_S * np.arange(pwm.size)
+        room = 24.0 + 10.0 * np.sin(time / 2500.0 + 2.0 + np.pi * seed)
+        shown = NetworkSolution(read(made).model).simulate_times(time, pwm, room, None, {"casing": 24.0})["casing"]
+        shown = shown + np.random.default_rng(seed).normal(0.0, 0.5 * NOISE_K, pwm.size)
+        later = Run(time[5400:] - time[5400], pwm[5400:], {"casing": shown[5400:]}, room[5400:])
+        given.append(write(later, tmp_path / f"run_{seed}.csv"))
+    (tmp_path / "small.json").write_text(json.dumps(made), encoding="utf-8")
+    found = gen.refine(gen.load(tmp_path / "small.json"), fit=given[:4], test=given[4:])
+    assert found.effects()["effect"].tolist() == []
+    assert len([warning for warning in found.warnings if "room as it was before" in warning]) == 1
+    node = found.model.coefficients.model.network
+    assert node is not None
+    # At these phases it is 9.82 K from the room where the casing, at which it would rest, is 7.81 K from it.
+    assert node.hidden[0].start_factor == pytest.approx(9.82 / 7.81, rel=0.02)
+    before, after = (found.details()[when]["test"]["rmse_K"] for when in ("before", "after"))
+    assert before > 5.0 * NOISE_K
+    assert after < NOISE_K

@@ -17,10 +17,16 @@ from gen.refinement.network.fitting.fit import Bench, Fitted
 from gen.refinement.network.tracing.judged import Judged, judged
 from gen.refinement.network.tracing.search import Considered, Step
 from gen.refinement.network.tracing.trace import Traced
+from gen.refinement.network.tracing.warm_start import WarmStart
 from gen.refinement.network.written import offered_anew, written
 from tests.refinement.network.motor import read, run, tree, wave
 
 SUPPLY_V = (19.0, 27.0)
+
+
+def as_said(traced: Traced) -> WarmStart:
+    """Hidden nodes start where the file says."""
+    return WarmStart(traced.final, {}, traced.final, 1.0)
 
 
 @pytest.mark.parametrize("helps", [True, False])
@@ -41,7 +47,7 @@ def test_beside_wear_the_room_is_read_only_where_the_file_as_it_is_gains_by_it(h
     step = Step(null, (), Considered(wear, final, 0.0, ()), ())
     traced = Traced(data, judged(data, base, bench.as_it_is(shape)), null, (step,), final, ())
     room = MovingAmbient("ambient_degC", 2.0, 0.2, 0.0, helps)
-    made = written(coefficients, raw, traced, [], room, {})
+    made = written(coefficients, raw, traced, [], room, as_said(traced))
     assert not made.refitted
     if helps:
         assert parse(made.text.encode()).model.ambient_channel == "ambient_degC"
@@ -67,12 +73,12 @@ def test_numbers_that_leave_more_than_noise_are_offered_and_written_only_on_dema
     null, file = judged(data, base, bench.left_out(base)), judged(data, base, bench.as_it_is(shape))
     # As if sensors were so good that the rest is no noise.
     traced = Traced(data, file, replace(null, noise_K=null.score_K / 3.0), (), null, ())
-    held = written(coefficients, raw, traced, [], None, {})
+    held = written(coefficients, raw, traced, [], None, as_said(traced))
     assert held.text == raw
     assert not held.refitted
     said = offered_anew(traced)
     assert f"to {null.score_K:.2g} K instead of {file.score_K:.2g} K" in said
-    accepted = written(coefficients, raw, traced, [], None, {}, accept_change=True)
+    accepted = written(coefficients, raw, traced, [], None, as_said(traced), accept_change=True)
     assert accepted.refitted
     assert accepted.text != raw
     assert offered_anew(replace(traced, null=replace(null, noise_K=null.score_K))) == ""
@@ -109,7 +115,7 @@ def test_a_channel_is_held_to_less_where_all_of_it_would_heat_the_motor_without_
     final = replace(null, fitted=Fitted(problem, replace(base.fit, vector=vector)))
     traced = Traced(bench.data, null, null, (Step(null, (), Considered(supply, final, 0.0, ()), ()),), final, ())
     raw = json.dumps(tree())
-    made = written(parse(raw.encode()), raw, traced, [supply, loss], None, {})
+    made = written(parse(raw.encode()), raw, traced, [supply, loss], None, as_said(traced))
     if range_V is None:
         assert made.text == raw
         assert "none that can be built ($.network: runs away" in made.refused

@@ -15,8 +15,9 @@ GROWN = 1.03
 """Heat that has grown by more than this at every speed that was run is a fault's pattern: no curve errs like that."""
 GROWN_EVERYWHERE, NEARLY_ALL = 1.01, 0.1
 """The same of all heat together, which runs tell better than that of one node, at all but this share of the speeds."""
-
-
+PEAK = 3.0
+"""Heat of the whole motor that has grown at a speed between by this factor more than at the lowest and the highest that
+were run is that of a resonance, or of a schedule that was wrong there: what covers or loads a motor does not peak."""
 RISES = 0.5
 """What wear adds at the highest speed is at least this share of what it adds at any: what rubs, and the current that it
 asks for, heat more the faster it turns. A resonance does not."""
@@ -47,7 +48,7 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
         least = float(np.quantile(factor, NEARLY_ALL) if everywhere else factor.min())
         if least < (GROWN_EVERYWHERE if everywhere else GROWN):
             return ""
-        if not everywhere and _falls(effect.added_W(speed, values)):
+        if _peaks(factor) if everywhere else _falls(effect.added_W(speed, values)):
             return ""
         grown = f"by {least - 1.0:.0%} to {factor.max() - 1.0:.0%}"
     elif values[0] > 0.0:
@@ -69,3 +70,9 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
 def _falls(added_W: FloatArray) -> bool:
     """Whether heat over ascending speeds, shape (L,), W, is much less at the last than at one before it."""
     return bool(added_W[-1] < RISES * added_W.max())
+
+
+def _peaks(factor: FloatArray) -> bool:
+    """Whether factors over ascending speeds, shape (L,), have grown between both ends by far more than at these."""
+    grown = factor - 1.0
+    return bool(grown.max() > PEAK * max(grown[0], grown[-1]))

@@ -41,12 +41,32 @@ class WarmStart:
         Judged with factors from the other runs.
     p_value
         That it is chance.
+    by_the_room
+        Whether hidden nodes begin no further from the ambient than it moves in that run: then what they still have is
+        the room's past, not the motor's.
     """
 
     file: Judged
     factors: dict[str, float]
     with_factors: Judged
     p_value: float
+    by_the_room: bool = False
+
+    @property
+    def named(self) -> bool:
+        """Whether it is an effect of its own."""
+        return bool(self.factors) and not self.by_the_room
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is written without a name, a sentence."""
+        if not self.factors or self.named:
+            return []
+        each = ", ".join(f"{name} {factor:.2g}" for name, factor in self.factors.items())
+        return [
+            "runs begin while parts without a sensor still follow the room as it was before: what they begin at "
+            f"(`start_factor`) is fitted to that ({each})"
+        ]
 
     @property
     def floors(self) -> float:
@@ -92,7 +112,9 @@ def warm_start(data: Data, final: Judged) -> WarmStart:
         return WarmStart(file, {}, file, p)
     factors = said + _change(unit, evaluated.residual, problem.inputs.weight, seen, said)
     names = [shape.names[k] for k in hidden]
-    return WarmStart(file, dict(zip(names, factors.tolist(), strict=True)), found, p)
+    moves = np.array([np.ptp(run.ambient) for run in data.inputs.runs[: data.later]])
+    by_the_room = data.offered.room_moves and bool(np.all(np.abs(factors * rises) <= moves[:, None]))
+    return WarmStart(file, dict(zip(names, factors.tolist(), strict=True)), found, p, by_the_room)
 
 
 def _ambient(data: Data) -> FloatArray:
