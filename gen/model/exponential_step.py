@@ -9,11 +9,12 @@ Numerica 19, 2010, section 2.3).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import factorial
 
 import numpy as np
 
+from gen.model.law_solution import LawFlow
+from gen.model.law_steps import exponential
 from gen.model.schedules import FloatArray
 
 _LARGEST_OFF = 2e-11
@@ -23,7 +24,6 @@ _WAIT = 16
 """Rows before steps of a length are tried again that were too long by the derivatives of their own beginning."""
 _APART_K = 1e-2
 """What derivatives are differences over."""
-Rate = Callable[[FloatArray], FloatArray]
 
 
 class ExponentialStep:
@@ -32,30 +32,31 @@ class ExponentialStep:
     Parameters
     ----------
     rate
-        K/s of states in degC, shape (n,) or (L, n) both.
+        One lane.
     states
         Where the derivatives are taken, shape (n,).
     length
         s.
     """
 
-    def __init__(self, rate: Rate, states: FloatArray, length: float) -> None:
+    def __init__(self, rate: LawFlow, states: FloatArray, length: float) -> None:
         moved = rate(states + _APART_K * np.eye(states.size)) - rate(states)
         self._jacobian = moved.T / _APART_K
-        self._linear, self._rest = [], []
-        for thirds in (1, 2, 3):
+        size = states.size
+        self._linear, self._rest = np.empty((3, size, size)), np.zeros((3, size, 2 * size))
+        for row, thirds in enumerate((1, 2, 3)):
             functions = _phi(self._jacobian, length * thirds / 3.0, thirds)
-            self._linear.append(functions[0])
-            self._rest.append(_through(thirds - 1, functions, thirds))
+            self._linear[row] = functions[0]
+            self._rest[row, :, : row * size] = _through(thirds - 1, functions, thirds)
         self._last = _through(3, _phi(self._jacobian, length, 4), 3)
 
-    def __call__(self, rate: Rate, states: FloatArray) -> tuple[FloatArray, bool]:
+    def __call__(self, rate: LawFlow, states: FloatArray) -> tuple[FloatArray, bool]:
         """Step.
 
         Parameters
         ----------
         rate
-            K/s; it need not be that of the derivatives.
+            One lane; it need not be that of the derivatives.
         states
             At the beginning, degC, shape (n,).
 
@@ -64,13 +65,9 @@ class ExponentialStep:
         states, good
             At the end; and whether the rest was smooth enough.
         """
-        begin = rate(states)
-        rest = np.zeros(0)
-        for linear, weights in zip(self._linear, self._rest, strict=True):
-            change = linear @ begin + weights @ rest
-            rest = np.concatenate([rest, rate(states + change) - begin - self._jacobian @ change])
-        last = self._linear[-1] @ begin + self._last @ rest
-        return states + last, bool(np.abs(last - change).max() <= _LARGEST_OFF)
+        made = np.empty_like(states)
+        off = exponential(states, self._jacobian, self._linear, self._rest, self._last, *rate.arrays, made)
+        return made, off <= _LARGEST_OFF
 
 
 class RowSteps:
@@ -80,13 +77,13 @@ class RowSteps:
         self._known: dict[tuple[float, float], ExponentialStep | None] = {}
         self._waits: dict[tuple[float, float], int] = {}
 
-    def __call__(self, rate: Rate, counts: float, states: FloatArray, length: float) -> FloatArray | None:
+    def __call__(self, rate: LawFlow, counts: float, states: FloatArray, length: float) -> FloatArray | None:
         """Step, or give nothing where it takes another method: a length that never came before, or one too long.
 
         Parameters
         ----------
         rate
-            K/s of states in degC, shape (n,) or (L, n) both.
+            One lane.
         counts
             |PWM|, by which rows are alike; channels may differ, as they change derivatives by little.
         states

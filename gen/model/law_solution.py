@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.model.laws import Law, LawsTogether
-from gen.model.schedules import FloatArray
+from gen.model.schedules import FloatArray, IntArray
 
 _HALVES = (2, 4, 6)
 """Parts of a piece in each row of the extrapolation."""
@@ -45,6 +45,13 @@ class LawFlow:
         """One of the lanes, for states of shape (n,) or (.., n)."""
         return LawFlow(self._matrix[number], self._constant[number], self._paths, self._rates[number])
 
+    @property
+    def arrays(self) -> tuple[FloatArray, FloatArray, FloatArray, IntArray, IntArray, FloatArray, FloatArray]:
+        """Of one lane: matrix, constant and rates as above, the paths' ends, shape (paths,), and their laws as in
+        `LawsTogether.arrays`.
+        """
+        return self._matrix, self._constant, self._rates, *self._paths.arrays
+
     def __call__(self, states: FloatArray) -> FloatArray:
         """K/s of states in degC, shape (L, n), or (.., n) of one lane."""
         driving = self._paths.driving(states)
@@ -64,8 +71,13 @@ class LawPaths:
     """
 
     def __init__(self, first: Sequence[int], second: Sequence[int], laws: Sequence[Law]) -> None:
-        self._first, self._second = np.array(first, dtype=np.intp), np.array(second, dtype=np.intp)
+        self._first, self._second = np.array(first, dtype=np.int64), np.array(second, dtype=np.int64)
         self._laws = LawsTogether(laws)
+
+    @property
+    def arrays(self) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+        """Both ends' positions, and the laws as in `LawsTogether.arrays`."""
+        return self._first, self._second, *self._laws.arrays
 
     def driving(self, states: FloatArray) -> FloatArray:
         """What drives heat through each path, K, of states in degC, shape (.., n) to (.., paths)."""
@@ -89,18 +101,39 @@ def advanced(rate: Rate, states: FloatArray, length: NDArray[np.float64]) -> Flo
     ValueError
         If no piece is short enough: the states run away.
     """
-    at, piece = 0.0, 1.0
-    while at < 1.0:
-        piece = min(piece, 1.0 - at)
+
+    def piece(states: FloatArray, share: float) -> tuple[FloatArray, float]:
         with np.errstate(all="ignore"):  # too long a piece may overflow, and is halved
-            made, off = _extrapolated(rate, states, length[:, None] * piece)
+            return _extrapolated(rate, states, length[:, None] * share)
+
+    return _in_pieces(piece, states)
+
+
+def advanced_alone(rate: LawFlow, states: FloatArray, length: float) -> FloatArray:
+    """Integrate one lane, states of shape (n,), over an interval of so many s, compiled; else as :func:`advanced`."""
+    from gen.model.law_steps import extrapolated  # slow to import
+
+    def piece(states: FloatArray, share: float) -> tuple[FloatArray, float]:
+        change = np.empty_like(states)
+        off = extrapolated(states, length * share, np.array(_HALVES), *rate.arrays, change)
+        return states + change, off
+
+    return _in_pieces(piece, states)
+
+
+def _in_pieces(piece: Callable[[FloatArray, float], tuple[FloatArray, float]], states: FloatArray) -> FloatArray:
+    """Go on by shares of an interval that are as short as the error needs; `piece` gives the states and that, K."""
+    at, share = 0.0, 1.0
+    while at < 1.0:
+        share = min(share, 1.0 - at)
+        made, off = piece(states, share)
         if off <= _LARGEST_ERROR:
-            states, at = made, at + piece
-            piece *= 2.0 if off <= _LARGEST_ERROR * _FAR_BELOW else 1.0
-        elif piece < _SHORTEST:
+            states, at = made, at + share
+            share *= 2.0 if off <= _LARGEST_ERROR * _FAR_BELOW else 1.0
+        elif share < _SHORTEST:
             raise ValueError("the network's temperatures run away")
         else:
-            piece /= 2.0
+            share /= 2.0
     return states
 
 

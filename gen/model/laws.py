@@ -116,6 +116,11 @@ class LawsTogether:
                 self._radiating[k] = 0.25 * (law.reference + ZERO_C) ** -3
         self._radiates = bool(self._radiating.any())
 
+    @property
+    def arrays(self) -> tuple[FloatArray, FloatArray]:
+        """Polynomials of convection, highest power first, shape (powers, laws), and factors of radiation, (laws,)."""
+        return self._polynomials, self._radiating
+
     def driving(self, one: FloatArray, other: FloatArray) -> FloatArray:
         """The differences in K that count, of temperatures in degC, shape (.., laws)."""
         difference = one - other

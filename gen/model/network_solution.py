@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gen.model.dynamics import ThermalModel
 from gen.model.exact import magnitude
-from gen.model.exponential_step import RowSteps
-from gen.model.law_solution import LawFlow, LawPaths, advanced
+from gen.model.law_solution import LawFlow, LawPaths, advanced, advanced_alone
 from gen.model.network import Network
 from gen.model.schedules import FloatArray
 
@@ -157,6 +156,8 @@ class NetworkSolution:
 
     def _integrate(self, inputs: FloatArray, names: tuple[str, ...], room: FloatArray, out: FloatArray) -> None:
         """Row by row, the inputs of equal rows looked up once."""
+        from gen.model.exponential_step import RowSteps  # compiled: slow to import, and of no use without a law
+
         distinct, index = np.unique(inputs[:, [0, *range(2, inputs.shape[1])]], axis=0, return_inverse=True)
         told = {name: distinct[:, 1 + k] for k, name in enumerate(names)}
         flow = self.flow(distinct[:, 0].astype(np.int64), told)
@@ -165,7 +166,7 @@ class NetworkSolution:
             states, rate = np.append(out[k], room[k]), flow.lane(i)
             made = steps(rate, counts[k], states, lengths[k])
             if made is None:
-                made = advanced(rate, states[None], inputs[k : k + 1, 1])[0]
+                made = advanced_alone(rate, states, lengths[k])
             out[k + 1] = made[:-1]
 
     def advance(

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 Interpolation = Literal["pchip", "linear"]
 
 EXACT = Context(prec=40, traps=[])

@@ -11,7 +11,17 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-BESIDE = {"errors", "files", "interruption", "progress", "side_by_side", "templating", "toolchain", "version"}
+BESIDE = {
+    "compiled",
+    "errors",
+    "files",
+    "interruption",
+    "progress",
+    "side_by_side",
+    "templating",
+    "toolchain",
+    "version",
+}
 """Modules beside the rooms that every room may import."""
 
 

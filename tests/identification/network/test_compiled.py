@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.identification.network.fitting.compiled import compiled
+from gen.compiled import compiled
 from gen.identification.network.fitting.marching import excess_of
 
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.compiled import compiled
 from gen.identification.network.fitting.bins import FloatArray, IntArray
-from gen.identification.network.fitting.compiled import compiled
 
 Slopes = NDArray[np.float32]
 

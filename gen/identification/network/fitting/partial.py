@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.compiled import compiled
 from gen.identification.network.fitting.bins import FloatArray, IntArray
-from gen.identification.network.fitting.compiled import compiled
 
 
 @dataclass(frozen=True, eq=False)
