@@ -8,7 +8,7 @@ from typing import cast
 import pytest
 
 from gen.identification.network.fitting.bins import Binned
-from gen.identification.network.identify import noise_of
+from gen.identification.network.hidden_nodes import noise_of
 
 
 @pytest.mark.parametrize(
