@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -65,6 +66,15 @@ def test_readings_on_a_fresh_run_are_below_the_noise_although_five_of_eight_node
     assert loaded.model.network.hidden
     assert off(loaded, EIGHT, FRESH) < 0.5 * FLOOR
     assert result.judged.score_K < FLOOR
+
+
+def test_two_processes_give_the_file_that_one_gives(monkeypatch: pytest.MonkeyPatch) -> None:
+    texts = []
+    for processors in ({0, 1}, {0}):
+        monkeypatch.setattr(os, "sched_getaffinity", lambda _, all_of=processors: all_of, raising=False)
+        result, _ = found_of(mixed(np.random.default_rng(4), TWO), hidden=1)
+        texts.append(network_text(result, Settings("plant"))[0])
+    assert texts[0] == texts[1]
 
 
 def test_a_room_that_moves_and_jumps_is_followed_through_the_parts_masses() -> None:
