@@ -11,7 +11,7 @@ from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import make_data
 from gen.refinement.network.fitting.fit import Bench
 from gen.refinement.network.over_time.course_fit import fitted_courses
-from gen.refinement.network.over_time.courses import Course
+from gen.refinement.network.over_time.courses import Course, RunCourse
 from gen.refinement.network.over_time.missing_heat import likeliest
 from gen.refinement.network.over_time.told_course import told
 from gen.refinement.network.over_time.uneven import Uneven, uneven
@@ -136,3 +136,26 @@ def test_what_a_file_can_hold_goes_with_speed(motor: Tree) -> None:
 
 def test_of_a_healthy_motor_no_heat_is_missing() -> None:
     assert max(one.evidence for one in courses(tree())) < 20.0
+
+
+def stepped(levels: tuple[float, ...], deviation: float) -> Uneven:
+    """What 1.8 W at all times and so much more in each run is like, each block known to a deviation."""
+    made, ones = [], np.ones(48)
+    speed: FloatArray = np.asarray(np.linspace(0.2, 0.9, 48), dtype=np.float64)
+    for number, level in enumerate(levels):
+        values = 1.8 + level + np.random.default_rng(number).normal(0.0, 0.3 * deviation, 48)
+        made.append(RunCourse(number, 300.0 * np.cumsum(ones), values, deviation * ones, ones, speed))
+    said = uneven([Course("heat", "casing", 100.0, 100.0, 0.05, tuple(made), 1.0)])
+    assert said is not None
+    return said
+
+
+def test_heat_that_goes_one_way_in_the_order_of_many_runs_is_told_though_single_blocks_hardly_show_it() -> None:
+    ordered = (-0.9, -0.6, -0.2, 0.2, 0.6, 0.9)
+    mixed = (0.2, -0.6, 0.9, -0.9, 0.6, -0.2)
+    assert stepped(ordered, 0.4).pattern == "grows"
+    assert stepped(ordered[::-1], 0.4).pattern == "grows"
+    assert stepped(mixed, 0.4).pattern == "even"
+    assert stepped(mixed, 0.2).pattern == "by run"
+    assert stepped((-0.8, 0.0, 0.8), 0.4).pattern == "even"  # three runs may be in any order by chance
+    assert stepped((-0.8, 0.0, 0.8), 0.2).pattern == "grows"

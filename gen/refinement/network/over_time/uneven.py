@@ -18,8 +18,9 @@ from gen.refinement.network.over_time.courses import Course
 
 UNEVEN = 0.45
 """Scatter of it about its mean at each speed, over the size of that mean, from which it comes and goes."""
-PLAIN = 2.0
-"""By how many of its standard deviations it has to scatter."""
+PLAIN, IN_ORDER, MANY = 2.0, 1.0, 5
+"""By how many of its standard deviations it has to scatter; by how many where it goes one way in the order of so many
+runs, which chance does not bring about: five are in one of two orders of 120."""
 LEFT = 0.5
 """Share of the weighed squares up to which a course explains what is left."""
 SINCE, BY_RUN = 0.75, 0.6
@@ -125,8 +126,10 @@ def uneven(courses: Sequence[Course]) -> Uneven | None:
     low, high = np.quantile(rest, (0.1, 0.9))
     levels = tuple(float(np.average(rest[own], weights=blocks.weight[own])) for own in blocks.by_run.T > 0.0)
     scatter = _scatter(blocks)
-    plain = blocks.square(rest) > (PLAIN * blocks.deviation) ** 2
-    pattern, since = _pattern(blocks, rest, scatter) if plain and scatter >= LEAST else ("even", None)
+    size = float(np.sqrt(blocks.square(rest))) / blocks.deviation
+    pattern, since = _pattern(blocks, rest, scatter) if size > IN_ORDER and scatter >= LEAST else ("even", None)
+    if size <= PLAIN and not (pattern == "grows" and len(levels) >= MANY):
+        pattern, since = "even", None
     return Uneven(pattern, scatter, float(low), float(high), blocks.deviation, levels, since)
 
 
