@@ -140,7 +140,7 @@ def refine_network(
     sorted_out = kept(traced, [name for name, _ in runs], fixed_ambient=fixed, accept_change=accept_change)
     made = written(coefficients, raw, traced, sorted_out.effects, room, start, accept_change=accept_change)
     anew = "" if made.refitted else offered_anew(traced)
-    warnings += [*sorted_out.warnings, *start.warnings, *(said for said in (made.refused, anew) if said)]
+    warnings += [*sorted_out.warnings, *(said for said in (made.refused, anew) if said)]
     warnings += [
         f"{one.effect.component}: {one.effect.name} was found first, and is not needed beside what was found after it"
         for one in traced.dropped
@@ -154,6 +154,7 @@ def refine_network(
         after = _errors(refined, kept_paths, test_paths, lambda what: progress(f"{what} with what was found"))
     torn = spoiled(before, after, traced.null.noise_K) + ([NOT_IN_ALL] if sorted_out.parts_runs else [])
     torn = [] if accept_change else torn
+    warnings += [] if torn else start.warnings
     if torn:
         made, after, effects = Written(raw), before, []
         warnings += torn

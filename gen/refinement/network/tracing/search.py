@@ -116,8 +116,9 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
         promised.setdefault(effect.name, []).append((gain - PRICE * effect.freedom, effect))
     progress(f"{len(promised)} kinds {beside}")
     best = [sorted(offers, key=lambda offer: -offer[0])[:FITTED_OF_EACH] for offers in promised.values()]
-    own = bench.fits([base.shape.with_effects(*found, effect) for offers in best for _, effect in offers], base)
-    fits = [min((own.pop(0) for _ in offers), key=_priced) for offers in best]
+    shapes = [base.shape.with_effects(*found, effect) for offers in best for _, effect in offers]
+    each = iter(bench.fits(shapes, base))
+    fits = [min((next(each) for _ in offers), key=_priced) for offers in best]
     fits.sort(key=_priced)
     fits = fits[:LEFT_OUT]
     progress(f"{', '.join(fitted.shape.effects[-1].name for fitted in fits)}: left-out error")
