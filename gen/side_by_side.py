@@ -31,7 +31,7 @@ _shared = False
 
 def has_help() -> bool:
     """Whether `side_by_side` would do two things at once: then, not else, what may not be needed can be begun early."""
-    if _shared or sys.platform != "linux" or len(os.sched_getaffinity(0)) < 2:
+    if _shared or sys.platform != "linux" or not hasattr(os, "fork") or len(os.sched_getaffinity(0)) < 2:
         return False
     # Threads and processes of a pool (a fleet's) are shared work, too.
     alone = threading.current_thread() is threading.main_thread()
