@@ -108,6 +108,8 @@ def test_a_fault_that_is_switched_on_in_one_raises_its_alarm_and_not_the_other_s
     with served(emulated(quick, tmp_path, pace), emulated(quick, tmp_path, pace, leads=False)) as address:
         page.goto(address)
         for end in ("", "-2"):
+            expect(page.locator(f"#drive{end}")).to_contain_text("PWM 0")  # what comes first moves the button
+        for end in ("", "-2"):
             page.locator(f"#arm{end}").click()
             page.locator(f"#pwm{end}").fill("200")
             page.locator(f"#pwm-form{end} button[type=submit]").click()

@@ -9,7 +9,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Browser, Page, Route, expect, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, Route, expect, sync_playwright
 
 from gen.coefficients import Coefficients, load
 from gen.coefficients.alarms import MissingHeat
@@ -196,6 +196,7 @@ def test_what_is_asked_arrives_in_the_order_asked(page: Page) -> None:
     held: list[Route] = []
     with served(source) as address:
         page.goto(address)
+        expect(page.locator("#rows")).to_have_text("1")  # what comes first moves the button
         page.locator("#arm").click()
         expect(page.locator("#board")).to_have_class("board armed")
         page.route("**/1/pwm", lambda route: held.append(route), times=1)
@@ -212,11 +213,52 @@ def test_what_is_asked_arrives_in_the_order_asked(page: Page) -> None:
     assert source.told.sent == [b"arm\n90\n", b"0\n"]
 
 
+def test_a_stop_counts_when_it_is_pressed_whatever_moves_then(page: Page) -> None:
+    """An alarm appears above the button while it is held down: what is let go elsewhere is no click."""
+    source = FedSource()
+    source.view.feed(HEADER + row(0), 0.0)
+    with served(source) as address:
+        page.set_viewport_size({"width": 1280, "height": 1600})  # all of it: where a page scrolls, browsers hold it
+        page.goto(address)
+        expect(page.locator("#rows")).to_have_text("1")
+        page.locator("#arm").click()
+        expect(page.locator("#board")).to_have_class("board armed")
+        stop = page.locator("#halt")
+        before = _middle(stop)
+        page.mouse.move(*before)
+        page.mouse.down()
+        source.view.feed(row(1, alarms=1), 1.0)
+        expect(page.locator("#alarms")).to_have_text("Alarm: coil_hot")
+        assert _middle(stop)[1] > before[1] + 20.0
+        page.mouse.up()
+        wait_until(lambda: source.told.sent == [b"0\n"])
+        stop.click()
+        wait_until(lambda: source.told.sent == [b"0\n"] * 2)
+        stop.focus()
+        page.keyboard.press("Enter")
+        wait_until(lambda: source.told.sent == [b"0\n"] * 3)
+        page.mouse.move(*_middle(stop))
+        page.mouse.down(button="right")
+        page.mouse.up(button="right")
+        page.locator("#line").fill("?")
+        page.keyboard.press("Enter")
+        wait_until(lambda: source.told.sent == [*[b"0\n"] * 3, b"?\n"])
+
+
+def _middle(button: Locator) -> tuple[float, float]:
+    """Where it is in the window."""
+    button.scroll_into_view_if_needed()
+    box = button.bounding_box()
+    assert box is not None
+    return box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]
+
+
 def test_a_command_without_an_answer_holds_up_none_after_it(page: Page) -> None:
     source = FedSource()
     source.view.feed(HEADER + row(0), 0.0)
     with served(source) as address:
         page.goto(address)
+        expect(page.locator("#rows")).to_have_text("1")  # what comes first moves the button
         page.locator("#arm").click()
         expect(page.locator("#board")).to_have_class("board armed")
         page.route("**/1/pwm", lambda route: route.abort(), times=1)
@@ -290,6 +332,7 @@ def test_a_fault_switched_on_in_the_page_is_seen_by_the_emulated_board(
     source = emulated(quick, tmp_path)
     with served(source) as address:
         page.goto(address)
+        expect(page.locator("#drive")).to_contain_text("PWM 0")
         page.locator("#arm").click()
         page.locator("#pwm").fill("200")
         page.locator("#pwm-form button[type=submit]").click()

@@ -40,7 +40,9 @@ class Motor {
     this.by("controls-list").append(...about.controls.map((told) => this.control(told)));
     this.by("arm").addEventListener("click", () => this.ask("arm", {armed: this.by("arm").getAttribute("aria-pressed") !== "true"}));
     this.by("pwm-form").addEventListener("submit", (event) => { event.preventDefault(); this.ask("pwm", {count: Number(this.by("pwm").value)}); });
-    this.by("halt").addEventListener("click", () => this.ask("pwm", {count: 0}));
+    // When it is pressed: an alarm that appears above moves the button, and one that is let go elsewhere is no click. Keys have no press.
+    this.by("halt").addEventListener("pointerdown", (event) => { if (!event.button && !this.by("halt").disabled) this.ask("pwm", {count: 0}); });
+    this.by("halt").addEventListener("click", (event) => { if (!event.detail) this.ask("pwm", {count: 0}); });
     this.by("line-form").addEventListener("submit", async (event) => { event.preventDefault(); if (await this.ask("line", {text: this.by("line").value})) this.by("line").value = ""; });
   }
 
