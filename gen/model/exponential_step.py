@@ -66,7 +66,7 @@ class ExponentialStep:
             At the end; and whether the rest was smooth enough.
         """
         made = np.empty_like(states)
-        off = exponential(states, self._jacobian, self._linear, self._rest, self._last, *rate.arrays, made)
+        off = exponential(states, self._jacobian, self._linear, self._rest, self._last, rate.arrays, made)
         return made, off <= _LARGEST_OFF
 
 

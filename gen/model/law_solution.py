@@ -8,6 +8,7 @@ Solving Ordinary Differential Equations I, section II.9), over pieces of an inte
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,28 @@ _LARGEST_ERROR = 2e-9
 _FAR_BELOW = 1e-3
 _SHORTEST = 2.0**-40
 Rate = Callable[[FloatArray], FloatArray]
+
+
+class Lane(NamedTuple):
+    """One lane of a flow, as arrays.
+
+    Attributes
+    ----------
+    matrix, constant, rates
+        As in :class:`LawFlow`, shapes (n, n), (n,) and (n, paths).
+    first, second
+        Of each path: its ends' positions among the states, shape (paths,).
+    polynomials, radiating
+        The paths' laws, as in :attr:`~gen.model.laws.LawsTogether.arrays`.
+    """
+
+    matrix: FloatArray
+    constant: FloatArray
+    rates: FloatArray
+    first: IntArray
+    second: IntArray
+    polynomials: FloatArray
+    radiating: FloatArray
 
 
 class LawFlow:
@@ -46,11 +69,9 @@ class LawFlow:
         return LawFlow(self._matrix[number], self._constant[number], self._paths, self._rates[number])
 
     @property
-    def arrays(self) -> tuple[FloatArray, FloatArray, FloatArray, IntArray, IntArray, FloatArray, FloatArray]:
-        """Of one lane: matrix, constant and rates as above, the paths' ends, shape (paths,), and their laws as in
-        `LawsTogether.arrays`.
-        """
-        return self._matrix, self._constant, self._rates, *self._paths.arrays
+    def arrays(self) -> Lane:
+        """What compiled steps need of one lane."""
+        return Lane(self._matrix, self._constant, self._rates, *self._paths.arrays)
 
     def __call__(self, states: FloatArray) -> FloatArray:
         """K/s of states in degC, shape (L, n), or (.., n) of one lane."""
@@ -115,7 +136,7 @@ def advanced_alone(rate: LawFlow, states: FloatArray, length: float) -> FloatArr
 
     def piece(states: FloatArray, share: float) -> tuple[FloatArray, float]:
         change = np.empty_like(states)
-        off = extrapolated(states, length * share, np.array(_HALVES), *rate.arrays, change)
+        off = extrapolated(states, length * share, np.array(_HALVES), rate.arrays, change)
         return states + change, off
 
     return _in_pieces(piece, states)

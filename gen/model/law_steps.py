@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from gen.compiled import compiled
+from gen.model.law_solution import Lane
 from gen.model.laws import ZERO_C
 from gen.model.schedules import FloatArray, IntArray
 
@@ -15,16 +16,11 @@ from gen.model.schedules import FloatArray, IntArray
 @compiled
 def _rate(
     states: FloatArray,
-    matrix: FloatArray,
-    constant: FloatArray,
-    rates: FloatArray,
-    first: IntArray,
-    second: IntArray,
-    polynomials: FloatArray,
-    radiating: FloatArray,
+    lane: Lane,
     made: FloatArray,
 ) -> None:
-    """Fill in dT/dt, K/s, shape (n,), of states in degC, shape (n,); the others as in `LawFlow.arrays`."""
+    """Fill in dT/dt, K/s, shape (n,), of states in degC, shape (n,)."""
+    matrix, constant, rates, first, second, polynomials, radiating = lane
     size = states.size
     for i in range(size):
         total = constant[i]
@@ -51,13 +47,7 @@ def exponential(
     linear: FloatArray,
     weights: FloatArray,
     last: FloatArray,
-    matrix: FloatArray,
-    constant: FloatArray,
-    rates: FloatArray,
-    first: IntArray,
-    second: IntArray,
-    polynomials: FloatArray,
-    radiating: FloatArray,
+    lane: Lane,
     made: FloatArray,
 ) -> float:
     """Fill in the states at the end, shape (n,), and give what the last third moved them by, K.
@@ -72,8 +62,8 @@ def exponential(
         For each third what the rate at the beginning, and what the rest so far, do; shapes (3, n, n) and (3, n, 2 n).
     last
         The same of the rest at all thirds, shape (n, 3 n).
-    matrix, constant, rates, first, second, polynomials, radiating
-        See :attr:`LawFlow.arrays`.
+    lane
+        What is followed.
     made
         What is filled in.
     """
@@ -92,7 +82,7 @@ def exponential(
                 now[i] = states[i] + total
         else:
             now[:] = states
-        _rate(now, matrix, constant, rates, first, second, polynomials, radiating, then)
+        _rate(now, lane, then)
         if place == 0:
             begin[:] = then
             continue
@@ -118,13 +108,7 @@ def extrapolated(
     states: FloatArray,
     length: float,
     halves: IntArray,
-    matrix: FloatArray,
-    constant: FloatArray,
-    rates: FloatArray,
-    first: IntArray,
-    second: IntArray,
-    polynomials: FloatArray,
-    radiating: FloatArray,
+    lane: Lane,
     made: FloatArray,
 ) -> float:
     """Fill in the change over one piece, K, shape (n,), and give how far the last two columns are apart, K.
@@ -137,8 +121,8 @@ def extrapolated(
         s.
     halves
         Parts of the piece in each row of the extrapolation.
-    matrix, constant, rates, first, second, polynomials, radiating
-        See :attr:`LawFlow.arrays`.
+    lane
+        What is followed.
     made
         What is filled in.
     """
@@ -146,7 +130,7 @@ def extrapolated(
     begin, then, now = np.empty(size), np.empty(size), np.empty(size)
     before, change = np.empty(size), np.empty(size)
     columns, old = np.empty((count, size)), np.empty((count, size))
-    _rate(states, matrix, constant, rates, first, second, polynomials, radiating, begin)
+    _rate(states, lane, begin)
     for row in range(count):
         parts = halves[row]
         step = length / parts
@@ -154,7 +138,7 @@ def extrapolated(
         change[:] = step * begin
         for part in range(parts):
             now[:] = states + change
-            _rate(now, matrix, constant, rates, first, second, polynomials, radiating, then)
+            _rate(now, lane, then)
             for i in range(size):
                 if part + 1 == parts:
                     change[i] = 0.5 * (before[i] + change[i] + step * then[i])

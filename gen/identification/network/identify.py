@@ -18,12 +18,7 @@ from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.rooms import level_of, places_of, unsure_K
 from gen.identification.network.fitting.scale import Scale, scale_of
 from gen.identification.network.hidden_nodes import MOST_HIDDEN, SLACK, Candidate, Tried, bending, noise_of, stiff
-from gen.identification.network.left_out import (
-    LeftOut,
-    each_alone,
-    folds_of,
-    left_out,
-)
+from gen.identification.network.left_out import LeftOut, each_alone, folds_of, left_out
 from gen.identification.network.prune import pruned
 from gen.identification.network.search import Found, in_still_air, tightened
 from gen.identification.network.starts import taken_over
