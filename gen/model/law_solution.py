@@ -8,11 +8,11 @@ Solving Ordinary Differential Equations I, section II.9), over pieces of an inte
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.model.lane import Lane
 from gen.model.laws import Law, LawsTogether
 from gen.model.schedules import FloatArray, IntArray
 
@@ -23,28 +23,6 @@ _LARGEST_ERROR = 2e-9
 _FAR_BELOW = 1e-3
 _SHORTEST = 2.0**-40
 Rate = Callable[[FloatArray], FloatArray]
-
-
-class Lane(NamedTuple):
-    """One lane of a flow, as arrays.
-
-    Attributes
-    ----------
-    matrix, constant, rates
-        As in :class:`LawFlow`, shapes (n, n), (n,) and (n, paths).
-    first, second
-        Of each path: its ends' positions among the states, shape (paths,).
-    polynomials, radiating
-        The paths' laws, as in :attr:`~gen.model.laws.LawsTogether.arrays`.
-    """
-
-    matrix: FloatArray
-    constant: FloatArray
-    rates: FloatArray
-    first: IntArray
-    second: IntArray
-    polynomials: FloatArray
-    radiating: FloatArray
 
 
 class LawFlow:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from gen.compiled import compiled
-from gen.model.law_solution import Lane
+from gen.model.lane import Lane
 from gen.model.laws import ZERO_C
 from gen.model.schedules import FloatArray, IntArray
 
