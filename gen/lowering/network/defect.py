@@ -66,9 +66,9 @@ def magnitudes(terms: Terms, first: Array, order: int) -> list[Array]:
 def _next(terms: Terms, before: Array) -> Array:
     """Sum over terms of rate (|y_source| + |y_target|)."""
     total = np.zeros_like(before)
-    for term in terms.terms:
+    for term, most in zip(terms.terms, terms.most, strict=True):
         source = before[:, term.other] if term.source == "state" else 0.0
-        total[:, term.target] += terms.most(term) * (before[:, term.target] + source)
+        total[:, term.target] += most * (before[:, term.target] + source)
     return total
 
 
@@ -145,9 +145,9 @@ def defects(
     """
     bounds = magnitudes(terms, first, max(orders))
     reach = _next(terms, np.full_like(first, 0.5))
-    for term in terms.terms:
+    for term, most in zip(terms.terms, terms.most, strict=True):
         if term.source != "state":
-            reach[:, term.target] += 0.5 * terms.most(term)
+            reach[:, term.target] += 0.5 * most
     error = rounding.first
     words = [first + error]
     total = rounding.first + left + rounding.added

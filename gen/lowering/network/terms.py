@@ -7,7 +7,9 @@ terms is the whole model.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
+from math import prod
 from typing import Literal
 
 import numpy as np
@@ -191,12 +193,15 @@ class Terms:
 
     def largest(self, factors: tuple[int, ...]) -> float:
         """Largest value of a product of factors."""
-        return float(np.prod([self.spans[k, 1] for k in factors]))
+        return prod((float(self.spans[k, 1]) for k in factors), start=1.0)
 
-    def most(self, term: Term) -> Array:
-        """Largest change of a term's target for each kelvin, per sample by row of the domain, shape (rows,)."""
-        slope = 1.0 if term.law is None else term.law.slopes[1]
-        return np.asarray(term.rate * (self.largest(term.factors) * slope), dtype=np.float64)
+    @cached_property
+    def most(self) -> tuple[Array, ...]:
+        """Largest change of each term's target for each kelvin, per sample by row of the domain, shape (rows,) each."""
+        slopes = (1.0 if term.law is None else term.law.slopes[1] for term in self.terms)
+        return tuple(
+            term.rate * (self.largest(term.factors) * slope) for term, slope in zip(self.terms, slopes, strict=True)
+        )
 
 
 def slope_of(law: PathLaw) -> int:
@@ -218,7 +223,7 @@ def identifier(state: str) -> str:
 def scaled(part: Term | Warmth, corner: dict[int, float]) -> Array:
     """A term's rate, or a heat, by row of the domain, with factors as a corner has them."""
     values = part.rate if isinstance(part, Term) else part.heat
-    return np.asarray(values * float(np.prod([corner[k] for k in part.factors])), dtype=np.float64)
+    return np.asarray(values * prod((corner[k] for k in part.factors), start=1.0), dtype=np.float64)
 
 
 def terms_of(model: ThermalModel) -> Terms:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -159,3 +160,25 @@ def test_heat_that_goes_one_way_in_the_order_of_many_runs_is_told_though_single_
     assert stepped(mixed, 0.2).pattern == "by run"
     assert stepped((-0.8, 0.0, 0.8), 0.4).pattern == "even"  # three runs may be in any order by chance
     assert stepped((-0.8, 0.0, 0.8), 0.2).pattern == "grows"
+
+
+def held(heat_W: Callable[[FloatArray, np.random.Generator], FloatArray]) -> Uneven:
+    """What six runs at ten speeds each, of half an hour, are like; heat by speed, each block known to 0.1 W."""
+    made, ones = [], np.ones(60)
+    for number in range(6):
+        chance = np.random.default_rng([31, number])
+        levels = chance.uniform(0.2, 1.0, 10)
+        values = np.repeat(heat_W(levels, chance), 6) + chance.normal(0.0, 0.03, 60)
+        made.append(RunCourse(number, 300.0 * np.cumsum(ones), values, 0.1 * ones, ones, np.repeat(levels, 6)))
+    said = uneven([Course("heat", "bearing", 100.0, 100.0, 0.05, tuple(made), 1.0)])
+    assert said is not None
+    return said
+
+
+def test_a_resonance_goes_with_speed_though_it_is_narrow() -> None:
+    def resonance(speed: FloatArray, _: object) -> FloatArray:
+        return np.asarray(0.3 + 2.0 * np.exp(-0.5 * ((speed - 0.65) / 0.06) ** 2))
+
+    assert held(resonance).scatter > 0.45  # about a smooth mean over speed
+    assert held(resonance).pattern == "even"
+    assert held(lambda speed, chance: chance.permutation(resonance(speed, None))).pattern == "comes and goes"

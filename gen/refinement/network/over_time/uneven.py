@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 
 from gen.identification.network.fitting.bins import FloatArray
@@ -30,6 +31,9 @@ DEGREE = 3
 LEAST, LITTLE, FEWEST, MOSTLY = 0.25, 0.6, 3, 0.7
 """Scatter from and up to which, runs, and share of that scatter, from which heat that goes one way in their order, or
 is another one in each, is told beside a larger mean that goes with speed."""
+HELD, AGAIN, DOUBT = 0.02, 0.03, 0.3
+"""Shares of full speed: by which blocks of one held speed differ at most; how near a speed is when it is run again
+(standard deviation). And how many blocks' worth of no difference is believed beside those of other runs."""
 TURNS = 0.9
 """Share of a block in which the motor has to turn: at rest another heat is missing."""
 ROUNDS = 20
@@ -83,9 +87,9 @@ class _Turning:
         self.time_s = np.concatenate([one.time_s[u] for one, u in zip(course.runs, used, strict=True)])
         self.value = np.concatenate([one.value[u] for one, u in zip(course.runs, used, strict=True)])
         deviation = np.concatenate([one.deviation[u] for one, u in zip(course.runs, used, strict=True)])
-        speed = np.concatenate([one.speed[u] for one, u in zip(course.runs, used, strict=True)])
         self.weight = 1.0 / np.maximum(deviation, 1e-9) ** 2
-        self.by_speed: FloatArray = np.vander(speed, DEGREE + 1)
+        self.speed = np.concatenate([one.speed[u] for one, u in zip(course.runs, used, strict=True)])
+        self.by_speed: FloatArray = np.vander(self.speed, DEGREE + 1)
         self.by_run = (self.run[:, None] == np.unique(self.run)).astype(np.float64)
 
     @property
@@ -99,9 +103,25 @@ class _Turning:
         found = np.linalg.lstsq(functions * root[:, None], value * root, rcond=None)[0]
         return np.asarray(functions @ found)
 
-    def square(self, value: FloatArray) -> float:
-        """Its mean square."""
-        return float(np.average(value**2, weights=self.weight))
+    def square(self, value: FloatArray, where: NDArray[np.bool_] | None = None) -> float:
+        """Its mean square, in some blocks or in all."""
+        weight = self.weight if where is None else np.where(where, self.weight, 0.0)
+        return float(np.average(value**2, weights=weight))
+
+    @property
+    def held(self) -> NDArray[np.bool_]:
+        """Blocks before and after which the speed was the same: of a course others tell that speed's value late."""
+        same = (np.abs(np.diff(self.speed)) < HELD) & (np.diff(self.run) == 0)
+        return np.asarray(np.r_[False, same] & np.r_[same, False])
+
+    def of_other_runs(self, value: FloatArray) -> FloatArray:
+        """Give what other runs have of it at the same speed, shape (k,), nearly 0 where none has that speed.
+
+        A local mean (Nadaraya, On estimating regression, Theory of Probability and its Applications 9, 1964).
+        """
+        near = np.exp(-0.5 * ((self.speed[:, None] - self.speed) / AGAIN) ** 2) * self.weight
+        near *= self.run[:, None] != self.run
+        return np.asarray(near @ value / (near.sum(axis=1) + DOUBT * np.median(self.weight)))
 
 
 def uneven(courses: Sequence[Course]) -> Uneven | None:
@@ -130,6 +150,8 @@ def uneven(courses: Sequence[Course]) -> Uneven | None:
     pattern, since = _pattern(blocks, rest, scatter) if size > IN_ORDER and scatter >= LEAST else ("even", None)
     if size <= PLAIN and not (pattern == "grows" and len(levels) >= MANY):
         pattern, since = "even", None
+    if pattern == "comes and goes" and _narrowly_even(blocks, mean):
+        pattern = "even"
     return Uneven(pattern, scatter, float(low), float(high), blocks.deviation, levels, since)
 
 
@@ -138,6 +160,16 @@ def _scatter(blocks: _Turning) -> float:
     mean = blocks.mean(blocks.by_speed, blocks.value)
     scatter = max(blocks.square(blocks.value - mean) - blocks.deviation**2, 0.0)
     return float(np.sqrt(scatter / max(blocks.square(mean), 1e-12)))
+
+
+def _narrowly_even(blocks: _Turning, mean: FloatArray) -> bool:
+    """Whether it is what other runs have at nearly the same speed: a resonance, which no smooth mean follows."""
+    held = blocks.held
+    if not held.any():
+        return False
+    mean = mean + blocks.of_other_runs(blocks.value - mean)
+    scatter = max(blocks.square(blocks.value - mean, held) - blocks.deviation**2, 0.0)
+    return scatter < UNEVEN**2 * blocks.square(mean, held)
 
 
 def _pattern(blocks: _Turning, rest: FloatArray, scatter: float) -> tuple[Pattern, tuple[int, float, float] | None]:

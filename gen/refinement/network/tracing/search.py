@@ -115,7 +115,7 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
     for effect, gain in zip(untaken, bench.promises(shapes, base), strict=True):
         promised.setdefault(effect.name, []).append((gain - PRICE * effect.freedom, effect))
     progress(f"{len(promised)} kinds {beside}")
-    best = [sorted(offers, key=lambda offer: -offer[0])[:FITTED_OF_EACH] for offers in promised.values()]
+    best = [_to_fit(sorted(offers, key=lambda offer: -offer[0])) for offers in promised.values()]
     shapes = [base.shape.with_effects(*found, effect) for offers in best for _, effect in offers]
     each = iter(bench.fits(shapes, base))
     fits = [min((next(each) for _ in offers), key=_priced) for offers in best]
@@ -138,6 +138,17 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
     added = next((one for one in accepted if may_be_a_fault(data, accepted[0], one)), likeliest)
     alike = [one for one in accepted if one is not added and p_better(data, one.judged, added.judged) > LEVEL]
     return Step(now, tuple(considered), added, tuple(alike))
+
+
+def _to_fit(offers: Sequence[tuple[float, NetworkEffect]]) -> list[tuple[float, NetworkEffect]]:
+    """Those that promise most; with the best elsewhere, where these are two forms at one place.
+
+    A linear step says less of what grows faster than it, as a resonance does at the node where it is.
+    """
+    first = list(offers[:FITTED_OF_EACH])
+    places = {effect.component for _, effect in first}
+    elsewhere = [offer for offer in offers if offer[1].component not in places]
+    return first + elsewhere[:1] if len(places) < len(first) else first
 
 
 def may_be_a_fault(data: Data, best: Considered, one: Considered) -> bool:
