@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,11 +13,11 @@ from scipy.integrate import quad
 from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.fitting.bins import binned
+from gen.identification.network.fitting.divided import divided_differences
 from gen.identification.network.fitting.inputs import inputs_of
 from gen.identification.network.fitting.priors import prior_of
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.scale import scale_of
-from gen.identification.network.fitting.simulation import _confluent
 from gen.identification.network.fitting.structure import Structure, full
 from gen.identification.network.fitting.weights import weights
 from gen.identification.network.identify import curves, identify_network
@@ -48,15 +49,38 @@ def problem(request: pytest.FixtureRequest) -> Problem[Structure]:
     return Problem(structure, inputs, prior_of(structure, inputs, scale_of(inputs)))
 
 
-@pytest.mark.parametrize("share", [-2.0, -0.3, -2e-3, -0.99e-3, -5e-4, 9e-4])
-def test_how_a_slow_answer_depends_on_its_rate_is_right_near_none(share: float) -> None:
-    """The integral of t e^(lt) over a bin, by quadrature."""
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        (-2.0, -2.0),
+        (-2.0, -2.0 + 1e-7),
+        (-1e-3, -0.9e-3),
+        (-5e-4, -5e-4),
+        (-5e-4, -0.15),
+        (-0.3, -0.499),
+        (-0.3, -0.501),
+        (-3.0, -2.9),
+        (-3.0, -1.01),
+        (-3.0, -0.99),
+        (-40.0, -0.01),
+    ],
+)
+def test_divided_differences_are_right_for_rates_near_each_other_near_none_and_far_apart(
+    first: float, second: float
+) -> None:
+    """Both as integrals of derivatives from one rate to the other (Hermite and Genocchi), by quadrature."""
     width = 7.0
-    rate = share / width
-    exact, _ = quad(lambda t: t * np.exp(rate * t), 0.0, width, epsabs=0.0, epsrel=1e-13)
-    phi = np.expm1(share) / rate
-    found = _confluent(np.array([rate]), np.array([width]), np.array([(width * np.exp(share) - phi) / rate]))
-    assert found == pytest.approx(exact, rel=1e-9)
+    a, b = first / width, second / width
+
+    def between(time: float) -> float:
+        return float(quad(lambda s: np.exp((a + s * (b - a)) * time), 0.0, 1.0, epsabs=0.0, epsrel=1e-13)[0])
+
+    exact = width * between(width), quad(lambda t: t * between(t), 0.0, width, epsabs=0.0, epsrel=1e-12)[0]
+    rates, shares = np.array([[a, b]]), np.array([[first, second]])
+    made: Any = (np.empty((1, 2, 2)), np.empty((1, 2, 2)))  # fits take single precision
+    divided_differences(rates, np.array([width]), np.exp(shares), np.expm1(shares) / rates, *made)
+    for found, right in zip(made, exact, strict=True):
+        assert found[0, 0, 1] == found[0, 1, 0] == pytest.approx(right, rel=1e-8)
 
 
 def moved(problem: Problem[Structure]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:

@@ -85,9 +85,9 @@ class Normal:
 def _square(lines: FloatArray) -> FloatArray:
     """L^T L, shape (p, p), of which only a half is computed."""
     half = dsyrk(1.0, lines.T)  # Fortran's order: no copy; 0 below the diagonal
-    whole = half + half.T
-    whole[np.diag_indices_from(whole)] = half.diagonal()
-    return np.asarray(whole)
+    whole = np.asarray(half + half.T)
+    np.fill_diagonal(whole, half.diagonal())
+    return whole
 
 
 S_co = TypeVar("S_co", bound=Shape, covariant=True)
@@ -206,10 +206,12 @@ class Problem(Generic[S_co]):
         count = self.structure.size + self.own
         matrix, right = np.zeros((self.runs, count, count)), np.zeros((self.runs, count))
         weighed = root * evaluated.residual
+        # One place for the lines of all runs, one after the other: new memory for each takes longer than they do.
+        place = np.empty((max(row.size for row in self.inputs.rows), *slopes.shape[1:]))
         for r, row in enumerate(self.inputs.rows):
             if not root[row].any():
                 continue  # left out
-            lines = np.asarray(slopes[row] * root[row][:, :, None], dtype=np.float64).reshape(-1, count)
+            lines = np.multiply(slopes[row], root[row][:, :, None], out=place[: row.size]).reshape(-1, count)
             matrix[r] = _square(lines)
             right[r] = lines.T @ weighed[row].ravel()
         return evaluated, Normal(matrix, right)

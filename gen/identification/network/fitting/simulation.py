@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.identification.network.fitting.divided import divided_differences
 from gen.identification.network.fitting.inputs import Inputs, Levels
 from gen.identification.network.fitting.marching import Slopes, march, march_in_still_air, march_slopes, units
 from gen.identification.network.fitting.natural import Natural
@@ -222,7 +223,8 @@ def sources_of(
     forced = (own @ (outside / root)[..., None])[..., 0]
     rate = steps.rates[level] * modal + forced
     single = np.float32
-    first, second = _divided(steps, inputs.levels.width)
+    first, second = np.empty(steps.vectors.shape, dtype=single), np.empty(steps.vectors.shape, dtype=single)
+    divided_differences(steps.rates, inputs.levels.width, steps.decay, steps.phi, first, second)
     size, bins = structure.size, level.size
     sources = np.zeros((bins, nodes, size + nodes + inputs.room.shape[-1]), dtype=single)
     flow = np.empty((bins, nodes, len(structure.incidence)), dtype=single)
@@ -231,8 +233,8 @@ def sources_of(
     units(
         level,
         steps.vectors.astype(single),
-        first.astype(single),
-        second.astype(single),
+        first,
+        second,
         steps.phi.astype(single),
         root.astype(single),
         _ends(structure),
@@ -261,30 +263,3 @@ def _ends(structure: Shape) -> IntArray:
     """Both nodes of each path, -1 for the ambient, which stands second, shape (Q, 2)."""
     own = structure.incidence
     return np.column_stack([np.argmax(own, axis=1), np.where(structure.outer > 0.0, -1, np.argmin(own, axis=1))])
-
-
-def _divided(steps: Steps, width: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Divided differences of e^(lh) and of phi over all pairs of rates, shape (L, n, n) each."""
-    rates, h = steps.rates, width[:, None, None]
-    a, b = rates[:, :, None], rates[:, None, :]
-    gap = (a - b) * h
-    near = np.abs(gap) < 1e-6
-    safe = np.where(near, 1.0, a - b)
-    middle = 0.5 * (a + b)
-    # e^(ah) - e^(bh) = 2 e^(mh) sinh((a-b)h/2): no cancellation, and exact to second order where a = b.
-    exponential = np.exp(middle * h)
-    half = np.minimum(np.abs(0.5 * gap), 300.0)
-    direct = (steps.decay[:, :, None] - steps.decay[:, None, :]) / safe
-    smooth = exponential * h * np.where(half < 1e-3, 1.0 + half**2 / 6.0, np.sinh(half) / np.maximum(half, 1e-3))
-    first = np.where(half < 1.0, smooth, direct)
-    # phi(a) = int_0^h e^(at) dt; its divided difference is (first - phi(b)) / a.
-    direct_phi = (steps.phi[:, :, None] - steps.phi[:, None, :]) / safe
-    by_product = (first - steps.phi[:, None, :]) / a
-    return first, np.where(half < 0.1, _confluent(middle, h, by_product), direct_phi)
-
-
-def _confluent(rate: FloatArray, h: FloatArray, by_product: FloatArray) -> FloatArray:
-    """phi'(l) = (h e^(lh) - phi(l)) / l, by its series where lh is small."""
-    x = rate * h
-    series = h * h * (0.5 + x * (1.0 / 3.0 + x * (1.0 / 8.0 + x / 30.0)))
-    return np.where(np.abs(x) < 1e-3, series, by_product)
