@@ -1,0 +1,49 @@
+"""Planted names that are fitted as if they were known."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.network_refinement.told_apart import ToldApart, known, line
+from gen.refinement.network.effects import candidates
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import make_data
+from gen.refinement.network.fitting.fit import Bench
+from gen.refinement.network.tracing.judged import judged
+from tests.refinement.network.motor import read, run, tree
+
+OFF_K, LOSS = 2.0, 0.004
+
+
+def test_two_effects_whose_names_are_known_leave_the_noise() -> None:
+    changed = tree()
+    changed["network"]["heats"][0]["per_K"] = LOSS
+    changed["network"]["nodes"][1]["sensor"] = {"offset_K": OFF_K}
+    bench = Bench(make_data(read(tree()), [(f"{seed}.csv", run(read(changed), seed)) for seed in (1, 2)]))
+    network = read(tree()).model.network
+    assert network is not None
+    shape = Anchored.of(network, 255, bench.data.columns)
+    every = candidates(shape.motor(), bench.data.offered)
+    base = bench.first(shape)
+    without = judged(bench.data, base, bench.left_out(base))
+
+    found = known(bench, base, every, ("sensor_offset", "temperature_dependent_loss"))
+
+    assert found is not None
+    assert sorted(found.names) == ["sensor_offset", "temperature_dependent_loss"]
+    assert found.floors < 1.1 < without.floors
+    one = next(effect for effect in found.fitted.shape.effects if effect.name == "sensor_offset")
+    values = found.fitted.shape.values(found.fitted.vector)[found.fitted.shape.effects.index(one)]
+    assert (one.component, values[0]) == ("casing", pytest.approx(OFF_K, abs=0.1))
+    # The motor's runs have no channel that may be a flow of air.
+    assert known(bench, base, every, ("sensor_offset", "airflow")) is None
+
+
+@pytest.mark.parametrize(
+    ("planted", "p_value", "told"),
+    [(1.0, 0.001, True), (1.0, 0.2, False), (1.3, 0.001, False), (float("nan"), 0.0, False)],
+)
+def test_told_apart_is_what_predicts_better_by_more_than_chance(planted: float, p_value: float, told: bool) -> None:
+    one = ToldApart("1:drift:6", ("sensor_gain",), 1.2, planted, p_value)
+    assert one.told is told
+    assert line(one).endswith("not told apart") is not told
