@@ -34,7 +34,8 @@ def test_two_effects_whose_names_are_known_leave_the_noise() -> None:
     assert found.floors < 1.1 < without.floors
     one = next(effect for effect in found.fitted.shape.effects if effect.name == "sensor_offset")
     values = found.fitted.shape.values(found.fitted.vector)[found.fitted.shape.effects.index(one)]
-    assert (one.component, values[0]) == ("casing", pytest.approx(OFF_K, abs=0.1))
+    assert one.component == "casing"
+    assert values[0] == pytest.approx(OFF_K, abs=0.1)
     # The motor's runs have no channel that may be a flow of air.
     assert known(bench, base, every, ("sensor_offset", "airflow")) is None
 
