@@ -42,6 +42,7 @@ def options_of(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--fit-runs", type=_runs, default=(2,), help="2, 6 or 2,6")
     parser.add_argument("--only", help="of the trials, those in which this was planted")
     parser.add_argument("--first", type=int, help="only as many of the trials")
+    parser.add_argument("--skip", type=int, default=0, help="leave out as many of the trials first")
     parser.add_argument("--jobs", type=int, choices=(1, 2), default=1, help="processes")
     parser.add_argument("--json", type=Path, help="write every trial and the tables here, after each trial anew")
     parser.add_argument("--go-on", action="store_true", help="take the trials that --json has as judged")
@@ -75,7 +76,7 @@ def chosen(options: argparse.Namespace) -> list[Trial]:
     found = [Trial(options.seed + number, names, runs) for number, names in cells for runs in options.fit_runs]
     if options.only:
         found = [trial for trial in found if options.only in (trial.names or (NOTHING,))]
-    return sorted(dict.fromkeys(found), key=lambda trial: trial.seed)[: options.first]
+    return sorted(dict.fromkeys(found), key=lambda trial: trial.seed)[options.skip :][: options.first]
 
 
 def cells_of(words: str) -> list[tuple[int, tuple[str, ...]]]:

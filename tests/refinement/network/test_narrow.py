@@ -46,8 +46,9 @@ def bench() -> Bench:
 
 
 def test_runs_say_at_which_speeds_they_were(bench: Bench) -> None:
-    known = bench.data.offered.was_run(NARROW.knots, 0.05)
-    assert known.tolist() == [False, False, True, False, True, True, True, True, False, False, False]
+    percent = np.arange(0, 101, 5)
+    known = bench.data.offered.was_run(percent / 100.0, 0.05)
+    assert percent[known].tolist() == [20, 25, 35, 40, 50, 55, 60, 65, 70]
 
 
 def test_what_no_run_says_stays_what_the_file_says(bench: Bench) -> None:

@@ -18,8 +18,9 @@ from gen.refinement.network.effects.offered import Offered
 MOST_FACTOR = 3.0
 
 
-NARROW = Bend(np.linspace(0.0, 1.0, 11), 0.12)
-"""A resonance or a step within a tenth of full speed."""
+NARROW = Bend(np.linspace(0.0, 1.0, 21), 0.12)
+"""A resonance or a step within a tenth of full speed: between knots twice as far apart a sixth of one with a standard
+deviation of 0.06 gets lost, between these a hundredth."""
 NEAR = 0.05
 """What a narrow bend is at a speed further off than this share of full speed no run says."""
 AS_THE_FILE = 0.1

@@ -135,8 +135,9 @@ def _most_promising(
 
     None if no pair promises plainly more than all that was found.
     """
-    # An effect with paths of its own takes a short search. With another beside it, it is found from that one.
-    linear = [effect for effect in every if not effect.paths]
+    # An effect with paths of its own takes a short search. With another beside it, it is found from that one: but for a
+    # part without a sensor, which alone may be bent so far to stand for both that it is refused.
+    seconds = [effect for effect in every if effect.nodes or not effect.paths]
     first = path.steps[0]
     bench.weigh_as(first.without.fitted)
     found = bench.finished(bench.fit(path.now.fitted.shape, path.now.fitted))
@@ -147,7 +148,7 @@ def _most_promising(
             continue
         progress(f"what {one.effect.name} promises with a second one")
         fitted = one.judged.fitted
-        beside = [effect for effect in linear if effect.name != one.effect.name]
+        beside = [effect for effect in seconds if effect.name != one.effect.name]
         gains = bench.promises([fitted.shape.with_effects(one.effect, it) for it in beside], fitted)
         promised = [gain - PRICE * it.freedom for gain, it in zip(gains, beside, strict=True)]
         cost = fitted.fit.cost + PRICE * one.effect.freedom - max(promised, default=0.0)

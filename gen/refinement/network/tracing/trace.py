@@ -11,7 +11,11 @@ from gen.refinement.network.fitting.data import Data
 from gen.refinement.network.fitting.fit import Bench
 from gen.refinement.network.tracing.judged import Judged, is_explained, judged
 from gen.refinement.network.tracing.paths import exchanged, followed, from_another_beginning
-from gen.refinement.network.tracing.search import LEAST_GAIN_BESIDE, Considered, Step
+from gen.refinement.network.tracing.search import Considered, Step
+
+NEEDED = 0.1
+"""Share of the left-out error that an effect has to take away from all others together to stay among them: less than it
+had to when it was added, as near the noise little is left to take, and it was told from nothing then."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +97,6 @@ def needed(
         others = tuple(effect for effect in effects if effect is not step.added.effect)
         fitted = bench.fit(final.fitted.shape.with_effects(*others), final.fitted)
         without = judged(bench.data, fitted, bench.left_out(fitted))
-        if final.score_K > (1.0 - LEAST_GAIN_BESIDE) * without.score_K:
+        if final.score_K > (1.0 - NEEDED) * without.score_K:
             steps, final = [one for one in steps if one is not step], without
     return steps, final
