@@ -57,6 +57,8 @@ def test_the_cases_are_what_was_asked_for() -> None:
     assert len({trial.names for trial in pairs}) > 4
     only = command.options_of(["--cases", "16x4", "--only", "drift", "--first", "3"]).trials
     assert [str(trial) for trial in only] == ["0:drift:2", "1:drift:2", "2:drift:2"]
+    later = command.options_of(["--cases", "16x4", "--only", "drift", "--skip", "1", "--first", "2"]).trials
+    assert later == only[1:]
     assert [str(trial) for trial in command.options_of(["--cases", "airflowx2"]).trials] == [
         "0:airflow:2",
         "1:airflow:2",
