@@ -15,8 +15,9 @@ from gen.identification.network.fitting.bins import FloatArray
 
 KNOTS = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 1.0])
 """Speeds w, |PWM| over full scale."""
-BEND, SMOOTH = 0.8, 0.35
-"""Standard deviation of the logarithm of the bend, and the share of full speed over which it stays alike."""
+BEND, SMOOTH, ROUGH = 0.8, 0.35, 0.01
+"""Standard deviation of the logarithm of the bend, the share of full speed over which it stays alike, and the share of
+its variance that each knot has for itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,10 +30,13 @@ class Bend:
         Speeds w, from 0 to 1.
     smooth
         Share of full speed over which it stays alike.
+    rough
+        Share of its variance that each knot has for itself.
     """
 
     knots: FloatArray
     smooth: float
+    rough: float
 
     @cached_property
     def _spline(self) -> CubicSpline:
@@ -45,11 +49,11 @@ class Bend:
     def precision(self) -> FloatArray:
         """Give the inverse of the covariance of its values at the knots, shape (knots, knots)."""
         gap = (self.knots[:, None] - self.knots) / self.smooth
-        spread = np.exp(-0.5 * gap**2) + 0.01 * np.eye(self.knots.size)
+        spread = np.exp(-0.5 * gap**2) + self.rough * np.eye(self.knots.size)
         return np.asarray(np.linalg.inv(BEND**2 * spread), dtype=np.float64)
 
 
-WIDE = Bend(KNOTS, SMOOTH)
+WIDE = Bend(KNOTS, SMOOTH, ROUGH)
 """As identification lets curves bend."""
 
 

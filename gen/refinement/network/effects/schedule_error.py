@@ -15,12 +15,12 @@ from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import SPEEDS, WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
 
-MOST_FACTOR = 3.0
+MOST_FACTOR, FALLS = 3.0, 0.8
+"""Of heat at some speeds; and below which it falls at others: a little less is what a curve does beside a peak."""
 
-
-NARROW = Bend(np.linspace(0.0, 1.0, 21), 0.12)
+NARROW = Bend(np.linspace(0.0, 1.0, 21), 0.12, 1e-4)
 """A resonance or a step within a tenth of full speed: between knots twice as far apart a sixth of one with a standard
-deviation of 0.06 gets lost, between these a hundredth."""
+deviation of 0.06 gets lost, between these a hundredth. They are too near each other to go apart."""
 NEAR = 0.05
 """What a narrow bend is at a speed further off than this share of full speed no run says."""
 AS_THE_FILE = 0.1
@@ -101,7 +101,7 @@ class ScheduleError(NetworkEffect):
     def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
         # No run says what a curve would be at rest, the first knot. Heat that has grown everywhere is a change.
         told = values[1:]
-        if self.replaces and min(told) < 1.0 and not all(1.0 / MOST_FACTOR < value < MOST_FACTOR for value in told):
+        if self.replaces and min(told) < FALLS and not all(1.0 / MOST_FACTOR < value < MOST_FACTOR for value in told):
             return ["heat at some speed would be off by a factor of more than three: that is no error of a schedule"]
         return []
 
