@@ -17,18 +17,34 @@ from gen.refinement.network.tracing.changed import looks_like_a_change
 from gen.refinement.network.tracing.judged import Judged, judged
 from gen.refinement.network.tracing.paths import Path, exchanged, from_another_beginning
 from gen.refinement.network.tracing.search import ENOUGH_BESIDE, Considered, Step
-from tests.refinement.network.motor import read, run, tree, wave
+from tests.refinement.network.motor import Tree, read, run, tree, wave
 
 BOTH = {"airflow", "sensor_offset"}
 
 
-class Later:
-    """Two runs of a motor with a fan that the file does not know, whose winding's sensor reads 2 K too much."""
+def blown() -> Tree:
+    """The motor with a fan."""
+    motor = tree()
+    motor["network"]["channels"] = [{"column": "fan_mps", "range": [0, 10], "neutral": 0}]
+    motor["network"]["paths"][1]["factors"] = [{"channel": "fan_mps", "poly": [0.15, 1.0]}]
+    return motor
 
-    def __init__(self) -> None:
-        motor = tree()
-        motor["network"]["channels"] = [{"column": "fan_mps", "range": [0, 10], "neutral": 0}]
-        motor["network"]["paths"][1]["factors"] = [{"channel": "fan_mps", "poly": [0.15, 1.0]}]
+
+def finned() -> Tree:
+    """The motor with a part more, which has no sensor."""
+    motor = tree()
+    motor["network"]["nodes"].append({"name": "fins", "capacity_J_per_K": 300})
+    motor["network"]["paths"] += [
+        {"between": ["casing", "fins"], "conductance_W_per_K": {"poly": [0.25]}},
+        {"between": ["fins", "ambient"], "conductance_W_per_K": {"poly": [0.1]}},
+    ]
+    return motor
+
+
+class Later:
+    """Two runs of a motor with something that the file does not know, whose winding's sensor reads 2 K too much."""
+
+    def __init__(self, motor: Tree) -> None:
         runs = [(f"run {seed}", run(read(motor), seed, {"fan_mps": wave(10 * seed, 0.0, 6.0)})) for seed in (1, 2)]
         for _, each in runs:
             each.temps["winding"] = each.temps["winding"] + 2.0
@@ -53,7 +69,7 @@ class Later:
 
 @pytest.fixture(scope="module")
 def later() -> Later:
-    return Later()
+    return Later(blown())
 
 
 def names(path: Path) -> set[str]:
@@ -68,6 +84,15 @@ def test_where_the_first_leaves_much_a_pair_begins_with_something_else(later: La
     assert path.now.floors < 1.1
     assert [one.effect.name for one in path.steps[0].considered if one.reasons] == ["temperature_dependent_loss"]
     assert [one.effect.name for one in path.added] == list(path.now.names)
+
+
+def test_a_part_without_a_sensor_is_tried_as_the_second_of_a_pair() -> None:
+    later = Later(finned())
+    wrong, right = later.considered("temperature_dependent_loss"), later.considered("sensor_offset")
+    first = Step(later.null, (wrong, right), wrong, ())
+    path = from_another_beginning(later.bench, Path((first,), wrong.judged), later.every, lambda _: None)
+    assert names(path) == {"sensor_offset", "hidden_node"}
+    assert path.now.floors < 1.1
 
 
 def test_what_cannot_be_the_reason_begins_no_pair(later: Later) -> None:
