@@ -57,6 +57,17 @@ def tree() -> Tree:
     return copy.deepcopy(TREE)
 
 
+def finned() -> Tree:
+    """The motor with a part more, which has no sensor."""
+    motor = tree()
+    motor["network"]["nodes"].append({"name": "fins", "capacity_J_per_K": 300})
+    motor["network"]["paths"] += [
+        {"between": ["casing", "fins"], "conductance_W_per_K": {"poly": [0.25]}},
+        {"between": ["fins", "ambient"], "conductance_W_per_K": {"poly": [0.1]}},
+    ]
+    return motor
+
+
 def read(tree: Tree) -> Coefficients:
     """Check a file."""
     return parse(json.dumps(tree).encode())

@@ -17,7 +17,7 @@ from gen.refinement.network.over_time.missing_heat import likeliest
 from gen.refinement.network.over_time.told_course import told
 from gen.refinement.network.over_time.uneven import Uneven, uneven
 from gen.runs import Run
-from tests.refinement.network.motor import HOURS, ROW_S, FloatArray, Tree, read, run, tree
+from tests.refinement.network.motor import HOURS, ROW_S, FloatArray, Tree, finned, read, run, tree
 
 LOAD_W = 4.0
 NAMES = ("one.csv", "two.csv", "three.csv")
@@ -108,16 +108,6 @@ def test_heat_that_begins_and_stays_is_told_since_when() -> None:
 def worn() -> Tree:
     motor = tree()
     motor["network"]["heats"][0]["power_W"]["poly"] = [0.00021, 0.014, 0.0]
-    return motor
-
-
-def finned() -> Tree:
-    motor = tree()
-    motor["network"]["nodes"].append({"name": "fins", "capacity_J_per_K": 300})
-    motor["network"]["paths"] += [
-        {"between": ["casing", "fins"], "conductance_W_per_K": {"poly": [0.25]}},
-        {"between": ["fins", "ambient"], "conductance_W_per_K": {"poly": [0.1]}},
-    ]
     return motor
 
 

@@ -17,7 +17,7 @@ from gen.refinement.network.tracing.changed import looks_like_a_change
 from gen.refinement.network.tracing.judged import Judged, judged
 from gen.refinement.network.tracing.paths import Path, exchanged, from_another_beginning
 from gen.refinement.network.tracing.search import ENOUGH_BESIDE, Considered, Step
-from tests.refinement.network.motor import Tree, read, run, tree, wave
+from tests.refinement.network.motor import Tree, finned, read, run, tree, wave
 
 BOTH = {"airflow", "sensor_offset"}
 
@@ -27,17 +27,6 @@ def blown() -> Tree:
     motor = tree()
     motor["network"]["channels"] = [{"column": "fan_mps", "range": [0, 10], "neutral": 0}]
     motor["network"]["paths"][1]["factors"] = [{"channel": "fan_mps", "poly": [0.15, 1.0]}]
-    return motor
-
-
-def finned() -> Tree:
-    """The motor with a part more, which has no sensor."""
-    motor = tree()
-    motor["network"]["nodes"].append({"name": "fins", "capacity_J_per_K": 300})
-    motor["network"]["paths"] += [
-        {"between": ["casing", "fins"], "conductance_W_per_K": {"poly": [0.25]}},
-        {"between": ["fins", "ambient"], "conductance_W_per_K": {"poly": [0.1]}},
-    ]
     return motor
 
 

@@ -14,8 +14,8 @@ from gen.refinement.network.tracing.paths import exchanged, followed, from_anoth
 from gen.refinement.network.tracing.search import Considered, Step
 
 NEEDED = 0.1
-"""Share of the left-out error that an effect has to take away from all others together to stay among them: less than it
-had to when it was added, as near the noise little is left to take, and it was told from nothing then."""
+"""Share of the left-out error that an effect has to take away beside all others, to stay among them. Less than it takes
+to be added: that is a choice among many, and near the noise there is little left to take."""
 
 
 @dataclass(frozen=True, eq=False)
