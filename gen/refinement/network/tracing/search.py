@@ -37,8 +37,8 @@ TOO_LITTLE_BESIDE = f"lowers the error on left-out runs by less than {LEAST_GAIN
 RELIEF, AS_BEFORE, EVEN = 80.0, 1.02, 0.5
 """The first effect may also count because the file need not be bent: by this decrease beside what its numbers cost,
 where the left-out error is no more than this factor above that without it, and the blocks do not speak against it."""
-FITTED_OF_EACH = 2
-"""Candidates of one name that are fitted."""
+FITTED_OF_EACH, NEARLY = 2, 0.75
+"""Candidates of one name that are fitted, and share of what the best promises from which one more is."""
 LEFT_OUT = 7
 """Names that are judged on what was left out."""
 
@@ -141,14 +141,16 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
 
 
 def _to_fit(offers: Sequence[tuple[float, NetworkEffect]]) -> list[tuple[float, NetworkEffect]]:
-    """Those that promise most; with the best elsewhere, where these are two forms at one place.
+    """Those of one name that promise most, the best first: two, and one more that promises nearly as much as the best.
 
-    A linear step says less of what grows faster than it, as a resonance does at the node where it is.
+    Where two are forms at one place, that is the best elsewhere, however much it promises: a linear step says less of
+    what grows faster than it, as a resonance does at the node where it is.
     """
-    first = list(offers[:FITTED_OF_EACH])
+    first, others = list(offers[:FITTED_OF_EACH]), offers[FITTED_OF_EACH:]
     places = {effect.component for _, effect in first}
-    elsewhere = [offer for offer in offers if offer[1].component not in places]
-    return first + elsewhere[:1] if len(places) < len(first) else first
+    if len(places) < len(first):
+        return first + [offer for offer in others if offer[1].component not in places][:1]
+    return first + [offer for offer in others if offer[0] > NEARLY * first[0][0]][:1]
 
 
 def may_be_a_fault(data: Data, best: Considered, one: Considered) -> bool:
