@@ -33,7 +33,7 @@ AT = {
     "hidden_node": (4.0, -1.5, -3.0, 0.5, 1.3),
     "coupling": (-1.0,),
     "radiation": (-1.5,),
-    "schedule_error": (0.1, 0.2, 0.3, 0.2, 0.1, 0.2, 0.1, -0.1, 0.1, 0.2, 0.1),
+    "schedule_error": tuple(0.1 + 0.1 * np.sin(np.arange(21.0))),
     "sensor_offset": (1.0,),
     "sensor_gain": (0.05,),
     "sensor_lag": (20.0,),
