@@ -15,12 +15,16 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import permutations
+from math import isnan
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from benchmarks.network_refinement.judge import identified
+from benchmarks.plants.planted.draw import NotVisible
 from benchmarks.plants.planted.trial import Trial, write_trial
+from gen.errors import CheckFailed, InputError
+from gen.interface.reported import silent
 from gen.refinement.gains import LEVEL
 from gen.refinement.network.effects import NetworkEffect, candidates
 from gen.refinement.network.fitting.fit import Bench, Fitted
@@ -69,12 +73,19 @@ def told_apart(trial: Trial, models: Path) -> ToldApart:
         With something planted.
     models
         Identified networks, kept from trial to trial.
+
+    Raises
+    ------
+    NotVisible
+        If no bench shows what is planted.
+    InputError, CheckFailed
+        If the motor cannot be identified, or its runs are none to refine with.
     """
     with tempfile.TemporaryDirectory(prefix="refinement-") as name:
         written = write_trial(trial, Path(name))
         model = identified(written.setting, models)
-        _, data, shape, _ = prepared(model.coefficients, written.fit, _silent)
-        found = trace(data, shape, _silent).final
+        _, data, shape, _ = prepared(model.coefficients, written.fit, silent)
+        found = trace(data, shape, silent).final
         bench = Bench(data)
         base = bench.first(shape)
         planted = known(bench, base, candidates(shape.motor(), data.offered), trial.names)
@@ -103,44 +114,39 @@ def known(bench: Bench, base: Fitted, every: Sequence[NetworkEffect], names: Seq
     Judged or None
         None where a name has no candidate: the network has no such term, or the runs do not show it.
     """
-    best: Fitted | None = None
+    by_name = {name: [effect for effect in every if effect.name == name] for name in names}
+    if not all(by_name.values()):
+        return None
+    fits = []
     for order in permutations(names):
         bench.weigh_as(base)
-        now: Fitted | None = base
+        now = base
         for name in order:
-            now = None if now is None else _with(bench, now, [effect for effect in every if effect.name == name])
-        if now is None:
-            return None
-        if best is None or now.fit.cost < best.fit.cost:
-            best = now
-    assert best is not None
+            now = _with(bench, now, by_name[name])
+        fits.append(now)
+    best = min(fits, key=lambda one: one.fit.cost)
     again = bench.tightened(best.shape, best.vector)
     return judged(bench.data, again, bench.left_out(again))
 
 
-def _with(bench: Bench, base: Fitted, effects: Sequence[NetworkEffect]) -> Fitted | None:
-    """The best of some effects beside those that are there; None of none."""
+def _with(bench: Bench, base: Fitted, effects: Sequence[NetworkEffect]) -> Fitted:
+    """The best of some effects beside those that are there."""
     shapes = [base.shape.with_effects(*base.shape.effects, effect) for effect in effects]
-    if not shapes:
-        return None
     promised = bench.promises(shapes, base)
     first = sorted(range(len(shapes)), key=lambda k: -promised[k])[:PLACES]
     return bench.finished(min(bench.fits([shapes[k] for k in first], base), key=lambda one: one.fit.cost))
 
 
-def _silent(_: str) -> None:
-    """Nobody is told of the progress."""
-
-
 def line(one: ToldApart) -> str:
     """One line on a trial."""
-    return (
-        f"{one.trial}: named {', '.join(one.named) or 'nothing'}, {one.named_floors:.2f} floors left out; planted, "
-        f"known: {one.planted_floors:.2f}, p {one.p_value:.3f}: {'told apart' if one.told else 'not told apart'}"
-    )
+    found = f"{one.trial}: named {', '.join(one.named) or 'nothing'}, {one.named_floors:.2f} floors left out"
+    if isnan(one.planted_floors):
+        return f"{found}; what was planted is no term of this network"
+    said = "told apart" if one.told else "not told apart"
+    return f"{found}; planted, known: {one.planted_floors:.2f}, p {one.p_value:.3f}: {said}"
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Read the command line, and print a line for each trial."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.network_refinement.told_apart",
@@ -149,10 +155,16 @@ def main() -> None:
     )
     parser.add_argument("--case", type=Trial.parse, nargs="+", required=True, help="SEED:EFFECT+EFFECT:FIT ...")
     parser.add_argument("--models", type=Path, help="keep identified networks here, and take those that are there")
-    options = parser.parse_args()
+    options = parser.parse_args(arguments)
+    if not all(trial.names for trial in options.case):
+        parser.error("--case: nothing is planted")
     with tempfile.TemporaryDirectory(prefix="models-") as name:
         for trial in options.case:
-            print(line(told_apart(trial, options.models or Path(name))), flush=True)
+            try:
+                said = line(told_apart(trial, options.models or Path(name)))
+            except (NotVisible, InputError, CheckFailed) as error:
+                said = f"{trial}: {error}"
+            print(said, flush=True)
 
 
 if __name__ == "__main__":

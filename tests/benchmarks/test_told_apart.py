@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.network_refinement.told_apart import ToldApart, known, line
+from benchmarks.network_refinement import told_apart
+from benchmarks.network_refinement.told_apart import ToldApart, known, line, main
+from benchmarks.plants.planted.draw import NotVisible
 from gen.refinement.network.effects import candidates
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import make_data
@@ -40,11 +42,32 @@ def test_two_effects_whose_names_are_known_leave_the_noise() -> None:
     assert known(bench, base, every, ("sensor_offset", "airflow")) is None
 
 
-@pytest.mark.parametrize(
-    ("planted", "p_value", "told"),
-    [(1.0, 0.001, True), (1.0, 0.2, False), (1.3, 0.001, False), (float("nan"), 0.0, False)],
-)
+@pytest.mark.parametrize(("planted", "p_value", "told"), [(1.0, 0.001, True), (1.0, 0.2, False), (1.3, 0.001, False)])
 def test_told_apart_is_what_predicts_better_by_more_than_chance(planted: float, p_value: float, told: bool) -> None:
     one = ToldApart("1:drift:6", ("sensor_gain",), 1.2, planted, p_value)
     assert one.told is told
     assert line(one).endswith("not told apart") is not told
+
+
+def test_what_could_not_be_fitted_is_not_said_to_look_alike() -> None:
+    one = ToldApart("1:initial_state:6", (), 1.2, float("nan"), float("nan"))
+    assert not one.told
+    assert line(one).endswith("no term of this network")
+
+
+def test_a_case_with_nothing_planted_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["--case", "1:nothing:6"])
+    assert ended.value.code == 2
+    assert "--case: nothing is planted" in capsys.readouterr().err
+
+
+def test_a_change_that_no_bench_shows_is_a_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def unseen(*_: object) -> None:
+        raise NotVisible("drift: no bench shows it")
+
+    monkeypatch.setattr(told_apart, "write_trial", unseen)
+    main(["--case", "1:drift:6", "2:drift:6"])
+    assert capsys.readouterr().out.splitlines() == [f"{seed}:drift:6: drift: no bench shows it" for seed in (1, 2)]

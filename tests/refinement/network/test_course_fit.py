@@ -152,10 +152,10 @@ def test_heat_that_goes_one_way_in_the_order_of_many_runs_is_told_though_single_
     assert stepped((-0.8, 0.0, 0.8), 0.2).pattern == "grows"
 
 
-def held(heat_W: Callable[[FloatArray, np.random.Generator], FloatArray]) -> Uneven:
-    """What six runs at ten speeds each, of half an hour, are like; heat by speed, each block known to 0.1 W."""
+def held(heat_W: Callable[[FloatArray, np.random.Generator], FloatArray], runs: int = 6) -> Uneven:
+    """What runs at ten speeds each, of half an hour, are like; heat by speed, each block known to 0.1 W."""
     made, ones = [], np.ones(60)
-    for number in range(6):
+    for number in range(runs):
         chance = np.random.default_rng([31, number])
         levels = chance.uniform(0.2, 1.0, 10)
         values = np.repeat(heat_W(levels, chance), 6) + chance.normal(0.0, 0.03, 60)
@@ -165,10 +165,26 @@ def held(heat_W: Callable[[FloatArray, np.random.Generator], FloatArray]) -> Une
     return said
 
 
-def test_a_resonance_goes_with_speed_though_it_is_narrow() -> None:
-    def resonance(speed: FloatArray, _: object) -> FloatArray:
-        return np.asarray(0.3 + 2.0 * np.exp(-0.5 * ((speed - 0.65) / 0.06) ** 2))
+def resonance(speed: FloatArray, _: object) -> FloatArray:
+    return np.asarray(0.3 + 2.0 * np.exp(-0.5 * ((speed - 0.65) / 0.06) ** 2))
 
+
+def test_a_resonance_goes_with_speed_though_it_is_narrow() -> None:
     assert held(resonance).scatter > 0.45  # about a smooth mean over speed
     assert held(resonance).pattern == "even"
     assert held(lambda speed, chance: chance.permutation(resonance(speed, None))).pattern == "comes and goes"
+
+
+def test_one_run_alone_does_not_tell_a_resonance_from_what_comes_and_goes() -> None:
+    def beside_changes(value: float) -> Uneven:
+        """2 W, and another value in the blocks at each change of speed, which a course may tell late."""
+        speed = np.repeat([0.3, 0.5, 0.7, 0.9, 0.4, 0.6, 0.8, 0.35], 6)
+        values = np.where(np.arange(48) % 6 % 5 == 0, value, 2.0)
+        one = RunCourse(0, 300.0 * np.arange(48.0), values, np.full(48, 0.1), np.ones(48), speed)
+        said = uneven([Course("heat", "bearing", 100.0, 100.0, 0.05, (one,), 1.0)])
+        assert said is not None
+        return said
+
+    assert beside_changes(5.0).scatter > 0.45  # about a smooth mean over speed; less within what is held
+    assert beside_changes(5.0).pattern == "comes and goes"
+    assert beside_changes(2.1).pattern == "even"

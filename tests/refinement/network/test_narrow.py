@@ -9,11 +9,12 @@ import pytest
 
 from gen.fleet.shared_effects import together
 from gen.model.network_solution import NetworkSolution
-from gen.refinement.network.effects.base import WHOLE
+from gen.refinement.network.effects.base import WHOLE, NetworkEffect
 from gen.refinement.network.effects.schedule_error import NARROW, ScheduleError, offered
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import make_data
 from gen.refinement.network.fitting.fit import Bench
+from gen.refinement.network.tracing.search import to_fit
 from gen.runs import Run
 from tests.refinement.network.motor import NOISE_K, ROW_S, read, tree
 
@@ -73,3 +74,25 @@ def test_a_fleet_has_run_where_any_of_its_motors_has(bench: Bench) -> None:
     mine, its = (each.was_run(NARROW.knots, 0.05) for each in (one, other))
     assert not np.array_equal(mine, its)
     assert np.array_equal(together([one, other]).was_run(NARROW.knots, 0.05), mine | its)
+
+
+def test_of_forms_at_one_place_the_best_elsewhere_is_fitted_too(bench: Bench) -> None:
+    network = read(tree()).model.network
+    assert network is not None
+    every = list(offered(Anchored.of(network, 255, bench.data.columns).motor(), bench.data.offered))
+    whole = [effect for effect in every if effect.component == WHOLE]
+    winding, casing = ([effect for effect in every if effect.component == name] for name in ("winding", "casing"))
+    assert min(len(whole), len(winding), len(casing)) == 2
+
+    def fitted(*promises: tuple[float, NetworkEffect]) -> list[NetworkEffect]:
+        return [effect for _, effect in to_fit(promises)]
+
+    assert fitted((9.0, whole[0]), (8.0, whole[1]), (1.0, winding[0]), (0.5, casing[0])) == [*whole, winding[0]]
+    # At two places, one more only where it promises nearly as much.
+    assert fitted((9.0, whole[0]), (8.0, winding[0]), (7.0, casing[0]), (6.9, casing[1])) == [
+        whole[0],
+        winding[0],
+        casing[0],
+    ]
+    assert fitted((9.0, whole[0]), (8.0, winding[0]), (6.0, casing[0])) == [whole[0], winding[0]]
+    assert fitted((9.0, whole[0])) == [whole[0]]

@@ -167,9 +167,10 @@ def _narrowly_even(blocks: _Turning, mean: FloatArray) -> bool:
     held = blocks.held
     if not held.any():
         return False
-    mean = mean + blocks.of_other_runs(blocks.value - mean)
-    scatter = max(blocks.square(blocks.value - mean, held) - blocks.deviation**2, 0.0)
-    return scatter < UNEVEN**2 * blocks.square(mean, held)
+    again = mean + blocks.of_other_runs(blocks.value - mean)
+    left = blocks.square(blocks.value - again, held)
+    told = left < blocks.square(blocks.value - mean, held)  # else other runs say nothing of it
+    return told and left - blocks.deviation**2 < UNEVEN**2 * blocks.square(again, held)
 
 
 def _pattern(blocks: _Turning, rest: FloatArray, scatter: float) -> tuple[Pattern, tuple[int, float, float] | None]:

@@ -115,7 +115,7 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
     for effect, gain in zip(untaken, bench.promises(shapes, base), strict=True):
         promised.setdefault(effect.name, []).append((gain - PRICE * effect.freedom, effect))
     progress(f"{len(promised)} kinds {beside}")
-    best = [_to_fit(sorted(offers, key=lambda offer: -offer[0])) for offers in promised.values()]
+    best = [to_fit(sorted(offers, key=lambda offer: -offer[0])) for offers in promised.values()]
     shapes = [base.shape.with_effects(*found, effect) for offers in best for _, effect in offers]
     each = iter(bench.fits(shapes, base))
     fits = [min((next(each) for _ in offers), key=_priced) for offers in best]
@@ -140,7 +140,7 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
     return Step(now, tuple(considered), added, tuple(alike))
 
 
-def _to_fit(offers: Sequence[tuple[float, NetworkEffect]]) -> list[tuple[float, NetworkEffect]]:
+def to_fit(offers: Sequence[tuple[float, NetworkEffect]]) -> list[tuple[float, NetworkEffect]]:
     """Those of one name that promise most, the best first: two, and one more that promises nearly as much as the best.
 
     Where two are forms at one place, that is the best elsewhere, however much it promises: a linear step says less of
