@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import IO
 
 from gen.errors import InputError
+from gen.interruption import interrupts_wait
 
 #: A folder without this file was not written by this tool and is not replaced.
 MARK = "manifest.json"
@@ -54,7 +55,10 @@ def scratch(prefix: str, parent: Path | None = None) -> Iterator[Path]:
     parent
         Where; by default where the system keeps such folders.
     """
-    folder = (parent or Path(tempfile.gettempdir())) / f"{prefix}{secrets.token_hex(8)}"
+    if parent is None:
+        with interrupts_wait():  # asked for the first time, Python tries the place with a file of its own
+            parent = Path(tempfile.gettempdir())
+    folder = parent / f"{prefix}{secrets.token_hex(8)}"
     try:
         folder.mkdir(mode=0o700)
         yield folder
@@ -211,30 +215,31 @@ def replace_folder(folder: Path, files: Mapping[str, str], *, force: bool = Fals
         If the folder exists and was not written by this tool, holds anything else or edited files, or cannot be
         written.
     """
-    staging: Path | None = None
     named, folder = folder, folder.resolve()
     try:
         _check_replaceable(folder, named, force)
         folder.parent.mkdir(parents=True, exist_ok=True)
-        staging = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
-        for path, text in files.items():
-            target = staging / "new" / path
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(text, encoding="utf-8", newline="\n")  # as the manifest's hashes are
-        if folder.exists():
-            folder.rename(staging / "old")
-            try:
-                (staging / "new").rename(folder)
-            except BaseException:
-                (staging / "old").rename(folder)
-                raise
-        else:
-            (staging / "new").rename(folder)
+        with scratch(f".{folder.name}.", folder.parent) as staging:
+            for path, text in files.items():
+                target = staging / "new" / path
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.write_text(text, encoding="utf-8", newline="\n")  # as the manifest's hashes are
+            _exchange(staging / "new", folder, staging / "old")
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", file=str(named)) from error
-    finally:
-        if staging is not None:
-            shutil.rmtree(staging, ignore_errors=True)
+
+
+def _exchange(new: Path, folder: Path, old: Path) -> None:
+    """Put a finished tree where it belongs; what was there goes aside, and comes back where that fails."""
+    if not folder.exists():
+        new.rename(folder)
+        return
+    folder.rename(old)
+    try:
+        new.rename(folder)
+    except BaseException:
+        old.rename(folder)
+        raise
 
 
 def _check_replaceable(folder: Path, named: Path, force: bool) -> None:

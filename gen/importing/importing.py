@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from gen.errors import InputError
-from gen.files import check_writable, write_text
+from gen.files import check_writable, scratch, write_text
 from gen.importing.convert import Splitting, convert, with_comments
 from gen.importing.converted import Converted
 from gen.importing.guessing.compact_times import with_parted_times
@@ -258,21 +256,17 @@ def _fresh(stem: str, taken: dict[str, Run]) -> str:
 def _write_all(runs: dict[str, Run], out: Path, mapping: tuple[Path | None, str]) -> list[Path]:
     """Write beside, then rename: a folder that is new at once, into one that exists file by file."""
     folder = out.resolve()
-    staging: Path | None = None
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
-        staging = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
-        new = staging / "new"
-        new.mkdir()
-        for name, run in runs.items():
-            write_run(new / name, run)
-        with interruption():  # a moment, in which nothing may be cut off half-way
-            _put(new, folder, list(runs), mapping)
+        with scratch(f".{folder.name}.", folder.parent) as staging:
+            new = staging / "new"
+            new.mkdir()
+            for name, run in runs.items():
+                write_run(new / name, run)
+            with interruption():  # a moment, in which nothing may be cut off half-way
+                _put(new, folder, list(runs), mapping)
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror or error}", file=str(out)) from error
-    finally:
-        if staging is not None:
-            shutil.rmtree(staging, ignore_errors=True)
     return [out / name for name in runs]
 
 
