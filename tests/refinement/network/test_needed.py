@@ -14,7 +14,7 @@ from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import make_data
 from gen.refinement.network.fitting.fit import Bench, Fitted
 from gen.refinement.network.tracing.judged import Judged, judged
-from gen.refinement.network.tracing.search import PRICE, Considered, Step, may_be_a_fault
+from gen.refinement.network.tracing.search import PRICE, Considered, Step, may_be_a_fault, to_judge
 from gen.refinement.network.tracing.trace import needed
 from tests.refinement.network.motor import read, run, tree, wave
 
@@ -87,3 +87,25 @@ def test_wear_in_doubt_is_wear_unless_all_runs_speak_against_it(bench: Bench, mo
     as_good = considered(other, 400.0, (3.0,))
     grown = considered(wear, 400.0 + more, tuple(np.log([1.0, 1.3, 1.4, 1.4, 1.4, 1.3])))
     assert may_be_a_fault(bench.data, as_good, grown) is doubt
+
+
+def test_beside_a_fit_at_its_limit_the_best_is_judged_that_nothing_speaks_against(bench: Bench) -> None:
+    network = read(tree()).model.network
+    assert network is not None
+    base = bench.first(Anchored.of(network, 255, bench.data.columns))
+    airflow = next(one for one in candidates(base.shape.motor(), bench.data.offered) if one.name == "airflow")
+    fitted = bench.fit(base.shape.with_effects(airflow), base)
+
+    def priced(cost: float, gain: float) -> Fitted:
+        vector = fitted.vector.copy()
+        vector[fitted.shape.places[0].columns] = gain
+        return replace(fitted, fit=replace(fitted.fit, vector=vector, cost=cost))
+
+    most = airflow.numbers[0].high
+    best, worse, worst = (priced(10.0 * k, 0.5) for k in range(3))
+    assert to_judge([worse, best, worst]) == [best]
+    best = priced(0.0, most)
+    assert to_judge([worst, worse, best]) == [best, worse]
+    worse = priced(10.0, most)
+    assert to_judge([worst, worse, best]) == [best, worst]
+    assert to_judge([worse, best]) == [best]

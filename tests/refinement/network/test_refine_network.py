@@ -99,6 +99,17 @@ def test_a_fan_is_found_by_its_channel(tmp_path: Path) -> None:
     assert error_K(found, tmp_path) < 1.2 * NOISE_K
 
 
+def test_a_flap_that_shuts_at_rest_leaves_next_to_nothing(tmp_path: Path) -> None:
+    motor = tree()
+    conductance = motor["network"]["paths"][1]["conductance_W_per_K"]
+    conductance["at_rest"] *= 0.02
+    found = refined(motor, tmp_path)
+    row = found.effects().iloc[0].to_dict()
+    assert row["effect"] == "standstill_cooling"
+    assert max(row["parameters"].values()) < 0.1
+    assert error_K(found, tmp_path) < 1.2 * NOISE_K
+
+
 def test_another_heat_backwards_is_found_and_the_file_reads_the_sign_of_pwm(tmp_path: Path) -> None:
     motor = tree()
     motor["network"]["channels"] = [{"column": "pwm", "range": [-255, 255], "neutral": 0}]

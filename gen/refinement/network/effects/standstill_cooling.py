@@ -14,6 +14,10 @@ from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Num
 from gen.refinement.network.effects.offered import Offered
 
 
+LEAST_FACTOR = 0.01
+"""A flap that shuts leaves next to nothing of what a surface lost by the air."""
+
+
 class StandstillCooling(NetworkEffect):
     """Conductances to the ambient at rest, times a factor: one for all of them, or one for each."""
 
@@ -28,7 +32,7 @@ class StandstillCooling(NetworkEffect):
         nodes = [between[0] for between in self._between]
         names = ["factor_at_rest"] if alike else [f"factor_at_rest_of_{node}" for node in nodes]
         self._number = [0 if alike else k for k in range(len(self._acts))]
-        self.numbers = tuple(Number(name, 1.0, 0.0, 0.7, 0.05, 20.0, log=True) for name in names)
+        self.numbers = tuple(Number(name, 1.0, 0.0, 0.7, LEAST_FACTOR, 20.0, log=True) for name in names)
 
     def act(self, draft: Draft, levels: Levels, values: FloatArray, place: Place) -> None:  # noqa: D102
         share = self._columns.later(levels) * levels.rest

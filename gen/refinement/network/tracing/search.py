@@ -118,7 +118,7 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
     best = [to_fit(sorted(offers, key=lambda offer: -offer[0])) for offers in promised.values()]
     shapes = [base.shape.with_effects(*found, effect) for offers in best for _, effect in offers]
     each = iter(bench.fits(shapes, base))
-    fits = [min((next(each) for _ in offers), key=_priced) for offers in best]
+    fits = [fitted for offers in best for fitted in to_judge([next(each) for _ in offers])]
     fits.sort(key=_priced)
     fits = fits[:LEFT_OUT]
     progress(f"{', '.join(fitted.shape.effects[-1].name for fitted in fits)}: left-out error")
@@ -151,6 +151,12 @@ def to_fit(offers: Sequence[tuple[float, NetworkEffect]]) -> list[tuple[float, N
     if len(places) < len(first):
         return first + [offer for offer in others if offer[1].component not in places][:1]
     return first + [offer for offer in others if offer[0] > NEARLY * first[0][0]][:1]
+
+
+def to_judge(fits: Sequence[Fitted]) -> list[Fitted]:
+    """Give the best fit of one name, and where its numbers are doubtful the best that nothing speaks against."""
+    first, *others = sorted(fits, key=_priced)
+    return [first, *[fitted for fitted in others if not doubts(fitted)][:1]] if doubts(first) else [first]
 
 
 def may_be_a_fault(data: Data, best: Considered, one: Considered) -> bool:
