@@ -13,7 +13,6 @@ from gen.refinement.network.changing.writer import NetworkWriter, ends
 from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
 
-
 LEAST_FACTOR = 0.01
 """A flap that shuts leaves next to nothing of what a surface lost by the air."""
 
