@@ -54,6 +54,8 @@ def drawn(seed: int, size: int) -> dict[str, Any]:
         sensor: dict[str, Any] = {"offset_K": float(np.round(rng.normal(), 2)), "lag_s": [0.0, 6.0][pick(3, 1)]}
         gains: list[dict[str, Any]] = [{}, {"gain_error": -0.2}, {"gain_error": 0.1, "gain_about": "zero_degC"}]
         sensor |= gains[(seed + k) % 3]
+        drifts: list[dict[str, Any]] = [{}, {"drift_K": -6.5, "drift_h": 1.5}, {}, {"drift_K": 40.0, "drift_h": 24.0}]
+        sensor |= drifts[(seed + 2 * k) % 4]
         hidden = {"start_factor": [1.0, 0.4, 1.7][seed % 3]}
         shown = {"sensor": sensor} if k == 0 or rng.random() < 0.7 else hidden
         nodes.append({"name": name(k), "capacity_J_per_K": float(np.round(rng.uniform(40, 900), 1)), **shown})

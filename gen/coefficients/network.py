@@ -126,10 +126,24 @@ class SensorEntry(Part):
     gain_about: Annotated[
         Literal["ambient", "zero_degC"], Field(description="Where the reading is right: at the ambient, or at 0 degC.")
     ] = "ambient"
+    drift_K: Annotated[
+        Number, Field(ge=-500, le=500, description="How far the reading has moved in the end since switching on.")
+    ] = 0.0
+    drift_h: Annotated[Number, Field(ge=0.05, le=48, description="Time constant with which it does, h.")] | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> SensorEntry:
+        if self.drift_K and self.drift_h is None:
+            raise fault("is missing: a drift has a time constant", "drift_h")
+        if self.drift_h is not None and not self.drift_K:
+            raise fault("found a time constant of no drift", "drift_h")
+        return self
 
     def sensor(self) -> Sensor:
         """Give the model's sensor."""
-        return Sensor(self.offset_K, self.lag_s, self.gain_error, self.gain_about == "ambient")
+        settling = 0.0 if self.drift_h is None else 3600.0 * self.drift_h
+        about = self.gain_about == "ambient"
+        return Sensor(self.offset_K, self.lag_s, self.gain_error, about, self.drift_K, settling)
 
 
 class NodeEntry(Part):

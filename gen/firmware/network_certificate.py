@@ -8,7 +8,7 @@ from gen.coefficients import Coefficients
 from gen.firmware.contexts.identity import ROOM_degC
 from gen.lowering.kinds import OUTPUT_BITS
 from gen.lowering.network.program import NetworkProgram, NetworkProof
-from gen.lowering.network.terms import identifier, lagging_reading
+from gen.lowering.network.terms import drifting_sensor, identifier, lagging_reading
 from gen.lowering.program import Program
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import ThermalModel
@@ -72,6 +72,12 @@ def network_statement(coefficients: Coefficients) -> dict[str, Any]:
             states.append({"name": name, "lags": place, "time_constant_s": node.sensor.lag})
         shown = {"shown_K": node.sensor.offset, **_gain(node.sensor)}
         components.append({"name": node.name, "node": place, "state": state, **shown})
+    for component, node in zip(components, network.sensed, strict=True):
+        assert node.sensor is not None
+        if node.sensor.drift:
+            component["drift"] = len(states)
+            name = identifier(drifting_sensor(node.name))
+            states.append({"name": name, "drifts_to_K": node.sensor.drift, "time_constant_s": node.sensor.settling})
     return {"equations": _equations(network, model), "states": states, "components": components}
 
 

@@ -155,7 +155,8 @@ def _term_row(
     elif term.label.startswith("heats"):
         key = f"$.network.{term.label}, power_W, "
     else:
-        return state, what, "1 per sample", form, f"$.network.{term.label}.lag_s, $.sample_time_s", place
+        field = "" if term.source == "reference" else ".lag_s"
+        return state, what, "1 per sample", form, f"$.network.{term.label}{field}, $.sample_time_s", place
     node = min(term.target, len(network.nodes) - 1)
     return state, what, "1 per sample", form, f"{key}nodes[{node}].capacity_J_per_K, $.sample_time_s", place
 

@@ -144,7 +144,7 @@ def _roots(a: float, b: float, c: float) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Sensor:
-    """What stands between a node and its reading: first the lag, then the gain's error, then the offset.
+    """What stands between a node and its reading: the lag, then the gain's error, then the offset and the drift.
 
     Parameters
     ----------
@@ -157,12 +157,17 @@ class Sensor:
     about_ambient
         Whether that base is the ambient (a sensor that has come half off shows too little of the rise); else it is
         0 degC (an amplifier's gain).
+    drift, settling
+        How far the reading has moved in the end since the start, K, and with which time constant of first order, s: an
+        amplifier that warms with its electronics. 0 and 0 for none.
     """
 
     offset: float = 0.0
     lag: float = 0.0
     gain_error: float = 0.0
     about_ambient: bool = True
+    drift: float = 0.0
+    settling: float = 0.0
 
     def base(self, ambient: ArrayLike) -> FloatArray:
         """Where the gain's error shows nothing, degC, of the ambient's shape."""
@@ -170,15 +175,20 @@ class Sensor:
         return room if self.about_ambient else np.zeros_like(room)
 
     def shown(self, temperature: ArrayLike, ambient: ArrayLike) -> FloatArray:
-        """Give the reading of a temperature behind the lag, all in degC, of shapes that fit together."""
+        """Give the reading of a temperature behind the lag at the start, all in degC, of shapes that fit together."""
         at = np.asarray(temperature, dtype=np.float64)
         return np.asarray(at + self.gain_error * (at - self.base(ambient)) + self.offset, dtype=np.float64)
 
     def temperature(self, reading: ArrayLike, ambient: ArrayLike) -> FloatArray:
-        """Give the temperature at which a sensor in balance shows a reading, all in degC."""
+        """Give the temperature at which a sensor in balance shows a reading at the start, all in degC."""
         seen = np.asarray(reading, dtype=np.float64) - self.offset
         base = self.base(ambient)
         return seen if self.gain_error == 0.0 else np.asarray(base + (seen - base) / (1.0 + self.gain_error))
+
+    def drifted(self, elapsed_s: ArrayLike) -> FloatArray:
+        """Give how far the reading has moved so long after the start, K, of any shape."""
+        since = np.asarray(elapsed_s, dtype=np.float64)
+        return np.zeros_like(since) if self.drift == 0.0 else -self.drift * np.expm1(-since / self.settling)
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ _TERMS = 9
 class Steps(NamedTuple):
     """x += increment[k] x + ambient[k] T_ambient + heat[k]: shapes (k, n, n), (k, n), (k, n).
 
-    The states x are the nodes' temperatures and those that sensors with a lag show, degC.
+    The states x are the nodes' temperatures, those that sensors with a lag show, degC, and how far sensors drifted, K.
     """
 
     increment: FloatArray
@@ -59,10 +59,15 @@ class NetworkSolution:
         #: Of each sensor with a lag: its node's position, and its time constant in s.
         self._lags = [(self.network.index(name), sensor.lag) for name, sensor in sensed if name in lagging]
         self._sensors = dict(sensed)
+        drifting = [name for name, sensor in sensed if sensor.drift]
+        #: Of each sensor that drifts: how far in the end, K, and its time constant in s.
+        self._drifts = [(sensor.drift, sensor.settling) for _, sensor in sensed if sensor.drift]
         first = len(self.network.nodes)
         self._places = {
             name: first + lagging.index(name) if name in lagging else self.network.index(name) for name, _ in sensed
         }
+        self._drift_places = {name: first + len(lagging) + k for k, name in enumerate(drifting)}
+        self.size = first + len(lagging) + len(drifting)
 
     def simulate_times(
         self,
@@ -107,7 +112,7 @@ class NetworkSolution:
         channels: Mapping[str, ArrayLike] | None = None,
         start: Mapping[str, float] | None = None,
     ) -> FloatArray:
-        """Solve the same for all nodes and then the sensors that lag, degC, shape (N, states)."""
+        """Solve the same for all nodes, the sensors that lag, degC, and those that drift, K, shape (N, states)."""
         time = np.asarray(time_s, dtype=np.float64)
         counts = magnitude(pwm)
         if time.shape != counts.shape or time.ndim != 1 or not time.size:
@@ -123,7 +128,7 @@ class NetworkSolution:
             if name in known
         }
         inputs = np.column_stack([counts[:-1].astype(np.float64), step, *told.values()])
-        out = np.empty((time.size, len(self.network.nodes) + len(self._lags)))
+        out = np.empty((time.size, self.size))
         out[0] = self.start(start or {}, float(room[0]))
         if self.network.laws:
             self._integrate(inputs, tuple(told), room, out)
@@ -152,7 +157,8 @@ class NetworkSolution:
         ambient
             At the time of the reading, degC, a number or shape (...).
         """
-        return {name: self._sensors[name].shown(states[..., place], ambient) for name, place in self._places.items()}
+        shown = {name: self._sensors[name].shown(states[..., place], ambient) for name, place in self._places.items()}
+        return shown | {name: shown[name] + states[..., place] for name, place in self._drift_places.items()}
 
     def _integrate(self, inputs: FloatArray, names: tuple[str, ...], room: FloatArray, out: FloatArray) -> None:
         """Row by row, the inputs of equal rows looked up once."""
@@ -200,7 +206,7 @@ class NetworkSolution:
         values = {**network.neutral(), **(told or {})}
         paths = [network.factor_values(path.factors, values, pwm.shape) for path in network.paths]
         heats = [network.factor_values(heat.factors, values, pwm.shape) for heat in network.heats]
-        size = len(network.nodes) + len(self._lags)
+        size = self.size
         rates = np.zeros((*pwm.shape, size + 1, len(network.laws)))
         for k, (number, _) in enumerate(network.laws):
             path = network.paths[number]
@@ -217,7 +223,7 @@ class NetworkSolution:
     @cached_property
     def _law_paths(self) -> LawPaths:
         network = self.network
-        ambient = len(network.nodes) + len(self._lags)
+        ambient = self.size
         paths = [network.paths[number] for number, _ in network.laws]
         first = [network.index(path.first) for path in paths]
         second = [ambient if path.second is None else network.index(path.second) for path in paths]
@@ -248,7 +254,8 @@ class NetworkSolution:
         Returns
         -------
         FloatArray
-            Nodes and then sensors that lag, which are in balance with their nodes, degC, shape (..., states).
+            Nodes, then sensors that lag, in balance with their nodes, degC, then what others drifted, none yet, K,
+            shape (..., states).
 
         Raises
         ------
@@ -268,7 +275,8 @@ class NetworkSolution:
         nodes = np.empty((*given.shape[:-1], len(network.nodes)))
         nodes[..., [network.index(node.name) for node in network.sensed]] = given[..., :-1]
         nodes[..., [network.index(node.name) for node in network.hidden]] = given @ network.hidden_at_start.T
-        return np.concatenate([nodes, nodes[..., [node for node, _ in self._lags]]], axis=-1)
+        drifted = np.zeros((*nodes.shape[:-1], len(self._drifts)))
+        return np.concatenate([nodes, nodes[..., [node for node, _ in self._lags]], drifted], axis=-1)
 
     def steps(self, pwm: NDArray[np.int64], step: FloatArray, told: Mapping[str, ArrayLike] | None = None) -> Steps:
         """Step matrices of intervals, every law being the difference of both temperatures.
@@ -291,14 +299,17 @@ class NetworkSolution:
         )
 
     def with_sensors(self, m: FloatArray, a: FloatArray, f: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Append a state for each sensor that lags, which follows its node and takes nothing from it."""
-        n, size = len(self.network.nodes), len(self.network.nodes) + len(self._lags)
+        """Append a state for each sensor that lags, which takes nothing from its node, and for each that drifts."""
+        n, size = len(self.network.nodes), self.size
         grown = np.zeros((m.shape[0], size, size))
         grown[:, :n, :n] = m
         for k, (node, lag) in enumerate(self._lags, start=n):
             grown[:, k, node], grown[:, k, k] = 1.0 / lag, -1.0 / lag
-        pad = np.zeros((m.shape[0], len(self._lags)))
-        return grown, np.concatenate([a, pad], axis=1), np.concatenate([f, pad], axis=1)
+        pad = np.zeros((m.shape[0], size - n))
+        heat = np.concatenate([f, pad], axis=1)
+        for k, (drift, settling) in enumerate(self._drifts, start=n + len(self._lags)):
+            grown[:, k, k], heat[:, k] = -1.0 / settling, drift / settling
+        return grown, np.concatenate([a, pad], axis=1), heat
 
 
 def _exponential(m: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -68,6 +68,7 @@ class ReferenceNetwork:
         program, room = self._program, self._channels[0]
         ambient = self._ambient()
         high = np.repeat(ambient[None], len(program.states), axis=0)
+        high[list(program.drifts)] = 0
         sensed = []
         for reading in program.readings:
             low_mC, high_mC = program.start_mC
@@ -125,7 +126,9 @@ class ReferenceNetwork:
     @property
     def _reading_words(self) -> Integers:
         upper, ambient = self._state >> self._low_bits, self._ambient()
-        return np.array([self._shown(r, upper[r.state], ambient) + r.offset for r in self._program.readings])
+        drifted = [0 if r.drift is None else upper[r.drift] for r in self._program.readings]
+        readings = zip(self._program.readings, drifted, strict=True)
+        return np.array([self._shown(r, upper[r.state], ambient) + r.offset + drift for r, drift in readings])
 
     def _shown(self, reading: Reading, word: Integers, ambient: Integers) -> Integers:
         """What a sensor shows of a temperature without its offset."""

@@ -102,6 +102,10 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
         FROZEN["my1016.json"][1],
     ),
     "sensor_chips.json": ("bc2af1065eb6971b1fe9d72b0a30dddbfd935a7bf7d5701791b58aecc4d6d216", FROZEN["my1016.json"][1]),
+    "sensor_drifts.json": (
+        "7f0fd88c937de1baf28ec74d06d7eedba6e1fb48ae8ccc0ba6eef0c0b37e6a56",
+        {"brush": 53.1073182802, "casing": 34.0167396632},
+    ),
     "sensor_gains.json": (
         "58920995e65c4f8a5e4c99bb304f7b9a3bba07bf0365039a67635a4ed812a07e",
         {"brush": 41.2298205151, "casing": 36.7285283989, "mount": 29.8215747518},

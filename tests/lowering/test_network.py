@@ -117,6 +117,30 @@ def test_no_error_exceeds_the_bound_and_no_temperature_its_range(
     assert np.all(plant.board.saturations == 0)
 
 
+def test_readings_of_sensors_that_drift_stay_within_their_bounds_until_they_stand() -> None:
+    """Of drifts that are over within the test, and one that hardly begins; the last words are the ends'."""
+    tree = network_tree(4, 6)
+    sensed = [node for node in tree["network"]["nodes"] if "sensor" in node]
+    drifts = [(12.5, 0.05), (-33.0, 0.05), (250.0, 48.0)]
+    for node, (drift, hours) in zip(sensed, drifts, strict=False):
+        node["sensor"] = {"drift_K": drift, "drift_h": hours}
+    plant = Plant(loaded(tree), "fixed", 40, 3)
+    network = plant.program.network
+    assert network is not None
+    parts = network.components()
+    bounds = np.array([part.proof.bound_K for part in parts])[:, None]
+    ends = np.array([part.proof.range_degC for part in parts])
+    for sample in range(9000):
+        if sample % 500 == 0:
+            plant.told = plant.draw()
+            assert np.all(plant.error <= bounds)
+            assert np.all(ends[:, :1] <= plant.board.readings)
+            assert np.all(plant.board.readings <= ends[:, 1:])
+        plant.advance(plant.random.choice([0, 255, -60], plant.lanes))
+    drifted = plant.board.temperatures[list(network.drifts)]
+    assert drifted[:2] == pytest.approx(np.array([[12.5], [-33.0]]) * np.ones(plant.lanes), rel=1e-5)
+
+
 GAINS: list[Tree] = [
     {"gain_error": -0.85},
     {"gain_error": 1.9, "offset_K": -3.0},

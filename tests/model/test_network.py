@@ -30,6 +30,7 @@ FILES = {
     "fan_motor": ROOT / "examples" / "network" / "coeffs.json",
     "every_key": ROOT / "tests" / "coefficients" / "version2" / "network_every_key.json",
     "sensor_gains": ROOT / "tests" / "coefficients" / "version2" / "sensor_gains.json",
+    "sensor_drifts": ROOT / "tests" / "coefficients" / "version2" / "sensor_drifts.json",
 }
 
 
@@ -110,12 +111,13 @@ def change(tree: Tree, pwm: int, room: float, told: dict[str, float]) -> Callabl
     return rate
 
 
-def reading(node: Tree, temperature: Array, room: Array) -> Array:
-    """What a node's sensor shows of a temperature behind its lag."""
+def reading(node: Tree, temperature: Array, room: Array, elapsed_s: Array) -> Array:
+    """What a node's sensor shows of a temperature behind its lag, so long after the start."""
     sensor = node["sensor"]
     base = room if sensor.get("gain_about", "ambient") == "ambient" else 0.0
     gain, offset = float(sensor.get("gain_error", 0.0)), float(sensor.get("offset_K", 0.0))
-    return np.asarray(temperature + gain * (temperature - base) + offset)
+    drift = float(sensor.get("drift_K", 0.0)) * (1.0 - np.exp(-elapsed_s / 3600.0 / float(sensor.get("drift_h", 1.0))))
+    return np.asarray(temperature + gain * (temperature - base) + offset + drift)
 
 
 def integrated(
@@ -137,7 +139,7 @@ def integrated(
     for k, node in enumerate(sensed):
         lag = node["sensor"].get("lag_s", 0.0)
         own = made[:, len(entries) + k] if lag else made[:, [n["name"] for n in entries].index(node["name"])]
-        readings[node["name"]] = reading(node, own, room)
+        readings[node["name"]] = reading(node, own, room, time - time[0])
     return readings
 
 
@@ -246,7 +248,7 @@ def test_it_settles_where_all_flows_balance(name: str) -> None:
         found = NetworkSolution(model_of(name)).simulate_times(np.array([0.0, 1e7]), held, 30.0)
         for node in tree["network"]["nodes"]:
             if node.get("sensor") is not None:
-                shown = reading(node, settled[names.index(node["name"])], np.array(30.0))
+                shown = reading(node, settled[names.index(node["name"])], np.array(30.0), np.array(1e7))
                 assert found[node["name"]][-1] == pytest.approx(float(shown), abs=1e-8)
 
 
@@ -417,7 +419,7 @@ def test_transfer_functions_are_no_network() -> None:
         NetworkSolution(parse(json.dumps(tree).encode()).model)
 
 
-@pytest.mark.parametrize("name", ["two_nodes", "fan_motor", "sensor_gains"])
+@pytest.mark.parametrize("name", ["two_nodes", "fan_motor", "sensor_gains", "sensor_drifts"])
 def test_intervals_one_after_the_other_are_the_whole_run(name: str) -> None:
     """Two lanes side by side, each with inputs and intervals of its own, against each run solved at once."""
     model = model_of(name)

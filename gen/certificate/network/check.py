@@ -265,6 +265,8 @@ class NetworkProof:
             # What is not started after a begin rests at the ambient.
             for place in {part.node, part.state}:
                 begin[place] = (min(low, room), max(high, room), wrong)
+            if part.drift is not None:
+                begin[part.drift] = (0.0, 0.0, 0.0)
         hidden = self._hidden(begin)
         for place, (low, high, wrong) in {**begin, **hidden}.items():
             slack = ROUGHLY * (abs(low) + abs(high))
@@ -304,12 +306,17 @@ class NetworkProof:
         offset = self._measured.sensors[part.name].offset
         word = abs(offset * self._unit - part.shown_K) + self._unit  # the word's upper half, rounded down
         low, high = self._ranges[part.state] + (-self._error[part.state], self._error[part.state])
-        carried = self._error[part.state]
+        carried, drifted = self._error[part.state], 0.0
+        if part.drift is not None:
+            drifted = max(map(abs, self._ranges[part.drift])) + self._error[part.drift] + self._unit
         if self._certificate.has_gains:
-            word = self._sensors.reading(part, (float(low), float(high)))
+            word = self._sensors.reading(part, (float(low), float(high)), drifted / self._unit)
             carried = carried * (1.0 + (part.shown_per_K or 0.0))
+        if part.drift is not None:
+            carried, word = carried + self._error[part.drift], word + self._unit  # its upper word, rounded down
         bound = (carried + word) * (1.0 + ROUGHLY)
         furthest = max(abs(low), abs(high), high - self._ambient[0], self._ambient[1] - low) + abs(offset) * self._unit
+        furthest += drifted
         if not furthest * (1.0 + ROUGHLY) < (2.0**31 - 8.0) * self._unit:
             raise Refuted(f"{part.name}: what is read may overflow")
         reading = (bound + self._measured.ambient * self._unit + self._measured.reading_K) * (1.0 + ROUGHLY)

@@ -3,7 +3,8 @@
     C_i dT_i/dt = sum of G (T_other - T_i) + sum of P (1 + k (T_i - T_reference))
 
 On a path with a law d f(|d|) stands in the place of a difference d, or that of fourth powers in kelvin.
-A sensor that lags is a state of its own, ``dT/dt = (T_node - T) / lag``. Numbers are read as float64, which is exact.
+A sensor that lags is a state of its own, ``dT/dt = (T_node - T) / lag``, and so is how far one has drifted since the
+start, ``dD/dt = (D_end - D) / tau``. Numbers are read as float64, which is exact.
 """
 
 from __future__ import annotations
@@ -101,6 +102,8 @@ class State(_Strict):
         Of a node that nobody measures: its rise over the ambient at the start, for each kelvin at which it would rest.
     lags, time_constant_s
         Instead: which node it lags behind, and its time constant.
+    drifts_to_K
+        Instead of `lags`: where a drift that begins at 0 ends.
     range_degC
         What the exact solution never leaves.
     error_K
@@ -111,16 +114,18 @@ class State(_Strict):
     capacity_J_per_K: Positive | None = None
     start_factor: Annotated[Number, Field(ge=0)] | None = None
     lags: Place | None = None
+    drifts_to_K: Number | None = None
     time_constant_s: Positive | None = None
     range_degC: tuple[Number, Number]
     error_K: Positive
 
     @model_validator(mode="after")
     def _one_kind(self) -> State:
-        if (self.capacity_J_per_K is None) == (self.time_constant_s is None) or (self.lags is None) != (
-            self.time_constant_s is None
+        kinds = (self.capacity_J_per_K, self.lags, self.drifts_to_K)
+        if sum(kind is not None for kind in kinds) != 1 or (self.capacity_J_per_K is None) != (
+            self.time_constant_s is not None
         ):
-            raise ValueError("a state is either a node or lags behind one")
+            raise ValueError("a state is either a node or lags behind one, or drifts")
         if self.range_degC[0] >= self.range_degC[1]:
             raise ValueError("a range is empty")
         return self
@@ -219,6 +224,8 @@ class Component(_Strict):
         Of the component.
     node, state
         What is measured; what is read, another one where the sensor lags.
+    drift
+        A state that is added; none for a sensor that does not drift.
     shown_K
         Added to what is shown at last.
     shown_per_K, shown_about
@@ -230,6 +237,7 @@ class Component(_Strict):
     name: Identifier
     node: Place
     state: Place
+    drift: Place | None = None
     shown_K: Number
     shown_per_K: Annotated[Number, Field(gt=-1)] | None = None
     shown_about: Literal["ambient", "zero_degC"] | None = None
@@ -292,7 +300,12 @@ class NetworkCertificate(_Strict):
     def hidden(self) -> list[int]:
         """Nodes that no component measures."""
         measured = {part.node for part in self.components}
-        return [k for k, state in enumerate(self.states) if state.lags is None and k not in measured]
+        return [k for k, state in enumerate(self.states) if state.capacity_J_per_K and k not in measured]
+
+    @property
+    def has_drifts(self) -> bool:
+        """Whether a sensor drifts."""
+        return any(part.drift is not None for part in self.components)
 
     def statement(self) -> dict[str, Any]:
         """What it is about: equations, states and components without what is claimed of them."""
@@ -309,7 +322,7 @@ class NetworkCertificate(_Strict):
     def _fit_together(self) -> NetworkCertificate:
         if self.rows < 1 or self.start_mC[0] > self.start_mC[1]:
             raise ValueError("a range is empty")
-        own, nodes = self.equations, [state.lags is None for state in self.states]
+        own, nodes = self.equations, [state.capacity_J_per_K is not None for state in self.states]
 
         def is_node(place: int) -> bool:
             return place < len(nodes) and nodes[place]
@@ -319,6 +332,9 @@ class NetworkCertificate(_Strict):
         lagging = [state.lags for state in self.states if state.lags is not None]
         if not all(map(is_node, [*ends, *measured, *lagging, *(heat.node for heat in own.heats)])):
             raise ValueError("what should be a node is none")
+        drifting = [k for k, state in enumerate(self.states) if state.drifts_to_K is not None]
+        if drifting != sorted(part.drift for part in self.components if part.drift is not None):
+            raise ValueError("a drift is added to one reading, and nothing else is")
         if any(path.between[0] == path.between[1] for path in own.paths) or len(set(measured)) != len(measured):
             raise ValueError("a path from a node to itself, or a node with two sensors")
         used = [place for path in own.paths for place in path.factors]

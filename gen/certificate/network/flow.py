@@ -91,6 +91,8 @@ def flows(certificate: NetworkCertificate) -> list[Flow]:
     for place, state in enumerate(certificate.states):
         if state.lags is not None and state.time_constant_s is not None:
             found.append(Flow(place, state.lags, np.full(certificate.rows, h / state.time_constant_s), ()))
+        if state.drifts_to_K is not None and state.time_constant_s is not None:
+            found.append(Flow(place, state.drifts_to_K, np.full(certificate.rows, h / state.time_constant_s), ()))
     return found
 
 

@@ -79,7 +79,11 @@ int main() {{
 
 _STATE = """\
     if ({model}_{name} != {place}) return failed("the place of {name}", {place});
-    if (whole({place}) != (int64_t)degrees({neutral}) * (INT64_C(1) << {low_bits})) return failed("begin", {place});
+    if (whole({place}) != {begin}) return failed("begin", {place});
+"""
+_AT_BEGIN = "(int64_t)degrees({ambient}) * (INT64_C(1) << {bits})"
+_STILL = """\
+            if (whole({drift}) != 0) return failed("the drift of {name} at a start", asked);
 """
 _CHANNEL = """\
     if ({model}_model.channel[{number}] != {neutral}L) return failed("the neutral value of a channel", {number});
@@ -99,14 +103,14 @@ _COMPONENT = """\
     {{
         if (std::strcmp({model}_component_name({number}), "{name}")) return failed("the name of {name}", {number});
         const Reading reading = reading_of({number});
-        if (reading.node != {node} || reading.state != {state}) return failed("the state of {name}", {number});
+        if (reading.node != {node} || reading.state != {state}{drift}) return failed("the state of {name}", {number});
         for (long asked = {low} - 2; asked <= {high} + 2; ++asked) {{
             const long held = asked < {low} ? {low} : asked > {high} ? {high} : asked;
             {model}_start({number}, (int32_t)(asked - ({neutral})));
             int64_t word = (int64_t)degrees((int32_t)held) - reading.offset;
 {less}            word *= INT64_C(1) << {low_bits};
             if (whole({node}) != word || whole({state}) != word) return failed("start of {name}", asked);
-        }}
+{still}        }}
         std::printf("%ld {words}\\n", (long)reading.offset{gain});
     }}
 """
@@ -223,7 +227,12 @@ def measure(project: Project, certificate: NetworkCertificate, low_bits: int) ->
     model, (ambient, *_) = project.model, certificate.equations.channels
     word = f"{model}_model.state.T[k]"
     checks = [
-        _STATE.format(model=model, name=state.name, place=k, neutral=ambient.neutral, low_bits=low_bits)
+        _STATE.format(
+            model=model,
+            name=state.name,
+            place=k,
+            begin="0" if state.drifts_to_K is not None else _AT_BEGIN.format(ambient=ambient.neutral, bits=low_bits),
+        )
         for k, state in enumerate(certificate.states)
     ]
     for number, channel in enumerate(certificate.equations.channels):
@@ -236,6 +245,8 @@ def measure(project: Project, certificate: NetworkCertificate, low_bits: int) ->
                 name=part.name,
                 node=part.node,
                 state=part.state,
+                drift=f" || reading.drift != {part.drift or 0}" if certificate.has_drifts else "",
+                still=_STILL.format(name=part.name, drift=part.drift) if part.drift is not None else "",
                 low=certificate.start_mC[0],
                 high=certificate.start_mC[1],
                 neutral=ambient.neutral,

@@ -24,16 +24,17 @@ def check_order(project: Project, certificate: NetworkCertificate) -> None:
     """
     model, low = project.model, certificate.domain_pwm[0]
     row = f"(uint8_t)(within - {low}u)" if low else "within"
-    rest = " rest_hidden();" if certificate.hidden else ""
+    rest = " if (reading.drift) { rest_at(reading.drift, 0); }" if certificate.has_drifts else ""
+    rest += " rest_hidden();" if certificate.hidden else ""
+    drifts = "".join(f" rest_at(N_{state.name}, 0);" for state in certificate.states if state.drifts_to_K is not None)
+    offset = "reading.offset + drifted(&reading)" if certificate.has_drifts else "reading.offset"
     neutral = "".join(
         f" N_model.channel[{name}] = {told.neutral}L;"
         for name, told in zip(_channels(project), certificate.equations.channels, strict=False)
     )
     word = "N_model.state.T[state]"
     seen = "const int32_t word = degrees(ambient + rise_mK) - reading.offset; "
-    shown = (
-        "return thousandths_of(upper(reading.state) + reading.offset - degrees(N_model.channel[M_CHANNEL_AMBIENT]));"
-    )
+    shown = f"return thousandths_of(upper(reading.state) + {offset} - degrees(N_model.channel[M_CHANNEL_AMBIENT]));"
     if certificate.has_gains:
         seen = (
             "const int32_t seen = degrees(ambient + rise_mK) - reading.offset; "
@@ -42,12 +43,13 @@ def check_order(project: Project, certificate: NetworkCertificate) -> None:
         shown = (
             "const int32_t word = upper(reading.state), ambient = degrees(N_model.channel[M_CHANNEL_AMBIENT]); "
             "return thousandths_of(word + shown_more(over_base(&reading, word, ambient), reading.gain) + "
-            "reading.offset - ambient);"
+            f"{offset} - ambient);"
         )
     expected = {
         "begin": (
             f"N_model.flags = 0;{neutral} const int32_t ambient = degrees(N_model.channel[M_CHANNEL_AMBIENT]); "
-            "for (uint8_t state = 0; state < N_STATES; ++state) { rest_at(state, ambient); } N_model.limited = 0;"
+            "for (uint8_t state = 0; state < N_STATES; ++state) { rest_at(state, ambient); }"
+            f"{drifts} N_model.limited = 0;"
         ),
         "start": (
             "if (component >= M_COMPONENTS) { return; } "
@@ -84,6 +86,8 @@ def check_order(project: Project, certificate: NetworkCertificate) -> None:
             "const int32_t base = reading->about_ambient ? ambient : 0; "
             "return reading->opposite ? base - word : word - base;"
         )
+    if certificate.has_drifts:
+        expected["drifted"] = "return reading->drift ? upper(reading->drift) : 0;"
     for name, wanted in expected.items():
         if name not in project.functions:
             raise Refuted(f"the C++ has no function {name}")

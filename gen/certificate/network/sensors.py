@@ -47,7 +47,7 @@ class Sensors:
     word_K: float
     ambient: tuple[float, float]
 
-    def reading(self, part: Component, ends: tuple[float, float]) -> float:
+    def reading(self, part: Component, ends: tuple[float, float], more: float) -> float:
         """By how much the word that is read may be off from what the board's own state shows, K.
 
         Parameters
@@ -56,6 +56,8 @@ class Sensors:
             The component.
         ends
             Of the board's state, degC.
+        more
+            What is added for a drift at most, words; it is off by what its own state is.
 
         Raises
         ------
@@ -70,7 +72,7 @@ class Sensors:
         room = self._room(space)
         made = word + self._share(space, "shown_more", own, word, room, own.gain) + space.number(float(own.offset))
         for reading in (made, made - room):
-            if not np.all(reading.largest * (1.0 + ROUGHLY) < 2.0**31 - 8.0):
+            if not np.all((reading.largest + more) * (1.0 + ROUGHLY) < 2.0**31 - 8.0):
                 raise Refuted(f"{part.name}: what is read may overflow")
         exact = self._exact(part, space, Ratio(part.shown_per_K or 0.0)) + space.number(part.shown_K)
         return self._away(made, exact)

@@ -30,6 +30,7 @@ class NetworkContext(TypedDict):
     scale: dict[str, int]
     readings: list[dict[str, Any]]
     gains: dict[str, int] | None
+    drifts: list[str]
     hidden: list[dict[str, Any]]
     states: list[dict[str, Any]]
     terms: list[dict[str, Any]]
@@ -84,10 +85,12 @@ def network_context(program: Program) -> NetworkContext:
                 "gain": reading.gain,
                 "state": network.states[reading.state].identifier,
                 "node": network.states[reading.node].identifier,
+                "drift": None if reading.drift is None else network.states[reading.drift].identifier,
             }
             for reading in network.readings
         ],
         "gains": gains,
+        "drifts": [network.states[state].identifier for state in network.drifts],
         "hidden": _hidden(network),
         "states": made.states,
         "terms": made.terms,

@@ -44,7 +44,8 @@ class Terms:
             note = f"{node.description}, {kind}" if node.description else kind
             title = f"{node.name}: {node.capacity:g} J/K, $.network.nodes[{number}]"
         else:
-            note = "what its sensor shows, which lags"
+            drifts = number in self._network.drifts
+            note = "how far its sensor has drifted since the start" if drifts else "what its sensor shows, which lags"
             title = f"{state.name}: {note}"
         return {
             "name": state.name,

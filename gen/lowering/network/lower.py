@@ -47,7 +47,7 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
     factors = tuple(
         lower_factor(factor, channels, float(terms.spans[k, 1]), k) for k, factor in enumerate(terms.factors)
     )
-    offsets = [node.sensor.offset for node in model.network.sensed if node.sensor]
+    offsets = [abs(node.sensor.offset) + abs(node.sensor.drift) for node in model.network.sensed if node.sensor]
     widest = max(widest_word(terms, ranges), widest_start(model.network, ranges), widest_shown(model.network, ranges))
     bits = fixed.fraction_bits(ranges, offsets, widest)
     laws = tuple(lower_law(law, ranges, bits) for law in terms.laws)
@@ -100,6 +100,7 @@ def _readings(model: ThermalModel, bits: int) -> tuple[tuple[Reading, ...], Gain
     network = model.network
     assert network is not None
     made, lagging = [], len(network.nodes)
+    drifting = lagging + sum(node.sensor is not None and node.sensor.lag > 0.0 for node in network.sensed)
     gains, shape = lower_gains([node.sensor for node in network.sensed if node.sensor is not None])
     for node, gain in zip(network.sensed, gains, strict=True):
         assert node.sensor is not None
@@ -107,7 +108,10 @@ def _readings(model: ThermalModel, bits: int) -> tuple[tuple[Reading, ...], Gain
         if node.sensor.lag > 0.0:
             state, lagging = lagging, lagging + 1
         offset = round(node.sensor.offset * 2.0**bits)
-        made.append(Reading(node.name, network.index(node.name), state, offset, gain))
+        drift = None
+        if node.sensor.drift:
+            drift, drifting = drifting, drifting + 1
+        made.append(Reading(node.name, network.index(node.name), state, offset, gain, drift))
     return tuple(made), shape
 
 

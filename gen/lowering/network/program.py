@@ -78,7 +78,7 @@ class StateProgram:
     Attributes
     ----------
     name
-        A node's, or that of a reading that lags.
+        A node's, or that of a reading that lags, or of a drift.
     terms, heats
         What its sum is made of, in order.
     shift
@@ -113,6 +113,8 @@ class Reading:
         Added to what is read, in words of a state.
     gain
         None for a sensor without an error of its gain.
+    drift
+        The state that is added; None for a sensor that does not drift.
     """
 
     name: str
@@ -120,6 +122,7 @@ class Reading:
     state: int
     offset: int
     gain: Gain | None = None
+    drift: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,7 +216,7 @@ class NetworkProgram:
     series_bits
         Fraction bits of y1, y2, .. as the next product takes them (fixed point).
     states
-        Nodes, then readings that lag.
+        Nodes, then readings that lag, then drifts.
     readings
         By component.
     gains
@@ -249,6 +252,11 @@ class NetworkProgram:
     proof: NetworkProof
 
     @property
+    def drifts(self) -> tuple[int, ...]:
+        """States that say how far sensors have drifted: the last ones."""
+        return tuple(reading.drift for reading in self.readings if reading.drift is not None)
+
+    @property
     def orders(self) -> int:
         """Terms of the series."""
         return max(state.orders for state in self.states)
@@ -266,6 +274,9 @@ class NetworkProgram:
             if reading.gain is not None and self.gains is not None:
                 bound += reading.gain.error * float(self.proof.error[reading.state])
                 bound += reading.gain.reading_error(self.gains.shown) * lsb
+            if reading.drift is not None:
+                low, high = low + float(self.proof.low[reading.drift]), high + float(self.proof.high[reading.drift])
+                bound += float(self.proof.error[reading.drift]) + lsb
             room = self.channels[0].neutral
             start = (self.start_mC[0] - room, self.start_mC[1] - room)
             made.append(NodeComponent(reading.name, NodeProof(bound, (low, high)), self.fraction_bits, start))

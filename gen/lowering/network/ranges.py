@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.lowering.network.terms import Term, Terms, lagging_reading, scaled, slope_of
+from gen.lowering.network.terms import Term, Terms, drifting_sensor, lagging_reading, scaled, slope_of
 from gen.model import ThermalModel
 from gen.model.network import Network
 from gen.model.network_parts import Node
@@ -81,7 +81,10 @@ def reachable(model: ThermalModel, terms: Terms) -> Ranges | None:
 
 
 def _starts(model: ThermalModel, terms: Terms, sensed: tuple[float, float]) -> tuple[Array, Array]:
-    """Least and largest start of each state, degC; hidden nodes may start outside of what sensed ones do."""
+    """Least and largest start of each state, degC; hidden nodes may start outside of what sensed ones do.
+
+    No sensor has drifted at a start.
+    """
     states = len(terms.states)
     low, high = np.full(states, sensed[0]), np.full(states, sensed[1])
     network = model.network
@@ -92,6 +95,8 @@ def _starts(model: ThermalModel, terms: Terms, sensed: tuple[float, float]) -> t
             if name in terms.states:
                 place = terms.states.index(name)
                 low[place], high[place] = low[place] + below, high[place] + above
+        if (drift := drifting_sensor(node.name)) in terms.states:
+            low[terms.states.index(drift)] = high[terms.states.index(drift)] = 0.0
     for node, weights in zip(network.hidden, network.hidden_at_start, strict=True) if network else ():
         rise, room = float(weights[:-1].sum()), sorted(weights[-1] * end for end in model.domain_ambient)
         place = network.index(node.name) if network else 0
@@ -116,7 +121,7 @@ def widest_shown(network: Network, ranges: Ranges) -> float:
     span = float(max(ends) - min(ends))
     return max(
         (
-            (1.0 + abs(s.gain_error)) * span + abs(s.offset)
+            (1.0 + abs(s.gain_error)) * span + abs(s.offset) + abs(s.drift)
             for s in (n.sensor for n in network.sensed)
             if s and s.gain_error
         ),

@@ -137,7 +137,7 @@ class Terms:
     Attributes
     ----------
     states
-        Names: the nodes, then a reading for each sensor that lags.
+        Names: the nodes, then a reading for each sensor that lags, then how far each has drifted that drifts, in K.
     terms, heats
         In the order of the file.
     factors
@@ -214,10 +214,15 @@ def lagging_reading(node: str) -> str:
     return f"{node}.sensor"
 
 
+def drifting_sensor(node: str) -> str:
+    """Name of the state that says how far a node's sensor has drifted since the start."""
+    return f"{node}.drift"
+
+
 def identifier(state: str) -> str:
     """A state's name in the C++, behind the model's: like no function or type there, whatever its node is called."""
-    node, _, sensor = state.partition(".")
-    return f"{'S' if sensor else 'T'}_{node}"
+    node, _, of = state.partition(".")
+    return f"{ {'': 'T', 'sensor': 'S', 'drift': 'D'}[of] }_{node}"
 
 
 def scaled(part: Term | Warmth, corner: dict[int, float]) -> Array:
@@ -277,6 +282,12 @@ def terms_of(model: ThermalModel) -> Terms:
             label = f"nodes[{network.index(node.name)}].sensor"
             terms.append(Term(len(names), "state", network.index(node.name), 0.0, False, rate, (), label))
             names.append(lagging_reading(node.name))
+    for node in network.sensed:
+        if node.sensor is not None and node.sensor.drift:
+            rate = np.full(len(rows), step / node.sensor.settling)
+            label = f"nodes[{network.index(node.name)}].sensor.drift_h"
+            terms.append(Term(len(names), "reference", -1, node.sensor.drift, False, rate, (), label))
+            names.append(drifting_sensor(node.name))
     return Terms(tuple(names), tuple(terms), tuple(heats), tuple(factors), _spans(network, factors), tuple(laws))
 
 
