@@ -76,7 +76,6 @@ class Common:
         return (
             f"{said(self.key)}: {self.better} of {self.motors} motors predict what was left out better with it, by "
             f"{self.gain:.0%} in the median (p = {self.p_value:.1g})"
-            + ("" if self.key["held"] else "; no coefficient file holds it: mend the sensors")
         )
 
 
@@ -140,7 +139,7 @@ def refine_fleet(store: Store, scouts: int, workers: Workers, progress: Progress
         fleet = _Fleet(store, tasks, client, progress)
         common, offered, refused = fleet.search(chosen)
         keys = [one.key for one in common]
-        if not any(key["held"] for key in keys):
+        if not keys:
             _written(store, {}, sorted(paths))  # what was found another time is not found now
             return RefinedFleet(tuple(common), {}, (), {**broken, **refused})
         mean, silent = fleet.numbers(keys, offered)

@@ -19,7 +19,7 @@ from gen.refinement.network.effects import NetworkEffect, Offered, candidates
 from gen.refinement.network.fitting.anchored import Anchored
 
 Key = dict[str, Any]
-"""An effect: `what` it is, `where`, and what it `acts_by`; and whether a coefficient file can hold it (`held`)."""
+"""An effect: `what` it is, `where`, and what it `acts_by`."""
 
 
 def key_of(effect: NetworkEffect) -> Key:
@@ -28,7 +28,6 @@ def key_of(effect: NetworkEffect) -> Key:
         "what": effect.name,
         "where": effect.component,
         "acts_by": dict(sorted(effect.acts_by.items())),
-        "held": effect.held_by_the_file,
     }
 
 
@@ -107,7 +106,7 @@ def with_means(text: str, found: Sequence[Key], mean: FloatArray, offered: Offer
             first += len(effect.numbers)
             numbers = zip(effect.numbers, own.tolist(), strict=True)
             effect.write(writer, [number.value(number.mean + number.deviation * z) for number, z in numbers])
-        named = ", ".join(said(key) for key in found if key["held"])
+        named = ", ".join(said(key) for key in found)
         made = with_network(text, writer.entry, f"refined with its fleet: {named}")
     parse(made.encode())
     return made

@@ -16,8 +16,8 @@ from gen.identification.network.fitting.scale import Scale
 from gen.identification.network.fitting.structure import full
 
 
-def candidate(name: str, component: str, begins: float, *, held: bool = False) -> Any:  # noqa: ANN401
-    return SimpleNamespace(name=name, component=component, acts_by={}, held_by_the_file=held, begins=begins)
+def candidate(name: str, component: str, begins: float, by: str = "") -> Any:  # noqa: ANN401
+    return SimpleNamespace(name=name, component=component, acts_by={"channel": by} if by else {}, begins=begins)
 
 
 def test_candidates_that_begin_elsewhere_are_one_effect() -> None:
@@ -26,7 +26,7 @@ def test_candidates_that_begin_elsewhere_are_one_effect() -> None:
         candidate("sensor_gain", "brush", 2.0),
         candidate("hidden_node", "casing", 3.0),
         candidate("hidden_node", "brush", 4.0),
-        candidate("hidden_node", "brush", 5.0, held=True),
+        candidate("hidden_node", "brush", 5.0, by="fan_mps"),
     ]
     assert variants(every, key_of(every[0])) == [every[0], every[3]]
     with pytest.raises(CheckFailed, match="cannot act on this motor"):

@@ -20,7 +20,6 @@ from gen.refinement.network.tracing.warm_start import WarmStart
 INTERVAL = 1.96
 AMBIENT = "ambient"
 GENERIC = "vary what drives the one while the other's drive is held, for two hours each"
-AT_THE_SENSOR = "a matter of the sensor: no coefficient file of a network holds it, so mend or calibrate the sensor"
 
 
 def ambient_entry(room: MovingAmbient) -> dict[str, Any]:
@@ -75,7 +74,7 @@ def effect_entry(step: Step, found: Considered, traced: Traced, change: str) -> 
     place = next(k for k, effect in enumerate(final.shape.effects) if effect is found.effect)
     values = final.shape.values(final.vector)[place]
     listed = registry()[found.effect.name]
-    note = change or ("" if found.effect.held_by_the_file else AT_THE_SENSOR)
+    note = change or found.effect.note
     return {
         "name": found.effect.name,
         "title": found.effect.title or listed.title,

@@ -161,7 +161,6 @@ def refine_network(
     elif after is not before:
         warnings += [f"of what is written: {said}" for said in refined.warnings if said not in coefficients.warnings]
     holds = sorted_out.holds and not made.refused
-    holds = holds and all(found.effect.held_by_the_file for found in traced.added)
     verdict = network_verdict(traced, start, anything=bool(effects or start.factors), holds=holds)
     verdict = "unexplained" if torn else lowered(verdict) if got_worse(before, after) else verdict
     told, ignored = settled(runs, traced)

@@ -23,15 +23,6 @@ NOT_ALONE = (
     "ambient: found, but the file follows a room that moves only once its numbers are fitted to it, and they are not "
     "written without what was found beside it"
 )
-MEND = (
-    "{}: no file holds it. The numbers beside it are right beside it only, so nothing of them is written: mend or "
-    "calibrate the sensor, and refine with runs from after it"
-)
-BESIDE = (
-    "{}: no file holds it. What is written was found beside it, and is right once that sensor is mended or calibrated; "
-    "refine with runs from after it"
-)
-
 HELD = (
     "{}: the file holds it to {:g} .. {:g}, where the runs had {:g} .. {:g}: with all of that, for as long as you "
     "like, no board could be built ({})"
@@ -105,14 +96,12 @@ def written(
     alone = channel if room is None or room.as_it_is else None
     begins = [INITIAL_STATE if start.named else "starts"] if start.factors else []
     outside = [*begins, *([] if alone is None else ["ambient"])]
-    unheld = ", ".join(f"{effect.name} at {effect.component}" for effect in kept if not effect.held_by_the_file)
-    kept = [effect for effect in kept if effect.held_by_the_file]
-    unchanged = Written(raw, refused=MEND.format(unheld) if unheld else "" if alone == channel else NOT_ALONE)
+    unchanged = Written(raw, refused="" if alone == channel else NOT_ALONE)
     if outside:
         text = with_network(raw, begun().entry, f"refined: {', '.join(outside)}", alone)
         unchanged = replace(unchanged, text=text)
     sound = room is not None or accept_change or traced.null.floors <= NOTHING
-    if not kept and (unheld or traced.added or not sound or not _file_is_worse(traced)):
+    if not kept and (traced.added or not sound or not _file_is_worse(traced)):
         return unchanged
     named = [f"{effect.name} at {effect.component}" for effect in kept] + ([] if room is None else ["ambient"])
     said = ", ".join(named) or "no effect"
@@ -131,8 +120,7 @@ def written(
                 break  # no channel is read that could be held to less
             continue
         less = _held(network, writer.entry, ranges, refusals[0]) if refusals else []
-        beside = [BESIDE.format(unheld)] if unheld else []
-        return Written(text, refitted=True, refused="; ".join([*beside, *less]))
+        return Written(text, refitted=True, refused="; ".join(less))
     why = f"{said}: found, but a file with it is none that can be built ({refusals[0]})"
     return Written(unchanged.text, refused=why)
 

@@ -1,4 +1,5 @@
-"""Runs as sensors would have shown them whose gains are right: what a file says of a gain is taken off beforehand.
+"""Runs as sensors would have shown them whose gains are right and that do not drift: what a file says of that is taken
+off beforehand.
 
 All that is fitted is then linear in temperatures, and what is found of a sensor lies between the motor and its gain:
 the file's writer (:mod:`gen.refinement.network.changing.writer`) passes it through the gain again.
@@ -36,6 +37,10 @@ def freed(run: Run, network: Network, ambient: ArrayLike) -> Run:
     temps = dict(run.temps)
     for node in network.sensed:
         sensor = node.sensor
-        if sensor is not None and sensor.gain_error != 0.0 and node.name in temps:
+        if sensor is None or node.name not in temps:
+            continue
+        if sensor.drift:
+            temps[node.name] = temps[node.name] - sensor.drifted(run.time_s - run.time_s[0])
+        if sensor.gain_error != 0.0:
             temps[node.name] = sensor.temperature(temps[node.name], ambient) + sensor.offset
     return replace(run, temps=temps)

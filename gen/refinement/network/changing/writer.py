@@ -179,11 +179,23 @@ class NetworkWriter:
         old = self._sensor(name)
         offset_K = six_digits(old.offset_K + offset_K * self._through.get(name, 1.0))
         lag_s = six_digits(old.lag_s + lag_s)
-        if old.gain_error:
-            sensor = SensorEntry(offset_K=offset_K, lag_s=lag_s, gain_error=old.gain_error, gain_about=old.gain_about)
-        else:
-            sensor = SensorEntry(offset_K=offset_K, lag_s=lag_s)
-        self._nodes(name, sensor=sensor)
+        self._change(name, offset_K=offset_K, lag_s=lag_s)
+
+    def drift(self, name: str, rate_K_per_h: float, settles_h: float) -> None:
+        """Let a reading move since the start: at first by so much an hour, with a time constant until it stands.
+
+        Raises
+        ------
+        InputError
+            If the file lets it do so already: of two drifts it holds one.
+        """
+        old = self._sensor(name)
+        if old.drift_K:
+            raise InputError(
+                f'"{name}" drifts by {old.drift_K:g} K in the file, and otherwise in these runs: mend the sensor'
+            )
+        drift_K = rate_K_per_h * settles_h * self._through.get(name, 1.0)
+        self._change(name, drift_K=six_digits(drift_K), drift_h=six_digits(settles_h))
 
     def wrong_gain(self, name: str, error: float, about: Literal["ambient", "zero_degC"]) -> None:
         """Multiply what a sensor shows over a base.
@@ -201,8 +213,12 @@ class NetworkWriter:
                 f"about {place[about]} beside that; a file holds one of them"
             )
         error = six_digits((1.0 + old.gain_error) * (1.0 + error) - 1.0)
-        sensor = SensorEntry(offset_K=old.offset_K, lag_s=old.lag_s, gain_error=error, gain_about=about)
-        self._nodes(name, sensor=sensor)
+        self._change(name, gain_error=error, gain_about=about)
+
+    def _change(self, name: str, **parts: float | str) -> None:
+        """Change some of a sensor's numbers; what it never had is not written."""
+        told = self._sensor(name).model_dump(exclude_unset=True)
+        self._nodes(name, sensor=SensorEntry(**{**told, **parts}))
 
     def _sensor(self, name: str) -> SensorEntry:
         return next(node for node in self.entry.nodes if node.name == name).sensor or SensorEntry()

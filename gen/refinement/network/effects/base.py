@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -151,6 +152,24 @@ class Seen:
     hours: FloatArray
 
 
+class Added(NamedTuple):
+    """What an effect adds to a sensor's readings.
+
+    Attributes
+    ----------
+    sensor
+        Which.
+    kelvin
+        How much, K, shape (N,).
+    slopes
+        Derivatives of that by each of its numbers as they are fitted, shape (N,) each.
+    """
+
+    sensor: int
+    kelvin: FloatArray
+    slopes: tuple[FloatArray, ...]
+
+
 class NetworkEffect(ABC):
     """An effect with what it acts on; everything that it does is in later runs only.
 
@@ -173,8 +192,8 @@ class NetworkEffect(ABC):
     """What else it takes to say what it is: the channel, the other node."""
     title = ""
     """What a report calls it; empty where that is what the library calls the effect of its name."""
-    held_by_the_file = True
-    """Whether a coefficient file has a place for it."""
+    note = ""
+    """What to say beside it wherever it is named."""
     bends_the_file = False
     """Whether it is what the file's own numbers may be off by as well: that they are is no sign of it."""
     goes_with_speed = False
@@ -210,14 +229,8 @@ class NetworkEffect(ABC):
             Where it stands.
         """
 
-    def read(self, seen: Seen) -> tuple[int, FloatArray] | None:
-        """Say what it adds to a sensor's readings for each unit of its one number.
-
-        Returns
-        -------
-        sensor, unit
-            And K for each unit, shape (N,); None for an effect on the network.
-        """
+    def read(self, seen: Seen, values: FloatArray) -> Added | None:
+        """Say what it adds to a sensor's readings with its numbers as they are fitted; None for one on the network."""
         return None
 
     def unmoved(self) -> NetworkEffect | None:

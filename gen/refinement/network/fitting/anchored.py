@@ -261,10 +261,9 @@ class Anchored:
             made[:, one.sensor] += one.behind(change[:, one.sensor])
         later = self.columns.later(inputs.levels)[inputs.level]
         for effect, place in zip(self.effects, self.places, strict=True):
-            read = effect.read(Seen(temperature, inputs.ambient, inputs.begins / 3600.0))
+            read = effect.read(Seen(temperature, inputs.ambient, inputs.begins / 3600.0), vector[place.columns])
             if read is not None:
-                sensor, unit = read
-                made[:, sensor] += vector[place.columns[0]] * later * unit
+                made[:, read.sensor] += later * read.kelvin
         return np.asarray(made)
 
     @cached_property
@@ -300,9 +299,10 @@ class Anchored:
         made: list[tuple[int, int, FloatArray | float]] = [(s, int(at), 1.0) for s, at in enumerate(self.offsets)]
         later = self.columns.later(inputs.levels)[inputs.level]
         for effect, place in zip(self.effects, self.places, strict=True):
-            read = effect.read(Seen(temperature, inputs.ambient, inputs.begins / 3600.0))
+            read = effect.read(Seen(temperature, inputs.ambient, inputs.begins / 3600.0), vector[place.columns])
             if read is not None:
-                made.append((read[0], int(place.columns[0]), later * read[1]))
+                by_number = zip(place.columns, read.slopes, strict=True)
+                made += [(read.sensor, int(column), later * slope) for column, slope in by_number]
         lags = {one.sensor: one for one in self._lagged(inputs, vector)}
         for effect, place in zip(self.effects, self.places, strict=True):
             if effect.lagging is not None:

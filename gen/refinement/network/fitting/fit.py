@@ -116,9 +116,11 @@ class Bench:
         seen = Seen(inputs.begin[:later, : shape.sensors], ambient, np.zeros(later))
         wrong: dict[int, list[tuple[int, FloatArray]]] = {}
         for effect, place in zip(shape.effects, shape.places, strict=True):
-            read = effect.read(seen)
+            # At the beginning what is added goes with each number, whatever it is.
+            read = effect.read(seen, np.array([number.fitted(number.start) for number in effect.numbers]))
             if read is not None:
-                wrong.setdefault(read[0], []).append((int(place.columns[0]), read[1]))
+                by_number = zip(place.columns, read.slopes, strict=True)
+                wrong.setdefault(read.sensor, []).extend((int(column), slope) for column, slope in by_number)
         for sensor, effects in wrong.items():
             columns = [column for column, _ in effects]
             for r in np.flatnonzero(inputs.begin[:later, sensor] == read_K[:, sensor]).tolist():

@@ -29,7 +29,6 @@ class Moving(NetworkEffect):
     which no reading of a temperature tells, so that the course is less too.
     """
 
-    held_by_the_file = False
     quantity: ClassVar[Quantity]
     #: The network's paths to the ambient of which it changes the conductance.
     acts_on: tuple[int, ...] = ()
