@@ -23,6 +23,7 @@ with catalogue_only():
 STRINGS = {
     "ambient": "what every rise is counted from",
     "channel": "an input of the board, and the thermocouple on a chip",
+    "drift": "how far a network's sensor has moved since the start",
     "direction": "a pin of a motor driver, and what a residual may go with",
     "gain_factor": "the scale of an emitted table of gains",
     "pwm": "the command",

@@ -34,7 +34,7 @@ def sensor_of(writer: NetworkWriter) -> dict[str, float | str]:
     assert written.document.network is not None
     entry = written.document.network.nodes[0].sensor
     assert entry is not None
-    return entry.model_dump()
+    return entry.model_dump(exclude_unset=True)
 
 
 def writer_of(motor: Coefficients) -> NetworkWriter:
