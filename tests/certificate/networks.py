@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -88,6 +89,14 @@ def chain(nodes: int, *, domain: tuple[int, int] = (0, 255), channels: bool = Fa
             {"column": "voltage_V", "range": [6, 14], "neutral": 12},
         ]
     return _file("chain", domain, network)
+
+
+def with_sensors(sensors: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """A small network of three sensed nodes with these sensors."""
+    file = chain(5, domain=(96, 119), channels=True)
+    for node, sensor in zip(file["network"]["nodes"][::2], sensors, strict=True):
+        node["sensor"] = sensor
+    return file
 
 
 def read(given: dict[str, Any]) -> Coefficients:

@@ -17,7 +17,7 @@ from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.reference.board import reference_of
 from gen.reference.network import ReferenceNetwork
-from tests.certificate.networks import chain, emitted, read
+from tests.certificate.networks import emitted, read, with_sensors
 from tests.certificate.test_network import ARITHMETICS, CERTIFICATE, MODEL, changed
 from tests.certificate.test_planted import Edit, planted, replaced
 
@@ -33,24 +33,16 @@ SENSORS: list[list[dict[str, Any]]] = [
 Projects = dict[Arithmetic, tuple[Path, Program]]
 
 
-def with_drifts(case: int) -> dict[str, Any]:
-    """A small network with these sensors."""
-    file = chain(5, domain=(96, 119), channels=True)
-    for node, sensor in zip(file["network"]["nodes"][::2], SENSORS[case], strict=True):
-        node["sensor"] = sensor
-    return file
-
-
 @pytest.fixture(scope="module")
 def projects(tmp_path_factory: pytest.TempPathFactory) -> Projects:
     """The first of them in both arithmetics."""
-    return {one: emitted(tmp_path_factory.mktemp(one), read(with_drifts(0)), one) for one in ARITHMETICS}
+    return {one: emitted(tmp_path_factory.mktemp(one), read(with_sensors(SENSORS[0])), one) for one in ARITHMETICS}
 
 
 @pytest.mark.parametrize("arithmetic", ARITHMETICS)
 @pytest.mark.parametrize("case", range(len(SENSORS)))
 def test_drifts_are_proven(tmp_path: Path, case: int, arithmetic: Arithmetic) -> None:
-    out, program = emitted(tmp_path, read(with_drifts(case)), arithmetic)
+    out, program = emitted(tmp_path, read(with_sensors(SENSORS[case])), arithmetic)
     assert program.network is not None
     for part, component in zip(gen.check(out).parts, program.network.components(), strict=True):
         assert component.proof.bound_K <= part.bound_K <= component.proof.bound_K * 1.002
@@ -59,7 +51,7 @@ def test_drifts_are_proven(tmp_path: Path, case: int, arithmetic: Arithmetic) ->
 def test_the_statement_is_about_its_drifts(projects: Projects, tmp_path: Path) -> None:
     out, _ = projects["fixed"]
     same, other = tmp_path / "same.json", tmp_path / "other.json"
-    file = with_drifts(0)
+    file = with_sensors(SENSORS[0])
     same.write_text(json.dumps(file))
     assert gen.check(out, coefficients=gen.load(same))
     file["network"]["nodes"][0]["sensor"]["drift_K"] = 3.0 * (1.0 + 1e-9)
@@ -137,7 +129,7 @@ def test_a_drift_that_means_nothing_is_no_certificate(projects: Projects, tmp_pa
 
 def test_what_the_reference_shows_is_its_own_and_the_drift_s_word() -> None:
     """From every start: at first what was asked for, then moved as the closed form has it."""
-    program = lower(read(with_drifts(0)), "fixed", "table")
+    program = lower(read(with_sensors(SENSORS[0])), "fixed", "table")
     network = program.network
     assert network is not None
     chance, lanes = np.random.default_rng(4), 50

@@ -18,7 +18,7 @@ from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.reference.board import reference_of
 from gen.reference.network import ReferenceNetwork
-from tests.certificate.networks import chain, emitted, read
+from tests.certificate.networks import emitted, read, with_sensors
 from tests.certificate.test_network import ARITHMETICS, CERTIFICATE, MODEL, changed
 from tests.certificate.test_planted import Edit, added, planted, replaced
 
@@ -36,24 +36,16 @@ SENSORS: list[list[dict[str, Any]]] = [
 Projects = dict[Arithmetic, tuple[Path, Program]]
 
 
-def with_gains(case: int) -> dict[str, Any]:
-    """A small network with these sensors."""
-    file = chain(5, domain=(96, 119), channels=True)
-    for node, sensor in zip(file["network"]["nodes"][::2], SENSORS[case], strict=True):
-        node["sensor"] = sensor
-    return file
-
-
 @pytest.fixture(scope="module")
 def projects(tmp_path_factory: pytest.TempPathFactory) -> Projects:
     """The first of them in both arithmetics."""
-    return {one: emitted(tmp_path_factory.mktemp(one), read(with_gains(0)), one) for one in ARITHMETICS}
+    return {one: emitted(tmp_path_factory.mktemp(one), read(with_sensors(SENSORS[0])), one) for one in ARITHMETICS}
 
 
 @pytest.mark.parametrize("arithmetic", ARITHMETICS)
 @pytest.mark.parametrize("case", range(len(SENSORS)))
 def test_gains_are_proven(tmp_path: Path, case: int, arithmetic: Arithmetic) -> None:
-    out, program = emitted(tmp_path, read(with_gains(case)), arithmetic)
+    out, program = emitted(tmp_path, read(with_sensors(SENSORS[case])), arithmetic)
     assert program.network is not None
     for part, component in zip(gen.check(out).parts, program.network.components(), strict=True):
         assert component.proof.bound_K <= part.bound_K <= component.proof.bound_K * 1.002
@@ -62,7 +54,7 @@ def test_gains_are_proven(tmp_path: Path, case: int, arithmetic: Arithmetic) -> 
 def test_the_statement_is_about_its_gains(projects: Projects, tmp_path: Path) -> None:
     out, _ = projects["fixed"]
     same, other = tmp_path / "same.json", tmp_path / "other.json"
-    file = with_gains(0)
+    file = with_sensors(SENSORS[0])
     same.write_text(json.dumps(file))
     assert gen.check(out, coefficients=gen.load(same))
     file["network"]["nodes"][0]["sensor"]["gain_error"] = -0.45 * (1.0 + 1e-9)
@@ -150,7 +142,7 @@ def test_a_gain_that_means_nothing_is_no_certificate(projects: Projects, tmp_pat
 
 def test_what_the_reference_starts_from_and_shows_is_exact_to_a_few_words() -> None:
     """In fractions, from the file's own numbers: the start undoes what the reading does."""
-    file = with_gains(0)
+    file = with_sensors(SENSORS[0])
     program = emitted_program(file)
     network = program.network
     assert network is not None
