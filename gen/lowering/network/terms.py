@@ -209,6 +209,10 @@ def slope_of(law: PathLaw) -> int:
     return -1 - law.index
 
 
+_INITIALS = {"": "T", "sensor": "S", "drift": "D"}
+"""Of what a state is: a node's temperature, what its sensor shows, how far that has drifted."""
+
+
 def lagging_reading(node: str) -> str:
     """Name of the state that follows a node as its sensor does; no node can be called so."""
     return f"{node}.sensor"
@@ -222,7 +226,7 @@ def drifting_sensor(node: str) -> str:
 def identifier(state: str) -> str:
     """A state's name in the C++, behind the model's: like no function or type there, whatever its node is called."""
     node, _, of = state.partition(".")
-    return f"{ {'': 'T', 'sensor': 'S', 'drift': 'D'}[of] }_{node}"
+    return f"{_INITIALS[of]}_{node}"
 
 
 def scaled(part: Term | Warmth, corner: dict[int, float]) -> Array:
