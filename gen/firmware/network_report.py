@@ -141,6 +141,12 @@ def network_constants(program: Program) -> list[Cells]:
             form = f"uint32, Q{lowered.gains.shown} and Q{lowered.gains.back}"
             of = "of the rise" if reading.gain.about_ambient else "of degC"
             rows.append((reading.name, f"sensor's gain, {of}", "1", form, path, f"{source}.cpp: READING"))
+        if reading.drift is not None:
+            path = f"$.network.nodes[{reading.node}].sensor.drift_K"
+            form = f"int32, Q{lowered.fraction_bits}"
+            rows.append(
+                (reading.name, "where its sensor's drift ends", "K", form, path, f"{source}_step.cpp: REFERENCE")
+            )
     return rows
 
 

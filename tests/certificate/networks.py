@@ -8,7 +8,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+import gen
 from gen.coefficients import Coefficients, parse
+from gen.errors import CheckFailed
 from gen.firmware import render
 from gen.firmware.certificate import CERTIFICATE, certificate_json
 from gen.firmware.context import project_context
@@ -97,6 +101,24 @@ def with_sensors(sensors: Sequence[dict[str, Any]]) -> dict[str, Any]:
     for node, sensor in zip(file["network"]["nodes"][::2], sensors, strict=True):
         node["sensor"] = sensor
     return file
+
+
+def assert_proven(out: Path, program: Program) -> None:
+    """What is emitted is proven, with a bound that is no looser than it has to be."""
+    assert program.network is not None
+    for part, component in zip(gen.check(out).parts, program.network.components(), strict=True):
+        assert component.proof.bound_K <= part.bound_K <= component.proof.bound_K * 1.002
+
+
+def assert_about(out: Path, folder: Path, file: dict[str, Any], key: str, parts: str) -> None:
+    """A certificate is about its file, and not about one of which a sensor's number is another one by 1e-9."""
+    same, other = folder / "same.json", folder / "other.json"
+    same.write_text(json.dumps(file))
+    assert gen.check(out, coefficients=gen.load(same))
+    file["network"]["nodes"][0]["sensor"][key] *= 1.0 + 1e-9
+    other.write_text(json.dumps(file))
+    with pytest.raises(CheckFailed, match=f"about other {parts}"):
+        gen.check(out, coefficients=gen.load(other))
 
 
 def read(given: dict[str, Any]) -> Coefficients:

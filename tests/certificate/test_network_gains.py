@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from fractions import Fraction
 from pathlib import Path
@@ -18,7 +17,7 @@ from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.reference.board import reference_of
 from gen.reference.network import ReferenceNetwork
-from tests.certificate.networks import emitted, read, with_sensors
+from tests.certificate.networks import assert_about, assert_proven, emitted, read, with_sensors
 from tests.certificate.test_network import ARITHMETICS, CERTIFICATE, MODEL, changed
 from tests.certificate.test_planted import Edit, added, planted, replaced
 
@@ -45,22 +44,11 @@ def projects(tmp_path_factory: pytest.TempPathFactory) -> Projects:
 @pytest.mark.parametrize("arithmetic", ARITHMETICS)
 @pytest.mark.parametrize("case", range(len(SENSORS)))
 def test_gains_are_proven(tmp_path: Path, case: int, arithmetic: Arithmetic) -> None:
-    out, program = emitted(tmp_path, read(with_sensors(SENSORS[case])), arithmetic)
-    assert program.network is not None
-    for part, component in zip(gen.check(out).parts, program.network.components(), strict=True):
-        assert component.proof.bound_K <= part.bound_K <= component.proof.bound_K * 1.002
+    assert_proven(*emitted(tmp_path, read(with_sensors(SENSORS[case])), arithmetic))
 
 
 def test_the_statement_is_about_its_gains(projects: Projects, tmp_path: Path) -> None:
-    out, _ = projects["fixed"]
-    same, other = tmp_path / "same.json", tmp_path / "other.json"
-    file = with_sensors(SENSORS[0])
-    same.write_text(json.dumps(file))
-    assert gen.check(out, coefficients=gen.load(same))
-    file["network"]["nodes"][0]["sensor"]["gain_error"] = -0.45 * (1.0 + 1e-9)
-    other.write_text(json.dumps(file))
-    with pytest.raises(CheckFailed, match="about other components"):
-        gen.check(out, coefficients=gen.load(other))
+    assert_about(projects["fixed"][0], tmp_path, with_sensors(SENSORS[0]), "gain_error", "components")
 
 
 def _component(number: int, **parts: object) -> Edit:
