@@ -12,6 +12,7 @@ import pytest
 
 from gen.coefficients import load
 from gen.errors import InputError
+from gen.identification.logs.ambients import ambients_of
 from gen.identification.logs.data import make_data, read_data
 from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
@@ -182,6 +183,35 @@ def test_a_warm_run_stands_in_the_room_of_the_cold_one() -> None:
     assert any("warm.csv: no ambient_degC, and a warm start; 30" in warning for warning in data.warnings)
     first = [float(record.raw_rise[0]) for record in data.records["brush"]]
     assert first == pytest.approx([12.0, 0.0], abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("starts", "cold"),
+    [
+        # Two runs of two sensors, one of three, or three of one, at one level.
+        ([(21.8, 22.0), (22.6, 22.4)], [True, True]),
+        ([(21.8, 22.0, 22.3)], [True]),
+        ([(22.0,), (22.3,), (21.9,)], [True, True, True]),
+        # The one that was run before stands in their room.
+        ([(21.8, 22.0), (22.6, 22.4), (39.0, 31.0)], [True, True, False]),
+        # One may be warm as easily as cold, so may two readings, and levels that differ.
+        ([(21.8, 22.0)], [False]),
+        ([(22.0,), (22.3,)], [False, False]),
+        ([(34.0, 34.5), (44.0, 44.2)], [False, False]),
+        ([(34.0, 39.0), (34.2, 39.1)], [False, False]),
+    ],
+)
+def test_what_begins_at_one_level_began_cold(starts: list[tuple[float, ...]], cold: list[bool]) -> None:
+    time = 10.0 * np.arange(100.0)
+    sources = [
+        Source(f"{k}.csv", Run(time, np.full(100, 100), {f"part{s}": b + 0.01 * time for s, b in enumerate(begin)}))
+        for k, begin in enumerate(starts)
+    ]
+    found = ambients_of(sources, None, [], estimated=True)
+    assert found.cold == cold
+    assert found.unsure_K == (0.5 if any(cold) else 5.0)
+    # Where somebody says it, nothing is read from how runs begin.
+    assert not any(ambients_of(sources, 20.0, [], estimated=True).cold)
 
 
 def test_an_unsettled_run_shows_what_it_extrapolates() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,6 +20,12 @@ SAME_ROOM_K = 4.0
 """Rooms of several runs differ by no more than this: what begins warmer does not begin cold."""
 UNKNOWN_K = 5.0
 """Standard deviation of a room that nothing says about where the coldest run begins, K."""
+COLD_K = 0.5
+"""The same where several runs begin at one level, as what begins cold does: their sensors may all be off by as much."""
+AT_ONE_LEVEL_K = 1.5
+"""Runs begin at one level that begin no further above the coldest of them: rooms differ by that from day to day."""
+COLD_READINGS = 3
+"""So many first readings of one level, of one run or several, say that these began cold."""
 WARMEST_ROOM = 40.0
 """degC: what begins warmer and cools from there did not begin in its room."""
 HOTTEST_ROOM = 70.0
@@ -27,9 +34,28 @@ ROOM, ROOM_UNSURE_K = 22.0, 8.0
 """A room of which no more is known than that people work in it, degC, and its standard deviation, K."""
 
 
+@dataclass(frozen=True, eq=False)
+class Ambients:
+    """The ambient of each run.
+
+    Attributes
+    ----------
+    levels
+        By run: at every row, shape (N,), or one number, degC.
+    unsure_K
+        Standard deviation of what all that nothing says are off by together, K; 0 where one of them is said.
+    cold
+        By run: whether nothing says its ambient, and others that begin at the same level tell that it began there.
+    """
+
+    levels: list[FloatArray | float]
+    unsure_K: float
+    cold: list[bool]
+
+
 def ambients_of(
     sources: Sequence[Source], fixed: float | None, warnings: list[str], *, estimated: bool = False
-) -> tuple[list[FloatArray | float], float]:
+) -> Ambients:
     """Give the ambient of each run, and what all of them may be off by together.
 
     Where nothing says it a run that begins like the coldest ones begins in its room; others are taken to stand in the
@@ -46,13 +72,6 @@ def ambients_of(
         Added to.
     estimated
         Whether the model is to find out how far off a guess is: then a guess need not come from a cold start.
-
-    Returns
-    -------
-    ambients
-        By run: at every row, shape (N,), or one number, degC.
-    unsure
-        Standard deviation of what all that nothing says are off by together, K; 0 where one of them is said.
 
     Raises
     ------
@@ -74,6 +93,7 @@ def ambients_of(
     if not levels and (cools or usual > HOTTEST_ROOM):
         usual, unsure, others = ROOM, ROOM_UNSURE_K, "rooms usually are"
     found: list[FloatArray | float] = []
+    cold = _cold(starts, usual) if unsure == UNKNOWN_K else [False] * len(sources)
     for source, level, firsts in zip(sources, said, starts, strict=True):
         if level is not None:
             found.append(level)
@@ -87,7 +107,17 @@ def ambients_of(
         else:
             warnings.append(f"{source.path}: no ambient_degC, and a warm start; {usual:g} degC is taken, as {others}")
             found.append(usual)
-    return found, unsure
+    return Ambients(found, COLD_K if any(cold) else unsure, cold)
+
+
+def _cold(starts: Sequence[Sequence[float]], usual: float) -> list[bool]:
+    """Which runs begin at one level, by their first readings and the lowest of them all, if these are enough to say so.
+
+    A motor that was run before begins somewhere else each time, and its parts differ.
+    """
+    cold = [_alike(firsts) and float(np.median(firsts)) - usual <= AT_ONE_LEVEL_K for firsts in starts]
+    readings = sum(len(firsts) for firsts, own in zip(starts, cold, strict=True) if own)
+    return cold if readings >= COLD_READINGS else [False] * len(cold)
 
 
 def _said_ambient(source: Source, fixed: float | None, warnings: list[str]) -> FloatArray | float | None:

@@ -95,7 +95,7 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
         if len(source.run.time_s) < FEWEST:
             count = len(source.run.time_s)
             raise InputError(f"found {count} row(s), expected at least {FEWEST} to identify from", file=source.path)
-    ambients, _ = ambients_of(sources, ambient, warnings)
+    ambients = ambients_of(sources, ambient, warnings).levels
     records = _records(sources, names, ambients, warnings)
     warnings += [*_fahrenheit(records), *followers(sources, list(records))]
     measured = all(s.run.ambient is not None and np.isfinite(s.run.ambient).any() for s in sources)

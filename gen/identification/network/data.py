@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gen.errors import InputError
 from gen.identification.drive import common_drive, machine_of
-from gen.identification.logs.ambients import ambients_of
+from gen.identification.logs.ambients import UNKNOWN_K, ambients_of
 from gen.identification.logs.data import FEWEST, MOVES_K, apart, components_of, sound
 from gen.identification.logs.records import resolution
 from gen.identification.logs.room_followers import followers
@@ -82,6 +82,21 @@ class NetworkData:
         return self.highest_degC - self.coldest_degC
 
     @property
+    def taken_for_cold(self) -> bool:
+        """Whether that some runs began cold is what they begin at, and nothing more."""
+        return any(run.cold for run in self.coarse)
+
+    def in_any_room(self) -> NetworkData:
+        """Give the same without that, and say so."""
+        said = "runs begin at one level as if they were cold, but what they do says that their room is another"
+        return replace(
+            self,
+            fine=tuple(replace(run, cold=False, room_K=UNKNOWN_K) for run in self.fine),
+            coarse=tuple(replace(run, cold=False, room_K=UNKNOWN_K) for run in self.coarse),
+            warnings=(*self.warnings, said),
+        )
+
+    @property
     def runs(self) -> list[tuple[str, Run]]:
         """The runs by path."""
         return [(source.path, source.run) for source in self.sources]
@@ -122,7 +137,7 @@ def make_network_data(
     _check(sources, full_scale)
     names = _reacting(sources, components_of(sources), warnings)
     warnings += followers(sources, names)
-    ambients, unsure = ambients_of(sources, ambient, warnings, estimated=True)
+    ambients = ambients_of(sources, ambient, warnings, estimated=True)
     stems = [source.name for source in sources]
     labels = stems if len(set(stems)) == len(stems) else [source.path for source in sources]
     driving = driving_of(sources, heat)
@@ -138,9 +153,10 @@ def make_network_data(
                 full_scale,
                 width,
                 [one.share(values_of(source, one.column)) for one in driving],
-                room_K=unsure if isinstance(around, float) else 0.0,
+                room_K=ambients.unsure_K if isinstance(around, float) else 0.0,
+                cold=cold,
             )
-            for label, source, around in zip(labels, sources, ambients, strict=True)
+            for label, source, around, cold in zip(labels, sources, ambients.levels, ambients.cold, strict=True)
         )
 
     return NetworkData(
@@ -148,8 +164,8 @@ def make_network_data(
         names=tuple(names),
         fine=bins(longest),
         coarse=bins(COARSE * longest),
-        ambient_fixed=_usual(ambients, ambient),
-        ambient_measured=not any(isinstance(a, float) for a in ambients),
+        ambient_fixed=_usual(ambients.levels, ambient),
+        ambient_measured=not any(isinstance(a, float) for a in ambients.levels),
         full_scale=full_scale,
         warnings=tuple(dict.fromkeys(warnings)),
         driving=driving,

@@ -24,6 +24,10 @@ Association 90, 1995: strong evidence)."""
 EXPECTED = 2.0
 """Twice the logarithm of the odds before any run that a motor stands in still air, where most do: 2.7 to 1."""
 
+WARM = 20.0
+"""Twice the logarithm of the odds before any run that what begins at one level began cold. They are high, as a network
+that lacks something makes up for it by another room."""
+
 
 def clearly_better(one: Found, other: Found) -> bool:
     """Whether the evidence is clearly for one of two networks."""
@@ -33,6 +37,11 @@ def clearly_better(one: Found, other: Found) -> bool:
 def likely(natural: Found, without: Found) -> bool:
     """Whether natural convection is taken: by the evidence, and by what is known before any run."""
     return against(natural) - against(without) <= EXPECTED
+
+
+def plainly_warm(in_any_room: Found, in_its_room: Found) -> bool:
+    """Whether runs that are taken to have begun cold did not, although they begin at one level."""
+    return against(in_its_room) - against(in_any_room) > WARM
 
 
 def against(found: Found) -> float:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from gen.identification.network.data import NetworkData
-from gen.identification.network.evidence import clearly_better, likely
+from gen.identification.network.evidence import clearly_better, likely, plainly_warm
 from gen.identification.network.fitting.as_found import usual
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Inputs, inputs_of
@@ -27,6 +27,8 @@ from gen.identification.network.used import as_used
 
 AT_LAST = 8
 """Linearisations on the fine bins."""
+AT_ONCE = 14
+"""The same on the coarse ones, in other rooms."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +83,9 @@ def identify_network(
     hardly = stiff(data, inputs, scale, most_hidden, progress)
     let_bend = bending(data, inputs, scale, hardly, progress)
     best = _pruned(data, hardly if clearly_better(hardly.found, let_bend.found) else let_bend, scale, progress)
+    if data.taken_for_cold and not _began_cold(data, best.found, scale):
+        progress("runs that begin warm, all at one level")
+        return identify_network(data.in_any_room(), progress, most_hidden)
     still = None
     if data.ambient_measured:
         # Where nobody measured the room, it is not known what the difference to it is.
@@ -128,6 +133,13 @@ def _pruned(data: NetworkData, tried: Tried, scale: Scale, progress: Callable[[s
     judged = left_out(tried.found, folds) if each_alone(inputs) else tried.judged[tried.chosen]
     found, judged = pruned(tried.found, judged, folds, scale, slack)
     return _Best(found, judged, tried.candidates)
+
+
+def _began_cold(data: NetworkData, found: Found, scale: Scale) -> bool:
+    """Whether runs that begin at one level do not plainly say that their room is another."""
+    inputs = inputs_of(data.in_any_room().coarse)
+    problem = Problem(found.structure, inputs, prior_of(found.structure, inputs, scale))
+    return not plainly_warm(tightened(problem, found.vector, found.density, AT_ONCE), found)
 
 
 def _polished(data: NetworkData, found: Found, scale: Scale) -> Found:

@@ -59,6 +59,24 @@ def test_a_room_that_nothing_says_is_estimated_from_warm_runs(starts: tuple[floa
     assert rmse(found.model, test) < 0.08 * moved
 
 
+def test_runs_that_begin_at_one_level_stand_in_a_room_of_that() -> None:
+    """Of steps the level of the room is next to unknown: it was found 3 K off, and the test by as much."""
+    rng = np.random.default_rng(8)
+    held = [np.full(round(2.0 * 3600.0 / ROW_S), float(pwm)) for pwm in (70, 140, 210)]
+    found = gen.identify([log(rng, pwm, None)[["pwm", "joint_degC"]] for pwm in held], model="network")
+    assert found.details()["ambient"]["fixed_degC"] == pytest.approx(ROOM, abs=0.6)
+
+
+@pytest.mark.parametrize("starts", [(34.0, 34.5), (34.0, 34.0, 34.5)])
+def test_runs_that_begin_warm_at_one_level_say_so_themselves(starts: tuple[float, ...]) -> None:
+    """A protocol with breaks begins each run where the one before did, 12 K over the room."""
+    rng = np.random.default_rng(1)
+    found = gen.identify([log(rng, steps(rng, 1.0), start) for start in starts], model="network")
+    assert found.details()["ambient"]["fixed_degC"] == pytest.approx(ROOM, abs=2.0)
+    assert any("begin at one level as if they were cold" in warning for warning in found.warnings)
+    assert rmse(found.model, log(rng, steps(rng, 1.0), 37.0)) < 0.3
+
+
 def test_the_parts_of_a_day_that_begin_warm_are_no_reason_to_refuse() -> None:
     """No run begins cold, and the neighbour is far from the part: there was no ambient, and a refusal."""
     rng = np.random.default_rng(6)

@@ -67,6 +67,8 @@ class Binned:
         Means of whatever else drives the motor, shape (K, E); E may be 0.
     room_K
         Where nothing says the ambient: what all such runs may be off by together, standard deviation, K; else 0.
+    cold
+        Whether nothing says the ambient, and the run is known to begin as warm as its room.
     """
 
     name: str
@@ -84,6 +86,7 @@ class Binned:
     ambient_known: bool
     further: FloatArray
     room_K: float = 0.0
+    cold: bool = False
 
     @property
     def width(self) -> FloatArray:
@@ -105,6 +108,7 @@ def binned(
     longest: float = LONGEST_S,
     further: Sequence[FloatArray] = (),
     room_K: float = 0.0,
+    cold: bool = False,
 ) -> Binned:
     """Condense one run.
 
@@ -126,6 +130,8 @@ def binned(
         What else drives the motor, at each row.
     room_K
         What the ambient may be off by where nothing says it, standard deviation, K.
+    cold
+        Whether the run is known to begin as warm as a room that nothing says.
     """
     time = run.time_s - run.time_s[0]
     level = np.abs(run.pwm).astype(np.float64)
@@ -153,6 +159,7 @@ def binned(
         ambient_known=not isinstance(ambient, float),
         further=np.array([_means(edges, time, values) for values in further]).reshape(len(further), edges.size - 1).T,
         room_K=room_K,
+        cold=cold,
     )
 
 

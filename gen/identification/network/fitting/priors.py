@@ -36,6 +36,8 @@ NATURAL = (0.0, 1.0)
 """Logit of natural convection's share of the loss at rest: painted metal loses about as much by radiation."""
 ROOM_K = 1.5
 """Of the level of an unmeasured ambient about what is assumed, K."""
+COLD_ROOM_K = 0.3
+"""The same where a run begins as warm as its room: its sensors read that, each a little off."""
 ROOM_STEP_K = 0.5
 """Of its change between two hats (an hour), K."""
 
@@ -97,6 +99,8 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
         deviation[first : first + len(structure.sensed)] = sensed
         deviation[first + len(structure.sensed) : first + nodes] = hidden
         deviation[first + nodes : first + own] = ROOM_K if not inputs.runs[r].ambient_known else 1e-3
+        if inputs.runs[r].cold:
+            deviation[first + nodes] = COLD_ROOM_K
     precision[np.diag_indices(size)] = 1.0 / deviation**2
     for at, block in blocks:
         level = np.diag(block) == 0.0
