@@ -172,6 +172,23 @@ def test_a_room_that_moves_is_read_from_its_column(tmp_path: Path) -> None:
     assert found.model.coefficients.model.ambient_channel == "ambient_degC"
 
 
+def test_a_file_whose_room_was_taken_too_low_gets_no_effect_for_it(tmp_path: Path) -> None:
+    """What somebody identified with 23.2 degC for a room of 24 settles 0.8 K too high above it, at each speed."""
+    pwm = np.arange(0, 256, 5)
+    outer = np.where(pwm == 0, 0.18, 0.2 + 0.3 * (pwm / 255.0) ** 0.8)
+    fixed = tree()
+    fixed["ambient"] = {"fixed_degC": 23.2}
+    watts = np.polyval(fixed["network"]["heats"][1]["power_W"]["poly"], pwm) + 0.8 * outer
+    fixed["network"]["heats"][1]["power_W"] = {
+        "table": {"pwm": pwm.tolist(), "value": watts.tolist(), "interpolation": "pchip"}
+    }
+    runs = files(tree(), tmp_path)
+    (tmp_path / "small.json").write_text(json.dumps(fixed), encoding="utf-8")
+    found = gen.refine(gen.load(tmp_path / "small.json"), fit=runs[:2], test=runs[2:])
+    assert found.effects()["effect"].tolist() == ["ambient"]
+    assert error_K(found, tmp_path) < 1.4 * NOISE_K
+
+
 def test_a_room_that_moves_is_told_although_something_else_errs_by_more(tmp_path: Path) -> None:
     """A narrow error of the schedule moves the motor by ten times what the room does."""
     motor = tree()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -104,8 +104,12 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
     made = side_by_side(
         [partial(_condensed, coefficients, columns, one, later=k < len(runs)) for k, one in enumerate(along)]
     )
+    bins = inputs_of(made)
+    if not as_declared and model.ambient_channel is None and all(run.ambient is not None for _, run in runs):
+        # One number for each run that the file stands for: by how much its room was another.
+        bins = replace(bins, room=(bins.run >= len(runs)).astype(np.float64)[:, None])
     return Data(
-        inputs_of(made),
+        bins,
         len(runs),
         columns,
         _offered(runs, driven, columns, names, full_scale),

@@ -15,6 +15,7 @@ from gen.identification.network.fitting.inputs import Inputs
 from gen.identification.network.fitting.marching import Slopes
 from gen.identification.network.fitting.priors import Prior
 from gen.identification.network.fitting.problem import Evaluated, Problem
+from gen.identification.network.fitting.rooms import share_level
 from gen.identification.network.fitting.weights import density
 from gen.refinement.network.effects.base import Seen
 from gen.refinement.network.fitting.anchored import Anchored
@@ -27,6 +28,9 @@ AT_FIRST, AT_EACH, AT_LAST, AT_LEFT_OUT, AT_TRIAL = 20, 16, 40, 4, 6
 fold, of a trial. A fit of six runs is at its minimum after some 25; after ten its cost may be twice that."""
 SAME = 0.25
 ROUNDS = 3
+ROOM_K = 0.7
+"""Standard deviation of what a file's fixed ambient may be off by, where later runs measure theirs, K: it comes of cold
+starts, or of somebody's note."""
 GOOD = 0.25**2 * 600.0
 """Density of the errors of a good model: a quarter of a kelvin that lasts for ten minutes, K^2 s."""
 
@@ -96,6 +100,9 @@ class Bench:
             at = np.arange(first, first + own)
             precision[at, at] = deviation**-2
         self._start_from_readings(shape, precision)
+        if inputs.room.shape[-1]:
+            rooms = shape.size + np.arange(self.data.later, len(inputs.runs)) * own + shape.nodes
+            share_level(precision, rooms, ROOM_K)
         problem = Problem(shape, inputs, Prior(mean, precision))
         return problem.weighed(self._weight)
 
