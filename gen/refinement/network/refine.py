@@ -154,7 +154,7 @@ def refine_network(
         after = _errors(refined, kept_paths, test_paths, lambda what: progress(f"{what} with what was found"))
     torn = spoiled(before, after, traced.null.noise_K) + ([NOT_IN_ALL] if sorted_out.parts_runs else [])
     torn = [] if accept_change else torn
-    warnings += [] if torn else start.warnings
+    warnings += [] if torn or made.text == raw else start.warnings
     if torn:
         made, after, effects = Written(raw), before, []
         warnings += torn
