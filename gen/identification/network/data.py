@@ -87,13 +87,13 @@ class NetworkData:
         return any(run.cold for run in self.coarse)
 
     def in_any_room(self) -> NetworkData:
-        """Give the same without that, and say so."""
-        said = "runs begin at one level as if they were cold, but what they do says that their room is another"
+        """Give the same without that: where runs begin says little of their room."""
+        if not self.taken_for_cold:
+            return self
         return replace(
             self,
             fine=tuple(replace(run, cold=False, room_K=UNKNOWN_K) for run in self.fine),
             coarse=tuple(replace(run, cold=False, room_K=UNKNOWN_K) for run in self.coarse),
-            warnings=(*self.warnings, said),
         )
 
     @property

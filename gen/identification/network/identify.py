@@ -29,6 +29,7 @@ AT_LAST = 8
 """Linearisations on the fine bins."""
 AT_ONCE = 14
 """The same on the coarse ones, in other rooms."""
+WARM_AT_ONE_LEVEL = "runs begin at one level as if they were cold, but what they do says that their room is another"
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +86,8 @@ def identify_network(
     best = _pruned(data, hardly if clearly_better(hardly.found, let_bend.found) else let_bend, scale, progress)
     if data.taken_for_cold and not _began_cold(data, best.found, scale):
         progress("runs that begin warm, all at one level")
-        return identify_network(data.in_any_room(), progress, most_hidden)
+        doubted = replace(data.in_any_room(), warnings=(*data.warnings, WARM_AT_ONE_LEVEL))
+        return identify_network(doubted, progress, most_hidden)
     still = None
     if data.ambient_measured:
         # Where nobody measured the room, it is not known what the difference to it is.
