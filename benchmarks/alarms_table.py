@@ -34,11 +34,11 @@ from rich.table import Table
 from gen.coefficients import Coefficients, load
 from gen.emulate.board import Board
 from gen.emulate.firmware import build_firmware, cache_folder
-from gen.emulate.plant import STEP_S, Plant, Reading
+from gen.emulate.plants.plant import STEP_S, Plant, Reading
+from gen.emulate.plants.rig import RigPlant
+from gen.emulate.plants.twin import alarm_times
 from gen.emulate.results import results_of
-from gen.emulate.rig import RigPlant
 from gen.emulate.session import run_session
-from gen.emulate.twin import alarm_times
 from gen.rig import Fault, MotorConfig, Profile, sensors, warm_start
 from gen.rig.config import FaultKind
 from gen.rig.profiles import counts, random_levels, step

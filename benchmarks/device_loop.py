@@ -51,9 +51,9 @@ from benchmarks.alarms_table import emulated_times  # noqa: E402
 from gen.coefficients import Coefficients, load  # noqa: E402
 from gen.emulate.board import Board  # noqa: E402
 from gen.emulate.firmware import build_firmware, cache_folder  # noqa: E402
-from gen.emulate.rig import RigPlant  # noqa: E402
+from gen.emulate.plants.rig import RigPlant  # noqa: E402
+from gen.emulate.plants.twin import alarm_times  # noqa: E402
 from gen.emulate.session import run_session  # noqa: E402
-from gen.emulate.twin import alarm_times  # noqa: E402
 from gen.record.port import write_parts  # noqa: E402
 from gen.refinement.run_errors import run_errors, total  # noqa: E402
 from gen.rig import Fault, MotorConfig, Profile, Setup, make_run, sensors  # noqa: E402

@@ -34,10 +34,10 @@ import psutil
 from benchmarks.made_fleet.draw import Made, Motor, fleet, ran
 from gen.coefficients import Coefficients, parse
 from gen.errors import CheckFailed, InputError
-from gen.fleet.labels import add_labels
-from gen.fleet.models import COMMON, model_path
-from gen.fleet.pooling import Pool, Told, pooled
-from gen.fleet.store import MODELS, RUNS, TASKS, Store
+from gen.fleet.folder.labels import add_labels
+from gen.fleet.folder.models import COMMON, model_path
+from gen.fleet.folder.store import MODELS, RUNS, TASKS, Store
+from gen.fleet.statistics.pooling import Pool, Told, pooled
 from gen.fleet.watch import QUIET, read_watched
 from gen.identification.choice.models import Options, network_of
 from gen.identification.logs.sources import Source

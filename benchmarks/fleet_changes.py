@@ -23,14 +23,14 @@ import numpy as np
 
 from benchmarks.fleet import LAST, faults, gen
 from benchmarks.made_fleet.draw import Made, fleet, ran
-from gen.fleet.batches import groups_of
+from gen.fleet.folder.labels import add_labels
+from gen.fleet.folder.store import MODELS, RUNS, Store
 from gen.fleet.identify import runs_of
-from gen.fleet.judging import judge
-from gen.fleet.labels import add_labels
-from gen.fleet.residuals import products_in
-from gen.fleet.store import MODELS, RUNS, Store
+from gen.fleet.statistics.batches import groups_of
+from gen.fleet.statistics.judging import judge
+from gen.fleet.tasks.residuals import products_in
+from gen.fleet.tasks.work import Failed, Workers
 from gen.fleet.watch import residuals
-from gen.fleet.work import Failed, Workers
 
 LEVEL = 0.01
 SHIFTS_K = (0.0, 0.5, 1.0, 2.0)

@@ -27,8 +27,8 @@ from benchmarks.made_fleet.draw import Made, Motor, fleet, ran
 from gen.coefficients import Coefficients, parse
 from gen.errors import CheckFailed, InputError
 from gen.fleet.alarm_thresholds import FOLDER, with_thresholds
-from gen.fleet.models import Model, in_use, model_path, read_model, sound
-from gen.fleet.store import Store
+from gen.fleet.folder.models import Model, in_use, model_path, read_model, sound
+from gen.fleet.folder.store import Store
 from gen.reference.run_alarms import raised_s
 from gen.reference.simulate import simulate_run
 from gen.runs import Run

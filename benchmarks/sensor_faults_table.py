@@ -28,9 +28,9 @@ from gen.coefficients.wiring import Wiring
 from gen.emulate.board import Board
 from gen.emulate.firmware import Firmware, build_firmware, cache_folder
 from gen.emulate.host import HostDevice
-from gen.emulate.plant import STEP_S, Reading
+from gen.emulate.plants.plant import STEP_S, Reading
+from gen.emulate.plants.rig import RigPlant
 from gen.emulate.results import Results, results_of
-from gen.emulate.rig import RigPlant
 from gen.emulate.session import Event, Session, run_session
 from gen.errors import CheckFailed
 from gen.rig import Profile, SensorConfig, SensorFault, warm_start
@@ -95,7 +95,7 @@ class Recorded:
         self.noise_pulses: Callable[[float], int] = lambda _: 0
 
     def step(self, pwm: int, dt_s: float) -> Reading:
-        """See `gen.emulate.plant.Plant.step`."""
+        """See `gen.emulate.plants.plant.Plant.step`."""
         reading = self.plant.step(pwm, dt_s)
         self.true.append(self.plant.temperatures)
         self.words.append(dict(reading.words))

@@ -39,8 +39,8 @@ from gen.coefficients import Coefficients, load
 from gen.coefficients.wiring import Wiring
 from gen.emulate.board import Board
 from gen.emulate.firmware import build_firmware, cache_folder
+from gen.emulate.plants.rig import RigPlant
 from gen.emulate.results import deepest_stack
-from gen.emulate.rig import RigPlant
 from gen.emulate.session import Event, run_session
 from gen.firmware.boards import MEGA
 from gen.lowering.kinds import Arithmetic, ScheduleKind

@@ -30,7 +30,7 @@ sys.path.insert(0, str(ROOT))
 from gen.coefficients import load  # noqa: E402
 from gen.emulate.board import Board  # noqa: E402
 from gen.emulate.firmware import build_firmware  # noqa: E402
-from gen.emulate.plant import BenchPlant  # noqa: E402
+from gen.emulate.plants.plant import BenchPlant  # noqa: E402
 from gen.emulate.session import run_session  # noqa: E402
 from gen.model import ExactSolution  # noqa: E402
 from gen.runs import Run, read_run, write_run  # noqa: E402

@@ -8,7 +8,7 @@ from binascii import crc_hqx
 from benchmarks.hazards.hazard import Script, add, hazard
 from benchmarks.hazards.scene import Scene
 from benchmarks.hazards.sensing import fallen_off, open_wire
-from gen.emulate.devices import ResetCause
+from gen.emulate.wiring.devices import ResetCause
 
 TURNS = 10
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from benchmarks.hazards.boards import Variant, variant
 from gen.emulate.board import Board
-from gen.emulate.rig import RigPlant
+from gen.emulate.plants.rig import RigPlant
 from gen.emulate.session import Event, run_session
 from gen.rig import SensorConfig
 

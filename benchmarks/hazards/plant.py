@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from gen.emulate.plant import AMBIENT, FULL_PWM, Reading, word_of
+from gen.emulate.plants.plant import AMBIENT, FULL_PWM, Reading, word_of
 
 FREE_RPM, SPIN_S = 2650.0, 0.2
 """Speed at PWM 255, the rotor's time constant in s."""
@@ -68,7 +68,7 @@ class HazardPlant:
     _words: dict[str, int] = field(default_factory=dict)
 
     def step(self, pwm: int, dt_s: float) -> Reading:
-        """See `gen.emulate.plant.Plant.step`."""
+        """See `gen.emulate.plants.plant.Plant.step`."""
         share = 1.0 if self.shorted else pwm / FULL_PWM
         share = share if self.relay_closed() else 0.0
         self.time_s += dt_s

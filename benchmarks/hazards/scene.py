@@ -13,7 +13,7 @@ from benchmarks.hazards.plant import HazardPlant, Moment
 from gen.avr.simulator import EmulationFailed
 from gen.coefficients.wiring import Wiring
 from gen.emulate.board import Board
-from gen.emulate.plant import STEP_S
+from gen.emulate.plants.plant import STEP_S
 
 MOST_BEYOND_K = 5.0
 HOT = {"brush": 100.0, "bearing": 92.0, "magnet": 92.0, "casing": 92.0}

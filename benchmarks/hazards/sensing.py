@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from benchmarks.hazards.hazard import Script, add, hazard
 from benchmarks.hazards.plant import Lie
 from benchmarks.hazards.scene import Scene
-from gen.emulate.plant import AMBIENT, word_of
+from gen.emulate.plants.plant import AMBIENT, word_of
 
 PARTS = ("brush", "bearing", "magnet", "casing")
 AS_THE_MODEL = {"brush": 0.004, "bearing": 0.019, "magnet": 0.019, "casing": 0.018}

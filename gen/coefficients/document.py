@@ -9,11 +9,11 @@ from pydantic.config import JsonDict
 
 from gen.coefficients.alarms import MOST_RULES, AlarmRule
 from gen.coefficients.base import Celsius, ColumnName, CountRange, Name, Part, Positive, fault, ordered
+from gen.coefficients.checks.protection_checks import check_protection
 from gen.coefficients.effects import EffectEntry, check_effects
 from gen.coefficients.forecast import Forecast, check_forecast
 from gen.coefficients.network import NetworkEntry
 from gen.coefficients.protection import MOST_PROTECTIONS, Protection
-from gen.coefficients.protection_checks import check_protection
 from gen.coefficients.provenance import Provenance
 from gen.coefficients.references import (
     check_alarm_references,

@@ -9,16 +9,16 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from gen.coefficients import jsontext
-from gen.coefficients.alarm_checks import check_alarms
-from gen.coefficients.checks import check_model
+from gen.coefficients.checks.alarm_checks import check_alarms
+from gen.coefficients.checks.effect_checks import check_runaway
+from gen.coefficients.checks.model_checks import check_model
+from gen.coefficients.checks.network_checks import check_network
+from gen.coefficients.checks.wiring_checks import check_wiring
 from gen.coefficients.convert import to_model
 from gen.coefficients.document import Accuracy, Document
-from gen.coefficients.effect_checks import check_runaway
 from gen.coefficients.messages import described, first_fault
-from gen.coefficients.network_checks import check_network
 from gen.coefficients.protecting import protections
 from gen.coefficients.versions import Tree, migrated
-from gen.coefficients.wiring_checks import check_wiring
 from gen.errors import InputError
 from gen.model.dynamics import ThermalModel
 from gen.model.effects import Applied

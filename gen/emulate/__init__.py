@@ -1,6 +1,5 @@
 """The board around the emulated Mega, and `gen emulate`: the firmware against a simulated motor.
 
-`pins` maps Arduino numbers. `levels`, `max6675`, `pulses` and `eeprom` are what is around the chip, `devices` is the
-Mega with all of it. `board` wires it as the coefficient file says and lets the plant (`plant`) answer; `session` runs
-it.
+`wiring` is what is at the chip's pins, `plants` what heats at their other end. `board` wires both as the coefficient
+file says; `session` runs it, as `scenario` and `options` ask for, and `results` says what came of it.
 """

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Literal
 
 from gen.coefficients.wiring import Wiring
-from gen.emulate.devices import DeviceBoard
-from gen.emulate.divider import Divider
-from gen.emulate.led import shown_now
-from gen.emulate.levels import Edges
-from gen.emulate.max6675 import Max6675
-from gen.emulate.plant import FULL_PWM, STEP_S, Plant, Reading
-from gen.emulate.registers import RegisterChip
+from gen.emulate.plants.plant import FULL_PWM, STEP_S, Plant, Reading
+from gen.emulate.wiring.devices import DeviceBoard
+from gen.emulate.wiring.divider import Divider
+from gen.emulate.wiring.led import shown_now
+from gen.emulate.wiring.levels import Edges
+from gen.emulate.wiring.max6675 import Max6675
+from gen.emulate.wiring.registers import RegisterChip
 
 EncoderMode = Literal["true", "batched"]
 
@@ -85,7 +85,7 @@ class Board:
 
     @property
     def led_now(self) -> tuple[str, ...] | None:
-        """What the LED says at present, see `gen.emulate.led.shown_now`; None without one."""
+        """What the LED says at present, see `gen.emulate.wiring.led.shown_now`; None without one."""
         return shown_now(self._led.latest(_LED_EDGES), self.seconds) if self._led is not None else None
 
     @property

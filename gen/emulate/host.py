@@ -15,7 +15,7 @@ from typing import Self
 
 from gen import toolchain
 from gen.coefficients import Coefficients
-from gen.emulate.plant import AMBIENT
+from gen.emulate.plants.plant import AMBIENT
 from gen.errors import CheckFailed
 from gen.firmware.project import project_files
 from gen.lowering.kinds import Arithmetic, ScheduleKind

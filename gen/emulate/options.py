@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gen.emulate.plant import FULL_PWM, Ran
+from gen.emulate.plants.plant import FULL_PWM, Ran
 from gen.emulate.session import Event
 from gen.errors import InputError
 from gen.record.profile import Profile

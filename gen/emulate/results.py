@@ -13,9 +13,9 @@ from gen.avr.simulator import EmulatedChip
 from gen.coefficients.document import Document
 from gen.coefficients.protecting import protections
 from gen.emulate.board import Board
-from gen.emulate.divider import Divider
-from gen.emulate.led import Seen, read_led
 from gen.emulate.session import Session
+from gen.emulate.wiring.divider import Divider
+from gen.emulate.wiring.led import Seen, read_led
 from gen.record import Part
 
 Array = NDArray[np.float64]

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from gen.coefficients import Coefficients, load
 from gen.coefficients.wiring import Thermocouple, Wiring
 from gen.emulate.options import parse_sensor_faults, parse_signal, parse_start, parse_told
-from gen.emulate.plant import Changeable, Ran
-from gen.emulate.rig import TOLD, RigPlant, has_parts, kind_of
+from gen.emulate.plants.plant import Changeable, Ran
+from gen.emulate.plants.rig import TOLD, RigPlant, has_parts, kind_of
 from gen.errors import InputError
 from gen.rig import NODES, Fault, MotorConfig, sensors, warm_start
 from gen.rig import Profile as RigProfile
@@ -19,8 +19,8 @@ from gen.rig.chips import Converter, Ntc
 from gen.rig.signals import Signal, value
 
 if TYPE_CHECKING:
-    from gen.emulate.model_faults import ModelFault
-    from gen.emulate.model_plant import ModelPlant
+    from gen.emulate.plants.model_faults import ModelFault
+    from gen.emulate.plants.model_plant import ModelPlant
 
 RIG, MODEL = "rig", "model"
 ROOMS = (-273.15, 1000.0)
@@ -150,9 +150,9 @@ def _rig(scenario: Scenario, wiring: Wiring, wired: list[str]) -> Made:
 
 
 def _model(scenario: Scenario, wiring: Wiring, wired: list[str], board: Coefficients, motor: Coefficients) -> Made:
-    from gen.emulate.courses import part_names
-    from gen.emulate.model_faults import parse_faults
-    from gen.emulate.model_plant import ModelPlant, neutral_of
+    from gen.emulate.plants.courses import part_names
+    from gen.emulate.plants.model_faults import parse_faults
+    from gen.emulate.plants.model_plant import ModelPlant, neutral_of
 
     ambient, told = _surroundings(scenario)
     if scenario.load != "0":

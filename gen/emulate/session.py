@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 from gen.emulate.board import Board
-from gen.emulate.devices import ResetCause
-from gen.emulate.plant import STEP_S
+from gen.emulate.plants.plant import STEP_S
+from gen.emulate.wiring.devices import ResetCause
 from gen.record import Recorder
 from gen.record.profile import Profile
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from math import ceil
 
 from gen.coefficients import Coefficients
-from gen.coefficients.alarm_checks import declared_deviation_K
 from gen.coefficients.alarms import AlarmRule, Cusum, Deviation, MissingHeat, OverTemperature
+from gen.coefficients.checks.alarm_checks import declared_deviation_K
 from gen.coefficients.document import Document
 from gen.coefficients.protecting import protections
 from gen.lowering.alarms import LoweredRule, lower_alarms

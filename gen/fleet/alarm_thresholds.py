@@ -18,13 +18,13 @@ from gen.coefficients import parse, with_rules
 from gen.coefficients.rules import read_rules
 from gen.errors import CheckFailed, InputError
 from gen.fleet.chosen import evenly
+from gen.fleet.folder.models import Model, in_use, model_path, paths_in_use, read_model, sound, with_model
+from gen.fleet.folder.store import Kept, Store
 from gen.fleet.identify import runs_of
-from gen.fleet.models import Model, in_use, model_path, paths_in_use, read_model, sound, with_model
-from gen.fleet.motor_data import is_healthy, read
-from gen.fleet.residuals import learnt_by
-from gen.fleet.store import Kept, Store
+from gen.fleet.tasks.motor_data import is_healthy, read
+from gen.fleet.tasks.residuals import learnt_by
+from gen.fleet.tasks.work import Arrays, Failed, Progress, Workers, computed, workers_of
 from gen.fleet.watch import QUIET, read_watched
-from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
 from gen.reference.heat_blocks import Blocks
 from gen.thresholds.derive import complete, error_bands
 from gen.thresholds.healthy import HealthyRun, compare

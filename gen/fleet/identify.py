@@ -16,14 +16,14 @@ import numpy as np
 
 from gen.errors import CheckFailed, InputError
 from gen.fleet.chosen import evenly
-from gen.fleet.common import Common, keep, kept
-from gen.fleet.fitting import fitted_in_common, mean_model, model_in_common
-from gen.fleet.models import COMMON, model_path, remove_identified, with_model, write_identified
-from gen.fleet.motor_data import check_inputs, data_of, usable
-from gen.fleet.pooling import Told, pooled
-from gen.fleet.scouting import as_lists, common_form, scouts_of
-from gen.fleet.store import Kept, Store
-from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
+from gen.fleet.folder.models import COMMON, model_path, remove_identified, with_model, write_identified
+from gen.fleet.folder.store import Kept, Store
+from gen.fleet.statistics.pooling import Told, pooled
+from gen.fleet.tasks.common import Common, keep, kept
+from gen.fleet.tasks.fitting import fitted_in_common, mean_model, model_in_common
+from gen.fleet.tasks.motor_data import check_inputs, data_of, usable
+from gen.fleet.tasks.scouting import as_lists, common_form, scouts_of
+from gen.fleet.tasks.work import Arrays, Failed, Progress, Workers, computed, workers_of
 
 ROUNDS = 2
 MOST_POOLED = 36
@@ -144,7 +144,8 @@ def in_rounds(fits_of: Callable[[Common], list[Arrays]], common: Common) -> Comm
     Parameters
     ----------
     fits_of
-        What :func:`gen.fleet.fitting.fitted_in_common` gives of each motor, the fleet's mean and spread its prior.
+        What :func:`~gen.fleet.tasks.fitting.fitted_in_common` gives of each motor, the fleet's mean and spread its
+        prior.
     common
         Mean and spread to begin with.
     """

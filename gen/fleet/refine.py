@@ -20,15 +20,15 @@ from numpy.typing import NDArray
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed, InputError
 from gen.fleet.chosen import evenly
-from gen.fleet.effect_tasks import compared, errors_with, numbers_told, promised
+from gen.fleet.folder.models import COMMON, identified_paths, model_path, read_model, refined_path, sound
+from gen.fleet.folder.store import Kept, Store
 from gen.fleet.identify import runs_of
-from gen.fleet.models import COMMON, identified_paths, model_path, read_model, refined_path, sound
-from gen.fleet.pooling import FloatArray, Pool, Told, pooled
-from gen.fleet.residuals import learnt_by
-from gen.fleet.scouting import as_lists
-from gen.fleet.shared_effects import Key, said, together, with_means
-from gen.fleet.store import Kept, Store
-from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
+from gen.fleet.statistics.pooling import FloatArray, Pool, Told, pooled
+from gen.fleet.statistics.shared_effects import Key, said, together, with_means
+from gen.fleet.tasks.effect_tasks import compared, errors_with, numbers_told, promised
+from gen.fleet.tasks.residuals import learnt_by
+from gen.fleet.tasks.scouting import as_lists
+from gen.fleet.tasks.work import Arrays, Failed, Progress, Workers, computed, workers_of
 from gen.refinement.gains import LEAST_GAIN, LEVEL, p_of_gains
 from gen.refinement.network.effects import Offered
 from gen.refinement.network.tracing.paths import MOST_EFFECTS

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from gen.errors import InputError
 from gen.files import MARK
-from gen.fleet.models import paths_in_use
-from gen.fleet.store import Store
+from gen.fleet.folder.models import paths_in_use
+from gen.fleet.folder.store import Store
 from gen.fleet.watch import FILE, QUIET, Apart, State, read_watched
 from gen.pages.environment import page_environment
 from gen.version import __version__

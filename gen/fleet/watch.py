@@ -10,19 +10,19 @@ from typing import Any
 import numpy as np
 
 from gen.errors import InputError
-from gen.fleet.batches import groups_of
-from gen.fleet.findings import LEAST_K, Finding
+from gen.fleet.folder.labels import Labels, labels_of
+from gen.fleet.folder.models import COMMON, in_use, models_of
+from gen.fleet.folder.names import checked_motor
+from gen.fleet.folder.store import Kept, Store
 from gen.fleet.identify import runs_of
-from gen.fleet.judging import FEWEST, Judged, judge
-from gen.fleet.labels import Labels, labels_of
-from gen.fleet.models import COMMON, in_use, models_of
-from gen.fleet.names import checked_motor
-from gen.fleet.patterns import Hypothesis
-from gen.fleet.pooling import FloatArray
-from gen.fleet.residuals import newest_against_models, products_in
-from gen.fleet.scouting import as_lists
-from gen.fleet.store import Kept, Store
-from gen.fleet.work import Arrays, Failed, Progress, Workers, computed, workers_of
+from gen.fleet.statistics.batches import groups_of
+from gen.fleet.statistics.findings import LEAST_K, Finding
+from gen.fleet.statistics.judging import FEWEST, Judged, judge
+from gen.fleet.statistics.patterns import Hypothesis
+from gen.fleet.statistics.pooling import FloatArray
+from gen.fleet.tasks.residuals import newest_against_models, products_in
+from gen.fleet.tasks.scouting import as_lists
+from gen.fleet.tasks.work import Arrays, Failed, Progress, Workers, computed, workers_of
 
 FILE = "watch.json"
 SHOWN = 12
@@ -133,7 +133,7 @@ def watch(store: Store, level: float, workers: Workers, progress: Progress) -> W
 def residuals(
     store: Store, runs: dict[str, list[Kept]], workers: Workers, progress: Progress
 ) -> dict[str, Arrays | Failed]:
-    """Give what :func:`gen.fleet.residuals.newest_against_models` gives of each motor with a model.
+    """Give what :func:`gen.fleet.tasks.residuals.newest_against_models` gives of each motor with a model.
 
     Raises
     ------

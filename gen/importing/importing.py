@@ -10,18 +10,18 @@ from gen.errors import InputError
 from gen.files import check_writable, scratch, write_text
 from gen.importing.convert import Splitting, convert, with_comments
 from gen.importing.converted import Converted
-from gen.importing.guessing.compact_times import with_parted_times
-from gen.importing.guessing.date_parts import with_dates
-from gen.importing.guessing.day_times import with_days
 from gen.importing.guessing.decide import NO_PART, Decided, decide, doubts
-from gen.importing.guessing.fractions import with_fractions
 from gen.importing.guessing.guess_input import NO_INPUT
 from gen.importing.guessing.guesses import Choices
-from gen.importing.guessing.halves import with_halves
-from gen.importing.guessing.header_zones import with_zones
 from gen.importing.guessing.own_times import joined
 from gen.importing.guessing.series import spread_out
 from gen.importing.guessing.sheets import choice_of_sheets, logs_among
+from gen.importing.guessing.times.compact_times import with_parted_times
+from gen.importing.guessing.times.date_parts import with_dates
+from gen.importing.guessing.times.day_times import with_days
+from gen.importing.guessing.times.fractions import with_fractions
+from gen.importing.guessing.times.halves import with_halves
+from gen.importing.guessing.times.header_zones import with_zones
 from gen.importing.mapping import Mapping, read_mapping
 from gen.importing.provenance import commented_mapping, comments_of
 from gen.importing.reading.sources import read_tables

@@ -11,7 +11,7 @@ from typing import Any
 
 from gen.coefficients import Coefficients
 from gen.emulate.board import Board
-from gen.emulate.plant import STEP_S, Changeable
+from gen.emulate.plants.plant import STEP_S, Changeable
 from gen.emulate.session import Session, run_session
 from gen.errors import InputError
 from gen.live.control import Control, checked

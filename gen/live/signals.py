@@ -40,7 +40,7 @@ def from_pins(patterns: Sequence[str] | None, closed: bool | None, rules: Sequen
     Parameters
     ----------
     patterns
-        The LED's, as `gen.emulate.led.shown_now` has them; None without one.
+        The LED's, as `gen.emulate.wiring.led.shown_now` has them; None without one.
     closed
         Whether the relay is closed; None without one.
     rules

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from gen.coefficients import Coefficients
-from gen.coefficients.alarm_checks import healthy_end_K, quantity
 from gen.coefficients.alarms import (
     MOST_SAMPLES,
     AlarmRule,
@@ -25,6 +24,7 @@ from gen.coefficients.alarms import (
     OverTemperature,
     window_counts,
 )
+from gen.coefficients.checks.alarm_checks import healthy_end_K, quantity
 from gen.coefficients.document import Document
 from gen.lowering.heat import LoweredHeat, lower_heat
 from gen.lowering.samples import samples

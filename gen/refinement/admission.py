@@ -14,8 +14,8 @@ from typing import Protocol, TypeVar
 import numpy as np
 
 from gen.coefficients import Coefficients
-from gen.coefficients.alarm_checks import healthy_end_K
 from gen.coefficients.alarms import Deviation, window_counts
+from gen.coefficients.checks.alarm_checks import healthy_end_K
 from gen.errors import InputError
 from gen.refinement.condense import Condensed
 from gen.runs.faults import called_unhealthy, declared_faults

@@ -17,7 +17,7 @@ from benchmarks.hazards.plant import COOLING_S, FREE_RPM, HazardPlant, Moment
 from benchmarks.hazards.running import Line, names, run_hazard, summed
 from benchmarks.hazards.scene import Outcome, longest
 from benchmarks.hazards.table import verdict
-from gen.emulate.plant import word_of
+from gen.emulate.plants.plant import word_of
 from gen.lowering.protection import lower_protection
 
 PARTS = {"brush": 100.0, "casing": 90.0}

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gen.coefficients import Document, parse
-from gen.coefficients.checks import _hurwitz, spans
+from gen.coefficients.checks.model_checks import _hurwitz, spans
 from gen.coefficients.names import reserved
 from gen.coefficients.schema import STORED, json_schema, published, schema_text
 from gen.coefficients.versions import VERSION

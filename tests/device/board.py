@@ -10,8 +10,8 @@ from pathlib import Path
 
 from gen import toolchain
 from gen.coefficients import Coefficients
-from gen.emulate.devices import DeviceBoard, ResetCause
 from gen.emulate.scenario import converters
+from gen.emulate.wiring.devices import DeviceBoard, ResetCause
 
 OPEN, ZEROS, ONES = 0x0004, 0x0000, 0xFFFF
 #: The sketch's flags (`device.h`).

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gen.coefficients.wiring import CHIP_RANGES_degC
-from gen.emulate.registers import RegisterChip
 from gen.emulate.scenario import converters
+from gen.emulate.wiring.registers import RegisterChip
 from gen.lowering.platinum import resistance
 from gen.lowering.sensors import CONFIRMATIONS, SensorLimits, reading_samples, sensor_limits
 from gen.reference.chips import SensorCode, decoded

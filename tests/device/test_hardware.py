@@ -14,7 +14,7 @@ import pytest
 from gen import toolchain
 from gen.avr.compile import ArduinoCore, build_elf
 from gen.coefficients import parse
-from gen.emulate.devices import ResetCause
+from gen.emulate.wiring.devices import ResetCause
 from gen.errors import CheckFailed, InputError
 from gen.firmware.context import project_context
 from gen.lowering.lower import lower

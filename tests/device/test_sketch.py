@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from gen.avr.compile import sizes
-from gen.emulate.devices import ResetCause
+from gen.emulate.wiring.devices import ResetCause
 from gen.lowering.lower import lower
 from gen.reference.model import ReferenceModel
 from tests.device.board import (

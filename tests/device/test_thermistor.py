@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gen.coefficients import parse
-from gen.emulate.pins import PIN_MAPS
 from gen.emulate.scenario import converters
+from gen.emulate.wiring.pins import PIN_MAPS
 from gen.errors import InputError
 from gen.firmware.project import project_files
 from gen.firmware.sketch.commissioning import wiring_identity

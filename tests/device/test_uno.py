@@ -19,7 +19,7 @@ from gen.coefficients import Coefficients, parse
 from gen.coefficients.wiring.pins import PINS_OF
 from gen.emulate.board import Board
 from gen.emulate.firmware import build_firmware
-from gen.emulate.plant import Reading, word_of
+from gen.emulate.plants.plant import Reading, word_of
 from gen.errors import CheckFailed, InputError
 from gen.firmware.boards import BOARDS
 from gen.firmware.project import project_files
@@ -40,7 +40,7 @@ class Warm:
         self._word = word
 
     def step(self, pwm: int, dt_s: float) -> Reading:
-        """See `gen.emulate.plant.Plant.step`."""
+        """See `gen.emulate.plants.plant.Plant.step`."""
         return Reading({"casing": self._word, "ambient": word_of(25.0)}, round(PULSES_PER_S * dt_s) if pwm else 0)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from gen.emulate.devices import ResetCause
+from gen.emulate.wiring.devices import ResetCause
 from tests.device.board import AMBIENT, OPEN, TEMPERATURES, Board, warm
 from tests.device.conftest import Open
 

@@ -8,7 +8,7 @@ import pytest
 from gen.avr.chip import BOARDS
 from gen.avr.compile import ArduinoCore, build_elf
 from gen.coefficients.wiring import BoardName
-from gen.emulate.devices import DeviceBoard
+from gen.emulate.wiring.devices import DeviceBoard
 
 SOURCES = Path(__file__).parent / "firmware"
 

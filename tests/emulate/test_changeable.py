@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from gen.coefficients import load
-from gen.emulate.model_plant import ModelPlant
-from gen.emulate.plant import STEP_S, Changeable
-from gen.emulate.rig import RigPlant
+from gen.emulate.plants.model_plant import ModelPlant
+from gen.emulate.plants.plant import STEP_S, Changeable
+from gen.emulate.plants.rig import RigPlant
 from gen.errors import InputError
 from gen.rig import SensorFault
 from gen.rig.sensors import decode

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gen.emulate.devices import DeviceBoard, ResetCause
+from gen.emulate.wiring.devices import DeviceBoard, ResetCause
 
 from .conftest import OpenBoard
 

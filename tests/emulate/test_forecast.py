@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from gen.coefficients import Coefficients, parse
-from gen.emulate.model_plant import ModelPlant
+from gen.emulate.plants.model_plant import ModelPlant
 from gen.emulate.results import Results
 from tests.emulate.test_scenario import BY_HAND, run
 

@@ -9,7 +9,7 @@ import pytest
 
 from gen.coefficients import Coefficients
 from gen.emulate.host import HostDevice
-from gen.emulate.rig import RigPlant
+from gen.emulate.plants.rig import RigPlant
 from gen.lowering.lower import lower
 from gen.lowering.sensors import sensor_limits
 from gen.reference.model import ReferenceModel

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gen.emulate.led import read_led, shown_now
-from gen.emulate.levels import Edges
+from gen.emulate.wiring.led import read_led, shown_now
+from gen.emulate.wiring.levels import Edges
 
 SLOT_S = 0.032
 CYCLES = 16_000_000

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from gen.coefficients import Coefficients, parse
-from gen.emulate.courses import Course, PartsCourse
-from gen.emulate.model_faults import ModelFault, parse_faults
-from gen.emulate.model_plant import ModelPlant, course_of
-from gen.emulate.plant import STEP_S, Ran
+from gen.emulate.plants.courses import Course, PartsCourse
+from gen.emulate.plants.model_faults import ModelFault, parse_faults
+from gen.emulate.plants.model_plant import ModelPlant, course_of
+from gen.emulate.plants.plant import STEP_S, Ran
 from gen.errors import InputError
 from gen.model.dynamics import Component
 from gen.model.extended import ExtendedSolution

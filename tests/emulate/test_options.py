@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from gen.emulate.options import parse_events, parse_sensor_faults, parse_signal, parse_start, parse_told
-from gen.emulate.plant import Ran
+from gen.emulate.plants.plant import Ran
 from gen.emulate.session import Event
 from gen.errors import InputError
 from gen.rig import NODES, SensorFault

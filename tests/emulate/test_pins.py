@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gen.coefficients.wiring import BoardName
-from gen.emulate.pins import PIN_MAPS, PortPin
+from gen.emulate.wiring.pins import PIN_MAPS, PortPin
 
 from .conftest import OpenBoard
 

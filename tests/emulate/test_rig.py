@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from gen.emulate.plant import STEP_S
-from gen.emulate.rig import RigPlant
+from gen.emulate.plants.plant import STEP_S
+from gen.emulate.plants.rig import RigPlant
 from gen.errors import InputError
 from gen.rig import Fault, MotorConfig, SensorConfig, SensorFault
 

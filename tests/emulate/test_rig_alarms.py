@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from gen.coefficients import load
-from gen.emulate.rig import RigPlant
-from gen.emulate.twin import alarm_times
+from gen.emulate.plants.rig import RigPlant
+from gen.emulate.plants.twin import alarm_times
 from gen.rig import Fault, MotorConfig, Profile, sensors, warm_start
 from tests.examples import ROOT
 

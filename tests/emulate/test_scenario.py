@@ -12,10 +12,10 @@ import pytest
 from gen.coefficients import Coefficients, load, parse
 from gen.emulate.board import Board
 from gen.emulate.firmware import build_firmware
-from gen.emulate.model_plant import ModelPlant
-from gen.emulate.plant import Plant
+from gen.emulate.plants.model_plant import ModelPlant
+from gen.emulate.plants.plant import Plant
+from gen.emulate.plants.rig import RigPlant
 from gen.emulate.results import Results, results_of
-from gen.emulate.rig import RigPlant
 from gen.emulate.scenario import Scenario, make_plant
 from gen.emulate.session import run_session
 from gen.errors import InputError

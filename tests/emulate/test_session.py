@@ -18,13 +18,13 @@ from gen.avr.simulator import FREQUENCY_HZ
 from gen.coefficients import load
 from gen.coefficients.wiring import ChannelInput, Wiring
 from gen.emulate.board import Board, EncoderMode
-from gen.emulate.devices import ResetCause
 from gen.emulate.firmware import Firmware, build_firmware
-from gen.emulate.plant import STEP_S, BenchPlant, Plant, Reading
+from gen.emulate.plants.plant import STEP_S, BenchPlant, Plant, Reading
+from gen.emulate.plants.rig import RigPlant
 from gen.emulate.results import results_of, summary
-from gen.emulate.rig import RigPlant
 from gen.emulate.session import Event, EventKind, Session, _Runner, run_session
 from gen.emulate.terminal import PseudoTerminal
+from gen.emulate.wiring.devices import ResetCause
 from gen.runs import read_run
 from tests.command import GEN
 from tests.device.variants import variant

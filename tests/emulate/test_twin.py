@@ -12,11 +12,11 @@ import pytest
 from gen.coefficients import parse
 from gen.emulate.board import Board
 from gen.emulate.firmware import build_firmware
-from gen.emulate.plant import Reading
+from gen.emulate.plants.plant import Reading
+from gen.emulate.plants.rig import RigPlant
+from gen.emulate.plants.twin import alarm_times
 from gen.emulate.results import results_of
-from gen.emulate.rig import RigPlant
 from gen.emulate.session import run_session
-from gen.emulate.twin import alarm_times
 from gen.rig import Profile, SensorConfig
 from tests.examples import ROOT
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from gen.fleet.folder.store import Store
 from gen.fleet.identify import Identified, Options, identify_fleet
-from gen.fleet.store import Store
-from gen.fleet.work import Workers
+from gen.fleet.tasks.work import Workers
 from tests.fleet.made import run_of, store_of
 
 MOTORS = 9

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gen.fleet.store import Store
+from gen.fleet.folder.store import Store
 from gen.runs import Run
 
 ROW_S = 10.0

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from gen.errors import CheckFailed
-from gen.fleet.store import Store
-from gen.fleet.work import Arrays
+from gen.fleet.folder.store import Store
+from gen.fleet.tasks.work import Arrays
 
 
 def random_sums(store: Store, *, seed: int, marks: str = "") -> Arrays:

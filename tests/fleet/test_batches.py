@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from gen.fleet.alarm_thresholds import _different
-from gen.fleet.batches import FEWEST_ALIKE, groups_of
-from gen.fleet.labels import Labels
+from gen.fleet.folder.labels import Labels
+from gen.fleet.folder.store import Store
 from gen.fleet.report import pages_of
-from gen.fleet.store import Store
+from gen.fleet.statistics.batches import FEWEST_ALIKE, groups_of
 from gen.fleet.watch import read_watched
 from tests.command import gen
 from tests.fleet.conftest import MOTORS

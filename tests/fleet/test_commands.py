@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from gen.commands.fleet import fleet as group
-from gen.fleet.labels import labels_of, read_labels
-from gen.fleet.store import Store
+from gen.fleet.folder.labels import labels_of, read_labels
+from gen.fleet.folder.store import Store
 from gen.runs import read_run, write_run
 from tests.cli.commands import run_file
 from tests.command import GEN, gen

@@ -17,16 +17,16 @@ from gen.coefficients import parse
 from gen.errors import InputError
 from gen.fleet import identify
 from gen.fleet.chosen import evenly
-from gen.fleet.common import Common, common_of, kept, structure_json, structure_of
-from gen.fleet.fitting import model_name
+from gen.fleet.folder.models import COMMON, model_path, refined_path, with_model
+from gen.fleet.folder.store import TASKS, Store
 from gen.fleet.identify import Identified, identify_fleet, in_rounds, runs_of
-from gen.fleet.models import COMMON, model_path, refined_path, with_model
-from gen.fleet.motor_data import check_inputs
 from gen.fleet.report import pages_of
-from gen.fleet.scouting import without_natural
-from gen.fleet.store import TASKS, Store
+from gen.fleet.tasks.common import Common, common_of, kept, structure_json, structure_of
+from gen.fleet.tasks.fitting import model_name
+from gen.fleet.tasks.motor_data import check_inputs
+from gen.fleet.tasks.scouting import without_natural
+from gen.fleet.tasks.work import Arrays, Workers
 from gen.fleet.watch import read_watched, watch
-from gen.fleet.work import Arrays, Workers
 from gen.identification.network.fitting.structure import full
 from gen.reference.simulate import simulate_run
 from tests.fleet.conftest import MOTORS, OPTIONS

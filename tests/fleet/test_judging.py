@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from gen.fleet.batches import Group
-from gen.fleet.findings import Finding, limit_of
-from gen.fleet.judging import Judged, judge
-from gen.fleet.patterns import Hypothesis, Products
-from gen.fleet.pooling import FloatArray
+from gen.fleet.statistics.batches import Group
+from gen.fleet.statistics.findings import Finding, limit_of
+from gen.fleet.statistics.judging import Judged, judge
+from gen.fleet.statistics.patterns import Hypothesis, Products
+from gen.fleet.statistics.pooling import FloatArray
 from gen.fleet.watch import _explained, _state
 
 ROWS, HYPOTHESES = 200, 4

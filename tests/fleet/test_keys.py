@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from gen.errors import CheckFailed
-from gen.fleet.common import begun, structure_json, structure_of
-from gen.fleet.shared_effects import key_of, variants
+from gen.fleet.statistics.shared_effects import key_of, variants
+from gen.fleet.tasks.common import begun, structure_json, structure_of
 from gen.identification.network.fitting.priors import OFFSET_K
 from gen.identification.network.fitting.scale import Scale
 from gen.identification.network.fitting.structure import full

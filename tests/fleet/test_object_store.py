@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 from moto.moto_server.threaded_moto_server import ThreadedMotoServer
 
+from gen.fleet.folder.models import COMMON, model_path
+from gen.fleet.folder.store import INCOMING, MODELS, Store
 from gen.fleet.identify import Identified
-from gen.fleet.models import COMMON, model_path
-from gen.fleet.store import INCOMING, MODELS, Store
+from gen.fleet.tasks.work import Workers
 from gen.fleet.watch import FILE, watch
-from gen.fleet.work import Workers
 from gen.runs import Run, write_run
 from tests.command import gen
 from tests.fleet.conftest import MOTORS

@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import multivariate_normal
 
-from gen.fleet import pooling
-from gen.fleet.pooling import DEGREES, MEAN_SPREAD, USUAL_SPREAD, FloatArray, Pool, Told, pooled
+from gen.fleet.statistics import pooling
+from gen.fleet.statistics.pooling import DEGREES, MEAN_SPREAD, USUAL_SPREAD, FloatArray, Pool, Told, pooled
 
 FREE = np.zeros(2, dtype=np.bool_)
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from gen.coefficients import parse
+from gen.fleet.folder.models import COMMON, identified_paths, model_path, models_of, refined_path, sound
+from gen.fleet.folder.store import Store
 from gen.fleet.identify import Identified, identify_fleet
-from gen.fleet.models import COMMON, identified_paths, model_path, models_of, refined_path, sound
 from gen.fleet.refine import RefinedFleet, refine_fleet
-from gen.fleet.store import Store
+from gen.fleet.tasks.work import Workers
 from gen.fleet.watch import Watched, watch
-from gen.fleet.work import Workers
 from gen.reference.simulate import simulate_run
 from gen.runs import Run
 from tests.command import gen

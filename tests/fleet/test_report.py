@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from gen.fleet.folder.store import Store
 from gen.fleet.report import pages_of
-from gen.fleet.store import Store
 
 
 def test_a_sparkline_stands_in_the_middle_of_its_picture_with_0_K_at_the_bottom(tmp_path: Path) -> None:

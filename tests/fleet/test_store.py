@@ -18,10 +18,10 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from gen.errors import InputError
-from gen.fleet import motor_data
-from gen.fleet.names import checked_day, checked_motor, stem_of
-from gen.fleet.run_bytes import content_hash, from_bytes, to_bytes
-from gen.fleet.store import INCOMING, Store
+from gen.fleet.folder.names import checked_day, checked_motor, stem_of
+from gen.fleet.folder.run_bytes import content_hash, from_bytes, to_bytes
+from gen.fleet.folder.store import INCOMING, Store
+from gen.fleet.tasks import motor_data
 from gen.runs import Run
 from tests.fleet.made import run_of
 

@@ -12,9 +12,9 @@ import pytest
 
 from gen.commands.fleet.options import usual_jobs
 from gen.errors import InputError
-from gen.fleet import cluster, work
-from gen.fleet.store import TASKS, Store
-from gen.fleet.work import Arrays, Failed, Workers, computed, key_of, workers_of
+from gen.fleet.folder.store import TASKS, Store
+from gen.fleet.tasks import cluster, work
+from gen.fleet.tasks.work import Arrays, Failed, Workers, computed, key_of, workers_of
 from tests.fleet import tasks
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from gen.importing.reading.encoding import decode
-from gen.importing.reading.heads import with_labels
+from gen.importing.reading.rows.heads import with_labels
 from tests.importing.logs import TRUE, taken, write
 
 STAMPS = [str(pd.Timestamp("2026-11-26 10:00:00") + pd.Timedelta(seconds=2 * s)) for s in TRUE.time_s]

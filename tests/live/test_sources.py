@@ -17,9 +17,9 @@ import pytest
 from gen.coefficients import Coefficients, load, parse
 from gen.emulate.board import Board
 from gen.emulate.firmware import build_firmware
-from gen.emulate.model_plant import ModelPlant
-from gen.emulate.plant import Changeable
-from gen.emulate.rig import RigPlant
+from gen.emulate.plants.model_plant import ModelPlant
+from gen.emulate.plants.plant import Changeable
+from gen.emulate.plants.rig import RigPlant
 from gen.errors import InputError
 from gen.live.emulated import EmulatedSource, heat_of
 from gen.live.known import Known, known_of

@@ -42,8 +42,8 @@ def add(runs: tuple[Path, ...], motor: str, store: str, day: str | None, labels:
     together from the others. KEY= takes a label away.
     """
     from gen.errors import InputError
-    from gen.fleet.labels import add_labels, parse_labels
-    from gen.fleet.names import checked_day, checked_motor, said_day
+    from gen.fleet.folder.labels import add_labels, parse_labels
+    from gen.fleet.folder.names import checked_day, checked_motor, said_day
     from gen.runs import check_head, check_run, read_run
 
     if not runs and not labels:
@@ -61,7 +61,7 @@ def add(runs: tuple[Path, ...], motor: str, store: str, day: str | None, labels:
             message = "found no reading of any part; expected a column <component>_degC with readings"
             raise InputError(message, file=str(path))
 
-    from gen.fleet.store import Store
+    from gen.fleet.folder.store import Store
 
     target = Store(store)
     if not runs and not target.runs(motor):

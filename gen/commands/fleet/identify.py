@@ -40,15 +40,15 @@ def identify(
     Writes a coefficient file for each motor, and one of their mean, into STORE/models. Runs that say a fault take no
     part. What was computed before is taken from the store.
     """
-    from gen.fleet.names import checked_day
-    from gen.fleet.store import Store
+    from gen.fleet.folder.names import checked_day
+    from gen.fleet.folder.store import Store
 
     if until is not None:
         checked_day(until)
     place = Store(store)
 
     from gen.fleet.identify import Options, identify_fleet
-    from gen.fleet.work import Workers
+    from gen.fleet.tasks.work import Workers
     from gen.progress import progress_line
 
     options = Options(ambient, max_hidden, scouts, until, only_new)

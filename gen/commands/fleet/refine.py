@@ -27,14 +27,14 @@ def refine(store: str, scheduler: str | None, jobs: int | None, scouts: int) -> 
     gen fleet watch. Writes coefficient files into STORE/refined, which all other commands use from then on; a later
     `gen fleet identify` begins anew.
     """
-    from gen.fleet.store import Store
+    from gen.fleet.folder.store import Store
 
     place = Store(store)
 
     import numpy as np
 
     from gen.fleet.refine import refine_fleet
-    from gen.fleet.work import Workers
+    from gen.fleet.tasks.work import Workers
     from gen.progress import progress_line
 
     with progress_line() as progress:

@@ -19,8 +19,8 @@ from gen.commands.fleet.options import STORE
 def report(store: str, out: Path, force: bool) -> None:
     """Write a page with every motor as a row, and one of each motor, of what `gen fleet watch` found last."""
     from gen.files import replace_folder
+    from gen.fleet.folder.store import Store
     from gen.fleet.report import pages_of
-    from gen.fleet.store import Store
 
     pages = pages_of(Store(store))
     replace_folder(out, pages, force=force)

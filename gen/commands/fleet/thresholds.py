@@ -33,14 +33,14 @@ def thresholds(store: str, scheduler: str | None, jobs: int | None, rules: Path,
     coefficient files with alarms into STORE/thresholds.
     """
     from gen.errors import InputError
-    from gen.fleet.store import Store
+    from gen.fleet.folder.store import Store
 
     place = Store(store)
     if not rules.is_file():
         raise InputError("there is no such file; expected alarm rules", file=str(rules))
 
     from gen.fleet.alarm_thresholds import derive_all
-    from gen.fleet.work import Workers
+    from gen.fleet.tasks.work import Workers
     from gen.progress import progress_line
 
     with progress_line() as progress:

@@ -24,12 +24,12 @@ def watch(store: str, scheduler: str | None, jobs: int | None, level: float) -> 
     what one shows is that motor. Runs that a model was fitted to say
     nothing of it: identify with --until, and let newer runs be watched. Writes STORE/watch.json.
     """
-    from gen.fleet.store import Store
+    from gen.fleet.folder.store import Store
 
     place = Store(store)
 
+    from gen.fleet.tasks.work import Workers
     from gen.fleet.watch import watch as run
-    from gen.fleet.work import Workers
     from gen.progress import progress_line
 
     with progress_line() as progress:

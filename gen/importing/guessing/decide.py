@@ -14,11 +14,11 @@ from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.extreme_rows import extremes_by_turns
 from gen.importing.guessing.guess_columns import decide_columns
 from gen.importing.guessing.guess_input import FULL, NO_INPUT, decide_input, spanned
-from gen.importing.guessing.guess_time import decide_time
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.guessing.names import RISE, RUNS
 from gen.importing.guessing.series_columns import names_and_values
-from gen.importing.guessing.time_unit import short_in_seconds
+from gen.importing.guessing.times.guess_time import decide_time
+from gen.importing.guessing.times.time_unit import short_in_seconds
 from gen.importing.listing import listed
 from gen.importing.mapping import Entry, Mapping, TextForm
 from gen.importing.reading.text import shown_delimiter

@@ -9,9 +9,9 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence
-from gen.importing.guessing.guess_time import decide_time
 from gen.importing.guessing.guesses import Choices
 from gen.importing.guessing.series_columns import MOST_SERIES, is_plain_value, unit_column, value_column
+from gen.importing.guessing.times.guess_time import decide_time
 from gen.importing.listing import listed
 from gen.importing.table import Column, Counted, Table
 

@@ -13,17 +13,17 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.listing import listed
-from gen.importing.reading import signals
-from gen.importing.reading.delimited import MOST_COLUMNS, keyed_comments
 from gen.importing.reading.entries import entries_of
 from gen.importing.reading.flat import flat
 from gen.importing.reading.lines import Lines
 from gen.importing.reading.pairs import HEADS, LONGEST, SAMPLE, kinds_of, names_in, record_of
-from gen.importing.reading.prometheus import answered
-from gen.importing.reading.senml import is_senml, resolved
-from gen.importing.reading.tagged import Record, is_tagged, of_one_time
+from gen.importing.reading.rows.delimited import MOST_COLUMNS, keyed_comments
+from gen.importing.reading.tagged import signals
+from gen.importing.reading.tagged.prometheus import answered
+from gen.importing.reading.tagged.senml import is_senml, resolved
+from gen.importing.reading.tagged.tagged_records import Record, is_tagged, of_one_time
+from gen.importing.reading.tagged.topics import is_messages, messages
 from gen.importing.reading.told_units import units_within, with_told_units
-from gen.importing.reading.topics import is_messages, messages
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
 _ROWS = ("values", "data", "rows")

@@ -11,7 +11,7 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.guessing.names import TIME
-from gen.importing.reading.delimited import MOST_COLUMNS
+from gen.importing.reading.rows.delimited import MOST_COLUMNS
 from gen.importing.reading.told_units import with_told_units
 from gen.importing.table import Cells, Column, Counted, FloatArray, Reading, Table
 

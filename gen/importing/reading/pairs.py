@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from gen.importing.reading.delimited import MOST_COLUMNS
+from gen.importing.reading.rows.delimited import MOST_COLUMNS
 
 _NUMBER = r"[+-]?\d*[.,]?\d+(?:[eE][+-]?\d+)?"
 _PAIR = re.compile(

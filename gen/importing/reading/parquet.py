@@ -10,7 +10,7 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.clock import in_nanoseconds
-from gen.importing.reading.delimited import MOST_COLUMNS
+from gen.importing.reading.rows.delimited import MOST_COLUMNS
 from gen.importing.table import Cells, Column, InstantArray, Reading, Table, unique_names
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from gen.errors import InputError
-from gen.importing.reading.delimited import MOST_COLUMNS, keyed_comments
 from gen.importing.reading.lines import Lines
+from gen.importing.reading.rows.delimited import MOST_COLUMNS, keyed_comments
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 
 _COLOUR = re.compile(r"\x1b\[[0-9;]*m")

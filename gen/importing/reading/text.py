@@ -9,14 +9,15 @@ from pathlib import Path
 
 from gen.errors import InputError
 from gen.importing.numbers import decimal_mark
-from gen.importing.reading import chips, documents, line_protocol, prometheus, rounds, topics
-from gen.importing.reading.cells import DELIMITERS, guess_delimiter, lines_of, split_rows, stamped
-from gen.importing.reading.delimited import table_of_rows
+from gen.importing.reading import documents
 from gen.importing.reading.encoding import decode
 from gen.importing.reading.keyed import array_table, is_json, json_table, keyed_table, tagged_table
 from gen.importing.reading.lines import Lines
 from gen.importing.reading.pairs import is_keyed
 from gen.importing.reading.published import is_published, published_table
+from gen.importing.reading.rows.cells import DELIMITERS, guess_delimiter, lines_of, split_rows, stamped
+from gen.importing.reading.rows.delimited import table_of_rows
+from gen.importing.reading.tagged import chips, line_protocol, prometheus, rounds, topics
 from gen.importing.table import Reading, Table
 
 _BEGINS_AS_JSON = re.compile(r'\s*\ufeff?\s*(?:\[\s*\{|\{\s*")')

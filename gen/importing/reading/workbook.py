@@ -15,7 +15,7 @@ from typing import Protocol
 
 from gen.errors import InputError
 from gen.importing.listing import listed
-from gen.importing.reading.delimited import table_of_rows
+from gen.importing.reading.rows.delimited import table_of_rows
 from gen.importing.table import Counted, Reading, Table
 
 _PERCENT = re.compile(r'^(?:[^"\\%]|"[^"]*"|\\.)*%')

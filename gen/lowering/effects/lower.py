@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from gen.coefficients import Coefficients
-from gen.coefficients.effect_checks import GROWS, declared_ranges, place_of
+from gen.coefficients.checks.effect_checks import GROWS, declared_ranges, place_of
 from gen.errors import CheckFailed
 from gen.lowering.effects.chain import chain
 from gen.lowering.effects.channels import channels

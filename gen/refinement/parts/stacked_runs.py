@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from gen.coefficients import Coefficients
-from gen.coefficients.effect_checks import runs_away
+from gen.coefficients.checks.effect_checks import runs_away
 from gen.model.effects import Applied, tolerance_K
 from gen.model.effects.integrate import Track
 from gen.model.effects.response import Response, answer, response

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gen.fleet.shared_effects import together
+from gen.fleet.statistics.shared_effects import together
 from gen.model.network_solution import NetworkSolution
 from gen.refinement.network.effects.base import WHOLE, NetworkEffect
 from gen.refinement.network.effects.schedule_error import NARROW, ScheduleError, offered

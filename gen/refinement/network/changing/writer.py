@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from gen.coefficients.checks import FASTEST
+from gen.coefficients.checks.model_checks import FASTEST
 from gen.coefficients.network import (
     ChannelEntry,
     CurveEntry,

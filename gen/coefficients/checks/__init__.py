@@ -1,0 +1,1 @@
+"""What a document must satisfy before anything is built from it, beyond its form."""

@@ -1,0 +1,1 @@
+"""What is at the emulated Mega's pins, cycle by cycle: sensors, LEDs, pulses, supply, EEPROM."""

@@ -1,0 +1,1 @@
+"""What motors of one type have in common, and which one differs: numbers alone."""

@@ -1,0 +1,1 @@
+"""What workers compute for a fleet, motor by motor, and how it is spread over them."""

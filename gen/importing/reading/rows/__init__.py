@@ -1,0 +1,1 @@
+"""Rows of cells to a table: what stands above, beside and below them."""
