@@ -23,8 +23,8 @@ KEYS = {key for part in OBJECTS.values() for key in part["properties"]} - ELSEWH
 #: Other formats with words of the same name: module -> the words, by what they are keys of.
 OTHER_FORMATS = {
     # answers of Prometheus' API, of InfluxDB's, of Grafana's
-    "importing/reading/prometheus.py": {"data", "value"},
-    "importing/reading/signals.py": {"data", "name", "unit"},
+    "importing/reading/tagged/prometheus.py": {"data", "value"},
+    "importing/reading/tagged/signals.py": {"data", "name", "unit"},
     # the JSON summary of `gen refine` (and, of the Python interface, that of `gen identify`)
     "commands/refine.py": {"name", "component", "parameters", "evidence"},
     "interface/identification.py": {"components", "order", "value", "network"},
@@ -85,9 +85,9 @@ OTHER_FORMATS = {
     "firmware/wiring_svg.py": {"board", "channels", "encoder", "drive", "column", "observe", "direction"},
     # a fleet's store: a run's metadata, a form of the network as a task's arguments, a task's arrays; fsspec's protocol
     "fleet/alarm_thresholds.py": {"name"},
-    "fleet/common.py": {"constant", "paths"},
-    "fleet/run_bytes.py": {"ambient", "components", "version"},
-    "fleet/store.py": {"memory"},
+    "fleet/tasks/common.py": {"constant", "paths"},
+    "fleet/folder/run_bytes.py": {"ambient", "components", "version"},
+    "fleet/folder/store.py": {"memory"},
     # a word of a file, and no key: what a negative gain is taken as
     "model/dynamics.py": {"zero"},
     # a frame's attributes, parameters of an optimiser, fields of the study's targets, the rig's own paths, columns of a
