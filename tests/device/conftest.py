@@ -9,6 +9,7 @@ from gen.avr.compile import ArduinoCore, build_elf
 from gen.firmware.project import project_files
 from gen.lowering.lower import lower
 from tests.device.board import Board
+from tests.device.person import Bench, Start
 from tests.device.variants import variant
 
 #: Stands in for the alarm rules: they say what the test wrote into `test_alarms`.
@@ -73,3 +74,15 @@ def power_up(built: Callable[[str, bool], Path], cache: Path) -> Open:
         return Board(built(name, test_alarms), cache, variant(name) if connected else None)
 
     return open_board
+
+
+@pytest.fixture
+def bench(power_up: Open) -> Start:
+    """Open a board with a motor and a person before it."""
+
+    def start(name: str = "my1016", **faults: object) -> Bench:
+        made = Bench(power_up(name), **faults)  # type: ignore[arg-type]
+        made.start()
+        return made
+
+    return start
