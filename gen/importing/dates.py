@@ -198,9 +198,12 @@ def time_of_day(text: str) -> re.Match[str] | None:
 
 
 def says_seconds(match: re.Match[str]) -> bool:
-    """Whether a time of day's match has more than one of days, hours, minutes and seconds, and more than `7:05`."""
+    """Whether a time of day's match has more than one of days, hours, minutes and seconds, and more than `7:05`.
+
+    `7:05 PM` is no time since a start, of minutes and seconds.
+    """
     said = {key for key in ("days", "h", "min", "s", "milli") if match.groupdict().get(key) is not None}
-    return len(said) > 1 and (match.re is not _CLOCK or "s" in said)
+    return len(said) > 1 and (match.re is not _CLOCK or "s" in said or match["half"] is not None)
 
 
 def duration(match: re.Match[str]) -> int | None:

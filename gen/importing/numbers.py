@@ -208,6 +208,31 @@ def decimal_mark(cells: Iterable[str]) -> tuple[str, float, str]:
     return ".", 0.9, "no decimal fraction found" if "three behind point" not in seen else "points only"
 
 
+def thousands_or_fractions(columns: Iterable[Sequence[str]]) -> str:
+    """Say what number's point may part thousands, in a file without any other decimal mark; nothing where none does.
+
+    Who writes fractions to three digits writes `450.000`, and who leaves zeros away `1.5`: `450` or `0` beside `1.500`
+    is of neither. Where thousands are parted, no whole number has four digits.
+
+    Parameters
+    ----------
+    columns
+        Texts of each.
+    """
+    for column in columns:
+        texts = {_signed(cell) for cell in column if cell}
+        pointed = sorted(text for text in texts if "." in text)
+        if not pointed or not all(_THREE_BEHIND.fullmatch(text) for text in pointed):
+            continue
+        whole = max((text for text in texts if text.lstrip("+-").isdecimal()), key=len, default="")
+        size = len(whole.lstrip("+-"))
+        if size == _OF_A_THOUSAND or (0 < size < _OF_A_THOUSAND and any(text.endswith("0") for text in pointed)):
+            return f"{pointed[0]} may be a thousand or a decimal fraction: {whole} is beside it"
+    return ""
+
+
+_OF_A_THOUSAND = 3
+_THREE_BEHIND = re.compile(r"[+-]?[1-9]\d{0,2}\.\d{3}", re.ASCII)
 _MARKS = {
     "thousands comma": r"[+-]?\d{1,3}(?:,\d{3})+\.\d+|[+-]?\d{1,3}(?:,\d{3}){2,}",
     "thousands point": r"[+-]?\d{1,3}(?:\.\d{3})+,\d+|[+-]?\d{1,3}(?:\.\d{3}){2,}",

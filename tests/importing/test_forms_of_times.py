@@ -139,3 +139,29 @@ def test_steps_of_hours_in_ms_are_of_a_finer_unit(part: int, tmp_path: Path) -> 
 def test_steps_of_minutes_in_ms_may_be_of_a_finer_unit(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"6\.667 min in ms, 0\.4 s in us"):
         take(write(tmp_path, log([int(s) // 60 * 400_000 for s in MINUTES])), tmp_path / "out")
+
+
+@pytest.mark.parametrize("form", ["%I:%M %p", "%I:%M%p"])
+def test_halves_of_a_day_without_seconds(form: str, tmp_path: Path) -> None:
+    """Over midnight, too: `11:59 PM`, `12:00 AM`."""
+    run = taken(write(tmp_path, moments(lambda at: at.strftime(form), before_s=9 * 3600)), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s - run.time_s[0], MINUTES)
+
+
+def test_halves_of_a_day_behind_a_date_in_a_column_of_its_own(tmp_path: Path) -> None:
+    moment = [BEGIN + timedelta(seconds=int(s) - 9 * 3600) for s in MINUTES]
+    frame = REST.copy()
+    frame.insert(0, "time", [at.strftime("%I:%M %p") for at in moment])
+    frame.insert(0, "date", [at.strftime("%Y/%m/%d") for at in moment])
+    run = taken(write(tmp_path, csv(frame)), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, MINUTES)
+
+
+@pytest.mark.parametrize("head", ["h,min,s", "hour,minute,second"])
+def test_hours_minutes_and_seconds_in_columns_of_their_own(head: str, tmp_path: Path) -> None:
+    frame = REST.copy()
+    for place, (name, part) in enumerate(zip(head.split(","), ("%H", "%M", "%S"), strict=True)):
+        frame.insert(place, name, [int((BEGIN + timedelta(seconds=int(s))).strftime(part)) for s in MINUTES])
+    run = taken(write(tmp_path, csv(frame)), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s - run.time_s[0], MINUTES)
+    assert list(run.extras) == []

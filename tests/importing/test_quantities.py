@@ -9,7 +9,7 @@ import pytest
 
 from gen.errors import InputError
 from gen.runs import Run
-from tests.importing.logs import take, taken, write
+from tests.importing.logs import csv, take, taken, truth, write
 
 ROWS = 60
 
@@ -211,3 +211,33 @@ def test_a_name_in_brackets_is_a_part(tmp_path: Path) -> None:
 def test_the_largest_of_several_readings_is_no_limit(tmp_path: Path) -> None:
     """Of a controller whose transistors stay as they are: it lies among the readings."""
     assert "mos_max" in run_with(tmp_path, "temp_mos_max", [30.2] * ROWS).temps
+
+
+@pytest.mark.parametrize(
+    ("head", "low", "high", "rest", "scale"),
+    [("Valve (mA)", 4.0, 20.0, 4, 16), ("Control [V]", 1.0, 5.0, 1, 4), ("throttle", 1000.0, 1900.0, 1000, 1000)],
+)
+def test_a_signal_whose_rest_is_not_0_is_told(
+    head: str, low: float, high: float, rest: float, scale: float, tmp_path: Path
+) -> None:
+    frame = truth()
+    signal = np.where(frame.pwm > 0, high, low)
+    path = write(tmp_path, csv(frame.assign(pwm=signal).rename(columns={"pwm": head})))
+    found = take(path, tmp_path / "out", input=head, full_scale=rest + scale)
+    (said,) = found.warnings
+    assert f"put x - {rest} in its place first, with --full-scale {scale}" in said
+    found = take(path, tmp_path / "whole", input=head, full_scale=2.0 * (rest + scale))
+    assert found.warnings == []
+
+
+@pytest.mark.parametrize(("head", "option"), [("heater", "heater"), ("power_W", "power_W --full-scale 100")])
+def test_a_fan_s_duty_beside_what_heats_is_asked_for(head: str, option: str, tmp_path: Path) -> None:
+    frame = truth()
+    heats = np.where(frame.pwm > 0, "ON", "OFF") if head == "heater" else np.where(frame.pwm > 0, 80.5, 0.0)
+    frame = frame.rename(columns={"pwm": "fan_pwm"})
+    path = write(tmp_path, csv(frame.assign(**{head: heats})))
+    with pytest.raises(InputError, match=f"fan_pwm: .* expected --input {option} or --input fan_pwm$"):
+        take(path, tmp_path / "out")
+    run = taken(path, tmp_path / "fan", input="fan_pwm")
+    np.testing.assert_allclose(run.pwm, truth().pwm)
+    np.testing.assert_allclose(taken(write(tmp_path, csv(frame)), tmp_path / "alone").pwm, truth().pwm)

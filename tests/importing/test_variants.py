@@ -137,3 +137,22 @@ def test_a_part_has_a_name_that_a_coefficient_file_can_have_whatever_its_column_
     name = component_name(base, ())
     assert name_fault(name) is None
     assert name.startswith("sensor")
+
+
+@pytest.mark.parametrize("powers", [("450", "1.500"), ("0", "6.000")])
+def test_points_for_thousands_without_any_fraction_are_asked_for(powers: tuple[str, str], tmp_path: Path) -> None:
+    rows = [f"{10 * i};{powers[i > 20]};{22 + i // 3}" for i in range(60)]
+    path = write(tmp_path, "\n".join(["Zeit [s];Leistung [W];Wicklung [degC]", *rows]))
+    options = {"input": "Leistung [W]", "full_scale": 6000.0}
+    with pytest.raises(InputError, match=r"\.[05]00 may be a thousand .* settle it by --decimal , or --decimal \."):
+        take(path, tmp_path / "out", **options)
+    run = taken(path, tmp_path / "out", decimal=",", **options)
+    watts = np.array([float(powers[0]), float(powers[1].replace(".", ""))])
+    np.testing.assert_allclose(run.pwm[[0, -1]], watts / 6000.0 * 255.0, atol=0.5)
+
+
+def test_fractions_to_three_digits_are_no_thousands(tmp_path: Path) -> None:
+    frame = TRUE[["time_s", "pwm", "winding_degC"]]
+    text = csv(frame.assign(winding_degC=[f"{v + 0.001:.3f}" for v in frame.winding_degC], time_s=2 * frame.time_s))
+    run = taken(write(tmp_path, text), tmp_path / "runs")
+    np.testing.assert_allclose(run.temps["winding"], frame.winding_degC + 0.001)

@@ -7,18 +7,16 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-import numpy as np
-
 from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.extreme_rows import extremes_by_turns
 from gen.importing.guessing.guess_columns import decide_columns
-from gen.importing.guessing.guess_input import FULL, NO_INPUT, decide_input, spanned
+from gen.importing.guessing.guess_input import NO_INPUT, decide_input, spanned
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.guessing.names import RISE, RUNS
 from gen.importing.guessing.series_columns import names_and_values
+from gen.importing.guessing.suspicious import suspicious
 from gen.importing.guessing.times.guess_time import decide_time
-from gen.importing.guessing.times.time_unit import short_in_seconds
 from gen.importing.listing import listed
 from gen.importing.mapping import Entry, Mapping, TextForm
 from gen.importing.reading.text import shown_delimiter
@@ -30,12 +28,6 @@ _LEAST_ROWS = 2
 """Of a run, on average."""
 _MOST_NAMES = 4
 """Shown of a column of them."""
-_PERCENT = 100.0
-_NEAR_REST = 0.02
-"""Of the full scale, within which a motor rests."""
-_MOST_BACK, _OFTEN = 0.95, 0.05
-"""Of the full scale, and of the rows: an input that stands at its lower end."""
-_MIDDLE = {127.0, 128.0}
 _LEAST_VALUES = 3
 """Different ones, of a column that moves."""
 _MOST_SHOWN = 3
@@ -152,7 +144,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
         series=choices.series,
         column=entries,
     )
-    return Decided(evidence, mapping, guesses, _suspicious(evidence, mapping, choices))
+    return Decided(evidence, mapping, guesses, suspicious(evidence, mapping, choices))
 
 
 def _with_part(error: InputError, evidence: Evidence, choices: Choices, used: set[str]) -> InputError:
@@ -162,56 +154,6 @@ def _with_part(error: InputError, evidence: Evidence, choices: Choices, used: se
     entries, _ = decide_columns(evidence, _by_old_names(evidence, choices), used)
     missing = _no_part(entries, evidence)
     return InputError(f"{error.message}; and {missing}", place=error.place) if missing else error
-
-
-def _suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[str]:
-    """What was taken as it stands, though something else is as likely; with the option that would correct it."""
-    label = evidence.tables[0].label
-    time = short_in_seconds(evidence, mapping.time, choices)
-    drive = _like_percent(evidence, mapping, choices) or _like_a_stick(evidence, mapping)
-    drive = drive or _like_a_middle(evidence, mapping)
-    return [f"{label}: {said}" for said in (time, drive) if said]
-
-
-def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
-    """A run file's own pwm is in counts; that the largest is 100 of 255 would be chance."""
-    name = mapping.input.column
-    told = choices.full_scale or choices.units.get(name) or choices.units.get("pwm")
-    if not name or told or mapping.input.unit != "counts" or max(map(abs, evidence.facts[name].span)) != _PERCENT:
-        return ""
-    return f"{name}: the largest is {_PERCENT:g}, as in percent; if so: --unit {quoted(f'{name}=percent')}"
-
-
-def _like_a_stick(evidence: Evidence, mapping: Mapping) -> str:
-    """An input that stands at its most negative and never near 0: a stick's way, whose rest may be at that end."""
-    form = mapping.input
-    values = evidence.facts[form.column].values if form.column and not form.sign else np.zeros(0)
-    if not values.size or values.min() >= 0.0:
-        return ""
-    low = float(values.min())
-    rests = float((np.abs(values) <= _NEAR_REST * form.full_scale).mean()) == 0.0
-    if not rests or float((values == low).mean()) < _OFTEN or abs(low) < _MOST_BACK * form.full_scale:
-        return ""
-    return (
-        f"{form.column}: stands at {low:g} and never near 0, as a stick's way does, whose rest is at that end; if "
-        f"so, put (x + {-low:g}) / 2 in its place first"
-    )
-
-
-def _like_a_middle(evidence: Evidence, mapping: Mapping) -> str:
-    """Counts that begin and end at the middle of 255 and are never near 0: of a driver that rests there."""
-    form = mapping.input
-    if not form.column or form.sign or (form.unit, form.full_scale) != ("counts", float(FULL)):
-        return ""
-    values = evidence.facts[form.column].values
-    if not values.size or not {values[0], values[-1]} <= _MIDDLE or values.min() <= _NEAR_REST * FULL:
-        return ""
-    if values.min() == values.max():
-        return ""
-    return (
-        f"{form.column}: begins and ends at {values[0]:g} and is never near 0, as of a driver that rests at the "
-        f"middle; if so, put 2 (x - {values[0]:g}) in its place first"
-    )
 
 
 def _check_wide(evidence: Evidence, told: Collection[str]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
-from gen.importing.guessing.names import DRIVES, DUTY, NO_DRIVE, PWM, SIGN, WANTED, apart
+from gen.importing.guessing.names import COOLS, DRIVES, DUTY, HEATS, NO_DRIVE, PWM, SIGN, WANTED, apart
 from gen.importing.listing import listed
 from gen.importing.mapping import InputForm
 from gen.importing.numbers import plain_number
@@ -21,6 +21,8 @@ FULL = 255
 _FULL_COUNTS = {127.0, 255.0, 511.0, 1023.0, 2047.0, 4095.0, 8191.0, 16383.0, 32767.0, 65535.0}
 """Whole numbers that reach one of these are counts of a converter or timer."""
 _EITHER = 0.5
+_MOST_OPTIONS = 4
+"""Proposed in a message."""
 NO_INPUT = "no column is a motor's PWM"
 """How the refusal of a log without an input begins."""
 
@@ -108,16 +110,39 @@ def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[F
                 f"{len(found)} columns may be the input; expected {names}", place=evidence.tables[0].place(0)
             )
         if found:
+            _check_alone((exact or found)[0], numbers)
             return (exact or found)[0], confidence, "by its name"
     raise InputError(_none(numbers), place=evidence.tables[0].place(0))
 
 
-def _none(numbers: list[Facts]) -> str:
+def _check_alone(entry: Facts, numbers: list[Facts]) -> None:
+    """Ask where the only duty is a fan's, and something else may heat."""
+    if not COOLS.search(_worded(entry)):
+        return
+    others = [it for it in _drives(numbers) if HEATS.search(_worded(it)) and not COOLS.search(_worded(it))]
+    if others:
+        options = listed(map(_as_option, [*others[:_MOST_OPTIONS], entry]), " or ")
+        raise InputError(
+            f"is a fan's or a pump's by its name, and something else may heat; expected {options}",
+            place=f"column {entry.name}",
+        )
+
+
+def _drives(numbers: list[Facts]) -> list[Facts]:
+    """Columns that may drive it by their names."""
     drives = [entry for entry in numbers if DRIVES.search(_worded(entry)) and entry.span != (0.0, 0.0)]
     drives = [entry for entry in drives if not entry.in_degrees]
-    drives = [entry for entry in drives if not WANTED.search(_worded(entry))] or drives  # what was wanted heats nothing
+    return [entry for entry in drives if not WANTED.search(_worded(entry))] or drives  # what was wanted heats nothing
+
+
+def _as_option(entry: Facts) -> str:
+    return f"--input {quoted(entry.name)}{_full_scale(entry)}"
+
+
+def _none(numbers: list[Facts]) -> str:
+    drives = _drives(numbers)
     said = NO_INPUT
-    options = [f"--input {quoted(entry.name)}{_full_scale(entry)}" for entry in drives[:4]]
+    options = list(map(_as_option, drives[:_MOST_OPTIONS]))
     if options:
         return f"{said}; expected what drives it, such as {' or '.join(options)}"
     if not numbers:
@@ -140,7 +165,7 @@ def spanned(entry: Facts) -> str:
 
 def _full_scale(entry: Facts) -> str:
     unit = entry.named[1]
-    known = unit.quantity == SHARE if unit is not None else _switch(entry)
+    known = unit.quantity == SHARE if unit is not None else _switch(entry) or PWM.search(_worded(entry))
     return "" if known else f" --full-scale {_round_up(entry):g}"
 
 

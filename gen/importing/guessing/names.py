@@ -35,6 +35,11 @@ NO_DRIVE = _words(
     r"freq|frequency|frequenz|fr[ée]quence|frequenza|frecuencia|[km]?hz|period|periode|p[ée]riode|resolution|pin"
 )
 """What a PWM has beside its duty: `pwm_freq`."""
+COOLS = _words(
+    r"fans?|blowers?|cooler|cooling|pump|l(?:ü|ue)fter|gebl(?:ä|ae)se|k(?:ü|ue)hlung|ventilat\w+|ventola|ventoinha"
+)
+"""What is driven to cool: its duty is what heats only where there is nothing else."""
+HEATS = _words(f"{languages.HEAT}|{languages.POWER}")
 DUTY = _words(languages.DUTY)
 DRIVES = _words(
     f"{languages.COMMAND}|{languages.OUTPUT}|{languages.POWER}|{languages.CURRENT}|{languages.SPEED}|{languages.HEAT}|"

@@ -1,4 +1,7 @@
-"""The parts of dates in columns of their own (`Year | Month | Day | Hour | Minute | Second`) to timestamps."""
+"""The parts of dates in columns of their own (`Year | Month | Day | Hour | Minute | Second`) to timestamps.
+
+Hours, minutes and seconds alone (`h | min | s`) become a time of day.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +23,12 @@ _PARTS = (
     ("minute", "minutes", "min", "mm", "minuto"),
     ("second", "seconds", "sec", "ss", "sekunde", "seconde", "secondo", "segundo"),
 )
-_LEAST = 5
-"""Of the parts: whole minutes need no seconds."""
+_DATE, _LEAST = 3, 5
+"""Parts of a date; and how many there have to be in all: whole minutes need no seconds."""
+_OF_A_DAY = ("h", "min", "s")
+"""What hours, minutes and seconds are called, too, where all three are there."""
+_RISING = 0.95
+"""Of the steps of a time of day: it may go over midnight."""
 _RANGES = ((1970, 2200), (1, 13), (1, 32), (0, 24), (0, 60), (0, 61))
 
 
@@ -33,8 +40,10 @@ def with_dates(table: Table) -> Table:
     table
         As it was read.
     """
-    found = [next((c for c in table.columns if slug(c.name).casefold() in words), None) for words in _PARTS]
+    found = [_called(table, words) for words in _PARTS]
     parts = [column for column in found[:_LEAST] if column is not None]
+    if not any(found[:_DATE]):
+        return _with_time_of_day(table)
     if len(parts) < _LEAST:
         return table
     parts += [column for column in found[_LEAST:] if column is not None]
@@ -46,6 +55,32 @@ def with_dates(table: Table) -> Table:
     told = Counted(f"timestamp put together from {', '.join(names)}", len(stamps), f"column {names[0]}")
     left = [column for column in table.columns if column.name not in names]
     return replace(table, columns=[Column("timestamp", stamps), *left], counted=(*table.counted, told))
+
+
+def _with_time_of_day(table: Table) -> Table:
+    """Give hours, minutes and seconds that go on as one column; else the table as it is."""
+    found = [_called(table, (*words, short)) for words, short in zip(_PARTS[_DATE:], _OF_A_DAY, strict=True)]
+    parts = [column for column in found if column is not None]
+    if len(parts) < len(_OF_A_DAY):
+        return table
+    hour, minute, second = (_numbers(column, table.reading.decimal) for column in parts)
+    fits = zip((hour, minute, second), _RANGES[_DATE:], strict=True)
+    if not all(_fits(values, low, high) for values, (low, high) in fits):
+        return table
+    steps = np.diff(3600.0 * hour + 60.0 * minute + second)
+    if not steps.size or (steps > 0.0).mean() < _RISING:
+        return table
+    rows = zip(hour.tolist(), minute.tolist(), second.tolist(), strict=True)
+    clock = [f"{h:02.0f}:{m:02.0f}:{s:09.6f}" for h, m, s in rows]
+    names = [column.name for column in parts]
+    told = Counted(f"time of day put together from {', '.join(names)}", len(clock), f"column {names[0]}")
+    left = [column for column in table.columns if column.name not in names]
+    return replace(table, columns=[Column("clock", clock), *left], counted=(*table.counted, told))
+
+
+def _called(table: Table, words: Sequence[str]) -> Column | None:
+    """The first column that is called by one of some words."""
+    return next((column for column in table.columns if slug(column.name).casefold() in words), None)
 
 
 def _numbers(column: Column, mark: str) -> FloatArray:

@@ -28,7 +28,8 @@ EARLIEST_S = _EPOCHS[0][0]
 _EITHER = 0.5
 _IN_SECONDS = {"x_value"}
 """LabVIEW's time, whatever its steps."""
-_SHORT_S = 900.0
+_SHORT_S, _SHORT_ONE_BY_ONE_S = 900.0, 7200.0
+"""Of a log that may be of longer units than seconds; and where rows are 1 apart, as in one of minutes."""
 _SLOWER = (("min", 60.0, 1.0), ("h", 3600.0, 10.0))
 """Units that loggers write instead of s, and from which interval of rows on, s."""
 _SLOWEST_S = 1800.0
@@ -174,10 +175,10 @@ def short_in_seconds(evidence: Evidence, form: TimeForm, choices: Choices) -> st
     base, unit, _ = entry.named
     said = unit is not None or unit_of(base) is not None or base.casefold() in _IN_SECONDS or bool(epoch_of(entry))
     said = said or seconds_since(low) is not None
-    if said or high - low >= _SHORT_S:
-        return ""
     rising = entry.steps[entry.steps > 0]
     step = float(np.median(rising)) if rising.size else 0.0
+    if said or high - low >= (_SHORT_ONE_BY_ONE_S if entry.whole and step == 1.0 else _SHORT_S):
+        return ""
     others = [
         (name, scale) for name, scale, least_s in _SLOWER if step * scale >= least_s and step * scale <= _SLOWEST_S
     ]

@@ -14,7 +14,7 @@ import numpy as np
 from gen.errors import InputError
 from gen.importing.clock import is_time
 from gen.importing.guessing.names import TIME
-from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number
+from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number, thousands_or_fractions
 from gen.importing.reading.rows.annotated import of_one_head
 from gen.importing.reading.rows.broken_off import broken_off
 from gen.importing.reading.rows.cells import DELIMITERS
@@ -35,6 +35,8 @@ from gen.importing.reading.tagged.prometheus import without_labels
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
 from gen.importing.units import unit_of
 
+_FOUND = 0.95
+"""Confidence of a decimal mark that numbers show."""
 _SAMPLE = 400
 _MOST_LOST = 0.5
 _HEAD_LINES = 20
@@ -195,7 +197,10 @@ def _with_decimal(reading: Reading, cells: Sequence[Sequence[str]]) -> Reading:
         return reading
     step = max(1, len(cells[0]) // 2000)
     mark, confidence, why = decimal_mark(chain.from_iterable(column[::step] for column in cells))
-    return replace(reading, decimal=mark, unsure="" if confidence >= 0.6 else why, why={**reading.why, "decimal": why})
+    unsure = "" if confidence >= 0.6 else why
+    if mark == "." and confidence < _FOUND:
+        unsure = unsure or thousands_or_fractions(cells)
+    return replace(reading, decimal=mark, unsure=unsure, why={**reading.why, "decimal": why})
 
 
 def _width(rows: Sequence[Sequence[str]]) -> int:

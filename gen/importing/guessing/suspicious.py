@@ -1,0 +1,97 @@
+"""What was taken as it stands, though something else is as likely."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gen.importing.guessing.evidence import Evidence
+from gen.importing.guessing.guess_input import FULL
+from gen.importing.guessing.guesses import Choices, quoted
+from gen.importing.guessing.times.time_unit import short_in_seconds
+from gen.importing.mapping import Mapping
+
+_PERCENT = 100.0
+_NEAR_REST = 0.02
+"""Of the full scale, within which a motor rests."""
+_MOST_BACK, _OFTEN = 0.95, 0.05
+"""Of the full scale, and of the rows: an input that stands at its lower end."""
+_MIDDLE = {127.0, 128.0}
+_LIVE_ZEROS = ((4.0, 20.0), (1.0, 5.0), (1000.0, 2000.0))
+"""Rest and end of signals: mA, V, and a servo's pulses in us."""
+
+
+def suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[str]:
+    """Give what was taken as it stands, though something else is as likely, with the option that would correct it.
+
+    Parameters
+    ----------
+    evidence
+        The columns.
+    mapping
+        What was decided of them.
+    choices
+        What the user says.
+    """
+    label = evidence.tables[0].label
+    time = short_in_seconds(evidence, mapping.time, choices)
+    drive = _like_percent(evidence, mapping, choices) or _like_a_stick(evidence, mapping)
+    drive = drive or _like_a_middle(evidence, mapping) or _like_a_live_zero(evidence, mapping)
+    return [f"{label}: {said}" for said in (time, drive) if said]
+
+
+def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
+    """A run file's own pwm is in counts; that the largest is 100 of 255 would be chance."""
+    name = mapping.input.column
+    told = choices.full_scale or choices.units.get(name) or choices.units.get("pwm")
+    if not name or told or mapping.input.unit != "counts" or max(map(abs, evidence.facts[name].span)) != _PERCENT:
+        return ""
+    return f"{name}: the largest is {_PERCENT:g}, as in percent; if so: --unit {quoted(f'{name}=percent')}"
+
+
+def _like_a_stick(evidence: Evidence, mapping: Mapping) -> str:
+    """An input that stands at its most negative and never near 0: a stick's way, whose rest may be at that end."""
+    form = mapping.input
+    values = evidence.facts[form.column].values if form.column and not form.sign else np.zeros(0)
+    if not values.size or values.min() >= 0.0:
+        return ""
+    low = float(values.min())
+    rests = float((np.abs(values) <= _NEAR_REST * form.full_scale).mean()) == 0.0
+    if not rests or float((values == low).mean()) < _OFTEN or abs(low) < _MOST_BACK * form.full_scale:
+        return ""
+    return (
+        f"{form.column}: stands at {low:g} and never near 0, as a stick's way does, whose rest is at that end; if "
+        f"so, put (x + {-low:g}) / 2 in its place first"
+    )
+
+
+def _like_a_live_zero(evidence: Evidence, mapping: Mapping) -> str:
+    """An input that reaches from the rest of a usual signal, which is not 0, to no more than its end: 4..20 mA."""
+    form = mapping.input
+    values = evidence.facts[form.column].values if form.column and not form.sign else np.zeros(0)
+    if not values.size or values.min() == values.max():
+        return ""
+    low, high = float(values.min()), float(values.max())
+    for rest, end in _LIVE_ZEROS:
+        near = _NEAR_REST * end
+        if abs(low - rest) <= near and 0.5 * (rest + end) <= high <= end + near and form.full_scale <= end + near:
+            return (
+                f"{form.column}: goes from {low:g} to {high:g}, as a signal of {rest:g} to {end:g} does, whose rest is "
+                f"at {rest:g}; if so, put x - {rest:g} in its place first, with --full-scale {end - rest:g}"
+            )
+    return ""
+
+
+def _like_a_middle(evidence: Evidence, mapping: Mapping) -> str:
+    """Counts that begin and end at the middle of 255 and are never near 0: of a driver that rests there."""
+    form = mapping.input
+    if not form.column or form.sign or (form.unit, form.full_scale) != ("counts", float(FULL)):
+        return ""
+    values = evidence.facts[form.column].values
+    if not values.size or not {values[0], values[-1]} <= _MIDDLE or values.min() <= _NEAR_REST * FULL:
+        return ""
+    if values.min() == values.max():
+        return ""
+    return (
+        f"{form.column}: begins and ends at {values[0]:g} and is never near 0, as of a driver that rests at the "
+        f"middle; if so, put 2 (x - {values[0]:g}) in its place first"
+    )
