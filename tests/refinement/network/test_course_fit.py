@@ -129,12 +129,12 @@ def test_of_a_healthy_motor_no_heat_is_missing() -> None:
     assert max(one.evidence for one in courses(tree())) < 20.0
 
 
-def stepped(levels: tuple[float, ...], deviation: float) -> Uneven:
-    """What 1.8 W at all times and so much more in each run is like, each block known to a deviation."""
+def stepped(levels: tuple[float, ...], deviation: float, always_W: float = 1.8) -> Uneven:
+    """What some heat at all times and so much more in each run is like, each block known to a deviation."""
     made, ones = [], np.ones(48)
     speed: FloatArray = np.asarray(np.linspace(0.2, 0.9, 48), dtype=np.float64)
     for number, level in enumerate(levels):
-        values = 1.8 + level + np.random.default_rng(number).normal(0.0, 0.3 * deviation, 48)
+        values = always_W + level + np.random.default_rng(number).normal(0.0, 0.3 * deviation, 48)
         made.append(RunCourse(number, 300.0 * np.cumsum(ones), values, deviation * ones, ones, speed))
     said = uneven([Course("heat", "casing", 100.0, 100.0, 0.05, tuple(made), 1.0)])
     assert said is not None
@@ -150,6 +150,15 @@ def test_heat_that_goes_one_way_in_the_order_of_many_runs_is_told_though_single_
     assert stepped(mixed, 0.2).pattern == "by run"
     assert stepped((-0.8, 0.0, 0.8), 0.4).pattern == "even"  # three runs may be in any order by chance
     assert stepped((-0.8, 0.0, 0.8), 0.2).pattern == "grows"
+
+
+def test_what_grows_over_several_runs_is_no_change_at_one_time() -> None:
+    """Beside what was found for all runs little is left that they share."""
+    by_and_by, at_once = (-0.9, -0.6, -0.2, 0.2, 0.6, 0.9), (-0.9, -0.8, -0.8, 0.8, 0.8, 0.9)
+    assert stepped(by_and_by, 0.2, 0.0).pattern == "grows"
+    assert stepped(by_and_by, 0.4, 0.0).pattern == "grows"
+    assert stepped(at_once, 0.2, 0.0).pattern == "since"
+    assert stepped((-0.8, 0.8), 0.2, 0.0).pattern == "since"  # two runs: between them, for all that is known
 
 
 def held(heat_W: Callable[[FloatArray, np.random.Generator], FloatArray], runs: int = 6) -> Uneven:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gen.refinement.network.effects.base import WHOLE
+from gen.refinement.network.effects.hidden_node import HiddenNode
 from gen.refinement.network.effects.schedule_error import ScheduleError
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import Data, make_data
@@ -94,3 +95,19 @@ def test_heat_of_the_whole_motor_that_peaks_between_its_speeds_is_no_cover(peak:
     motor = Anchored.of(network, 255, made.columns).motor()
     values = (1.05, 1.05, 1.05, peak, 1.05, 1.05)
     assert bool(looks_like_a_change(ScheduleError(motor, [0, 1], WHOLE), values, made)) == fault
+
+
+@pytest.mark.parametrize(
+    ("capacity", "to_ambient", "exponent", "fault"),
+    [(4.0, 0.001, 1.0, True), (4.0, 0.001, 0.0, True), (40.0, 0.001, 1.0, False), (4.0, 0.001, -0.5, False)],
+)
+def test_a_part_that_follows_its_node_at_once_is_heat_there(
+    capacity: float, to_ambient: float, exponent: float, fault: bool
+) -> None:
+    """40 s against 400 s; what heats far more the slower it turns does not rub."""
+    made = data(2)
+    network = read(tree()).model.network
+    assert network is not None
+    motor = Anchored.of(network, 255, made.columns).motor()
+    said = looks_like_a_change(HiddenNode(motor, 0, outside=False), (capacity, 0.1, to_ambient, 1.0, exponent), made)
+    assert ("winding: its heat has grown" in said) == fault

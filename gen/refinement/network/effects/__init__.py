@@ -15,6 +15,7 @@ from gen.refinement.network.effects import (
     walls,
 )
 from gen.refinement.network.effects.base import Motor, NetworkEffect
+from gen.refinement.network.effects.hidden_node import HiddenNode
 from gen.refinement.network.effects.offered import Offered
 from gen.refinement.network.effects.schedule_error import ScheduleError
 
@@ -39,4 +40,4 @@ def candidates(motor: Motor, data: Offered) -> list[NetworkEffect]:
     return [effect for module in LIBRARY for effect in module.offered(motor, data)]
 
 
-__all__ = ["LIBRARY", "Motor", "NetworkEffect", "Offered", "ScheduleError", "candidates"]
+__all__ = ["LIBRARY", "HiddenNode", "Motor", "NetworkEffect", "Offered", "ScheduleError", "candidates"]

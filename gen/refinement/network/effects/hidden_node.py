@@ -63,8 +63,17 @@ class HiddenNode(NetworkEffect):
         heat = later * (1.0 - levels.rest) * speed ** values[4] * power
         draft.heat.add(place.node, heat, [(columns[3], heat), (columns[4], heat * np.log(speed))])
 
+    def follows_within_s(self, values: Sequence[float]) -> float:
+        """Give its time constant beside its node and the ambient, s."""
+        return values[0] / (values[1] + values[2])
+
+    def heat_W(self, speed: FloatArray, values: Sequence[float]) -> FloatArray:
+        """Give what of its heat goes into its node at speeds, W, shape (L,); the rest goes to the ambient."""
+        _, inner, outer, power, exponent = values
+        return np.asarray(power * np.maximum(speed, SLOWEST) ** exponent * inner / (inner + outer))
+
     def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
-        settles = values[0] / (values[1] + values[2])
+        settles = self.follows_within_s(values)
         if FASTEST_S < settles < SLOWEST_S:
             return []
         return [f"it would settle within {settles:.0f} s: such runs do not show that"]

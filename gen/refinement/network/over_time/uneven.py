@@ -34,6 +34,8 @@ is another one in each, is told beside a larger mean that goes with speed."""
 HELD, AGAIN, DOUBT = 0.02, 0.03, 0.3
 """Shares of full speed: by which blocks of one held speed differ at most; how near a speed is when it is run again
 (standard deviation). And how many blocks' worth of no difference is believed beside those of other runs."""
+MIDDLE = 0.25
+"""Share of what grows for good from which, and to which from its end, the time is taken that it needs."""
 TURNS = 0.9
 """Share of a block in which the motor has to turn: at rest another heat is missing."""
 ROUNDS = 20
@@ -185,11 +187,21 @@ def _pattern(blocks: _Turning, rest: FloatArray, scatter: float) -> tuple[Patter
     if scatter < UNEVEN:
         return "even", None
     if for_good >= SINCE and for_good >= by_run:
+        if _by_and_by(blocks, grown):
+            return "grows", None
         at = int(np.searchsorted(np.abs(grown - grown[0]), 0.5 * abs(grown[-1] - grown[0])))
         run = int(blocks.run[at])
         before = float(blocks.time_s[at - 1]) if at and blocks.run[at - 1] == run else 0.0
         return "since", (run, before / 3600.0, float(blocks.time_s[at]) / 3600.0)
     return ("by run" if by_run >= BY_RUN else "comes and goes"), None
+
+
+def _by_and_by(blocks: _Turning, grown: FloatArray) -> bool:
+    """Whether what only grows, shape (k,), takes more than a run for the middle half of it, where there are enough."""
+    runs = blocks.by_run.shape[1]
+    share = (grown - grown[0]) / (grown[-1] - grown[0])
+    taken = int(np.searchsorted(share, 1.0 - MIDDLE)) - int(np.searchsorted(share, MIDDLE))
+    return bool(runs >= FEWEST and taken > share.size / runs)
 
 
 def _for_good(blocks: _Turning, sign: float) -> tuple[FloatArray, float]:

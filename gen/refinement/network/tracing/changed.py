@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
-from gen.refinement.network.effects import NetworkEffect, ScheduleError
+from gen.refinement.network.effects import HiddenNode, NetworkEffect, ScheduleError
 from gen.refinement.network.effects.base import WHOLE
 from gen.refinement.network.fitting.data import Data
 
@@ -21,6 +21,8 @@ were run is that of a resonance, or of a schedule that was wrong there: what cov
 RISES = 0.5
 """What wear adds at the highest speed is at least this share of what it adds at any: what rubs, and the current that it
 asks for, heat more the faster it turns. A resonance does not."""
+QUICK_S = 60.0
+"""A part without a sensor that follows its node sooner is none: it is heat at that node."""
 
 
 def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Data) -> str:
@@ -37,23 +39,11 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
     data
         The runs, for the speeds that they hold.
     """
-    if not isinstance(effect, ScheduleError):
-        return ""
     levels = data.inputs.levels
     turning = (levels.rest < 0.5) & (data.columns.later(levels) > 0.5)
     speed = np.unique(np.round(levels.speed[turning], 2))
-    if effect.replaces:
-        factor = effect.factor(speed, values)
-        everywhere = effect.component == WHOLE
-        least = float(np.quantile(factor, NEARLY_ALL) if everywhere else factor.min())
-        if least < (GROWN_EVERYWHERE if everywhere else GROWN):
-            return ""
-        if _peaks(factor) if everywhere else _falls(effect.added_W(speed, values)):
-            return ""
-        grown = f"by {least - 1.0:.0%} to {factor.max() - 1.0:.0%}"
-    elif values[0] > 0.0:
-        grown = f"by {values[0]:.3g} W at full speed"
-    else:
+    grown = _grown(effect, values, speed)
+    if not grown:
         return ""
     again = f"{100.0 * float(np.median(speed)):.0f} %"
     if effect.component == WHOLE:
@@ -65,6 +55,25 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
         f"since the file was made, or the file was wrong there: run {again} again as then. It is not written into the "
         "model without --accept-change"
     )
+
+
+def _grown(effect: NetworkEffect, values: Sequence[float], speed: FloatArray) -> str:
+    """By how much heat has grown at every one of ascending speeds, shape (L,); empty where it has not."""
+    if isinstance(effect, HiddenNode):
+        added_W = effect.heat_W(speed, values) if effect.follows_within_s(values) < QUICK_S else np.zeros(1)
+        return f"by {added_W.min():.2g} to {added_W.max():.2g} W" if added_W[-1] > 0.0 and not _falls(added_W) else ""
+    if not isinstance(effect, ScheduleError):
+        return ""
+    if not effect.replaces:
+        return f"by {values[0]:.3g} W at full speed" if values[0] > 0.0 else ""
+    factor = effect.factor(speed, values)
+    everywhere = effect.component == WHOLE
+    least = float(np.quantile(factor, NEARLY_ALL) if everywhere else factor.min())
+    if least < (GROWN_EVERYWHERE if everywhere else GROWN):
+        return ""
+    if _peaks(factor) if everywhere else _falls(effect.added_W(speed, values)):
+        return ""
+    return f"by {least - 1.0:.0%} to {factor.max() - 1.0:.0%}"
 
 
 def _falls(added_W: FloatArray) -> bool:
