@@ -51,7 +51,8 @@ def points(lines: Lines) -> tuple[list[Record], list[int], list[int]]:
             continue
         fields: dict[str, object] = {_plain(key): _value(value) for key, value in _VALUE.findall(match["fields"])}
         tags = {_plain(key): _plain(value) for key, value in _TAG.findall(match["tags"])}
-        made.append((int(match["when"]), {"fields": fields, "tags": tags, "time": match["when"]}, number))
+        point = {"name": _plain(match["name"]), "fields": fields, "tags": tags, "time": match["when"]}
+        made.append((int(match["when"]), point, number))
     made.sort(key=lambda entry: entry[0])
     return [record for _, record, _ in made], [place for _, _, place in made], bad
 
