@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +13,9 @@ from gen.importing.guessing.guesses import Choices
 from gen.importing.guessing.series_columns import MOST_SERIES, is_plain_value, unit_column, value_column
 from gen.importing.guessing.times.guess_time import decide_time
 from gen.importing.listing import listed
+from gen.importing.numbers import plain_number
 from gen.importing.table import Column, Counted, Table
+from gen.importing.units import unit_of
 
 _LEAST_TOGETHER = 1.5
 """Readings of each time, from which on what is the same beside all of them is of the time."""
@@ -126,16 +128,32 @@ def _joined(table: Table, names: str, beside: Sequence[str]) -> list[str]:
     return [" ".join(filter(None, parts)) if name else "" for name, *parts in zip(own, *said, strict=True)]
 
 
-def _units(table: Table, of: Sequence[str], names: str, values: str) -> dict[str, str]:
-    """The unit of each name that a column says, where it is one throughout."""
+def _units(
+    table: Table, of: Sequence[str], names: str, values: str
+) -> tuple[dict[str, str], Callable[[int, str], str]]:
+    """What a column says of units.
+
+    Returns
+    -------
+    units, told
+        The unit of each name that has the same one throughout. And what writes the unit of a row behind its value where
+        its name has several: a sensor that was set to another scale.
+    """
     others = [column for column in table.columns if column.name not in (names, values)]
     said = unit_column(Evidence([replace(table, columns=others)])) if others else ""
     if not said:
-        return {}
+        return {}, lambda row, value: value
+    written = texts_of(table.column(said))
     found: dict[str, set[str]] = {}
-    for name, unit in zip(of, texts_of(table.column(said)), strict=True):
+    for name, unit in zip(of, written, strict=True):
         found.setdefault(name, set()).update({unit} - {""})
-    return {name: next(iter(units)) for name, units in found.items() if len(units) == 1}
+    mark = table.reading.decimal or "."
+
+    def told(row: int, value: str) -> str:
+        apart = len(found[of[row]]) > 1 and unit_of(written[row]) and plain_number(value, mark) is not None
+        return f"{value} {written[row]}" if apart else value
+
+    return {name: next(iter(units)) for name, units in found.items() if len(units) == 1}, told
 
 
 def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Table:
@@ -149,6 +167,7 @@ def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Tabl
         raise InputError(f"found {len(series)} names, expected {MOST_SERIES} at most", place=f"column {names}")
     rows = {time: row for row, time in enumerate(dict.fromkeys(when))}
     cells = {name: [""] * len(rows) for name in series}
+    units, told = _units(table, of, names, values)
     first, twice = np.zeros(len(rows), dtype=np.int64), []
     for i in reversed(range(table.rows)):
         first[rows[when[i]]] = table.places[i]
@@ -158,7 +177,7 @@ def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Tabl
         if cells[name][rows[time]] and value:
             twice.append(i)
         elif value:
-            cells[name][rows[time]] = value
+            cells[name][rows[time]] = told(i, value)
     counted = list(table.counted)
     if beside:
         counted.append(Counted(f"name of {names}, told apart by {listed(beside)}", len(series), f"column {names}"))
@@ -166,7 +185,6 @@ def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Tabl
         counted.append(Counted("second reading of one name and time, left out", len(twice), table.place(twice[0])))
     columns = [Column(name, [time[k] for time in rows], table.column(name).unit) for k, name in enumerate(times)]
     columns += _of_all(table, {names, values, *times, *beside}, [rows[time] for time in when], len(rows))
-    units = _units(table, of, names, values)
     columns += [Column(name, cells[name], units.get(name, "")) for name in series]
     return replace(table, columns=columns, places=first, counted=tuple(counted))
 
