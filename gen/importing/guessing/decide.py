@@ -16,6 +16,7 @@ from gen.importing.guessing.guess_columns import decide_columns
 from gen.importing.guessing.guess_input import FULL, NO_INPUT, decide_input, spanned
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.guessing.names import RISE, RUNS
+from gen.importing.guessing.parted import mixed
 from gen.importing.guessing.series_columns import names_and_values
 from gen.importing.guessing.times.guess_time import decide_time
 from gen.importing.guessing.times.time_unit import short_in_seconds
@@ -132,6 +133,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     used = {*reserved, *time.columns, drive.column, drive.sign} - {""}
     entries, said = decide_columns(evidence, _by_old_names(evidence, choices), used)
     guesses += said
+    _check_mixed(evidence, entries, {*choices.columns, runs})
     turns = None if choices.duplicates else extremes_by_turns(evidence, time.columns)
     guesses += [turns] if turns else []
     form = evidence.tables[0].reading
@@ -170,7 +172,8 @@ def _suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[
     time = short_in_seconds(evidence, mapping.time, choices)
     drive = _like_percent(evidence, mapping, choices) or _like_a_stick(evidence, mapping)
     drive = drive or _like_a_middle(evidence, mapping)
-    return [f"{label}: {said}" for said in (time, drive) if said]
+    several = _like_several(evidence, mapping, choices)
+    return [f"{label}: {said}" for said in (time, drive, several) if said]
 
 
 def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
@@ -219,13 +222,38 @@ def _check_wide(evidence: Evidence, told: Collection[str]) -> None:
     found = names_and_values(evidence, told)
     if found is not None:
         name, said = found
-        names = sorted(set(evidence.facts[name].texts))
-        shown = ", ".join(names[:_MOST_NAMES]) + (" .." if len(names) > _MOST_NAMES else "")
         raise InputError(
-            f"has a row for each of {shown}; expected --series {quoted(said)}, which gives each a column of its own, "
+            f"{_row_for_each(evidence, name)}; expected --series {quoted(said)}, which gives each a column of its own, "
             f"or --column {quoted(f'{name}=')} where it is none",
             place=f"column {name}",
         )
+
+
+def _check_mixed(evidence: Evidence, entries: Sequence[Entry], told: Collection[str]) -> None:
+    """Refuse a temperature that holds the readings of several sensors, which a column of names tells apart."""
+    found = mixed(evidence, entries, told)
+    if found is not None:
+        name, column, said = found
+        raise InputError(
+            f"{_row_for_each(evidence, name)}, between which {column} goes to and fro; expected --series "
+            f"{quoted(said)}, which gives each columns of its own, or --column {quoted(f'{name}=')} where it is none",
+            place=f"column {name}",
+        )
+
+
+def _row_for_each(evidence: Evidence, name: str) -> str:
+    names = sorted(set(evidence.facts[name].texts))
+    return f"has a row for each of {', '.join(names[:_MOST_NAMES])}{' ..' if len(names) > _MOST_NAMES else ''}"
+
+
+def _like_several(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
+    """A column that was said to be none of names, between which a temperature goes to and fro all the same."""
+    others = {name for name in evidence.facts if name not in choices.columns} | {mapping.runs}
+    found = mixed(evidence, mapping.column, others)
+    if found is None:
+        return ""
+    name, column, said = found
+    return f"{column}: goes to and fro with {name}, as of several sensors; if so: --series {quoted(said)}"
 
 
 def _by_old_names(evidence: Evidence, choices: Choices) -> Choices:
