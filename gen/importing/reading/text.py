@@ -18,6 +18,7 @@ from gen.importing.reading.published import is_published, published_table
 from gen.importing.reading.rows.cells import DELIMITERS, guess_delimiter, lines_of, split_rows, stamped
 from gen.importing.reading.rows.delimited import table_of_rows
 from gen.importing.reading.tagged import chips, line_protocol, prometheus, rounds, topics
+from gen.importing.reading.torn import without_blocks
 from gen.importing.table import Reading, Table
 
 _BEGINS_AS_JSON = re.compile(r'\s*\ufeff?\s*(?:\[\s*\{|\{\s*")')
@@ -48,6 +49,12 @@ def read_text(file: Path, data: bytes, given: Reading) -> Table:
         Without a file name, with the place.
     """
     text, encoding, why = decode(data, given.encoding)
+    text, torn = without_blocks(text)
+    table = _table(file, text, given, encoding, why)
+    return replace(table, counted=(*torn, *table.counted))
+
+
+def _table(file: Path, text: str, given: Reading, encoding: str, why: str) -> Table:
     reading = Reading(encoding, given.delimiter, given.decimal, {"encoding": why} if why else {})
     lines = lines_of(text.removeprefix("\ufeff"))
     if not lines.texts:
