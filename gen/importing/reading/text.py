@@ -29,6 +29,8 @@ _FRAME = re.compile(
 )
 """candump's: `(1772439300.000123) can0 123#0011`, `can0  123   [2]  00 11`."""
 _SAMPLE = 400
+_NEAR_END = 200
+"""Characters."""
 
 
 def read_text(file: Path, data: bytes, given: Reading) -> Table:
@@ -66,6 +68,8 @@ def _table(file: Path, text: str, given: Reading, encoding: str, why: str) -> Ta
         if whole is not None and (whole.rows > 1 or len(lines.texts) > 1 or not is_json(lines.texts)):
             return whole
         if is_json(lines.texts):
+            if whole is None and len(lines.texts) == 1:
+                _check_whole(text.removeprefix("\ufeff"))
             return json_table(file, lines, plain)
     if _MAY_BE_DOCUMENTS.search(text) and (each := documents.one_a_line(text.removeprefix("\ufeff"))) is not None:
         return json_table(file, each, replace(reading, decimal=".", delimiter=""))
@@ -121,7 +125,10 @@ def _check_whole(text: str) -> None:
         json.loads(text)
     except json.JSONDecodeError as error:
         place = f"line {error.lineno}, column {error.colno}"
-        raise InputError(f"begins as JSON and is none from here on ({error.msg})", place=place) from None
+        said = f"begins as JSON and is none from here on ({error.msg})"
+        if text[:1] == "[" and len(text) - error.pos < _NEAR_END:
+            said += "; does the file end early? expected all of it, or a ] behind its last whole object"
+        raise InputError(said, place=place) from None
     except RecursionError:
         raise InputError("is JSON of more depth than any log has") from None
 
