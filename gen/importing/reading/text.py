@@ -127,7 +127,7 @@ def _check_whole(text: str) -> None:
         place = f"line {error.lineno}, column {error.colno}"
         said = f"begins as JSON and is none from here on ({error.msg})"
         if text[:1] == "[" and len(text) - error.pos < _NEAR_END:
-            said += "; does the file end early? expected all of it, or a ] behind its last whole object"
+            said += "; does the file end early? expected all of it, or a ] for what follows its last whole object"
         raise InputError(said, place=place) from None
     except RecursionError:
         raise InputError("is JSON of more depth than any log has") from None
